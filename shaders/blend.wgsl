@@ -1,4 +1,4 @@
-// The blend stage: weighted sums of the colors of all samples of the nearest surface. Twin: src/render/blend.rs.
+// The blend stage: weighted sums of the colors of all samples of the nearest surface. Twin: src/render/splat/blend.rs.
 
 @group(1) @binding(0) var<storage, read_write> keys: array<u32>;
 @group(1) @binding(1) var<storage, read_write> sums: array<atomic<u32>>;
@@ -13,9 +13,9 @@ const MAX_REACH: f32 = 64.0;
 // How far a sample's weight reaches: in target pixels, and in projected source pixels.
 const REACH_PIXELS: f32 = 1.5;
 const REACH_SOURCE_PIXELS: f32 = 2.0 * MAX_STRETCH;
-// Samples beside another surface count less than others.
+// The weight of samples beside another surface.
 const BESIDE_EDGE: f32 = 0.5;
-// The least that a line of sight counts.
+// The least weight of a line of sight.
 const LEAST_COSINE: f32 = 0.01;
 
 fn add_part(at: u32, value: f32) {
@@ -30,7 +30,7 @@ fn add_part(at: u32, value: f32) {
 fn add(x: u32, y: u32, depth: f32, weight: f32, color: vec3<f32>) {
     let pixel = y * stage.width + x;
     let nearest = inverse_depth_of(keys[2u * pixel + 1u]);
-    // Neither what lies behind the surface nor what ends beside it: a nearer sample whose kernel only brushes the pixel.
+    // Neither what lies behind the surface, nor a nearer sample whose kernel only touches the edge of the pixel.
     let shown = depth >= nearest * stage.surface_ratio && depth * stage.surface_ratio <= nearest;
     if weight > 0.0 && shown {
         let at = SUM_WORDS * pixel;
@@ -54,7 +54,7 @@ fn add_block(projected: Projected, w: f32, color: vec3<f32>) {
     }
 }
 
-// World-space direction of a place in the picture before the division.
+// World-space direction of a point of the picture before the division.
 fn direction(image: vec3<f32>) -> vec3<f32> {
     let corner = stage.first_ray - 0.5 * (stage.ray_across + stage.ray_down);
     return stage.ray_across * image.x + stage.ray_down * image.y + corner * image.z;

@@ -1,86 +1,87 @@
-// The silhouette stage: what stands in pixels at steps in depth, by the votes of all cameras.
-// Twins: src/render/silhouette.rs, `Gather::vote` in src/render/votes.rs.
+// The silhouette stage: the surfaces of pixels at steps in depth, by the votes of all cameras.
+// Twins: src/render/gather/silhouette.rs, src/render/gather/visibility_votes.rs.
 //
 // One workgroup a block of 16×16 pixels, one thread a pixel.
 
-const LEAST: f32 = 0.15;
-const SLOPE: f32 = 1.2;
-// Samples beside agreeing ones that say nothing count this much, half for the surface and half against it.
-const SILENCE: f32 = 0.5;
-// A surface is carried on beyond its edge as long as it recedes by no more than this many tolerances a pixel.
-const STEEPEST: f32 = 8.0;
-// Votes that weigh less than this share of what the camera that counts most could say decide nothing.
-const FEWEST_VOTES: f32 = 0.02;
+// See the twin.
+const SHARE_OFFSET: f32 = 0.15;
+const SHARE_GAIN: f32 = 1.2;
+// The weight of samples that show nothing, beside agreeing ones: half of it counts for the surface and half against it.
+const UNKNOWN_WEIGHT: f32 = 0.5;
+// A surface is extrapolated beyond its edge if its inverse depth changes by at most this many tolerances a pixel.
+const MAX_SLOPE: f32 = 8.0;
+// Votes that sum to less than this share of the largest camera weight decide nothing.
+const MIN_VOTES: f32 = 0.02;
 
-// How one camera sees a surface point, as shares of the 2×2 samples around it; `weight` is 0 where it does not.
-struct Sight {
+// What one camera shows at a surface point, as shares of the 2×2 samples around it; `weight` is 0 outside its picture.
+struct Vote {
     agree: f32,
-    through: f32,
-    silent: f32,
+    behind: f32,
+    unknown: f32,
     weight: f32,
 }
 
-fn sight_of(camera: u32, at: vec2<f32>, w: f32) -> Sight {
-    let place = place_in(camera, at, w);
-    var sight: Sight;
-    if !place.inside {
-        return sight;
+fn vote_of(camera: u32, at: vec2<f32>, w: f32) -> Vote {
+    let reprojected = reproject(camera, at, w);
+    var vote: Vote;
+    if !reprojected.inside {
+        return vote;
     }
-    let quad = quad_at(camera, i32(place.corner.x), i32(place.corner.y));
-    let limit = place.expected * views[camera].tolerance;
-    sight.weight = weight_of(camera, place.reciprocal, at, w);
-    let shares = bilinear(place.between);
+    let quad = quad_at(camera, i32(reprojected.corner.x), i32(reprojected.corner.y));
+    let limit = reprojected.expected * views[camera].tolerance;
+    vote.weight = weight_of(camera, reprojected.distance_ratio, at, w);
+    let shares = bilinear(reprojected.between);
     var depth = 0.0;
     for (var corner = 0u; corner < 4u; corner++) {
         let found = quad.depth[corner];
-        if found >= 0.0 && abs(found - place.expected) <= limit {
-            sight.agree += shares[corner];
+        if found >= 0.0 && abs(found - reprojected.expected) <= limit {
+            vote.agree += shares[corner];
             depth += shares[corner] * found;
-        } else if found >= 0.0 && found < place.expected {
-            sight.through += shares[corner];
+        } else if found >= 0.0 && found < reprojected.expected {
+            vote.behind += shares[corner];
         } else {
-            sight.silent += shares[corner];
+            vote.unknown += shares[corner];
         }
     }
-    if sight.agree > 0.0 {
+    if vote.agree > 0.0 {
         let projector = projectors[camera];
-        let pixel = place.corner + place.between;
-        let seen = ray(projector, pixel.x, pixel.y) + projector.origin * (depth / sight.agree);
+        let pixel = reprojected.corner + reprojected.between;
+        let seen = ray(projector, pixel.x, pixel.y) + projector.origin * (depth / vote.agree);
         let off = abs(seen.xy / seen.z - at - 0.5);
-        let doubt = sight.agree * min(max(off.x, off.y), 1.0);
-        sight.agree -= doubt;
-        sight.through += doubt;
+        let displaced = vote.agree * min(max(off.x, off.y), 1.0);
+        vote.agree -= displaced;
+        vote.behind += displaced;
     }
-    return sight;
+    return vote;
 }
 
 fn raw_key_at(pixel: vec2<i32>) -> vec2<u32> {
-    let place = pixel + RING;
-    return patch_keys[place.y * SIDE + place.x];
+    let reprojected = pixel + RING;
+    return patch_keys[reprojected.y * SIDE + reprojected.x];
 }
 
-// A key, unless it is of a fringe: 0 then, as of a hole.
+// A key of a core sample; 0, as for a hole, if it is of a fringe.
 fn key_at(pixel: vec2<i32>, step: vec2<i32>) -> vec2<u32> {
     let key = raw_key_at(pixel + step);
     return select(vec2<u32>(0u), key, (key.y & CORE) != 0u);
 }
 
-// The votes for the surface at inverse depth `w`; negative where too few have one.
+// The share of the pixel that the votes give to the surface at inverse depth `w`; negative if there are too few votes.
 fn share_of(at: vec2<f32>, w: f32) -> f32 {
     var agree = 0.0;
     var total = 0.0;
-    var most = 0.0;
+    var max_weight = 0.0;
     for (var nth = 0u; nth < camera_count; nth++) {
-        let sight = sight_of(camera_list[nth], at, w);
-        if sight.weight > 0.0 {
-            let silent = select(0.0, SILENCE * sight.silent, sight.agree > 0.0);
-            agree += sight.weight * (sight.agree + 0.5 * silent);
-            total += sight.weight * (sight.agree + sight.through + silent);
-            most = max(most, sight.weight);
+        let vote = vote_of(camera_list[nth], at, w);
+        if vote.weight > 0.0 {
+            let unknown = select(0.0, UNKNOWN_WEIGHT * vote.unknown, vote.agree > 0.0);
+            agree += vote.weight * (vote.agree + 0.5 * unknown);
+            total += vote.weight * (vote.agree + vote.behind + unknown);
+            max_weight = max(max_weight, vote.weight);
         }
     }
-    if total > FEWEST_VOTES * most {
-        return clamp(LEAST + SLOPE * agree / total, 0.0, 1.0);
+    if total > MIN_VOTES * max_weight {
+        return clamp(SHARE_OFFSET + SHARE_GAIN * agree / total, 0.0, 1.0);
     }
     return -1.0;
 }
@@ -97,18 +98,18 @@ fn is_edge(pixel: vec2<i32>) -> bool {
     return far < near * stage.surface_ratio;
 }
 
-// Inverse depth at a pixel of the surface that the neighbor in direction `step` shows, by the one behind that.
-fn carried_on(neighbor: vec2<u32>, pixel: vec2<i32>, step: vec2<i32>) -> f32 {
+// Inverse depth at a pixel of the surface that the neighbor in direction `step` shows, extrapolated from the pixel beyond it.
+fn extrapolated(neighbor: vec2<u32>, pixel: vec2<i32>, step: vec2<i32>) -> f32 {
     let w = inverse_depth_of(neighbor.y);
     let beyond = key_at(pixel, 2 * step);
     let growth = w - inverse_depth_of(beyond.y);
-    let steepest = STEEPEST * (1.0 - stage.surface_ratio) * w;
-    return select(w, max(w + growth, 0.0), beyond.y != 0u && abs(growth) <= steepest);
+    let largest = MAX_SLOPE * (1.0 - stage.surface_ratio) * w;
+    return select(w, max(w + growth, 0.0), beyond.y != 0u && abs(growth) <= largest);
 }
 
-// The surface behind `own_w` that a neighbor shows, carried on to the pixel.
+// The farthest surface behind `own_w` that a neighbor shows, extrapolated to the pixel.
 struct Behind {
-    // Whether there is one; `key` is 0 where only holes are beside the surface.
+    // Whether there is one; `key` is 0 if the only other neighbors are holes.
     found: bool,
     key: vec2<u32>,
 }
@@ -126,7 +127,7 @@ fn farther(own_w: f32, pixel: vec2<i32>) -> Behind {
         if neighbor.y == 0u {
             behind.found = true;
         } else if inverse_depth_of(neighbor.y) < limit {
-            let w = carried_on(neighbor, pixel, steps[i]);
+            let w = extrapolated(neighbor, pixel, steps[i]);
             if w < farthest {
                 farthest = w;
                 behind.found = true;
@@ -137,7 +138,7 @@ fn farther(own_w: f32, pixel: vec2<i32>) -> Behind {
     return behind;
 }
 
-// The surface before `own_w` that two opposite neighbors show alike; 0 where there is none.
+// The nearest surface in front of `own_w` that two opposite neighbors show; 0 if there is none.
 fn crack(own_w: f32, pixel: vec2<i32>) -> vec2<u32> {
     var steps =
         array<vec2<i32>, 4>(vec2<i32>(1, 0), vec2<i32>(0, 1), vec2<i32>(1, 1), vec2<i32>(1, -1));
@@ -158,21 +159,21 @@ fn crack(own_w: f32, pixel: vec2<i32>) -> vec2<u32> {
     return found;
 }
 
-// What stands in a pixel of the block, which lies at `at` in the picture; zeros where nothing does.
-fn decide(pixel: vec2<i32>, at: vec2<f32>) -> Standing {
+// The surfaces of a pixel of the block, which lies at `at` in the picture; zeros for a hole.
+fn decide(pixel: vec2<i32>, at: vec2<f32>) -> PixelSurfaces {
     let nothing = vec2<u32>(0u);
     let own = key_at(pixel, vec2<i32>(0));
     let own_w = inverse_depth_of(own.y);
-    let only_own = Standing(own, nothing, 1.0);
+    let only_own = PixelSurfaces(own, nothing, 1.0);
     if !is_edge(pixel) {
         return only_own;
     }
-    // The surface that the cameras vote for, and what stands there without it.
+    // The surface that the cameras vote on, and what the pixel shows without it.
     var near = crack(own_w, pixel);
     var far = own;
     var is_crack = near.y != 0u;
     if !is_crack && own.y == 0u {
-        // What a fringe claims is put to the vote like a crack.
+        // A fringe is voted on like a crack.
         near = raw_key_at(pixel);
         if near.y == 0u {
             return only_own;
@@ -195,14 +196,14 @@ fn decide(pixel: vec2<i32>, at: vec2<f32>) -> Standing {
         }
         share = 1.0;
     }
-    // What the votes do not carry is no crack: the gap is there.
+    // Without the votes' support there is no crack to close but a real gap.
     if is_crack && share < 0.5 {
         return only_own;
     }
     if far.y == 0u {
-        return Standing(select(near, nothing, share < 0.5), nothing, 1.0);
+        return PixelSurfaces(select(near, nothing, share < 0.5), nothing, 1.0);
     }
-    return Standing(near, far, share);
+    return PixelSurfaces(near, far, share);
 }
 
 @compute @workgroup_size(16, 16)
@@ -212,7 +213,7 @@ fn silhouette(
     @builtin(local_invocation_index) thread: u32,
 ) {
     let pixel = group.xy * TILE + local.xy;
-    // Pixels of the background among its own samples; then those beside which a foreground is seen, among all.
+    // Pixels of the background among its own samples; then those near a visible foreground, among all.
     for (var layer = 0u; layer < 2u; layer++) {
         let both = layer == 1u;
         if both && workgroupUniformLoad(&has_foreground) == 0u {
@@ -220,8 +221,8 @@ fn silhouette(
         }
         load_patch(group.xy, thread, both);
         if is_painted(pixel, local.xy, both) {
-            let standing = decide(vec2<i32>(local.xy), vec2<f32>(pixel));
-            put_standing(pixel.y * stage.width + pixel.x, standing);
+            let surfaces = decide(vec2<i32>(local.xy), vec2<f32>(pixel));
+            write_surfaces(pixel.y * stage.width + pixel.x, surfaces);
         }
     }
 }

@@ -1,6 +1,6 @@
 // Raises keys with two 32-bit maxima, in two passes over the samples: the upper half first, then the lower half among the
-// samples that have the winning upper half. Gives the keys of one 64-bit maximum. Both passes run the same instructions up
-// to this function, so that a sample finds the very upper half that it left.
+// samples that have the winning upper half. The keys equal those of one 64-bit maximum. Both passes run the same instructions
+// up to this function, so that a sample finds the very upper half that it wrote.
 
 @group(1) @binding(0) var<storage, read_write> keys: array<atomic<u32>>;
 

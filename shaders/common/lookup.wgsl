@@ -1,15 +1,15 @@
-// Looking samples up by camera and pixel. Twins: src/render/lookup.rs, src/render/window.rs.
+// Looks samples up by camera and pixel. Twins: src/render/input/tile_grid.rs, src/render/input/tile_cache.rs.
 //
 //   lookup   cells of all cameras, one per tile: number of the first tile with samples there
 //            entries, two words per tile of the frame: its piece, and the next tile of the same cell
 //
-// Lists ascend, so that tiles that outlast the frame come first.
+// Lists ascend, so that tiles of the background come first.
 
 struct View {
     source_from_target: Projector,
     // From the camera's center to the vantage's, in world space.
     offset_in_world: vec3<f32>,
-    // What lies within this relative difference of inverse depth is one surface.
+    // Inverse depths that differ by no more than this share belong to one surface.
     tolerance: f32,
     width: i32,
     height: i32,
@@ -28,7 +28,7 @@ struct Quad {
     index: array<u32, 4>,
 }
 
-// Tiles from this number on are not looked at.
+// Tiles from this number on are left out.
 var<private> visible_tiles: u32;
 
 fn cell_of(camera: u32, x: i32, y: i32) -> u32 {
@@ -47,8 +47,8 @@ fn set_corner(quad: ptr<function, Quad>, corner: u32, piece_index: u32, piece: P
     (*quad).index[corner] = tile.x + nth;
 }
 
-// One corner of a quad. Finding all corners of a quad in one tile at once, as the CPU does, took twice as long on a software
-// adapter, which ran both paths, and four times as long to compile.
+// One corner of a quad. Finding all corners in one tile at once, as the CPU does, took twice as long on a software adapter,
+// which ran both paths, and four times as long to compile.
 fn find_corner(quad: ptr<function, Quad>, corner: u32, camera: u32, x: i32, y: i32) {
     if x < 0 || y < 0 || x >= views[camera].width || y >= views[camera].height {
         return;

@@ -1,20 +1,20 @@
 // The z-buffer of a block of pixels and a ring around it, and the cameras whose samples are seen there.
-// Twins: `Resolve::load` and `Resolve::near_foreground` in src/render/resolve.rs, `FrameSamples::cameras_of`.
+// Twins: `ResolveInput` in src/render/resolve/layers.rs, `FrameSamples::cameras_of`.
 
 @group(1) @binding(0) var<storage, read> background_keys: array<u32>;
 @group(1) @binding(1) var<storage, read> foreground_keys: array<u32>;
 @group(1) @binding(2) var<storage, read_write> picture: array<u32>;
 
-// Pixels around a block that decisions in it look at, and the side of a block with its ring.
+// Pixels around a block that decisions in it read, and the side of a block with its ring.
 const RING: i32 = 2;
 const SIDE: i32 = 20;
 const SIDE_SQUARED: u32 = 400u;
 
-// Keys of the block and its ring; beyond the picture its border goes on.
+// Keys of the block and its ring; beyond the picture its outermost pixels repeat.
 var<workgroup> patch_keys: array<vec2<u32>, SIDE_SQUARED>;
 
-// The cameras whose samples are in the patch: a bit each, from that a list, ascending, and from that the list that is used:
-// those that count most for the surface in the middle of the block come first.
+// The cameras whose samples are in the patch: a bit each, their ascending list, and their list by weight for the surface in the
+// middle of the block, largest first.
 const CAMERA_WORDS: u32 = 32u;
 var<workgroup> camera_bits: array<atomic<u32>, CAMERA_WORDS>;
 var<workgroup> camera_set: array<u32, 1024>;
@@ -39,7 +39,7 @@ fn list_cameras(nth: u32) {
     }
 }
 
-// How much a camera counts in the middle of the block whose first pixel is `corner`.
+// Weighs a camera for the middle of the block whose first pixel is `corner`.
 fn weigh_camera(nth: u32, corner: vec2<i32>) {
     let camera = camera_set[nth];
     let middle = patch_keys[SIDE_SQUARED / 2u + u32(SIDE) / 2u];
@@ -53,8 +53,8 @@ fn weigh_camera(nth: u32, corner: vec2<i32>) {
     }
 }
 
-// Puts a camera at its place in the list: behind all that count more, and those before it that count as much.
-fn place_camera(nth: u32) {
+// Puts a camera into the list behind all of larger weight, and those before it of the same weight.
+fn rank_camera(nth: u32) {
     let weight = camera_weight[nth];
     var place = 0u;
     for (var other = 0u; other < camera_count; other++) {
@@ -64,12 +64,12 @@ fn place_camera(nth: u32) {
     camera_list[place] = camera_set[nth];
 }
 
-// Where foreground samples are seen in the patch: a bit per column, for each row; and whether there are any.
+// Where foreground samples are visible in the patch: a bit per column, for each row; and whether there are any.
 var<workgroup> foreground_rows: array<atomic<u32>, SIDE>;
 var<workgroup> has_foreground: u32;
 
-// Whether a foreground sample is seen beside a pixel of the block, as far as decisions at an edge look; only there are its
-// samples looked at.
+// Whether a foreground sample is visible within RING pixels of a pixel of the block; only there are samples of the foreground
+// read.
 fn is_near_foreground(pixel: vec2<u32>) -> bool {
     var near = 0u;
     for (var row = 0u; row <= 2u * u32(RING); row++) {
@@ -103,7 +103,7 @@ fn load(corner: vec2<i32>, place: u32, both: bool) {
     }
 }
 
-// Loads the patch of a block, of the background or of both layers, and sets what `quad_at` looks at; called by all threads of
+// Loads the patch of a block, of the background or of both layers, and sets what `quad_at` reads; called by all threads of
 // a workgroup of 16×16.
 fn load_patch(block: vec2<u32>, thread: u32, both: bool) {
     workgroupBarrier();
@@ -135,32 +135,32 @@ fn load_patch(block: vec2<u32>, thread: u32, both: bool) {
     }
     workgroupBarrier();
     for (var nth = thread; nth < camera_count; nth += 256u) {
-        place_camera(nth);
+        rank_camera(nth);
     }
     workgroupBarrier();
-    visible_tiles = select(stage.lasting_tiles, stage.all_tiles, both);
+    visible_tiles = select(stage.background_tiles, stage.all_tiles, both);
 }
 
-// What stands in a pixel: a nearer surface, a farther one, and the share of the nearer, which is 1 where there is no other.
-struct Standing {
+// The surfaces of a pixel: the keys of a nearer and a farther one, and the share of the nearer, which is 1 if there is no other.
+struct PixelSurfaces {
     near: vec2<u32>,
     far: vec2<u32>,
     share: f32,
 }
 
-// Between the silhouette stage and the gather stage the picture holds what stands in each pixel, in the words of that pixel.
-fn put_standing(pixel: u32, standing: Standing) {
+// Between the silhouette stage and the gather stage the picture's words hold the surfaces of each pixel.
+fn write_surfaces(pixel: u32, surfaces: PixelSurfaces) {
     let pixels = stage.width * stage.height;
-    picture[3u * pixel] = standing.near.x;
-    picture[3u * pixel + 1u] = standing.near.y;
-    picture[3u * pixel + 2u] = standing.far.x;
-    picture[3u * pixels + pixel] = standing.far.y;
-    picture[4u * pixels + pixel] = bitcast<u32>(standing.share);
+    picture[3u * pixel] = surfaces.near.x;
+    picture[3u * pixel + 1u] = surfaces.near.y;
+    picture[3u * pixel + 2u] = surfaces.far.x;
+    picture[3u * pixels + pixel] = surfaces.far.y;
+    picture[4u * pixels + pixel] = bitcast<u32>(surfaces.share);
 }
 
-fn get_standing(pixel: u32) -> Standing {
+fn read_surfaces(pixel: u32) -> PixelSurfaces {
     let pixels = stage.width * stage.height;
     let near = vec2<u32>(picture[3u * pixel], picture[3u * pixel + 1u]);
     let far = vec2<u32>(picture[3u * pixel + 2u], picture[3u * pixels + pixel]);
-    return Standing(near, far, bitcast<f32>(picture[4u * pixels + pixel]));
+    return PixelSurfaces(near, far, bitcast<f32>(picture[4u * pixels + pixel]));
 }

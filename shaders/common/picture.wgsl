@@ -1,5 +1,5 @@
-// A picture: what resolving leaves, laid out so that it can be read back without being rearranged: three words of color per
-// pixel for all pixels, then inverse depths, then indices of images. `picture` is bound by the stage. Twin: src/render/vantage.rs.
+// A resolved picture, in the order in which the CPU reads it: three words of color per pixel for all pixels, then inverse depths,
+// then indices of images. `picture` is bound by the stage. Twin: src/render/vantage.rs.
 
 // Marks a pixel that no sample reached.
 const NO_IMAGE: u32 = 0xffffffffu;

@@ -1,15 +1,15 @@
-// Projection and oriented footprints. Twins: src/render/project.rs, src/render/footprint.rs.
+// Projection and oriented footprints. Twins: src/render/geometry/project.rs, src/render/geometry/footprint.rs.
 
 struct Projector {
     // `M·ray` of the center of pixel (0, 0).
     first_pixel: vec3<f32>,
     // Focal length of the target over that of the source.
     focal_ratio: f32,
-    // Growth of `M·ray` from one column to the next, …
+    // Growth of `M·ray` from one column to the next.
     per_column: vec3<f32>,
     // Reciprocal focal length of the source: the size of its footprints at unit distance.
     per_footprint: f32,
-    // … and from one row to the next.
+    // Growth from one row to the next.
     per_row: vec3<f32>,
     padding_0: u32,
     // The source camera's center in the target, before the division.
@@ -37,33 +37,33 @@ fn project(projector: Projector, x: f32, y: f32, along: f32, w: f32) -> Projecte
     return Projected(point.xy * reciprocal, reciprocal);
 }
 
-// Whether the sample lies before the target camera, at a place that is a number: what is none must not bound a loop.
+// Whether the sample lies in front of the target camera, at a finite position: NaN must not bound a loop.
 fn is_seen(projected: Projected) -> bool {
     return projected.reciprocal > 0.0 && all(abs(projected.pixel) < vec2<f32>(1e9));
 }
 
 struct Footprint {
     inverse_depth: f32,
-    // Growth of the inverse depth from one target column and row to the next, and how far it may deviate in all.
+    // Growth of the inverse depth from one target column and row to the next, and how far it may deviate in the footprint.
     slope: vec2<f32>,
     deviation: f32,
     // Jacobian of target pixels by source pixels: [∂u/∂column, ∂u/∂row, ∂v/∂column, ∂v/∂row], and its inverse.
     jacobian: vec4<f32>,
     inverse: vec4<f32>,
     half_size: vec2<f32>,
-    // What neither may exceed, nor those of the fringe.
+    // The largest half extent, also of the fringe.
     largest: f32,
 }
 
-// A footprint never stretches beyond this many times its size seen face on.
+// A footprint stretches at most to this many times its size seen face on.
 const MAX_STRETCH: f32 = 1.5;
 // Neighboring footprints overlap by this factor, so that no crack opens between them.
 const OVERLAP: f32 = 1.05;
 // How far a footprint reaches from its sample, in source pixels.
 const CORE_REACH: f32 = 0.5 * OVERLAP;
-// Samples are magnified that are so many pixels wide.
+// Samples at least this many pixels wide count as magnified.
 const MAGNIFIED: f32 = 2.5;
-// How far the fringe of a magnified one does.
+// How far the fringe of a magnified sample reaches, in source pixels.
 const FRINGE: f32 = 1.0;
 
 fn footprint(projector: Projector, projected: Projected, w: f32, slopes: vec2<f32>) -> Footprint {
@@ -80,7 +80,7 @@ fn footprint(projector: Projector, projected: Projected, w: f32, slopes: vec2<f3
     let w_across = (slopes.x - target_w * across.z) * reciprocal;
     let w_down = (slopes.y - target_w * down.z) * reciprocal;
     let determinant = a * d - b * c;
-    // Edge on, the plane says nothing about its depth in the target.
+    // Edge on, the plane gives no depth in the target.
     var inverse = 0.0;
     if abs(determinant) > 1e-6 {
         inverse = 1.0 / determinant;

@@ -1,6 +1,6 @@
-// The samples of one frame in the GPU's memory. Twins: src/render/frame_samples.rs, src/preprocess/depth_plane.rs.
+// The samples of one frame in the GPU's memory. Twins: src/render/input/frame_tiles.rs, src/samples/.
 //
-// Images lie in up to four pages, whole or cut between tiles into pieces. All places are in words (u32) of the piece's page:
+// Images lie in up to four pages, whole or cut between tiles into pieces. All positions are in words (u32) of the piece's page:
 //
 //   tiles   TILE_WORDS per tile: column | row << 16, first sample, bits of the farthest and of the nearest inverse
 //           depth, first high byte, sixteen bytes that count the samples above each row, sixteen half words of row masks

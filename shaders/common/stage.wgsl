@@ -1,4 +1,5 @@
-// What the stages of one picture share, and z-buffer keys. Twins: `Stage` in src/render/surface.rs, src/render/keys.rs.
+// What the stages of one picture share, and z-buffer keys. Twins: `StageInput` in src/render/splat/input.rs,
+// src/render/splat/zkey.rs.
 //
 // A key takes two words, the lower half first: [u32::MAX − slot, core | nearness]; both are 0 where there is nothing.
 
@@ -19,15 +20,15 @@ struct Stage {
     surface_ratio: f32,
     // World-space ray of the center of the picture's first pixel, and its growth by column and row.
     first_ray: vec3<f32>,
-    // Tiles that outlast the frame.
-    lasting_tiles: u32,
+    // Tiles of the background.
+    background_tiles: u32,
     ray_across: vec3<f32>,
     // Where the entries begin in `lookup`.
     entries_at: u32,
     ray_down: vec3<f32>,
     // Tiles of the frame.
     all_tiles: u32,
-    // 1 where samples that others represent were dropped.
+    // 1 if redundant samples were pruned.
     pruned: u32,
     padding_0: u32,
     padding_1: u32,
@@ -52,7 +53,7 @@ fn nearness(inverse_depth: f32, tier: u32) -> u32 {
     return (bitcast<u32>(inverse_depth) + 1u) | tier;
 }
 
-// The inverse depth that the upper half of a key stands for; negative for 0.
+// The inverse depth of the upper half of a key; negative for 0.
 fn inverse_depth_of(upper: u32) -> f32 {
     let nearness = upper & ~CORE;
     return select(bitcast<f32>(nearness - 1u), -1.0, nearness == 0u);

@@ -1,4 +1,4 @@
-//! The CPU renderer: the reference, and the one that runs everywhere.
+//! The CPU renderer: the reference, which runs everywhere.
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.3: "We render the background images
 //! once and paint the foreground over top for each consecutive time step. Only when the user moves vantage points do we
@@ -10,167 +10,110 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::fill::fill;
-use super::gather::{Gather, RING, Scratches};
-use super::geometry::{
-    FootprintReach, MAX_STRETCH, Projector, TileBounds, bands, bounds, focal, rays_in_world,
-};
-use super::input::{CellTable, FrameImages, FrameSamples, Numbers};
-use super::resolve::{Blocks, PaintedTiles, Resolve};
-use super::splat::{BLEND_REACH, Stage, blend, surface};
+use super::gather::{RING, ScratchPool, SourceViews};
+use super::geometry::{FootprintReach, MAX_STRETCH, TileBounds, bands, bounds};
+use super::input::{BackgroundKey, CellTable, FrameImages, FrameSamples, TileIndex};
+use super::resolve::{BlockSet, PaintedLayer, ResolveInput, resolve};
+use super::splat::{BLEND_REACH, StageInput, blend, surface};
 use super::vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
 use crate::capture::Camera;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::settings::{Fill, Kernel, RenderSettings};
 
-/// Largest picture that is rendered, pixels: 16K by 8K.
-pub const MAX_PIXELS: usize = 1 << 27;
-
 /// Renders vantages, and keeps the background while the vantage is still.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
-    still: Option<Still>,
-    scratches: Scratches,
+    cache: Option<VantageCache>,
+    scratches: ScratchPool,
 }
 
-/// What is kept from one frame to the next.
+/// What is kept from one frame to the next while the vantage is still.
 #[derive(Debug)]
-struct Still {
-    samples: Arc<SampleSet>,
-    /// Indices of the images that outlast the frame.
-    images: Vec<usize>,
-    camera: Camera,
-    settings: RenderSettings,
-    /// What is known of the tiles of these images; given to the next frame.
-    numbers: Numbers,
-    /// Where these tiles lie in the cameras, for kernels that gather.
+struct VantageCache {
+    key: BackgroundKey,
+    /// The index of the background's tiles; moves on to the next frame.
+    tile_index: TileIndex,
+    /// Where these tiles lie in the cameras, for the gather kernel.
     cells: Option<CellTable>,
-    background: PaintedTiles,
-    /// The background alone, and its holes; made when the first frame follows at the same vantage.
+    background: PaintedLayer,
+    /// The picture of the background alone, and its holes; made for the second frame at the same vantage.
     background_picture: Option<(Picture, u64)>,
-    foreground: PaintedTiles,
+    foreground: PaintedLayer,
     /// The blocks that the foreground has touched.
-    touched: Blocks,
-    /// The last picture, and before it one that whoever asked for it may still hold: while they look at one, the other is
-    /// painted over instead of copied.
-    pictures: Vec<PaintedBlocks>,
+    touched: BlockSet,
+    /// The last picture and an earlier one. A caller may hold one of them; the other is painted over instead of copied.
+    pictures: Vec<CachedPicture>,
 }
 
-/// A picture, and the blocks in which it may differ from the background's.
+/// A picture, and the blocks in which it may differ from that of the background.
 #[derive(Debug)]
-struct PaintedBlocks {
+struct CachedPicture {
     picture: Arc<Picture>,
-    touched: Blocks,
+    touched: BlockSet,
     /// Pixels of the picture without a sample.
     holes: u64,
 }
 
-/// What the stages of one picture are made of.
+/// What one picture is painted from.
 struct PictureInput<'a> {
-    frame: &'a FrameSamples<'a>,
+    stage: StageInput<'a>,
     target: &'a Camera,
     settings: &'a RenderSettings,
-    projectors: Vec<Projector>,
-    per_footprint: Vec<f32>,
-    surface_ratio: f32,
-    scratches: &'a Scratches,
-    job: &'a Job,
+    scratches: &'a ScratchPool,
 }
 
-impl<'a> PictureInput<'a> {
-    fn new(
-        frame: &'a FrameSamples<'a>,
-        (target, settings): (&'a Camera, &'a RenderSettings),
-        scratches: &'a Scratches,
-        job: &'a Job,
-    ) -> Self {
-        let cameras = &frame.set.cameras;
-        Self {
-            frame,
-            target,
-            settings,
-            projectors: cameras.iter().map(|camera| Projector::new(camera, target)).collect(),
-            per_footprint: cameras.iter().map(|camera| 1.0 / focal(camera)).collect(),
-            surface_ratio: 1.0 / (1.0 + settings.depth_tolerance / focal(target)),
-            scratches,
-            job,
-        }
-    }
-
-    fn size(&self) -> (usize, usize) {
-        self.target.intrinsics.size()
-    }
-
-    fn blends(&self) -> bool {
-        matches!(self.settings.kernel, Kernel::Block | Kernel::Surfel)
-    }
-
+impl PictureInput<'_> {
     fn bounds(&self, tiles: Range<usize>) -> Vec<TileBounds> {
-        let reach = match self.settings.kernel {
+        let reach = match self.stage.kernel {
             Kernel::Point => FootprintReach { pixels: 0.0, source_pixels: 0.0 },
             Kernel::Block => FootprintReach { pixels: 1.0, source_pixels: 0.0 },
             Kernel::Surfel => BLEND_REACH,
             Kernel::Gather => FootprintReach { pixels: 1.0, source_pixels: MAX_STRETCH },
         };
-        bounds(self.frame, tiles, &self.projectors, self.target, reach)
+        bounds(self.stage.frame, tiles, &self.stage.projectors, self.target, reach)
     }
 
-    /// Paints some tiles into a layer, over what is there.
-    fn paint(&self, first_tile: usize, bounds: &[TileBounds], layer: &mut PaintedTiles) -> Result<()> {
-        let (width, height) = self.size();
-        let stage = Stage {
-            frame: self.frame,
-            projectors: &self.projectors,
-            per_footprint: &self.per_footprint,
-            rays_in_world: rays_in_world(self.target, 0.0),
-            width,
-            kernel: self.settings.kernel,
-            job: self.job,
-        };
+    /// Paints tiles into a layer, over what is there; their numbers begin with `first_tile`.
+    fn paint(&self, first_tile: usize, bounds: &[TileBounds], layer: &mut PaintedLayer) -> Result<()> {
         let threads = rayon::current_num_threads();
+        let (_, height) = self.target.intrinsics.size();
         let bands = bands(bounds, first_tile, height, if threads == 1 { 1 } else { 2 * threads });
-        surface(&stage, &bands, &mut layer.keys)?;
-        if self.blends() {
-            blend(&stage, &bands, &layer.keys, self.surface_ratio, &mut layer.sums)?;
+        surface(&self.stage, &bands, &mut layer.keys)?;
+        if self.stage.blends() {
+            blend(&self.stage, &bands, &layer.keys, &mut layer.sums)?;
         }
         Ok(())
     }
 
-    /// Where the lasting tiles lie in the cameras, for kernels that gather.
-    fn cells(&self) -> Option<CellTable> {
-        let gathers = self.settings.kernel == Kernel::Gather;
-        gathers.then(|| CellTable::empty(&self.frame.set.cameras).with(self.frame, self.frame.lasting()))
-    }
-
-    /// Resolves some blocks of a picture; without a foreground, those of the background alone.
+    /// Resolves some blocks of a picture: of the cached background, over it a foreground if there is one. `background_picture` is
+    /// that of the background alone, if it exists already.
     fn resolve(
         &self,
-        (background, cells): (&PaintedTiles, Option<&CellTable>),
-        foreground: Option<&PaintedTiles>,
+        cache: &VantageCache,
+        foreground: Option<&PaintedLayer>,
         background_picture: Option<&Picture>,
-        (which, picture): (&Blocks, &mut Picture),
+        which: &BlockSet,
+        picture: &mut Picture,
     ) -> Result<()> {
         self.scratches.forget();
-        let among = |table| Gather::new(self.frame, table, self.target, self.settings.depth_tolerance);
-        // Pixels without foreground are copied where the background's picture is there already.
-        let lasting = cells.filter(|_| background_picture.is_none()).map(|cells| among(cells.clone()));
+        let (frame, cells) = (self.stage.frame, cache.cells.as_ref());
+        let views = |table| SourceViews::new(frame, table, self.target, self.settings.depth_tolerance);
+        // Pixels without foreground are copied from the background's picture, if that exists already.
+        let behind = cells.filter(|_| background_picture.is_none()).map(|cells| views(cells.clone()));
         let all = cells.filter(|_| foreground.is_some());
-        let all = all.map(|cells| among(cells.clone().with(self.frame, self.frame.passing())));
-        let either = lasting.as_ref().or(all.as_ref());
-        let resolve = Resolve {
-            frame: self.frame,
-            kernel: self.settings.kernel,
-            width: self.size().0,
-            surface_ratio: self.surface_ratio,
-            background,
+        let all = all.map(|cells| views(cells.clone().with(frame, frame.foreground_tiles())));
+        let either = behind.as_ref().or(all.as_ref());
+        let input = ResolveInput {
+            stage: &self.stage,
+            background: &cache.background,
             foreground,
             background_picture,
-            gather: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
+            views: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
             scratches: self.scratches,
-            job: self.job,
         };
-        resolve.resolve(which, picture)
+        resolve(&input, which, picture)
     }
 }
 
@@ -181,11 +124,10 @@ impl CpuRenderer {
         Self::default()
     }
 
-    /// Paints the samples of the vantage's frame. A caller that holds no more than the last picture spares the renderer copies.
+    /// Paints the samples of the vantage's frame. While a caller holds more than the last picture, pictures are copied.
     ///
     /// # Errors
-    /// `Cancelled`; `Invalid` where the frame does not exist, the picture has no pixel or absurdly many, or
-    /// [`Vantage::validate`] refuses; `Unsupported` where a frame has more samples than can be numbered.
+    /// `Cancelled`; `Invalid` as [`Vantage::check`]; `Unsupported` where a frame has more samples than can be numbered.
     pub fn render(
         &mut self,
         samples: &Arc<SampleSet>,
@@ -194,27 +136,34 @@ impl CpuRenderer {
         job: &Job,
     ) -> Result<(Arc<Picture>, RenderStats)> {
         let started = Instant::now();
-        check(samples, vantage)?;
+        vantage.check(samples)?;
         let images = FrameImages::at(samples, vantage.frame);
-        // Taken out, so that a canceled job leaves nothing half painted behind.
-        let mut still = self.still.take();
-        let reused = still
+        // Taken out, so that a canceled job leaves nothing half painted in the cache.
+        let mut cache = self.cache.take();
+        let key = BackgroundKey {
+            samples: samples.clone(),
+            images: images.background().to_vec(),
+            camera: vantage.camera.clone(),
+            settings: settings.clone(),
+        };
+        let reused = cache
             .as_mut()
-            .filter(|still| still.shows(samples, images.lasting(), &vantage.camera, settings))
-            .map(|still| std::mem::take(&mut still.numbers));
+            .filter(|cache| cache.key.matches(&key))
+            .map(|cache| std::mem::take(&mut cache.tile_index));
         let background_reused = reused.is_some();
         let frame = FrameSamples::of(samples, vantage.frame, images, reused)?;
-        let painting = PictureInput::new(&frame, (&vantage.camera, settings), &self.scratches, job);
-        let mut still = match still {
-            Some(still) if background_reused => repaint(&painting, still)?,
-            still => paint_anew(&painting, samples, still.map(Buffers::of).unwrap_or_default())?,
+        let stage = StageInput::new(&frame, &vantage.camera, settings, job);
+        let input = PictureInput { stage, target: &vantage.camera, settings, scratches: &self.scratches };
+        let mut cache = match cache {
+            Some(cache) if background_reused => paint_foreground(&input, cache)?,
+            cache => paint_all(&input, key, cache)?,
         };
-        let PaintedBlocks { picture, holes, .. } = &still.pictures[0];
+        let CachedPicture { picture, holes, .. } = &cache.pictures[0];
         let (mut picture, holes) = (picture.clone(), *holes);
-        let painted = if background_reused { frame.passing() } else { 0..frame.tile_count() };
+        let painted = if background_reused { frame.foreground_tiles() } else { 0..frame.tile_count() };
         let painted = frame.sample_count(painted);
-        still.numbers = frame.into_lasting_numbers();
-        self.still = Some(still);
+        cache.tile_index = frame.into_background_index();
+        self.cache = Some(cache);
         let filling = Instant::now();
         if settings.fill != Fill::None {
             fill(Arc::make_mut(&mut picture), &vantage.camera, settings);
@@ -231,26 +180,19 @@ impl CpuRenderer {
     }
 }
 
-impl Still {
-    fn shows(
-        &self,
-        samples: &Arc<SampleSet>,
-        images: &[usize],
-        camera: &Camera,
-        settings: &RenderSettings,
-    ) -> bool {
-        self.images == images
-            && (Arc::ptr_eq(&self.samples, samples) || self.samples.shares(samples, images))
-            && self.camera == *camera
-            && self.settings == *settings
+impl VantageCache {
+    /// Memory for the next picture: both layers, and a picture that no caller holds.
+    fn into_buffers(self) -> (PaintedLayer, PaintedLayer, Option<Picture>) {
+        let free = self.pictures.into_iter().find_map(|cached| Arc::into_inner(cached.picture));
+        (self.background, self.foreground, free)
     }
 
-    /// A picture that nobody else holds; of the others, the last one is kept.
-    fn free_picture(&mut self, background: &Picture) -> PaintedBlocks {
-        let is_free = |painted: &mut PaintedBlocks| Arc::get_mut(&mut painted.picture).is_some();
+    /// A picture that no caller holds; of the others, the last one is kept.
+    fn free_picture(&mut self, background: &Picture) -> CachedPicture {
+        let is_free = |painted: &mut CachedPicture| Arc::get_mut(&mut painted.picture).is_some();
         let free = self.pictures.iter_mut().position(is_free).map(|nth| self.pictures.remove(nth));
         self.pictures.truncate(1);
-        free.unwrap_or_else(|| PaintedBlocks {
+        free.unwrap_or_else(|| CachedPicture {
             touched: self.touched.emptied(),
             picture: Arc::new(background.clone()),
             holes: 0,
@@ -258,125 +200,83 @@ impl Still {
     }
 }
 
-/// What an earlier picture leaves for the next: memory that need not be asked for again.
-#[derive(Default)]
-struct Buffers {
-    background: PaintedTiles,
-    foreground: PaintedTiles,
-    picture: Option<Picture>,
-}
-
-impl Buffers {
-    fn of(still: Still) -> Self {
-        let Still { background, foreground, pictures, .. } = still;
-        let picture = pictures.into_iter().find_map(|painted| Arc::into_inner(painted.picture));
-        Self { background, foreground, picture }
-    }
-}
-
-/// Background and foreground.
-fn paint_anew(painting: &PictureInput<'_>, samples: &Arc<SampleSet>, buffers: Buffers) -> Result<Still> {
-    let (width, height) = painting.size();
-    let frame = painting.frame;
-    let Buffers { mut background, mut foreground, picture } = buffers;
-    let (pixels, sums) = (width * height, if painting.blends() { width * height } else { 0 });
+/// Paints background and foreground, into the memory of an earlier picture if there is one.
+fn paint_all(
+    input: &PictureInput<'_>,
+    key: BackgroundKey,
+    earlier: Option<VantageCache>,
+) -> Result<VantageCache> {
+    let (width, height) = input.target.intrinsics.size();
+    let frame = input.stage.frame;
+    let (mut background, mut foreground, picture) =
+        earlier.map(VantageCache::into_buffers).unwrap_or_default();
+    let (pixels, sums) = (width * height, if input.stage.blends() { width * height } else { 0 });
     background.reset(pixels, sums);
-    painting.paint(0, &painting.bounds(frame.lasting()), &mut background)?;
-    let mut touched = Blocks::none(width, height);
-    if frame.passing().is_empty() {
-        // When the next frame is painted over, only blocks that are touched are cleared: nothing may be left in others.
-        foreground = PaintedTiles::default();
+    input.paint(0, &input.bounds(frame.background_tiles()), &mut background)?;
+    let mut touched = BlockSet::none(width, height);
+    if frame.foreground_tiles().is_empty() {
+        // For the next frame only touched blocks are cleared; the others must be empty already.
+        foreground = PaintedLayer::default();
     } else {
         foreground.reset(pixels, sums);
-        let bounds = painting.bounds(frame.passing());
+        let bounds = input.bounds(frame.foreground_tiles());
         touched.mark(&bounds, RING);
-        painting.paint(frame.lasting_tiles, &bounds, &mut foreground)?;
+        input.paint(frame.background_tile_count, &bounds, &mut foreground)?;
     }
-    let mut picture = picture
-        .filter(|picture| picture.color.size() == (width, height))
-        .unwrap_or_else(|| Picture::empty(width, height));
-    let front = (!frame.passing().is_empty()).then_some(&foreground);
-    let cells = painting.cells();
-    let all = Blocks::all(width, height);
-    painting.resolve((&background, cells.as_ref()), front, None, (&all, &mut picture))?;
-    Ok(Still {
-        samples: samples.clone(),
-        images: frame.images[..frame.lasting_images].to_vec(),
-        camera: painting.target.clone(),
-        settings: painting.settings.clone(),
-        numbers: Numbers::default(),
-        cells,
+    let mut cache = VantageCache {
+        key,
+        tile_index: TileIndex::default(),
+        cells: (input.stage.kernel == Kernel::Gather)
+            .then(|| CellTable::empty(&frame.set.cameras).with(frame, frame.background_tiles())),
         background,
         background_picture: None,
         foreground,
-        pictures: vec![PaintedBlocks {
-            holes: picture.holes(),
-            picture: Arc::new(picture),
-            touched: touched.clone(),
-        }],
+        pictures: Vec::new(),
         touched,
-    })
+    };
+    let mut picture = picture
+        .filter(|picture| picture.color.size() == (width, height))
+        .unwrap_or_else(|| Picture::empty(width, height));
+    let front = (!frame.foreground_tiles().is_empty()).then_some(&cache.foreground);
+    input.resolve(&cache, front, None, &BlockSet::all(width, height), &mut picture)?;
+    let (holes, touched) = (picture.holes(), cache.touched.clone());
+    cache.pictures.push(CachedPicture { holes, picture: Arc::new(picture), touched });
+    Ok(cache)
 }
 
-/// The foreground alone, over the background that is there.
-fn repaint(painting: &PictureInput<'_>, mut still: Still) -> Result<Still> {
-    let (width, height) = painting.size();
-    let cells = still.cells.take();
-    let (background_picture, background_holes) = if let Some(kept) = still.background_picture.take() {
+/// Paints the foreground alone, over the cached background.
+fn paint_foreground(input: &PictureInput<'_>, mut cache: VantageCache) -> Result<VantageCache> {
+    let (width, height) = input.target.intrinsics.size();
+    let (background_picture, background_holes) = if let Some(kept) = cache.background_picture.take() {
         kept
     } else {
-        let PaintedBlocks { picture, touched, .. } = &still.pictures[0];
+        let CachedPicture { picture, touched, .. } = &cache.pictures[0];
         let mut picture = (**picture).clone();
-        painting.resolve((&still.background, cells.as_ref()), None, None, (touched, &mut picture))?;
+        input.resolve(&cache, None, None, touched, &mut picture)?;
         let holes = picture.holes();
         (picture, holes)
     };
     let pixels = width * height;
-    still.foreground.keys.resize(pixels, 0);
-    still.foreground.sums.resize(if painting.blends() { pixels } else { 0 }, [0.0; 4]);
-    still.touched.clear(width, &mut still.foreground.keys, 0);
-    if painting.blends() {
-        still.touched.clear(width, &mut still.foreground.sums, [0.0; 4]);
+    cache.foreground.keys.resize(pixels, 0);
+    cache.foreground.sums.resize(if input.stage.blends() { pixels } else { 0 }, [0.0; 4]);
+    cache.touched.clear(width, &mut cache.foreground.keys, 0);
+    if input.stage.blends() {
+        cache.touched.clear(width, &mut cache.foreground.sums, [0.0; 4]);
     }
-    let bounds = painting.bounds(painting.frame.passing());
-    let mut touched = Blocks::none(width, height);
+    let bounds = input.bounds(input.stage.frame.foreground_tiles());
+    let mut touched = BlockSet::none(width, height);
     touched.mark(&bounds, RING);
-    painting.paint(painting.frame.lasting_tiles, &bounds, &mut still.foreground)?;
-    let mut painted = still.free_picture(&background_picture);
+    input.paint(input.stage.frame.background_tile_count, &bounds, &mut cache.foreground)?;
+    let mut painted = cache.free_picture(&background_picture);
     painted.touched.join(&touched);
     let picture = Arc::make_mut(&mut painted.picture);
-    let (front, back) = (Some(&still.foreground), Some(&background_picture));
-    painting.resolve((&still.background, cells.as_ref()), front, back, (&painted.touched, picture))?;
+    input.resolve(&cache, Some(&cache.foreground), Some(&background_picture), &painted.touched, picture)?;
     let holes_in =
         |picture: &Picture| touched.count(width, picture.image.as_slice(), |image| *image == NO_IMAGE);
     painted.holes = background_holes - holes_in(&background_picture) + holes_in(picture);
     painted.touched = touched.clone();
-    still.cells = cells;
-    still.pictures.insert(0, painted);
-    still.touched = touched;
-    still.background_picture = Some((background_picture, background_holes));
-    Ok(still)
-}
-
-/// Whether the vantage can be painted.
-pub(crate) fn check(samples: &SampleSet, vantage: &Vantage) -> Result<()> {
-    vantage.validate()?;
-    let place = format!("vantage '{}'", vantage.camera.name);
-    let (width, height) = vantage.camera.intrinsics.size();
-    let pixels = width.saturating_mul(height);
-    if pixels == 0 || pixels > MAX_PIXELS {
-        return Err(Error::invalid(
-            place,
-            format!(
-                "a picture of {width}×{height} pixels cannot be rendered; choose between 1 and {MAX_PIXELS} pixels"
-            ),
-        ));
-    }
-    if vantage.frame >= samples.frame_count() {
-        return Err(Error::invalid(
-            place,
-            format!("there is no frame {}; '{}' has {}", vantage.frame, samples.name, samples.frame_count()),
-        ));
-    }
-    Ok(())
+    cache.pictures.insert(0, painted);
+    cache.touched = touched;
+    cache.background_picture = Some((background_picture, background_holes));
+    Ok(cache)
 }

@@ -1,54 +1,61 @@
 //! Rendering (the paper, §3.3): paints the kept samples into a vantage.
 //!
 //! ```text
-//! SampleSet ─ frame_samples ─▶ tiles of the frame ─ cull ─▶ bands ─ project, footprint ─▶ surface ─▶ keys ─▶ blend ─▶ sums
-//!                                                                                          │                        │
-//!      Picture ◀─ fill ◀─ resolve ◀─ gather ◀─ lookup, window: into cameras ◀─ silhouette ─┴────────────────────────┘
+//! SampleSet ─ input ─▶ tiles of the frame ─ geometry: cull ─▶ bands ─ splat: surface ─▶ keys ─ splat: blend ─▶ sums
+//!                                                                                        │                      │
+//!      Picture ◀─ fill ◀─ resolve ◀─ gather: color of each surface point ◀─ silhouette ──┴──────────────────────┘
 //! ```
 //!
 //! The *surface* stage finds the nearest sample of every pixel. What follows depends on the kernel: `point` shows that
 //! sample; `block` and `surfel` *blend* all samples of its surface; `gather` looks its surface point up in the cameras.
 //! The background depends on the vantage alone and is kept while the vantage is still; the foreground of each frame is
-//! painted over it by depth, as the paper does, where it is and where it was.
+//! painted over it by depth, as the paper does. [`Renderer`] chooses between [`CpuRenderer`] and [`gpu`].
 
-mod cpu;
 pub mod fill;
 pub mod film;
-pub mod gather;
-pub mod geometry;
 pub mod gpu;
-pub mod input;
 pub mod output;
+
+mod cpu;
+mod gather;
+mod geometry;
+mod input;
 mod renderer;
-pub mod resolve;
-pub mod splat;
+mod resolve;
+mod splat;
 mod supersample;
 mod vantage;
 
-pub use cpu::{CpuRenderer, MAX_PIXELS};
+pub use cpu::CpuRenderer;
 pub use renderer::{Painter, Renderer, WindowPicture};
-pub use vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
+pub use vantage::{MAX_PIXELS, NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use super::*;
     use crate::demo::{Demo, DemoSpec};
     use crate::job::Job;
     use crate::preprocess::preprocess;
-    use crate::render::cpu::CpuRenderer;
-    use crate::render::vantage::Vantage;
-    use crate::settings::{CaptureSettings, Kernel, RenderSettings, Settings};
+    use crate::samples::SampleSet;
+    use crate::settings::{Kernel, RenderSettings, Settings};
     use crate::simd;
+
+    /// The samples of the default scene, with two frames, and its vantage at a frame.
+    pub(in crate::render) fn scene(spec: DemoSpec, frame: usize) -> (Arc<SampleSet>, Vantage) {
+        let demo = Demo::new(&spec.frames(2)).unwrap();
+        let settings = Settings::default();
+        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        (samples, Vantage { camera: demo.home(), frame })
+    }
 
     #[test]
     fn every_instruction_set_paints_the_same_bits() {
-        let spec = DemoSpec::new("orrery").frames(2).size((72, 50));
-        let demo = Demo::new(&spec).unwrap();
-        let capture = demo.capture(&CaptureSettings::default());
-        let samples = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
-        let vantage = Vantage { camera: demo.home(), frame: 1 };
+        let (samples, vantage) = scene(DemoSpec::new("orrery").size((72, 50)), 1);
         for &kernel in Kernel::ALL {
             let settings = RenderSettings { kernel, ..RenderSettings::default() };
-            let pictures = crate::simd::at_every_level(|| {
+            let pictures = simd::at_every_level(|| {
                 CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap().0
             });
             assert!(pictures[0].holes() < pictures[0].image.len() as u64 / 2);

@@ -1,4 +1,4 @@
-//! What paints: the CPU or the GPU, chosen by hand or by measurement, with the CPU as the one that always works.
+//! Renders on the CPU or the GPU, chosen by the user or by measurement, with the CPU as the fallback.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -6,14 +6,14 @@ use std::time::Instant;
 
 use super::cpu::CpuRenderer;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
-use super::supersample::{averaged, finer, times_as_fine};
+use super::supersample::{averaged, finer, supersampling_factor};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::settings::{Backend, Fill, Kernel, RenderSettings};
 
-/// Something that has painted a picture.
+/// What painted a picture.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 pub struct Painter {
     /// `Cpu` or `Gpu`.
@@ -44,25 +44,25 @@ impl std::fmt::Display for Painter {
     }
 }
 
-/// The adapter, as far as it is known.
+/// The state of the graphics adapter.
 #[derive(Debug, Default)]
 enum Adapter {
-    /// Not asked for yet.
+    /// Not opened yet.
     #[default]
     Unknown,
-    /// There is no graphics card; there may be a program that stands in for one.
+    /// There is no graphics card, but perhaps a software adapter.
     NoCard,
-    /// There is none, or it was lost: why the CPU paints instead.
+    /// There is none, or it was lost: the reason.
     Missing(String),
     Open(Box<GpuRenderer>),
 }
 
-/// Paints with what [`RenderSettings::backend`] asks for, and on the CPU where that fails.
+/// Paints on the backend of [`RenderSettings::backend`], or on the CPU if that fails.
 #[derive(Debug, Default)]
 pub struct Renderer {
     cpu: CpuRenderer,
     adapter: Adapter,
-    /// What `auto` found to be faster, per kernel.
+    /// The backend that `auto` found to be faster, per kernel.
     faster: HashMap<Kernel, Backend>,
     notice: Option<String>,
     painter: Option<Painter>,
@@ -79,7 +79,7 @@ pub enum WindowPicture {
     InMemory(Arc<Picture>),
 }
 
-/// One picture that is asked for.
+/// What one picture is rendered from.
 #[derive(Clone, Copy)]
 struct Request<'a> {
     samples: &'a Arc<SampleSet>,
@@ -97,10 +97,10 @@ impl Renderer {
         Self::default()
     }
 
-    /// As [`Renderer::new`], but where the GPU is asked for by name it is opened at once.
+    /// As [`Renderer::new`], but opens the GPU at once if `backend` is the GPU.
     ///
     /// # Errors
-    /// `Gpu` where it is asked for and there is none.
+    /// `Gpu` where there is none.
     pub fn strict(backend: Backend) -> Result<Self> {
         let adapter = match backend {
             Backend::Gpu => Adapter::Open(Box::new(GpuRenderer::new(AdapterChoice::Any)?)),
@@ -121,13 +121,13 @@ impl Renderer {
         self.painter.as_ref()
     }
 
-    /// Why the GPU, though asked for, does not paint; `None` while all is well.
+    /// Why the chosen GPU does not paint; `None` otherwise.
     #[must_use]
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()
     }
 
-    /// Drops what was kept of earlier pictures, so that the next one is painted anew.
+    /// Drops what is cached, so that the next picture is painted in full.
     pub fn forget_background(&mut self) {
         self.cpu = CpuRenderer::new();
         if let Adapter::Open(gpu) = &mut self.adapter {
@@ -135,8 +135,8 @@ impl Renderer {
         }
     }
 
-    /// Sends the samples of the coming frames ahead, where the GPU paints. What fails here fails again, and is told, when the
-    /// frame is painted.
+    /// Uploads the samples of the coming frames ahead, if the GPU paints. A failure is only logged: it returns when the frame is
+    /// painted.
     pub fn prefetch(&mut self, samples: &SampleSet, frames: std::ops::Range<usize>) {
         if let (Adapter::Open(gpu), Some(Painter { backend: Backend::Gpu, .. })) =
             (&mut self.adapter, &self.painter)
@@ -158,13 +158,13 @@ impl Renderer {
         job: &Job,
     ) -> Result<PaintedBy> {
         let started = Instant::now();
-        let times = times_as_fine(samples, vantage, settings);
-        if times == 1 {
+        let factor = supersampling_factor(samples, vantage, settings);
+        if factor == 1 {
             return self.paint(&Request { samples, vantage, settings, job });
         }
-        let finer = finer(vantage, times);
+        let finer = finer(vantage, factor);
         let (picture, stats) = self.paint(&Request { samples, vantage: &finer, settings, job })?;
-        let picture = averaged(&picture, times);
+        let picture = averaged(&picture, factor);
         let milliseconds = started.elapsed().as_secs_f64() * 1e3;
         let stats = RenderStats { holes: picture.holes(), milliseconds, ..stats };
         Ok((Arc::new(picture), stats))
@@ -181,8 +181,8 @@ impl Renderer {
         }
     }
 
-    /// Paints for a window in motion: on its own device where the GPU paints there, so that nothing is copied, else as
-    /// [`Renderer::render`]; as coarse as the window is, since the next picture follows at once.
+    /// Paints for a window in motion: on the window's own device without a copy if the GPU paints there, else as
+    /// [`Renderer::render`]; never supersampled, because the next picture follows at once.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -203,21 +203,15 @@ impl Renderer {
         if on_gpu {
             self.open(AdapterChoice::Any);
         }
-        if let Adapter::Open(gpu) = &mut self.adapter
-            && on_gpu
-            && gpu.is_shared()
+        let is_shared = matches!(&self.adapter, Adapter::Open(gpu) if gpu.context.is_shared);
+        // If the GPU fails, it fails again below, where the CPU takes over.
+        if on_gpu
+            && is_shared
             && settings.fill == Fill::None
+            && let Some((texture, stats)) =
+                self.try_gpu(|gpu| gpu.show(samples, vantage, settings, holes, job))?
         {
-            match gpu.show(samples, vantage, settings, holes, job) {
-                Ok((texture, stats)) => {
-                    self.painter = Some(Painter::gpu(gpu));
-                    self.notice = None;
-                    return Ok((WindowPicture::OnAdapter(texture), stats));
-                }
-                // Whatever failed fails again below, where the CPU takes over.
-                Err(Error::Gpu { .. }) => {}
-                Err(error) => return Err(error),
-            }
+            return Ok((WindowPicture::OnAdapter(texture), stats));
         }
         let (picture, stats) = self.paint(&Request { samples, vantage, settings, job })?;
         Ok((WindowPicture::InMemory(picture), stats))
@@ -225,17 +219,17 @@ impl Renderer {
 
     fn on_the_faster(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         self.open(AdapterChoice::Hardware);
-        let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.is_software());
+        let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.context.is_software());
         match self.faster.get(&request.settings.kernel) {
-            // Where the card was lost since, this says so.
+            // If the card was lost since, this sets the notice.
             Some(Backend::Gpu) => self.on_gpu_if_possible(request),
             None if hardware => self.measure(request),
             _ => self.on_cpu_by_choice(request),
         }
     }
 
-    /// Paints on both, everything anew, and remembers which was faster. The GPU paints twice, as its first time includes
-    /// sending the samples, which later pictures do not.
+    /// Paints in full on both, and remembers which was faster. The GPU paints twice, because its first time includes uploading the
+    /// samples.
     fn measure(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         self.on_gpu_if_possible(request)?;
         self.forget_background();
@@ -261,18 +255,15 @@ impl Renderer {
         Ok((picture, gpu))
     }
 
-    /// Opens an adapter, where that was not tried before.
+    /// Opens an adapter, unless that was tried before.
     fn open(&mut self, choice: AdapterChoice) {
         match (&self.adapter, choice) {
             (Adapter::Unknown, _) | (Adapter::NoCard, AdapterChoice::Any) => {}
             _ => return,
         }
         let options = GpuOptions { adapter: choice, ..GpuOptions::default() };
-        let shared = self.shared.as_ref().map(|shared| GpuRenderer::sharing(shared, &options));
-        let opened = match shared {
-            Some(Ok(gpu)) => Ok(gpu),
-            Some(Err(_)) | None => GpuRenderer::with_options(&options),
-        };
+        let shared = self.shared.as_ref().and_then(|shared| GpuRenderer::sharing(shared, &options).ok());
+        let opened = shared.map_or_else(|| GpuRenderer::with_options(&options), Ok);
         self.adapter = match opened {
             Ok(gpu) => Adapter::Open(Box::new(gpu)),
             Err(_) if choice == AdapterChoice::Hardware => Adapter::NoCard,
@@ -292,26 +283,29 @@ impl Renderer {
     }
 
     fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
-        let gpu = match &mut self.adapter {
-            Adapter::Open(gpu) => gpu,
-            Adapter::Missing(why) => {
-                self.notice = Some(format!("the CPU paints: {why}"));
-                return self.on_cpu(request);
-            }
-            Adapter::Unknown | Adapter::NoCard => return self.on_cpu(request),
-        };
-        match gpu.render(request.samples, request.vantage, request.settings, request.job) {
+        if let Adapter::Missing(why) = &self.adapter {
+            self.notice = Some(format!("the CPU paints: {why}"));
+        }
+        let Request { samples, vantage, settings, job } = *request;
+        let painted = self.try_gpu(|gpu| gpu.render(samples, vantage, settings, job))?;
+        painted.map_or_else(|| self.on_cpu(request), Ok)
+    }
+
+    /// Paints on the adapter; `None`, with a notice, if it fails, and without one if none is open.
+    fn try_gpu<T>(&mut self, paint: impl FnOnce(&mut GpuRenderer) -> Result<T>) -> Result<Option<T>> {
+        let Adapter::Open(gpu) = &mut self.adapter else { return Ok(None) };
+        match paint(gpu) {
             Ok(painted) => {
                 self.painter = Some(Painter::gpu(gpu));
                 self.notice = None;
-                Ok(painted)
+                Ok(Some(painted))
             }
             Err(Error::Gpu { what }) => {
                 self.notice = Some(format!("the CPU paints: {what}"));
-                if gpu.is_lost() {
+                if gpu.context.is_lost() {
                     self.adapter = Adapter::Missing(what);
                 }
-                self.on_cpu(request)
+                Ok(None)
             }
             Err(error) => Err(error),
         }
@@ -321,18 +315,12 @@ impl Renderer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{Demo, DemoSpec};
-    use crate::preprocess::preprocess;
+    use crate::demo::DemoSpec;
     use crate::render::gpu::opened;
-    use crate::settings::Settings;
     use crate::simd::skip::skip;
 
     fn scene() -> (Arc<SampleSet>, Vantage) {
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((48, 36));
-        let demo = Demo::new(&spec).unwrap();
-        let settings = Settings::default();
-        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
-        (samples, Vantage { camera: demo.home(), frame: 0 })
+        crate::render::tests::scene(DemoSpec::new("orrery").cameras(2).size((48, 36)), 0)
     }
 
     fn settings(backend: Backend) -> RenderSettings {
@@ -357,7 +345,7 @@ mod tests {
     #[test]
     fn a_software_adapter_is_never_chosen_by_itself() {
         let Some(gpu) = any_adapter() else { return };
-        if !gpu.is_software() {
+        if !gpu.context.is_software() {
             skip(None, &format!("{} is no software adapter", gpu.adapter_name()));
             return;
         }
@@ -397,7 +385,7 @@ mod tests {
         assert_eq!(renderer.painter().unwrap().backend, Backend::Gpu);
         assert_eq!(renderer.notice(), None);
         let Adapter::Open(gpu) = &renderer.adapter else { panic!("the adapter is gone") };
-        gpu.lose();
+        gpu.context.device.destroy();
         for _ in 0..2 {
             let picture = paint(&mut renderer);
             assert_eq!(renderer.painter(), Some(&Painter::cpu()));

@@ -1,10 +1,10 @@
-//! Antialiasing: a picture that is coarser than what the cameras recorded is painted finer and averaged.
+//! Antialiasing: a picture that is coarser than what the cameras recorded is rendered at a higher resolution and averaged.
 //!
-//! Purpose: a pixel that covers many samples shows their mean, whatever surfaces they lie on. The gather stage by itself averages
-//! over sub-pixels of one surface at one depth, and a pixel has two surfaces at most, which its center decides.
+//! Purpose: a pixel that covers many samples shows their mean, on all their surfaces. The gather stage by itself averages over
+//! sub-pixels of one surface at one depth, and gives a pixel at most two surfaces, those at its center.
 //!
 //! Source: supersampling on a regular grid with a box filter (Crow, *The Aliasing Problem in Computer-Generated Shaded Images*, CACM
-//! 1977). What differs: how fine the grid is depends on how densely the picture was recorded.
+//! 1977). What differs: the grid is as fine as the picture was recorded.
 
 use rayon::prelude::*;
 
@@ -15,40 +15,44 @@ use crate::grid::Grid;
 use crate::samples::{DepthTile, SampleImage, SampleSet, SampleTile, TILE};
 use crate::settings::{Kernel, RenderSettings};
 
-/// Recorded pixels along a pixel, from which on the picture is painted finer. Interpolation alone serves a little below this.
-const COARSE: f32 = 1.75;
+/// From this many recorded pixels along a pixel on the picture is supersampled. Below, interpolation suffices.
+const MIN_RATE: f32 = 1.75;
 
-/// Recorded pixels along a pixel of the finer picture, at most, where [`MOST`] allows it.
-const FINE: f32 = 1.5;
+/// Recorded pixels along a pixel of the finer picture, unless [`MAX_FACTOR`] limits it.
+const TARGET_RATE: f32 = 1.5;
 
-/// Columns and rows of the finer picture to a pixel, at most. Gathering averages over the rest.
-const MOST: usize = 4;
+/// Most columns and rows of the finer picture to a pixel. Gathering averages over the rest.
+const MAX_FACTOR: usize = 4;
 
-/// Pixels of the finer picture, at most: what a picture of 1280×720 takes at three times its size.
-const MOST_PIXELS: usize = 1 << 23;
+/// Most pixels of the finer picture: a picture of 1280×720 at three times its size.
+const MAX_FINER_PIXELS: usize = 1 << 23;
 
-/// How many columns and rows to a pixel the picture should be painted with; 1 where it is no coarser than what was recorded, and for
+/// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than what was recorded, and for
 /// kernels that are simple on purpose.
-pub(crate) fn times_as_fine(samples: &SampleSet, vantage: &Vantage, settings: &RenderSettings) -> usize {
+pub(crate) fn supersampling_factor(
+    samples: &SampleSet,
+    vantage: &Vantage,
+    settings: &RenderSettings,
+) -> usize {
     let pixels = vantage.camera.intrinsics.pixel_count();
     let filters = matches!(settings.kernel, Kernel::Gather | Kernel::Surfel);
-    if !settings.antialias || !filters || pixels == 0 || pixels > MOST_PIXELS / 4 {
+    if !settings.antialias || !filters || pixels == 0 || pixels > MAX_FINER_PIXELS / 4 {
         return 1;
     }
     let rate = typical_rate(samples, vantage);
-    if rate < COARSE {
+    if rate < MIN_RATE {
         return 1;
     }
-    let affordable = (MOST_PIXELS as f64 / pixels as f64).sqrt() as usize;
-    ((rate / FINE).ceil() as usize).clamp(1, MOST.min(affordable))
+    let affordable = (MAX_FINER_PIXELS as f64 / pixels as f64).sqrt() as usize;
+    ((rate / TARGET_RATE).ceil() as usize).clamp(1, MAX_FACTOR.min(affordable))
 }
 
-/// Recorded pixels along a pixel, at least, in half of what the vantage shows; 0 where it shows nothing.
+/// Recorded pixels along a pixel, the median over the picture; 0 if it shows nothing.
 fn typical_rate(samples: &SampleSet, vantage: &Vantage) -> f32 {
     let images = || samples.images_at(vantage.frame);
-    // What lasts, so that a picture does not change its fineness from frame to frame.
-    let has_lasting = images().any(|image| image.span.len() > 1 && !image.is_empty());
-    let chosen: Vec<_> = images().filter(|image| !has_lasting || image.span.len() > 1).collect();
+    // Of longer spans if there are any, so that the resolution does not change from frame to frame.
+    let has_longer = images().any(|image| image.span.len() > 1 && !image.is_empty());
+    let chosen: Vec<_> = images().filter(|image| !has_longer || image.span.len() > 1).collect();
     let mut rates: Vec<(f32, f32)> =
         chosen.par_iter().flat_map_iter(|image| rates(image, samples, vantage)).collect();
     rates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
@@ -61,7 +65,7 @@ fn typical_rate(samples: &SampleSet, vantage: &Vantage) -> f32 {
     half.map_or(0.0, |(rate, _)| *rate)
 }
 
-/// Of each tile whose middle is seen: recorded pixels along a pixel of the vantage, and the pixels that its samples take there.
+/// For each tile whose center is visible: recorded pixels along a pixel of the vantage, and the pixels that its samples cover.
 fn rates<'a>(
     image: &'a SampleImage,
     samples: &SampleSet,
@@ -70,12 +74,11 @@ fn rates<'a>(
     let target = &vantage.camera;
     let projector = samples.cameras.get(image.camera as usize).map(|camera| Projector::new(camera, target));
     let (width, height) = target.intrinsics.size();
-    let rate = move |(tile, place): (&SampleTile, &DepthTile)| {
+    let rate = move |(tile, depth): (&SampleTile, &DepthTile)| {
         let projector = projector?;
         let middle = |tile: u16| f32::from(tile) * TILE as f32 + 0.5 * TILE as f32;
-        let inverse_depth = 0.5 * (f32::from_bits(place.farthest) + f32::from_bits(place.nearest));
-        let point =
-            projector.ray(middle(tile.tile_x), middle(tile.tile_y)) + projector.origin * inverse_depth;
+        let inverse_depth = 0.5 * (f32::from_bits(depth.farthest) + f32::from_bits(depth.nearest));
+        let point = projector.point(middle(tile.tile_x), middle(tile.tile_y), inverse_depth);
         let (u, v) = (point.x / point.z, point.y / point.z);
         let is_seen = point.z > 0.0 && (0.0..width as f32).contains(&u) && (0.0..height as f32).contains(&v);
         let rate = point.z / projector.focal_ratio;
@@ -84,28 +87,29 @@ fn rates<'a>(
     image.tiles.iter().zip(image.depth.tiles()).filter_map(rate)
 }
 
-/// The same vantage with so many columns and rows to a pixel.
-pub(crate) fn finer(vantage: &Vantage, times: usize) -> Vantage {
+/// The same vantage at `factor` times the width and height.
+pub(crate) fn finer(vantage: &Vantage, factor: usize) -> Vantage {
     let mut finer = vantage.clone();
     let Intrinsics { width, height, fx, fy, cx, cy } = &mut finer.camera.intrinsics;
     for side in [width, height] {
-        *side *= times as u32;
+        *side *= factor as u32;
     }
     for length in [fx, fy, cx, cy] {
-        *length *= times as f64;
+        *length *= factor as f64;
     }
     finer
 }
 
-/// A picture with so many columns and rows to a pixel, averaged. A pixel shows a sample, or what fills a hole, where half of it does;
+/// A picture averaged over squares of `factor` pixels. A pixel shows a sample, or the filling of a hole, if half of its square does;
 /// depth and image are those nearest its center.
-pub(crate) fn averaged(finer: &Picture, times: usize) -> Picture {
-    let (width, height) = (finer.color.width() / times, finer.color.height() / times);
-    let mut order: Vec<(usize, usize)> = (0..times * times).map(|nth| (nth % times, nth / times)).collect();
-    let off_center = |at: usize| (2 * at + 1).abs_diff(times);
+pub(crate) fn averaged(finer: &Picture, factor: usize) -> Picture {
+    let (width, height) = (finer.color.width() / factor, finer.color.height() / factor);
+    let mut order: Vec<(usize, usize)> =
+        (0..factor * factor).map(|nth| (nth % factor, nth / factor)).collect();
+    let off_center = |at: usize| (2 * at + 1).abs_diff(factor);
     order.sort_by_key(|&(x, y)| off_center(x).pow(2) + off_center(y).pow(2));
     let pixel = |index: usize| {
-        let (left, top) = (index % width * times, index / width * times);
+        let (left, top) = (index % width * factor, index / width * factor);
         let parts = || order.iter().map(|(x, y)| (left + x, top + y));
         let is_sampled = |at: &(usize, usize)| finer.image[*at] != NO_IMAGE;
         let shown = || parts().filter(|at| finer.shows(*at));

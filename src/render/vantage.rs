@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
+use crate::samples::SampleSet;
 
-/// Where from, and when.
+/// From where and when a picture is rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vantage {
     /// The virtual camera.
@@ -16,32 +17,47 @@ pub struct Vantage {
 }
 
 impl Vantage {
-    /// Checks that the camera can project: numbers that are finite, focal lengths above 0, a pose that can be undone. The
-    /// picture's size and the frame are the renderer's business.
+    /// Checks that a picture of these samples can be rendered: a frame that exists, between 1 and [`MAX_PIXELS`] pixels, finite
+    /// numbers, focal lengths above 0, and a pose that has an inverse.
     ///
     /// # Errors
     /// [`Error::Invalid`] naming the vantage and the part of it that is wrong.
-    pub fn validate(&self) -> Result<()> {
-        let refuse = |what: &str| Err(Error::invalid(format!("vantage '{}'", self.camera.name), what));
+    pub fn check(&self, samples: &SampleSet) -> Result<()> {
+        let refuse = |what: String| Err(Error::invalid(format!("vantage '{}'", self.camera.name), what));
         let k = self.camera.intrinsics;
         if ![k.fx, k.fy].iter().all(|focal| focal.is_finite() && *focal > 0.0) {
-            return refuse("its focal lengths must be finite and above 0; give fx and fy in pixels");
+            return refuse(
+                "its focal lengths must be finite and above 0; give fx and fy in pixels".to_owned(),
+            );
         }
         if !(k.cx.is_finite() && k.cy.is_finite()) {
-            return refuse("its principal point is not finite; give cx and cy in pixels");
+            return refuse("its principal point is not finite; give cx and cy in pixels".to_owned());
         }
         let pose = self.camera.world_from_camera;
         if !pose.is_finite() {
-            return refuse("its pose holds numbers that are not finite; place the camera anew");
+            return refuse("its pose holds numbers that are not finite; place the camera anew".to_owned());
         }
         if pose.matrix3.determinant().abs() < SMALLEST_DETERMINANT {
-            return refuse("its pose is flat: the axes must be at right angles and of length 1");
+            return refuse("its pose is flat: the axes must be at right angles and of length 1".to_owned());
+        }
+        let (width, height) = k.size();
+        if !(1..=MAX_PIXELS).contains(&width.saturating_mul(height)) {
+            return refuse(format!(
+                "a picture of {width}×{height} pixels cannot be rendered; choose between 1 and {MAX_PIXELS} pixels"
+            ));
+        }
+        let frames = samples.frame_count();
+        if self.frame >= frames {
+            return refuse(format!("there is no frame {}; '{}' has {frames}", self.frame, samples.name));
         }
         Ok(())
     }
 }
 
-/// A rotation has determinant 1; below this the inverse pose is noise.
+/// Largest picture that is rendered, pixels: 16K by 8K.
+pub const MAX_PIXELS: usize = 1 << 27;
+
+/// A rotation has determinant 1; below this the inverse pose is numerical noise.
 const SMALLEST_DETERMINANT: f64 = 1e-6;
 
 /// Marks a pixel that no sample reached, in [`Picture::image`].
@@ -69,7 +85,7 @@ impl Picture {
         }
     }
 
-    /// Whether a pixel shows anything: a sample, or what a hole was filled with.
+    /// Whether a pixel shows anything: a sample or the filling of a hole.
     #[must_use]
     pub fn shows(&self, pixel: (usize, usize)) -> bool {
         self.image[pixel] != NO_IMAGE || self.inverse_depth[pixel] >= 0.0
@@ -83,7 +99,7 @@ impl Picture {
     }
 }
 
-/// What it took to render a vantage.
+/// The cost of rendering a vantage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderStats {
     /// Samples that were projected.

@@ -4,7 +4,7 @@ use crate::app::model::{Command, ExportTarget, NoticeKind, Purpose, SavedPathKey
 use crate::app::model::{DockView, PictureZoom, Spot, setting_names, verdict_text};
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::{ExportRequest, StudyRequest};
-use crate::render::film::Reel;
+use crate::render::film::FilmSource;
 use crate::settings::Settings;
 
 /// Changes of settings that a message lists one by one.
@@ -229,7 +229,7 @@ impl OverlookApp {
         let size = self.state.export_size();
         let settings = self.state.settings.render.clone();
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
-        let reel = playback.map_or(Reel::Memory(samples), Reel::Disk);
+        let reel = playback.map_or(FilmSource::Memory(samples), FilmSource::Disk);
         let request = ExportRequest { path, reel, settings, size, target };
         self.workers.export.submit(request);
     }

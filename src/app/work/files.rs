@@ -10,7 +10,7 @@ use crate::app::model::{Destination, ExportTarget, Exported, Message, NO_KEYS, P
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::render::film::{self, FilmEncoder, Reel};
+use crate::render::film::{self, FilmEncoder, FilmSource};
 use crate::render::output::write_png;
 use crate::render::{Picture, Renderer};
 use crate::settings::Settings;
@@ -94,8 +94,8 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
         paint(&mut |nth, picture| write_png(&path.join(format!("{:04}.png", nth + 1)), picture))?;
     }
     let damage = match &request.reel {
-        Reel::Memory(_) => Vec::new(),
-        Reel::Disk(playback) => playback.store().damage(),
+        FilmSource::Memory(_) => Vec::new(),
+        FilmSource::Disk(playback) => playback.store().damage(),
     };
     let exported =
         Exported { pictures: vantages.len(), notice: renderer.notice().map(str::to_owned), damage };

@@ -10,7 +10,7 @@ use crate::evaluate::sweep::Point;
 use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
 use crate::preprocess::inspect::FrameInspection;
-use crate::render::film::Reel;
+use crate::render::film::FilmSource;
 use crate::samples::SampleSet;
 use crate::settings::{CaptureSettings, RenderSettings, Settings};
 use crate::store::playback::Playback;
@@ -112,7 +112,7 @@ pub(crate) struct StudyRequest {
 /// What is exported.
 pub(crate) struct ExportRequest {
     pub path: CameraPath,
-    pub reel: Reel,
+    pub reel: FilmSource,
     pub settings: RenderSettings,
     /// Columns and rows of the pictures.
     pub size: [u32; 2],

@@ -10,45 +10,15 @@
 
 use rayon::prelude::*;
 
-use super::{Surface, Tolerance};
+use super::surface::{HoleSurface, SurfaceTolerance, WeightedMean};
 use crate::render::vantage::{NO_IMAGE, Picture};
-
-/// A mean with its weight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct WeightedMean {
-    /// Linear Rec.709.
-    pub(super) color: [f32; 3],
-    /// Reciprocal of planar z.
-    pub(super) inverse_depth: f32,
-    /// In a pyramid the share of the block that the surface covers, 0 to 1; 0 where nothing is painted.
-    pub(super) weight: f32,
-}
-
-impl WeightedMean {
-    /// Nothing.
-    pub(super) const EMPTY: Self = Self { color: [0.0; 3], inverse_depth: 0.0, weight: 0.0 };
-
-    /// Adds a color; the cell is a sum until it is normalized.
-    pub(super) fn add(&mut self, weight: f32, color: [f32; 3], inverse_depth: f32) {
-        (0..3).for_each(|channel| self.color[channel] += weight * color[channel]);
-        self.inverse_depth += weight * inverse_depth;
-        self.weight += weight;
-    }
-
-    /// The mean of what was added.
-    pub(super) fn normalized(self) -> Self {
-        let scale = self.weight.recip();
-        let color = self.color.map(|channel| channel * scale);
-        Self { color, inverse_depth: self.inverse_depth * scale, weight: self.weight }
-    }
-}
 
 struct PyramidLevel {
     width: usize,
     height: usize,
     cells: Vec<WeightedMean>,
-    /// For each cell the finest level at which there is anything around it, from its own level up.
-    anything_from: Vec<u8>,
+    /// For each cell the finest level, from its own up, at which a cell around it is painted.
+    first_painted: Vec<u8>,
 }
 
 /// All levels above the picture itself, finest first.
@@ -56,19 +26,19 @@ pub(super) struct Pyramid {
     levels: Vec<PyramidLevel>,
 }
 
-/// Share of a block that must be painted for its mean to be as good as any: with less, what is there lies to one side.
-/// Of 0.12 to 1, one half is nearest to a smooth surface, and costs the real captures nothing.
-const ENOUGH: f32 = 0.5;
+/// A block counts fully if at least this share of it is painted; with less, the painted part may lie to one side. Of 0.12 to 1,
+/// one half is nearest to a smooth surface, and costs the real captures nothing.
+const FULL_SHARE: f32 = 0.5;
 
-/// Blocks up to this many times as wide as the pixel sees far have a say: wider ones tell of other places.
-const BLOCKS: f32 = 8.0;
+/// Blocks up to this many times as wide as the distance to the surface count; wider ones show other parts of the picture.
+const MAX_BLOCK_RATIO: f32 = 8.0;
 
-/// A pixel is done when less than this share of it is open: one more level would not be seen.
-const DONE: f32 = 1.0 / 64.0;
+/// Filling a pixel ends when less than this share of it is open: one more level would not be visible.
+const MAX_OPEN_SHARE: f32 = 1.0 / 64.0;
 
 impl Pyramid {
-    /// Pulls a picture: every cell is the mean of the farthest surface in its block.
-    pub(super) fn pull(picture: &Picture, tolerance: Tolerance) -> Self {
+    /// Builds the levels from a picture: every cell is the mean of the farthest surface in its block.
+    pub(super) fn pull(picture: &Picture, tolerance: SurfaceTolerance) -> Self {
         let (width, height) = picture.image.size();
         let pixel = |x: usize, y: usize| {
             let pixel = y * width + x;
@@ -88,25 +58,25 @@ impl Pyramid {
         }
         for index in (0..levels.len()).rev() {
             let (finer, coarser) = levels.split_at_mut(index + 1);
-            finer[index].note_empty(index, coarser.first());
+            finer[index].set_first_painted(index, coarser.first());
         }
         Self { levels }
     }
 
-    /// The color and inverse depth for a hole pixel. Cells of `surface` count; where there is none, the pixel gets the
-    /// mean of what it sees. Without a surface any cell counts; `None` where there is no cell either.
+    /// The color and inverse depth for a hole pixel, from cells of `surface`, else the mean of what the pixel sees of it. Without
+    /// a surface any cell counts; `None` if no cell is painted either.
     pub(super) fn push(
         &self,
         (x, y): (usize, usize),
-        surface: Option<&Surface>,
-        tolerance: Tolerance,
+        surface: Option<&HoleSurface>,
+        tolerance: SurfaceTolerance,
     ) -> Option<WeightedMean> {
-        let largest_px = surface.map_or(f32::INFINITY, |surface| BLOCKS * surface.reach_px);
+        let largest_px = surface.map_or(f32::INFINITY, |surface| MAX_BLOCK_RATIO * surface.reach_px);
         let mut sum = WeightedMean::EMPTY;
-        let first = self.levels[0].anything_from[y / 2 * self.levels[0].width + x / 2] as usize;
+        let first = self.levels[0].first_painted[y / 2 * self.levels[0].width + x / 2] as usize;
         for (index, level) in self.levels.iter().enumerate().skip(first) {
             let block_px = (2 << index) as f32;
-            if block_px > largest_px || sum.weight > 1.0 - DONE {
+            if block_px > largest_px || sum.weight > 1.0 - MAX_OPEN_SHARE {
                 break;
             }
             let factor = tolerance.factor(block_px);
@@ -116,7 +86,7 @@ impl Pyramid {
             let open = 1.0 - sum.weight;
             level.around((x, y), index + 1, |cell, share| {
                 if cell.weight > 0.0 && (farthest..=nearest).contains(&cell.inverse_depth) {
-                    let weight = open * share * (cell.weight / ENOUGH).min(1.0);
+                    let weight = open * share * (cell.weight / FULL_SHARE).min(1.0);
                     sum.add(weight, cell.color, cell.inverse_depth);
                 }
             });
@@ -129,28 +99,28 @@ impl Pyramid {
 }
 
 impl PyramidLevel {
-    /// Sets [`PyramidLevel::anything_from`] of the level with this index: what is empty around a cell is empty around its parts.
-    fn note_empty(&mut self, index: usize, coarser: Option<&Self>) {
+    /// Sets [`PyramidLevel::first_painted`] of the level with this index.
+    fn set_first_painted(&mut self, index: usize, coarser: Option<&Self>) {
         let (width, height, cells) = (self.width, self.height, &self.cells);
-        self.anything_from = vec![index as u8; cells.len()];
+        self.first_painted = vec![index as u8; cells.len()];
         let Some(coarser) = coarser else { return };
-        self.anything_from.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(row, noted)| {
+        self.first_painted.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(row, first)| {
             let rows = row.saturating_sub(1)..(row + 2).min(height);
-            for (column, noted) in noted.iter_mut().enumerate() {
+            for (column, first) in first.iter_mut().enumerate() {
                 let columns = column.saturating_sub(1)..(column + 2).min(width);
                 let mut around = rows.clone().map(|row| &cells[row * width..][columns.clone()]);
                 if around.all(|cells| cells.iter().all(|cell| cell.weight == 0.0)) {
-                    *noted = coarser.anything_from[row / 2 * coarser.width + column / 2];
+                    *first = coarser.first_painted[row / 2 * coarser.width + column / 2];
                 }
             }
         });
     }
 
-    /// The four cells around a pixel's center with their bilinear shares; at the picture's edge the outermost cells go on.
+    /// The four cells around a pixel's center with their bilinear shares; at the picture's edge the outermost cells repeat.
     /// Blocks are `1 << log2_block` pixels wide.
     #[inline]
     fn around(&self, (x, y): (usize, usize), log2_block: usize, mut visit: impl FnMut(&WeightedMean, f32)) {
-        // In whole halves of a pixel, as rounding down is slow in floats.
+        // In whole halves of a pixel, because rounding down is slow in floats.
         let ends = |pixel: usize, count: usize| {
             let past_center = (2 * pixel + 1) as isize - (1_isize << log2_block);
             let first = past_center >> (log2_block + 1);
@@ -194,5 +164,5 @@ fn halve(
             }
         }
     });
-    PyramidLevel { width: columns, height: rows, cells, anything_from: Vec::new() }
+    PyramidLevel { width: columns, height: rows, cells, first_painted: Vec::new() }
 }

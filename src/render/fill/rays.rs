@@ -53,31 +53,26 @@ impl HoleRays {
     }
 
     /// What the hole pixel `(x, y)` sees.
-    pub(super) fn sight(&self, (x, y): (usize, usize)) -> HoleNeighbors {
+    pub(super) fn neighbors(&self, (x, y): (usize, usize)) -> HoleNeighbors {
         let (width, height) = self.size;
         let last = width * height - 1;
-        let (turned_x, turned_y) = (width - 1 - x, height - 1 - y);
-        let forward = self.forward[y * width + x];
-        let backward = self.backward[turned_y * width + turned_x];
-        let mut sight = HoleNeighbors { pixel: [0; 8], distance_px: [f32::INFINITY; 8] };
-        for direction in 0..4 {
-            // Pixels to go back, row-major, for each step.
-            let stride = [1, width + 1, width, width - 1][direction];
-            let length = [1.0, std::f32::consts::SQRT_2][direction % 2];
-            let ahead = steps_ahead(forward[direction], &self.forward, width, (x, y), direction);
-            if ahead != NONE {
-                sight.pixel[direction] = y * width + x - ahead as usize * stride;
-                sight.distance_px[direction] = f32::from(ahead) * length;
-            }
-            let behind =
-                steps_ahead(backward[direction], &self.backward, width, (turned_x, turned_y), direction);
-            if behind != NONE {
-                let turned = turned_y * width + turned_x - behind as usize * stride;
-                sight.pixel[direction + 4] = last - turned;
-                sight.distance_px[direction + 4] = f32::from(behind) * length;
+        let turned = (width - 1 - x, height - 1 - y);
+        let mut seen = HoleNeighbors { pixel: [0; 8], distance_px: [f32::INFINITY; 8] };
+        for direction in 0..8 {
+            let is_turned = direction >= 4;
+            let (steps, (x, y)) = if is_turned { (&self.backward, turned) } else { (&self.forward, (x, y)) };
+            let within = steps[y * width + x][direction % 4];
+            let count = steps_ahead(within, steps, width, (x, y), direction % 4);
+            if count != NONE {
+                // Pixels to go back, row-major, for each step.
+                let stride = [1, width + 1, width, width - 1][direction % 4];
+                let length = [1.0, std::f32::consts::SQRT_2][direction % 2];
+                let pixel = y * width + x - count as usize * stride;
+                seen.pixel[direction] = if is_turned { last - pixel } else { pixel };
+                seen.distance_px[direction] = f32::from(count) * length;
             }
         }
-        sight
+        seen
     }
 }
 
@@ -138,8 +133,8 @@ fn steps_ahead(within: u16, steps: &[Steps], width: usize, from: (usize, usize),
 mod tests {
     use super::*;
 
-    /// The same by walking.
-    fn walk(
+    /// The same, one step after another.
+    fn step_through(
         image: &[u32],
         (width, height): (usize, usize),
         from: (usize, usize),
@@ -158,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_find_what_walking_finds_within_and_across_bands() {
+    fn rays_find_what_single_steps_find_within_and_across_bands() {
         for (width, height, every) in [(1, 1, 2), (1, 200, 41), (90, 1, 17), (37, 150, 300), (70, 131, 5)] {
             let image: Vec<u32> = (0..width * height)
                 .map(|i| if (i * 7919 + i / 3) % every == every - 1 { 3 } else { NO_IMAGE })
@@ -166,16 +161,20 @@ mod tests {
             let rays = HoleRays::cast(&image, (width, height));
             for pixel in (0..image.len()).filter(|&pixel| image[pixel] == NO_IMAGE) {
                 let from = (pixel % width, pixel / width);
-                let sight = rays.sight(from);
+                let neighbors = rays.neighbors(from);
                 let seen = |direction: usize| {
-                    let found = sight.distance_px[direction].is_finite();
-                    found.then_some((sight.pixel[direction], sight.distance_px[direction]))
+                    let found = neighbors.distance_px[direction].is_finite();
+                    found.then_some((neighbors.pixel[direction], neighbors.distance_px[direction]))
                 };
                 for (direction, (x, y)) in [(-1, 0), (-1, -1), (0, -1), (1, -1)].into_iter().enumerate() {
-                    assert_eq!(seen(direction), walk(&image, (width, height), from, (x, y)), "{from:?}");
+                    assert_eq!(
+                        seen(direction),
+                        step_through(&image, (width, height), from, (x, y)),
+                        "{from:?}"
+                    );
                     assert_eq!(
                         seen(direction + 4),
-                        walk(&image, (width, height), from, (-x, -y)),
+                        step_through(&image, (width, height), from, (-x, -y)),
                         "{from:?}"
                     );
                 }

@@ -1,4 +1,4 @@
-//! Films: pictures along a camera path, painted in order, and handed to files or to ffmpeg.
+//! Films: pictures along a camera path, rendered in order for files or for ffmpeg.
 
 mod encoder;
 mod path;
@@ -18,15 +18,15 @@ use crate::store::playback::Playback;
 
 /// Where the samples of a film come from.
 #[derive(Clone)]
-pub enum Reel {
+pub enum FilmSource {
     /// All in memory.
     Memory(Arc<SampleSet>),
     /// From a store, frame by frame.
     Disk(Arc<Playback>),
 }
 
-impl Reel {
-    /// Frames there are.
+impl FilmSource {
+    /// The number of frames.
     #[must_use]
     pub fn frame_count(&self) -> usize {
         match self {
@@ -43,13 +43,12 @@ impl Reel {
     }
 }
 
-/// Paints every vantage in order and hands the pictures on, with their place in the list; the next frame is read from disk
-/// while one is painted.
+/// Renders every vantage in order and passes the pictures to `take` with their index. The next frame is read from disk meanwhile.
 ///
 /// # Errors
-/// Whatever reading, painting and `take` give, and `Cancelled`.
+/// Those of reading, rendering and `take`, and `Cancelled`.
 pub fn paint(
-    reel: &Reel,
+    source: &FilmSource,
     vantages: &[Vantage],
     renderer: &mut Renderer,
     settings: &RenderSettings,
@@ -59,10 +58,10 @@ pub fn paint(
     job.start("Painting", vantages.len());
     for (nth, vantage) in vantages.iter().enumerate() {
         job.check()?;
-        let samples = reel.seen_from(vantage, job)?;
-        // A frame that cannot be read ahead says so when it is painted.
-        let ahead = || match (reel, vantages.get(nth + 1)) {
-            (Reel::Disk(playback), Some(next)) => {
+        let samples = source.seen_from(vantage, job)?;
+        // An error in reading ahead returns when that frame is rendered.
+        let ahead = || match (source, vantages.get(nth + 1)) {
+            (FilmSource::Disk(playback), Some(next)) => {
                 playback.read_ahead_from(&next.camera, next.frame..next.frame + 1, job)
             }
             _ => Ok(()),

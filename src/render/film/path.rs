@@ -1,22 +1,21 @@
-//! A camera path: where the camera stands between keys.
+//! A camera path: the pose of the camera between keys.
 //!
-//! Positions follow a cubic Hermite curve through the keys whose velocity at a key is that from the key before to the key
-//! after, which for keys at equal distances in time is the curve of Catmull and Rom (*A class of local interpolating splines*,
-//! 1974); at the ends it is that of the first and the last leg, so that two keys give an even motion on a straight line.
-//! What differs: no key is passed at more than three times the mean speed of the slower leg beside it, the bound that keeps a
-//! cubic between two values from leaving them (Fritsch and Carlson, *Monotone piecewise cubic interpolation*, 1980). Without
-//! it a camera that waits before a long way would start by going backward. The speed is limited, not each coordinate, so that
-//! a path does not depend on how the world's axes lie.
+//! Positions follow a cubic Hermite curve through the keys. The velocity at a key is the mean from the key before to the key
+//! after: for keys at equal times the curve of Catmull and Rom (*A class of local interpolating splines*, 1974). At the ends it
+//! is that of the first and the last leg, so that two keys give an even motion on a straight line. What differs: the speed at a
+//! key is at most three times the mean speed of the slower leg beside it, the bound that keeps a cubic between its end values
+//! (Fritsch and Carlson, *Monotone piecewise cubic interpolation*, 1980). Without it a camera that waits before a long way would
+//! first go backward. The speed is limited, not each coordinate, so that a path does not depend on the world's axes.
 //! Directions turn evenly from key to key (Shoemake, *Animating rotation with quaternion curves*, 1985).
 
 use glam::{DAffine3, DQuat, DVec3};
 
-/// A place on a path.
+/// A pose on a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathKey {
     /// When the camera is there, in any unit; greater than that of the key before.
     pub time: f64,
-    /// How it stands there: a rotation and a position.
+    /// A rotation and a position.
     pub world_from_camera: DAffine3,
 }
 
@@ -37,8 +36,8 @@ pub fn pose_at(keys: &[PathKey], time: f64) -> Option<DAffine3> {
     Some(DAffine3::from_rotation_translation(a.slerp(b, share).normalize(), position))
 }
 
-/// How many times faster than the slower leg beside it a key is passed at most.
-const FASTEST: f64 = 3.0;
+/// The largest speed at a key, in mean speeds of the slower leg beside it.
+const MAX_SPEED_RATIO: f64 = 3.0;
 
 fn velocity(keys: &[PathKey], key: usize) -> DVec3 {
     let mean = |from: usize, to: usize| {
@@ -52,7 +51,7 @@ fn velocity(keys: &[PathKey], key: usize) -> DVec3 {
         return mean(key - 1, key);
     }
     let slower = mean(key - 1, key).length().min(mean(key, key + 1).length());
-    mean(key - 1, key + 1).clamp_length_max(FASTEST * slower)
+    mean(key - 1, key + 1).clamp_length_max(MAX_SPEED_RATIO * slower)
 }
 
 fn hermite([a, b]: [DVec3; 2], [out_of_a, into_b]: [DVec3; 2], share: f64) -> DVec3 {

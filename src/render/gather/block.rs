@@ -1,183 +1,148 @@
-//! The gather stage for one block of pixels: what stands in each, decided at edges by the votes of the cameras; and the color
-//! of every surface point that does.
+//! The gather stage for one block of pixels: which surfaces each pixel shows, decided at edges by the votes of the cameras, and
+//! the color of each of these surface points.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
-use super::silhouette::{Patch, Pixel, Question, RING, SIDE};
-use super::surface_points::SurfacePoints;
-use super::view_weights::{BLOCK, Gather};
-use super::visibility_votes::{VotedPoints, Votes};
-use crate::render::input::{FrameSamples, Windows};
-use crate::render::resolve::Rows;
+use super::interpolate::find_colors;
+use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
+use super::surface_points::{StripPixel, SurfacePoints};
+use super::target::{BLOCK, PictureRows};
+use super::view_weights::SourceViews;
+use super::visibility_votes::{VotedPoints, Votes, vote};
+use crate::render::input::{FrameSamples, TileCaches};
 use crate::render::splat::{inverse_depth_of, slot_of};
 use crate::render::vantage::NO_IMAGE;
 
-/// Most points ask no more cameras than these.
-const ASKED_OFTEN: usize = 3;
+/// Tiles are prefetched for this many cameras, the best ones: most points read no more.
+const PREFETCHED_CAMERAS: usize = 3;
 
-/// What gathering a block needs for a while, and keeps for the next.
+/// Memory that gathering a block needs, kept for the next block.
 #[derive(Debug)]
 pub(crate) struct GatherScratch {
     /// The block and its ring.
     pub(crate) patch: Patch,
-    /// Among the lasting samples, and among all.
-    windows: [Windows; 2],
+    /// Unpacked tiles of the background, and of all samples.
+    caches: [TileCaches; 2],
     cameras: Vec<u16>,
     weights: Vec<(f32, u16)>,
-    /// What is to be decided at edges, in the order of the pixels.
-    questions: Vec<Question>,
-    claims: VotedPoints,
+    /// Pixels at steps in depth, row by row.
+    edge_pixels: Vec<EdgePixel>,
+    voted_points: VotedPoints,
     votes: Vec<Votes>,
     points: SurfacePoints,
 }
 
-/// What was used and may be used again, by one thread each.
-#[derive(Debug, Default)]
-pub(crate) struct Scratches(Mutex<Vec<GatherScratch>>);
-
-/// One of [`Scratches`] on loan.
-pub(crate) struct Borrowed<'a> {
-    scratch: Option<GatherScratch>,
-    home: &'a Scratches,
-}
-
-impl Scratches {
-    /// Forgets what windows show, for another frame or vantage.
-    pub(crate) fn forget(&self) {
-        for scratch in self.idle().iter_mut() {
-            scratch.windows.iter_mut().for_each(Windows::forget);
-        }
-    }
-
-    /// One of them, for so many cameras.
-    pub(crate) fn borrow(&self, cameras: usize) -> Borrowed<'_> {
-        let scratch = self.idle().pop().filter(|scratch| scratch.windows[0].camera_count() == cameras);
-        Borrowed { scratch, home: self }
-    }
-
-    fn idle(&self) -> MutexGuard<'_, Vec<GatherScratch>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Borrowed<'_> {
-    /// What was borrowed, or a new one where there was none.
-    pub(crate) fn get(&mut self, cameras: usize) -> &mut GatherScratch {
-        self.scratch.get_or_insert_with(|| GatherScratch::new(cameras))
-    }
-}
-
-impl Drop for Borrowed<'_> {
-    fn drop(&mut self) {
-        self.home.idle().extend(self.scratch.take());
-    }
-}
-
 impl GatherScratch {
-    /// For so many cameras.
-    fn new(cameras: usize) -> Self {
+    /// Scratch memory for this many cameras.
+    pub(super) fn new(cameras: usize) -> Self {
         Self {
             patch: Patch::empty(),
-            windows: [Windows::new(cameras), Windows::new(cameras)],
+            caches: [TileCaches::new(cameras), TileCaches::new(cameras)],
             cameras: Vec::new(),
             weights: Vec::new(),
-            questions: Vec::new(),
-            claims: VotedPoints::default(),
+            edge_pixels: Vec::new(),
+            voted_points: VotedPoints::default(),
             votes: Vec::new(),
             points: SurfacePoints::new(),
         }
     }
 
-    /// Paints some pixels of the block that is loaded, a mask of columns per row, into the strip of a picture of `width` columns, gathering with
-    /// one of two [`Gather`]s.
+    /// The number of cameras that it was made for.
+    pub(super) fn camera_count(&self) -> usize {
+        self.caches[0].camera_count()
+    }
+
+    /// Empties the tile caches.
+    pub(super) fn forget(&mut self) {
+        self.caches.iter_mut().for_each(TileCaches::forget);
+    }
+
+    /// Paints some pixels of the loaded block, a mask of columns per row, into the rows of a picture. `views` are those of the
+    /// `nth` tile cache.
     #[inline(always)]
     pub(crate) fn gather(
         &mut self,
-        (gather, among): (&Gather<'_>, usize),
-        frame: &FrameSamples<'_>,
+        views: &SourceViews<'_>,
+        nth: usize,
         which: &[u16; BLOCK],
-        (rows, width): (&mut Rows<'_>, usize),
+        rows: &mut PictureRows<'_>,
     ) {
-        let patch = &self.patch;
-        frame.cameras_of(patch.keys.as_flattened(), &mut self.cameras);
-        let middle = patch.keys.as_flattened()[SIDE * SIDE / 2 + SIDE / 2];
+        let (patch, frame) = (&self.patch, views.lookup.frame);
+        let keys = patch.keys.as_flattened();
+        let slots = keys.iter().filter(|key| **key != 0).map(|key| slot_of(*key));
+        frame.cameras_of(slots, &mut self.cameras);
         let center = ((patch.left + BLOCK / 2) as f32, (patch.top + BLOCK / 2) as f32);
-        let (weights, w) = (&mut self.weights, inverse_depth_of(middle).max(0.0));
-        gather.rank(center, w, &mut self.cameras, weights);
-        self.fetch_ahead((gather, among), (patch.left, patch.top), w);
-        let extent = (BLOCK.min(width - patch.left), rows.image.len() / width);
+        let w = inverse_depth_of(keys[SIDE * SIDE / 2 + SIDE / 2]).max(0.0);
+        views.rank(center, w, &mut self.cameras, &mut self.weights);
+        self.prefetch(views, nth, w);
+        let (columns, row_count) = rows.extent(patch.left);
         let mut which = *which;
         for (row, which) in which.iter_mut().enumerate() {
-            *which &= if row < extent.1 { (u32::MAX >> (32 - extent.0)) as u16 } else { 0 };
+            *which &= if row < row_count { (u32::MAX >> (32 - columns)) as u16 } else { 0 };
         }
         let mut edges = patch.edges();
         for (edges, which) in edges.iter_mut().zip(&which) {
             *edges &= which;
         }
-        self.ask(&edges[..extent.1]);
-        gather.vote(&self.claims, &self.cameras, &mut self.windows[among], &mut self.votes);
-        self.settle(frame, (&edges, &which), (rows, width));
-        gather.find(&mut self.points, &self.cameras, &mut self.windows[among]);
-        for nth in 0..self.points.count() {
-            let (key, share, pixel) = self.points.layer(nth);
-            let color = self.points.color(nth, || frame.color_of(slot_of(key)));
-            let sum = &mut rows.color[pixel as usize];
-            (0..3).for_each(|channel| sum[channel] += share * color[channel]);
-        }
+        self.list_edge_pixels(&edges[..row_count]);
+        vote(views, &self.voted_points, &self.cameras, &mut self.caches[nth], &mut self.votes);
+        self.set_surfaces(frame, &edges, &which, rows);
+        find_colors(views, &mut self.points, &self.cameras, &mut self.caches[nth]);
+        self.points.add_colors(rows.color, |key| frame.color_of(slot_of(key)));
     }
 
-    /// Asks for what the next block will read of the cameras that count most for this one, at inverse depth `w`.
+    /// Prefetches the tiles that the next block will read from the cameras that count most for this one, at inverse depth `w`.
     #[inline(always)]
-    fn fetch_ahead(&self, (gather, among): (&Gather<'_>, usize), (left, top): (usize, usize), w: f32) {
-        let right = (left + 2 * BLOCK) as f32;
-        for &camera in self.cameras.iter().take(ASKED_OFTEN) {
-            for y in [top, top + BLOCK] {
-                if let Some(pixel) = gather.pixel_in(camera, (right, y as f32), w) {
-                    self.windows[among].fetch_ahead(&gather.lookup, camera as usize, pixel);
+    fn prefetch(&self, views: &SourceViews<'_>, nth: usize, w: f32) {
+        let right = (self.patch.left + 2 * BLOCK) as f32;
+        for &camera in self.cameras.iter().take(PREFETCHED_CAMERAS) {
+            for y in [self.patch.top, self.patch.top + BLOCK] {
+                if let Some(pixel) = views.pixel_in(camera, (right, y as f32), w) {
+                    self.caches[nth].prefetch(&views.lookup, camera as usize, pixel);
                 }
             }
         }
     }
 
-    /// Lists what is to be decided at edges: a mask of columns per row.
+    /// Lists the pixels at steps in depth, a mask of columns per row, and the points that cameras vote on.
     #[inline(always)]
-    fn ask(&mut self, edges: &[u16]) {
+    fn list_edge_pixels(&mut self, edges: &[u16]) {
         let patch = &self.patch;
-        self.questions.clear();
-        self.claims.clear();
+        self.edge_pixels.clear();
+        self.voted_points.clear();
         for (row, &edges) in edges.iter().enumerate() {
             let mut left = edges;
             while left != 0 {
                 let column = left.trailing_zeros() as usize % BLOCK;
                 left &= left - 1;
-                let question = patch.question(column, row);
-                if let Some(claim) = question.claim() {
+                let edge_pixel = patch.edge_pixel(column, row);
+                if let Some(key) = edge_pixel.voted_key() {
                     let (x, y) = ((patch.left + column) as f32, (patch.top + row) as f32);
-                    self.claims.push(x, y, inverse_depth_of(claim));
+                    self.voted_points.push(x, y, inverse_depth_of(key));
                 }
-                self.questions.push(question);
+                self.edge_pixels.push(edge_pixel);
             }
         }
     }
 
-    /// Sets depth and image of some pixels, a mask of columns per row, and lists their surface points.
+    /// Sets depth and image of the pixels of `which`, of which those of `edges` are decided by the votes, and lists their surface
+    /// points. Both are masks of columns per row.
     #[inline(always)]
-    fn settle(
+    fn set_surfaces(
         &mut self,
         frame: &FrameSamples<'_>,
-        (edges, which): (&[u16; BLOCK], &[u16; BLOCK]),
-        (rows, width): (&mut Rows<'_>, usize),
+        edges: &[u16; BLOCK],
+        which: &[u16; BLOCK],
+        rows: &mut PictureRows<'_>,
     ) {
         let patch = &self.patch;
-        let columns = BLOCK.min(width - patch.left);
-        let (mut questions, mut votes) = (self.questions.iter(), self.votes.iter());
+        let columns = BLOCK.min(rows.width - patch.left);
+        let (mut edge_pixels, mut votes) = (self.edge_pixels.iter(), self.votes.iter());
         self.points.clear();
         for row in (0..BLOCK).filter(|row| which[*row] != 0) {
-            let start = row * width + patch.left;
+            let start = row * rows.width + patch.left;
             let depths = &mut rows.inverse_depth[start..start + columns];
             let images = &mut rows.image[start..start + columns];
             let colors = &mut rows.color[start..start + columns];
-            let first = (patch.left as f32, (patch.top + row) as f32);
+            let first = StripPixel { x: patch.left as f32, y: (patch.top + row) as f32, at: start as u32 };
             if edges[row] == 0
                 && which[row] == u16::MAX
                 && let Some(keys) = patch.keys[row + RING][RING..].first_chunk::<BLOCK>()
@@ -189,37 +154,37 @@ impl GatherScratch {
                     (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
                 }
                 colors.fill([0.0; 3]);
-                self.points.push_row(keys, first, (start as u32, &cameras), depths);
+                self.points.push_row(keys, &cameras, first, depths);
                 continue;
             }
             for column in (0..columns).filter(|column| which[row] >> column & 1 == 1) {
                 colors[column] = [0.0; 3];
+                let pixel =
+                    StripPixel { x: (patch.left + column) as f32, at: (start + column) as u32, ..first };
+                let mut push = |key, share| {
+                    self.points.push(key, frame.camera_of(slot_of(key)), pixel, share);
+                };
                 let mut key = patch.keys[row + RING][column + RING];
-                let place = ((patch.left + column) as f32, (patch.top + row) as f32);
-                let at = (start + column) as u32;
                 if edges[row] >> column & 1 == 1 {
-                    let Some(question) = questions.next() else { continue };
-                    let votes = question.claim().and_then(|_| votes.next().copied());
-                    let pixel = question.answer(votes.unwrap_or_default());
-                    let mut push = |key, share| {
-                        if share > 0.0 {
-                            self.points.push(key, place, (at, share), frame.camera_of(slot_of(key)));
-                        }
-                    };
-                    key = match pixel {
-                        Pixel::Hole => 0,
-                        Pixel::Surface(key) => {
+                    let Some(edge_pixel) = edge_pixels.next() else { continue };
+                    let votes = edge_pixel.voted_key().and_then(|_| votes.next().copied());
+                    key = match edge_pixel.decide(votes.unwrap_or_default()) {
+                        PixelSurfaces::Hole => 0,
+                        PixelSurfaces::One(key) => {
                             push(key, 1.0);
                             key
                         }
-                        Pixel::Edge { near, far, share } => {
-                            push(near, share);
-                            push(far, 1.0 - share);
+                        PixelSurfaces::Two { near, far, share } => {
+                            for (key, share) in [(near, share), (far, 1.0 - share)] {
+                                if share > 0.0 {
+                                    push(key, share);
+                                }
+                            }
                             if share >= 0.5 { near } else { far }
                         }
                     };
                 } else if key != 0 {
-                    self.points.push(key, place, (at, 1.0), frame.camera_of(slot_of(key)));
+                    push(key, 1.0);
                 }
                 depths[column] = inverse_depth_of(key);
                 images[column] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };

@@ -1,117 +1,112 @@
 //! The silhouette stage: where a nearer surface ends.
 //!
 //! A footprint reaches half a pixel of its camera beyond the last sample of a surface, whether the surface does or not, and
-//! the z-buffer keeps what any camera claims: surfaces grow. Here every pixel at a step in depth is put to all cameras: how
-//! much of the 2×2 samples around the claimed point shows that surface, and how much shows what is behind it? The share that
-//! supports the nearer surface is the pixel's blend between the two. Cracks, a pixel of the farther surface between two of
-//! a nearer one, are judged in the same way, and so is the fringe of magnified samples, which covers wider gaps.
+//! the z-buffer keeps what any camera shows: surfaces grow. So at a step in depth all cameras vote: how much of the 2×2 samples
+//! around the point shows the nearer surface there, and how much shows what is behind it? The share that supports the nearer
+//! surface is the pixel's blend between the two. Cracks, a pixel of the farther surface between two of a nearer one, are decided
+//! in the same way, and so is the fringe of magnified samples, which covers wider gaps.
 //!
-//! Source: for free space seen by one camera that overrules what another claims, Merrell et al., *Real-Time Visibility-Based
-//! Fusion of Depth Maps*, ICCV 2007. What differs: votes are bilinear shares instead of counts, so that the boundary comes
-//! out finer than a pixel and is painted as a blend.
+//! Source: for free space seen by one camera that overrules what another shows, Merrell et al., *Real-Time Visibility-Based
+//! Fusion of Depth Maps*, ICCV 2007. What differs: votes are bilinear shares instead of counts, so that the boundary is finer
+//! than a pixel and is painted as a blend.
 
-use super::view_weights::BLOCK;
+use super::target::BLOCK;
 use super::visibility_votes::Votes;
 use crate::render::splat::{CORE, inverse_depth_of, key, nearness, slot_of};
 use crate::simd::joined;
 
-/// A pixel is the nearer surface's by `LEAST + SLOPE · s` for a supporting share `s`. Fitted once to how often the nearer
-/// surface was truly there, on a rendered capture: shares understate it, as samples beside an edge agree less exactly.
-const LEAST: f32 = 0.15;
-const SLOPE: f32 = 1.2;
+/// A pixel is the nearer surface's by `SHARE_OFFSET + SHARE_GAIN · s` for a supporting share `s`. Fitted once to how often the
+/// nearer surface was truly there, on a rendered capture: shares understate it, as samples beside an edge agree less exactly.
+const SHARE_OFFSET: f32 = 0.15;
+const SHARE_GAIN: f32 = 1.2;
 
-/// A surface is carried on beyond its edge as long as it recedes by no more than this many tolerances a pixel.
-const STEEPEST: f32 = 8.0;
+/// A surface is extrapolated beyond its edge if its inverse depth changes by at most this many tolerances a pixel.
+const MAX_SLOPE: f32 = 8.0;
 
-/// Votes that weigh less than this share of what the camera that counts most could say decide nothing.
-const FEWEST_VOTES: f32 = 0.02;
+/// Votes that sum to less than this share of the largest camera weight decide nothing.
+const MIN_VOTES: f32 = 0.02;
 
-/// What stands in a pixel.
+/// The surfaces that a pixel shows, as keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Pixel {
-    /// Nothing, or nothing that bears scrutiny.
+pub(super) enum PixelSurfaces {
+    /// None.
     Hole,
     /// One surface.
-    Surface(u64),
+    One(u64),
     /// A nearer surface over a farther one, and the share of the nearer.
-    Edge { near: u64, far: u64, share: f32 },
+    Two { near: u64, far: u64, share: f32 },
 }
 
-/// What cameras are asked about a pixel at a step in depth.
+/// What is to be decided about a pixel at a step in depth.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Question {
-    /// Nothing.
-    Settled(Pixel),
-    /// Whether two neighbors' nearer surface goes on between them, over `own`; 0 where that is a hole.
+pub(super) enum EdgePixel {
+    /// Nothing: no vote is needed.
+    Decided(PixelSurfaces),
+    /// Whether the nearer surface of two opposite neighbors continues between them, over `own`; 0 if that is a hole.
     Crack { own: u64, crack: u64 },
-    /// How much of it is still `own`'s surface and how much the farther one's; 0 where that is a hole.
+    /// How much of the pixel `own`'s surface covers, and how much the farther one; 0 if that is a hole.
     Rim { own: u64, far: u64 },
 }
 
-impl Question {
-    /// The surface that cameras vote on.
+impl EdgePixel {
+    /// The key of the surface that cameras vote on.
     #[inline(always)]
-    pub(crate) fn claim(&self) -> Option<u64> {
+    pub(super) fn voted_key(&self) -> Option<u64> {
         match *self {
-            Self::Settled(_) => None,
+            Self::Decided(_) => None,
             Self::Crack { crack, .. } => Some(crack),
             Self::Rim { own, .. } => Some(own),
         }
     }
 
-    /// What stands in the pixel, by the votes on what is claimed.
+    /// The surfaces of the pixel, by the votes on [`EdgePixel::voted_key`].
     #[inline(always)]
-    pub(crate) fn answer(&self, votes: Votes) -> Pixel {
-        let decides = votes.all > FEWEST_VOTES * votes.most;
-        let share = decides.then(|| (LEAST + SLOPE * votes.agree / votes.all).clamp(0.0, 1.0));
+    pub(super) fn decide(&self, votes: Votes) -> PixelSurfaces {
+        let decides = votes.total > MIN_VOTES * votes.max_weight;
+        let share = decides.then(|| (SHARE_OFFSET + SHARE_GAIN * votes.agree / votes.total).clamp(0.0, 1.0));
+        let blend = |near, far, share| match far {
+            0 if share < 0.5 => PixelSurfaces::Hole,
+            0 => PixelSurfaces::One(near),
+            far => PixelSurfaces::Two { near, far, share },
+        };
         match *self {
-            Self::Settled(pixel) => pixel,
-            Self::Crack { own, crack } => {
-                let share = share.unwrap_or(1.0);
-                // What the votes do not carry is no crack: the gap is there.
-                match own {
-                    0 if share < 0.5 => Pixel::Hole,
-                    0 => Pixel::Surface(crack),
-                    far if share < 0.5 => Pixel::Surface(far),
-                    far => Pixel::Edge { near: crack, far, share },
-                }
-            }
-            Self::Rim { own, far } => match share {
-                None => Pixel::Surface(own),
-                Some(share) if far == 0 && share < 0.5 => Pixel::Hole,
-                Some(_) if far == 0 => Pixel::Surface(own),
-                Some(share) => Pixel::Edge { near: own, far, share },
+            Self::Decided(pixel) => pixel,
+            Self::Crack { own, crack } => match share.unwrap_or(1.0) {
+                // Without the votes' support there is no crack to close but a real gap.
+                share if share < 0.5 && own != 0 => PixelSurfaces::One(own),
+                share => blend(crack, own, share),
             },
+            Self::Rim { own, far } => share.map_or(PixelSurfaces::One(own), |share| blend(own, far, share)),
         }
     }
 }
 
-/// A key, unless it is of a fringe: 0 then, as of a hole.
+/// A key of a core sample; 0, as for a hole, if it is of a fringe.
 #[inline(always)]
 fn core_of(key: u64) -> u64 {
     if key >> 63 == 1 { key } else { 0 }
 }
 
-/// Pixels around a block that decisions in it look at.
+/// Pixels around a block that decisions in it read.
 pub(crate) const RING: usize = 2;
 
 /// Columns and rows of a block with its ring.
 pub(crate) const SIDE: usize = BLOCK + 2 * RING;
 
-/// The z-buffer of a block of pixels and a ring around it; beyond the picture its border goes on.
+/// The z-buffer of a block of pixels and a ring around it; beyond the picture its outermost pixels repeat.
 #[derive(Debug)]
 pub(crate) struct Patch {
     pub(crate) keys: [[u64; SIDE]; SIDE],
     /// Column and row in the picture of the block's first pixel.
     pub(crate) left: usize,
     pub(crate) top: usize,
-    /// What lies behind this part of an inverse depth is another surface.
+    /// Inverse depths from this share of the nearest one on belong to the same surface.
     pub(crate) surface_ratio: f32,
 }
 
 impl Patch {
-    /// Of holes.
-    pub(crate) fn empty() -> Self {
+    /// A patch of holes.
+    pub(super) fn empty() -> Self {
         Self { keys: [[0; SIDE]; SIDE], left: 0, top: 0, surface_ratio: 1.0 }
     }
 
@@ -123,7 +118,7 @@ impl Patch {
     /// For every pixel of the block whether there is more than one surface, or none, in the 3×3 pixels around it: a mask of
     /// columns per row.
     #[inline(always)]
-    pub(crate) fn edges(&self) -> [u16; BLOCK] {
+    pub(super) fn edges(&self) -> [u16; BLOCK] {
         let (mut far, mut near) = ([[0.0_f32; BLOCK]; SIDE], [[0.0_f32; BLOCK]; SIDE]);
         for (row, keys) in self.keys.iter().enumerate() {
             let mut w = [0.0_f32; SIDE];
@@ -150,27 +145,27 @@ impl Patch {
 
     /// What is to be decided about pixel `(x, y)` of the block.
     #[inline(always)]
-    pub(crate) fn question(&self, x: usize, y: usize) -> Question {
+    pub(super) fn edge_pixel(&self, x: usize, y: usize) -> EdgePixel {
         let own = self.key(x, y, (0, 0));
         let own_w = inverse_depth_of(own);
         if let Some(crack) = self.crack(own_w, x, y) {
-            return Question::Crack { own, crack };
+            return EdgePixel::Crack { own, crack };
         }
         if own == 0 {
-            // What a fringe claims is put to the vote like a crack.
+            // A fringe is voted on like a crack.
             return match self.keys[y + RING][x + RING] {
-                0 => Question::Settled(Pixel::Hole),
-                fringe => Question::Crack { own, crack: fringe | u64::from(CORE) << 32 },
+                0 => EdgePixel::Decided(PixelSurfaces::Hole),
+                fringe => EdgePixel::Crack { own, crack: fringe | u64::from(CORE) << 32 },
             };
         }
         match self.farther(own_w, x, y) {
-            None => Question::Settled(Pixel::Surface(own)),
-            Some(far) => Question::Rim { own, far },
+            None => EdgePixel::Decided(PixelSurfaces::One(own)),
+            Some(far) => EdgePixel::Rim { own, far },
         }
     }
 
-    /// The surface behind `own_w` that a neighbor shows, carried on to `(x, y)`; 0 where only holes are beside the surface,
-    /// `None` where nothing is.
+    /// The farthest surface behind `own_w` that a neighbor shows, extrapolated to `(x, y)`; 0 if the only other neighbors are
+    /// holes, `None` if there are no others.
     #[inline(always)]
     fn farther(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
         let limit = own_w * self.surface_ratio;
@@ -182,7 +177,7 @@ impl Patch {
             if neighbor == 0 || inverse_depth_of(neighbor) >= limit {
                 continue;
             }
-            let w = self.carried_on(neighbor, (x, y), step);
+            let w = self.extrapolated(neighbor, (x, y), step);
             if w < limit && farthest.is_none_or(|(farthest, _)| w < farthest) {
                 farthest = Some((w, key(nearness(w, CORE), slot_of(neighbor))));
             }
@@ -190,17 +185,18 @@ impl Patch {
         farthest.map(|(_, key)| key).or(beside_hole.then_some(0))
     }
 
-    /// Inverse depth at `(x, y)` of the surface that the neighbor in direction `(dx, dy)` shows, by the one behind that.
+    /// Inverse depth at `(x, y)` of the surface that the neighbor in direction `(dx, dy)` shows, extrapolated from the pixel beyond
+    /// that neighbor.
     #[inline(always)]
-    fn carried_on(&self, neighbor: u64, (x, y): (usize, usize), (dx, dy): (isize, isize)) -> f32 {
+    fn extrapolated(&self, neighbor: u64, (x, y): (usize, usize), (dx, dy): (isize, isize)) -> f32 {
         let w = inverse_depth_of(neighbor);
         let beyond = self.key(x, y, (2 * dx, 2 * dy));
         let step = w - inverse_depth_of(beyond);
-        let steepest = STEEPEST * (1.0 - self.surface_ratio) * w;
-        if beyond != 0 && step.abs() <= steepest { (w + step).max(0.0) } else { w }
+        let largest = MAX_SLOPE * (1.0 - self.surface_ratio) * w;
+        if beyond != 0 && step.abs() <= largest { (w + step).max(0.0) } else { w }
     }
 
-    /// The surface before `own_w` that two opposite neighbors show alike.
+    /// The nearest surface in front of `own_w` that two opposite neighbors show.
     #[inline(always)]
     fn crack(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
         let mut nearest: Option<(f32, u64)> = None;

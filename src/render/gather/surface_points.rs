@@ -1,42 +1,56 @@
-//! The surface points of a block of pixels: what the gather stage finds colors for.
+//! The surface points of a block of pixels, and their colors as far as they were found.
 
-use super::view_weights::{BLOCK, ENOUGH, OWN_SHARE};
+use super::target::BLOCK;
 use crate::render::input::LANES;
 use crate::render::splat::inverse_depth_of;
 use crate::simd::mask;
 
-/// Surface points that a block has at most: two in each pixel.
-pub(crate) const MOST: usize = 2 * BLOCK * BLOCK;
+/// Where less than this share of a pixel is covered by interpolated samples, the nearest sample's own color is mixed in.
+const MIN_COVERAGE: f32 = 0.25;
 
-/// The surface points of a block that are to be colored, and what is known of their colors so far.
+/// The weight of the nearest sample's own color for each share of the pixel below [`MIN_COVERAGE`].
+const OWN_SHARE: f32 = 0.2;
+
+/// Most surface points of a block: two in each pixel.
+pub(super) const MOST: usize = 2 * BLOCK * BLOCK;
+
+/// A pixel: column and row in the picture, and its position in the strip.
+#[derive(Clone, Copy)]
+pub(super) struct StripPixel {
+    pub(super) x: f32,
+    pub(super) y: f32,
+    pub(super) at: u32,
+}
+
+/// The surface points of a block, and the sums of their colors.
 #[derive(Debug)]
-pub(crate) struct SurfacePoints {
+pub(super) struct SurfacePoints {
     count: usize,
     /// Columns of their pixels.
-    pub(crate) x: [f32; MOST],
+    pub(super) x: [f32; MOST],
     /// Rows of their pixels.
-    pub(crate) y: [f32; MOST],
+    pub(super) y: [f32; MOST],
     /// Inverse depths.
-    pub(crate) w: [f32; MOST],
+    pub(super) w: [f32; MOST],
     /// Keys of the nearest samples.
     key: [u64; MOST],
-    /// Their cameras.
-    pub(crate) own: [u16; MOST],
-    /// How much each counts in its pixel.
+    /// The cameras of these samples.
+    own: [u16; MOST],
+    /// Share of the pixel that shows the point.
     share: [f32; MOST],
-    /// The pixels, as indices in the strip.
+    /// The pixels, as positions in the strip.
     pixel: [u32; MOST],
     /// Red, green and blue, weighted by `weight`.
-    pub(crate) color: [[f32; MOST]; 3],
-    pub(crate) weight: [f32; MOST],
-    /// Pixels' worth of samples.
-    pub(crate) known: [f32; MOST],
-    /// Points that want one camera.
-    pub(crate) wanting: Vec<u16>,
+    pub(super) color: [[f32; MOST]; 3],
+    pub(super) weight: [f32; MOST],
+    /// Pixels' worth of samples that were added up.
+    pub(super) coverage: [f32; MOST],
+    /// The points that one camera is read for.
+    pub(super) selected: Vec<u16>,
 }
 
 impl SurfacePoints {
-    pub(crate) fn new() -> Self {
+    pub(super) fn new() -> Self {
         let zero = [0.0; MOST];
         Self {
             count: 0,
@@ -49,38 +63,45 @@ impl SurfacePoints {
             pixel: [0; MOST],
             color: [zero; 3],
             weight: zero,
-            known: zero,
-            wanting: Vec::with_capacity(MOST),
+            coverage: zero,
+            selected: Vec::with_capacity(MOST),
         }
     }
 
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// Adds the surface of a key, a sample of camera `own`, in pixel `(x, y)` of the picture: at `pixel` in the strip it counts
-    /// `share`.
+    /// Sets the colors of all points to none.
     #[inline(always)]
-    pub(crate) fn push(&mut self, key: u64, (x, y): (f32, f32), (pixel, share): (u32, f32), own: u16) {
+    pub(super) fn reset_colors(&mut self) {
+        let count = self.count;
+        self.color.iter_mut().for_each(|channel| channel[..count].fill(0.0));
+        self.weight[..count].fill(0.0);
+        self.coverage[..count].fill(0.0);
+    }
+
+    /// Adds the surface of a key, a sample of camera `own`, which takes `share` of a pixel.
+    #[inline(always)]
+    pub(super) fn push(&mut self, key: u64, own: u16, pixel: StripPixel, share: f32) {
         let at = self.count % MOST;
         self.count = at + 1;
-        self.x[at] = x;
-        self.y[at] = y;
+        self.x[at] = pixel.x;
+        self.y[at] = pixel.y;
         self.w[at] = inverse_depth_of(key);
         self.key[at] = key;
         self.own[at] = own;
         self.share[at] = share;
-        self.pixel[at] = pixel;
+        self.pixel[at] = pixel.at;
     }
 
-    /// Adds the surfaces of a row of pixels from `(x, y)` on, `pixel` in the strip, each alone in its pixel. Sets their inverse
-    /// depths.
+    /// Adds the surfaces of a row of pixels, each alone in its pixel, and writes their inverse depths.
     #[inline(always)]
-    pub(crate) fn push_row(
+    pub(super) fn push_row(
         &mut self,
         keys: &[u64; BLOCK],
-        (x, y): (f32, f32),
-        (pixel, cameras): (u32, &[u16; BLOCK]),
+        cameras: &[u16; BLOCK],
+        first: StripPixel,
         depths: &mut [f32; BLOCK],
     ) {
         let at = self.count.min(MOST - BLOCK);
@@ -90,11 +111,11 @@ impl SurfacePoints {
         }
         let (mut columns, mut pixels) = ([0.0; BLOCK], [0; BLOCK]);
         for i in 0..BLOCK {
-            columns[i] = x + i as f32;
-            pixels[i] = pixel + i as u32;
+            columns[i] = first.x + i as f32;
+            pixels[i] = first.at + i as u32;
         }
         self.x[at..at + BLOCK].copy_from_slice(&columns);
-        self.y[at..at + BLOCK].fill(y);
+        self.y[at..at + BLOCK].fill(first.y);
         self.w[at..at + BLOCK].copy_from_slice(depths);
         self.key[at..at + BLOCK].copy_from_slice(keys);
         self.own[at..at + BLOCK].copy_from_slice(cameras);
@@ -102,77 +123,71 @@ impl SurfacePoints {
         self.pixel[at..at + BLOCK].copy_from_slice(&pixels);
     }
 
-    /// How many there are.
+    /// Adds the color of each point to its pixel, by its share. Where coverage is low, the color of the nearest sample, which
+    /// `own_color` gives by its key, is mixed in.
     #[inline(always)]
-    pub(crate) fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Key, share and pixel of a point.
-    #[inline(always)]
-    pub(crate) fn layer(&self, at: usize) -> (u64, f32, u32) {
-        let at = at % MOST;
-        (self.key[at], self.share[at], self.pixel[at])
-    }
-
-    /// The color of a point; `own`, that of the nearest sample, stands in where too little is known.
-    #[inline(always)]
-    pub(crate) fn color(&self, at: usize, own: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
-        let at = at % MOST;
-        let (mut sum, mut total) = ([0, 1, 2].map(|channel: usize| self.color[channel][at]), self.weight[at]);
-        let known = self.known[at];
-        if known < ENOUGH {
-            let lack = if known > 0.0 { (ENOUGH - known) * OWN_SHARE * total / known } else { 1.0 };
-            let own = own();
-            (0..3).for_each(|channel| sum[channel] += own[channel] * lack);
-            total += lack;
+    pub(super) fn add_colors(&self, pixels: &mut [[f32; 3]], own_color: impl Fn(u64) -> [f32; 3]) {
+        for at in (0..self.count).map(|at| at % MOST) {
+            let mut sum = [0, 1, 2].map(|channel: usize| self.color[channel][at]);
+            let (mut weight, coverage) = (self.weight[at], self.coverage[at]);
+            if coverage < MIN_COVERAGE {
+                let lack = if coverage > 0.0 {
+                    (MIN_COVERAGE - coverage) * OWN_SHARE * weight / coverage
+                } else {
+                    1.0
+                };
+                let own = own_color(self.key[at]);
+                (0..3).for_each(|channel| sum[channel] += own[channel] * lack);
+                weight += lack;
+            }
+            let pixel = &mut pixels[self.pixel[at] as usize];
+            (0..3).for_each(|channel| pixel[channel] += self.share[at] * (sum[channel] / weight));
         }
-        sum.map(|channel| channel / total)
     }
 
-    /// Lists the points that are in the mask of sixteen which `wants` gives from each sixteenth point on; false where there is
-    /// none.
+    /// Selects points by `wants`, which gives a mask of the sixteen points from an index on. Returns whether there are any.
     #[inline(always)]
-    fn list(&mut self, wants: impl Fn(&Self, usize) -> u32) -> bool {
-        self.wanting.clear();
+    fn select(&mut self, wants: impl Fn(&Self, usize) -> u32) -> bool {
+        self.selected.clear();
         for first in (0..self.count).step_by(LANES) {
             let there = u32::MAX >> (32 - LANES.min(self.count - first));
             let mut which = there & wants(self, first.min(MOST - LANES));
             if which == u32::MAX >> (32 - LANES) {
-                self.wanting.extend_from_slice(&std::array::from_fn::<u16, LANES, _>(|i| (first + i) as u16));
+                self.selected
+                    .extend_from_slice(&std::array::from_fn::<u16, LANES, _>(|i| (first + i) as u16));
                 continue;
             }
             while which != 0 {
-                self.wanting.push((first as u32 + which.trailing_zeros()) as u16);
+                self.selected.push((first as u32 + which.trailing_zeros()) as u16);
                 which &= which - 1;
             }
         }
-        !self.wanting.is_empty()
+        !self.selected.is_empty()
     }
 
-    /// Lists the points whose nearest sample is a camera's; false where there is none.
+    /// Selects the points whose nearest sample is a camera's. Returns whether there are any.
     #[inline(always)]
-    pub(crate) fn list_own(&mut self, camera: u16) -> bool {
-        self.list(|points, first| {
+    pub(super) fn select_own(&mut self, camera: u16) -> bool {
+        self.select(|points, first| {
             let own = sixteen(&points.own, first);
             mask(|i| own[i] == camera)
         })
     }
 
-    /// Lists the points of which less is known than `many`, but for those of a camera; false where there is none.
+    /// Selects the points whose coverage is below `full`, except those of one camera. Returns whether there are any.
     #[inline(always)]
-    pub(crate) fn list_open(&mut self, many: f32, except: Option<u16>) -> bool {
-        self.list(|points, first| {
-            let known = sixteen(&points.known, first);
-            let open = mask(|i| known[i] < many);
-            let Some(camera) = except.filter(|_| open != 0) else { return open };
+    pub(super) fn select_uncovered(&mut self, full: f32, except: Option<u16>) -> bool {
+        self.select(|points, first| {
+            let coverage = sixteen(&points.coverage, first);
+            let uncovered = mask(|i| coverage[i] < full);
+            let Some(camera) = except.filter(|_| uncovered != 0) else { return uncovered };
             let own = sixteen(&points.own, first);
-            open & mask(|i| own[i] != camera)
+            uncovered & mask(|i| own[i] != camera)
         })
     }
 }
 
-/// Sixteen numbers out of many.
+/// Sixteen values from `first` on.
 #[inline(always)]
 fn sixteen<T: Copy + Default>(numbers: &[T; MOST], first: usize) -> [T; LANES] {
     numbers[first..].first_chunk::<LANES>().copied().unwrap_or_default()

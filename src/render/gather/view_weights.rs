@@ -1,73 +1,51 @@
-//! The gather stage: surface first, color second.
-//!
-//! The surface stage says at which depth the surface lies in each pixel. Here that surface point is carried back into the
-//! cameras, and its color interpolated among their samples: bilinearly over the 2×2 samples around it, as far as they lie on
-//! the same surface, averaged over cameras by sampling rate and viewing angle. Each camera first corrects the depth by its
-//! own samples, so that noise and small misalignments between cameras blur nothing.
-//!
-//! Source: backward warping with per-view weights is that of Buehler et al., *Unstructured Lumigraph Rendering*, SIGGRAPH
-//! 2001, §4 (angle and resolution penalties). What differs: the proxy is the z-buffer of the samples themselves, weights are
-//! taken per pixel instead of per vertex, and samples that pruning removed are left out one by one.
+//! The cameras that colors are gathered from, and how much each counts for a surface point.
 
 use glam::Vec3;
 
 use crate::capture::Camera;
 use crate::render::geometry::{Projector, focal, rays_in_world};
-use crate::render::input::{CellTable, FrameSamples, Lookup};
-use crate::samples::TILE;
+use crate::render::input::{CellTable, FrameSamples, LANES, LaneValues, Lookup};
 
-/// Sampling rates beyond this many times that of the vantage gain nothing: the picture cannot show more.
-pub(crate) const USEFUL_RATE: f32 = 1.5;
+/// A higher sampling rate than this many times the vantage's gains nothing: the picture cannot show more.
+const USEFUL_RATE: f32 = 1.5;
 
-/// Where less than this share of a pixel is known by interpolation, the nearest sample's own color stands in.
-pub(crate) const ENOUGH: f32 = 0.25;
+/// No further camera is read once this many pixels' worth of samples are found; the best come first. In a set that was not
+/// pruned two cameras average noise and aliasing; pruning leaves one per surface, and reading a second finds little.
+const FULL_COVERAGE: f32 = 1.99;
+const FULL_COVERAGE_PRUNED: f32 = 0.99;
 
-/// How much the nearest sample's own color counts for each part that is lacking.
-pub(crate) const OWN_SHARE: f32 = 0.2;
-
-/// Samples whose 2×2 neighbors lie on another surface may be blended with it: they count less than clean ones.
-pub(crate) const BESIDE_EDGE: f32 = 0.3;
-
-/// No further camera is asked once this many pixels' worth of samples are known; the best come first. Where nothing was
-/// pruned two cameras average noise and aliasing; where pruning left one per surface, asking for a second finds little.
-const MANY: f32 = 1.99;
-const MANY_PRUNED: f32 = 0.99;
-
-/// Depths that differ by less than this part of the tolerance are taken as equal.
-pub(crate) const EXACT: f32 = 0.005;
-
-/// A sub-pixel is at most this many samples wide. A recorded pixel, itself a box one sample wide, and the tent that interpolates
-/// it have together the variance of a box 1.7 wide (1/12 + 1/6 = 1.7²/12), so that no picture is blurred by one look-up up to
-/// there, nor sharper than by two of them until 2.2; up to 2.5 the difference cannot be measured.
-pub(crate) const SUBPIXEL_WIDTH: f32 = 2.5;
-
-/// Sub-pixels along each side of a pixel that is interpolated in a picture of higher sampling rate, at most.
-pub(crate) const MAX_SUBPIXELS: f32 = 4.0;
-
-/// A camera and its place beside the vantage.
-pub(crate) struct WeightedView {
-    pub(crate) camera: usize,
-    pub(crate) source_from_target: Projector,
-    pub(crate) target_from_source: Projector,
+/// A camera and its position relative to the vantage.
+pub(super) struct SourceView {
+    pub(super) camera: usize,
+    pub(super) source_from_target: Projector,
+    pub(super) target_from_source: Projector,
     /// From the camera's center to the vantage's, in world space.
     offset_in_world: Vec3,
-    /// What lies within this relative difference of inverse depth is one surface.
-    pub(crate) tolerance: f32,
+    /// Inverse depths that differ by no more than this share belong to one surface.
+    pub(super) tolerance: f32,
 }
 
-/// Finds colors of surface points among the samples of a frame.
-pub(crate) struct Gather<'a> {
-    pub(crate) lookup: Lookup<'a>,
-    pub(crate) views: Vec<WeightedView>,
+/// Surface points sixteen at a time: columns and rows of their pixels and inverse depths, in the vantage.
+#[derive(Clone, Copy)]
+pub(super) struct TargetPoints {
+    pub(super) x: LaneValues,
+    pub(super) y: LaneValues,
+    pub(super) w: LaneValues,
+}
+
+/// The cameras of a frame as the vantage sees them, and their samples.
+pub(crate) struct SourceViews<'a> {
+    pub(super) lookup: Lookup<'a>,
+    pub(super) views: Vec<SourceView>,
     /// Whether samples that others represent were dropped.
-    pub(crate) pruned: bool,
-    /// [`MANY`] or [`MANY_PRUNED`].
-    pub(crate) many: f32,
+    pub(super) pruned: bool,
+    /// [`FULL_COVERAGE`] or [`FULL_COVERAGE_PRUNED`].
+    pub(super) full_coverage: f32,
     /// World-space ray of the first pixel's center, and its growth by column and row.
     rays_in_world: [Vec3; 3],
 }
 
-impl<'a> Gather<'a> {
+impl<'a> SourceViews<'a> {
     /// Over the tiles of a table; `depth_tolerance` in footprints.
     pub(crate) fn new(
         frame: &'a FrameSamples<'a>,
@@ -76,7 +54,7 @@ impl<'a> Gather<'a> {
         depth_tolerance: f32,
     ) -> Self {
         let center = target.position_in_world();
-        let view = |(camera, source): (usize, &Camera)| WeightedView {
+        let view = |(camera, source): (usize, &Camera)| SourceView {
             camera,
             source_from_target: Projector::new(target, source),
             target_from_source: Projector::new(source, target),
@@ -86,16 +64,16 @@ impl<'a> Gather<'a> {
         let pruned = frame.is_pruned();
         Self {
             pruned,
-            many: if pruned { MANY_PRUNED } else { MANY },
+            full_coverage: if pruned { FULL_COVERAGE_PRUNED } else { FULL_COVERAGE },
             lookup: Lookup { table, frame },
             views: frame.set.cameras.iter().enumerate().map(view).collect(),
             rays_in_world: rays_in_world(target, 0.5),
         }
     }
 
-    /// Sorts cameras by how much they count for the surface at inverse depth `w` in pixel `(x, y)`, most first.
+    /// Sorts cameras by their weight for the surface at inverse depth `w` in pixel `(x, y)`, largest first.
     #[inline(always)]
-    pub(crate) fn rank(
+    pub(super) fn rank(
         &self,
         (x, y): (f32, f32),
         w: f32,
@@ -105,7 +83,7 @@ impl<'a> Gather<'a> {
         weights.clear();
         weights.extend(cameras.iter().map(|&camera| {
             let view = &self.views[camera as usize];
-            let point = view.source_from_target.ray(x, y) + view.source_from_target.origin * w;
+            let point = view.source_from_target.point(x, y, w);
             let weight = if point.z > 0.0 { self.weight(view, 1.0 / point.z, (x, y), w) } else { 0.0 };
             (weight, camera)
         }));
@@ -113,27 +91,41 @@ impl<'a> Gather<'a> {
         cameras.iter_mut().zip(weights).for_each(|(camera, (_, ranked))| *camera = *ranked);
     }
 
-    /// The pixel of a camera that shows the surface at inverse depth `w` in pixel `(x, y)`, be it beside the camera's picture.
+    /// The pixel of a camera that shows the surface at inverse depth `w` in pixel `(x, y)`; it may lie outside the camera's
+    /// picture. `None` behind the camera.
     #[inline(always)]
-    pub(crate) fn pixel_in(&self, camera: u16, (x, y): (f32, f32), w: f32) -> Option<(i32, i32)> {
-        let there = &self.views[camera as usize].source_from_target;
-        let point = there.ray(x, y) + there.origin * w;
+    pub(super) fn pixel_in(&self, camera: u16, (x, y): (f32, f32), w: f32) -> Option<(i32, i32)> {
+        let point = self.views[camera as usize].source_from_target.point(x, y, w);
         let (u, v) = (point.x / point.z, point.y / point.z);
         (point.z > 0.0 && u.abs().max(v.abs()) < 1e6).then_some((u as i32, v as i32))
     }
 
-    /// How much a camera counts: the squared sampling rate, as far as it is of use, times the cosine between its line of
-    /// sight and the vantage's.
+    /// The weights of a camera for sixteen points, whose distances are given as in [`ReprojectedPoints`].
+    ///
+    /// [`ReprojectedPoints`]: super::reproject::ReprojectedPoints
     #[inline(always)]
-    pub(crate) fn weight(&self, view: &WeightedView, reciprocal: f32, (x, y): (f32, f32), w: f32) -> f32 {
+    pub(super) fn weights(
+        &self,
+        view: &SourceView,
+        distance_ratio: &LaneValues,
+        points: &TargetPoints,
+    ) -> LaneValues {
+        let mut weights = [0.0; LANES];
+        for i in 0..LANES {
+            weights[i] = self.weight(view, distance_ratio[i], (points.x[i], points.y[i]), points.w[i]);
+        }
+        weights
+    }
+
+    /// The weight of a camera: the squared sampling rate, up to [`USEFUL_RATE`], times the cosine between its line of sight and
+    /// the vantage's.
+    #[inline(always)]
+    fn weight(&self, view: &SourceView, distance_ratio: f32, (x, y): (f32, f32), w: f32) -> f32 {
         let [first, across, down] = self.rays_in_world;
         let ray = first + across * x + down * y;
         let sight = ray + view.offset_in_world * w;
         let cosine = ray.dot(sight) / (ray.length_squared() * sight.length_squared()).sqrt();
-        let rate = (view.source_from_target.focal_ratio * reciprocal).min(USEFUL_RATE);
+        let rate = (view.source_from_target.focal_ratio * distance_ratio).min(USEFUL_RATE);
         rate * rate * cosine.max(0.01)
     }
 }
-
-/// Columns and rows of the blocks of the picture that share a list of cameras.
-pub(crate) const BLOCK: usize = TILE;

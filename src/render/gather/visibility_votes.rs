@@ -1,47 +1,48 @@
-//! Votes: how cameras see surface points of the vantage, sixteen at a time. What is made of them: [`super::silhouette`].
+//! Votes of the cameras on whether surface points of the vantage are visible, sixteen at a time. [`super::silhouette`] decides
+//! by them.
 
-use super::reproject::{agrees, bilinear, carried};
-use super::view_weights::Gather;
-use crate::render::input::{LANES, LaneValues, Windows};
+use super::reproject::{ReprojectedPoints, agrees, bilinear};
+use super::view_weights::{SourceViews, TargetPoints};
+use crate::render::input::{LANES, LaneValues, TileCaches};
 
-/// Samples beside agreeing ones that say nothing count this much, half for the surface and half against it.
-const SILENCE: f32 = 0.5;
+/// The weight of samples that show nothing, beside agreeing ones: half of it counts for the surface and half against it.
+const UNKNOWN_WEIGHT: f32 = 0.5;
 
-/// Surface points that are put to the vote.
+/// Surface points that cameras vote on.
 #[derive(Debug, Default)]
-pub(crate) struct VotedPoints {
+pub(super) struct VotedPoints {
     /// Columns of their pixels.
-    pub(crate) x: Vec<f32>,
+    x: Vec<f32>,
     /// Rows of their pixels.
-    pub(crate) y: Vec<f32>,
+    y: Vec<f32>,
     /// Inverse depths.
-    pub(crate) w: Vec<f32>,
+    w: Vec<f32>,
 }
 
 /// Votes on a surface point.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Votes {
-    /// What speaks for it.
-    pub(crate) agree: f32,
-    /// Everything that is said.
-    pub(crate) all: f32,
-    /// What the camera that counts most could say.
-    pub(crate) most: f32,
+pub(super) struct Votes {
+    /// Sum of the votes for it.
+    pub(super) agree: f32,
+    /// Sum of all votes.
+    pub(super) total: f32,
+    /// The largest weight of a camera.
+    pub(super) max_weight: f32,
 }
 
 impl VotedPoints {
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         [&mut self.x, &mut self.y, &mut self.w].into_iter().for_each(Vec::clear);
     }
 
-    pub(crate) fn push(&mut self, x: f32, y: f32, w: f32) {
+    pub(super) fn push(&mut self, x: f32, y: f32, w: f32) {
         self.x.push(x);
         self.y.push(y);
         self.w.push(w);
     }
 }
 
-/// Some numbers from `first` on, 0 where there are no more.
+/// Sixteen values from `first` on, 0 beyond the end.
 #[inline(always)]
 fn lanes(numbers: &[f32], first: usize) -> LaneValues {
     let mut lanes = [0.0; LANES];
@@ -50,77 +51,75 @@ fn lanes(numbers: &[f32], first: usize) -> LaneValues {
     lanes
 }
 
-impl Gather<'_> {
-    /// The votes of `cameras` on some points.
-    #[inline(always)]
-    pub(crate) fn vote(
-        &self,
-        points: &VotedPoints,
-        cameras: &[u16],
-        windows: &mut Windows,
-        votes: &mut Vec<Votes>,
-    ) {
-        votes.clear();
-        let count = points.x.len();
-        for first in (0..count).step_by(LANES) {
-            let (x, y, w) = (lanes(&points.x, first), lanes(&points.y, first), lanes(&points.w, first));
-            let asked = u32::MAX >> (32 - LANES.min(count - first));
-            let mut heard = [[0.0; LANES]; 3];
-            for &camera in cameras {
-                self.hear(camera, [&x, &y, &w], asked, windows, &mut heard);
-            }
-            let [agree, all, most] = heard;
-            let votes_on = |i: usize| Votes { agree: agree[i], all: all[i], most: most[i] };
-            votes.extend((0..LANES.min(count - first)).map(votes_on));
+/// The votes of `cameras` on some points.
+#[inline(always)]
+pub(super) fn vote(
+    views: &SourceViews<'_>,
+    points: &VotedPoints,
+    cameras: &[u16],
+    caches: &mut TileCaches,
+    votes: &mut Vec<Votes>,
+) {
+    votes.clear();
+    let count = points.x.len();
+    for first in (0..count).step_by(LANES) {
+        let (x, y, w) = (lanes(&points.x, first), lanes(&points.y, first), lanes(&points.w, first));
+        let which = u32::MAX >> (32 - LANES.min(count - first));
+        let mut sums = [[0.0; LANES]; 3];
+        for &camera in cameras {
+            add_votes(views, camera, &TargetPoints { x, y, w }, which, caches, &mut sums);
         }
+        let [agree, total, max_weight] = sums;
+        let votes_on = |i: usize| Votes { agree: agree[i], total: total[i], max_weight: max_weight[i] };
+        votes.extend((0..LANES.min(count - first)).map(votes_on));
     }
+}
 
-    /// Adds the votes of one camera: shares of the 2×2 samples around a point that show the surface there, and that show
-    /// something behind it. What is hidden by something nearer, or was pruned, says nothing.
-    ///
-    /// A sample does not count as agreeing where the surface that the camera saw lies elsewhere in the vantage, by half a
-    /// pixel and more: there it is another part of the surface, which only happens to be as far away.
-    #[inline(always)]
-    fn hear(
-        &self,
-        camera: u16,
-        [x, y, w]: [&LaneValues; 3],
-        asked: u32,
-        windows: &mut Windows,
-        [agree, all, most]: &mut [LaneValues; 3],
-    ) {
-        let view = &self.views[camera as usize];
-        let places = self.places(view, x, y, w);
-        let asked = asked & places.inside;
-        if asked == 0 {
-            return;
+/// Adds the votes of one camera: shares of the 2×2 samples around a point that show the surface there, and that show
+/// something behind it. Samples of something nearer, and missing samples, count for neither.
+///
+/// An agreeing sample counts less the farther the surface that it shows lies from the pixel in the vantage, and nothing from one
+/// pixel on: it is then another part of the surface that happens to be as far away.
+#[inline(always)]
+fn add_votes(
+    views: &SourceViews<'_>,
+    camera: u16,
+    points: &TargetPoints,
+    which: u32,
+    caches: &mut TileCaches,
+    [agree, total, max_weight]: &mut [LaneValues; 3],
+) {
+    let view = &views.views[camera as usize];
+    let at = ReprojectedPoints::new(&views.lookup, view, points);
+    let which = which & at.inside;
+    if which == 0 {
+        return;
+    }
+    let quads = caches.quads::<false>(&views.lookup, view.camera, &at.corners(), which);
+    let weights = views.weights(view, &at.distance_ratio, points);
+    for i in 0..LANES {
+        let expected = at.expected[i];
+        let limit = expected * view.tolerance;
+        let shares = bilinear(at.along[i], at.down[i]);
+        let (mut agreeing, mut behind, mut unknown, mut depth) = (0.0, 0.0, 0.0, 0.0);
+        for corner in 0..4 {
+            let (found, share) = (quads.depth[corner][i], shares[corner]);
+            let agrees = agrees(found, expected, limit);
+            let is_behind = !agrees & (found >= 0.0) & (found < expected);
+            agreeing += if agrees { share } else { 0.0 };
+            depth += if agrees { share * found } else { 0.0 };
+            behind += if is_behind { share } else { 0.0 };
+            unknown += if agrees | is_behind { 0.0 } else { share };
         }
-        let quads = windows.quads::<false>(&self.lookup, view.camera, &places.corners(), asked);
-        let weights = self.weights(view, &places.reciprocal, [x, y, w]);
-        for i in 0..LANES {
-            let expected = places.expected[i];
-            let limit = expected * view.tolerance;
-            let shares = bilinear(places.along[i], places.down[i]);
-            let (mut agreeing, mut through, mut silent, mut depth) = (0.0, 0.0, 0.0, 0.0);
-            for corner in 0..4 {
-                let (found, share) = (quads.depth[corner][i], shares[corner]);
-                let agrees = agrees(found, expected, limit);
-                let is_behind = !agrees & (found >= 0.0) & (found < expected);
-                agreeing += if agrees { share } else { 0.0 };
-                depth += if agrees { share * found } else { 0.0 };
-                through += if is_behind { share } else { 0.0 };
-                silent += if agrees | is_behind { 0.0 } else { share };
-            }
-            let (column, row) = (places.left[i] + places.along[i], places.above[i] + places.down[i]);
-            let seen = carried(&view.target_from_source, column, row, depth / agreeing);
-            let off = (seen[0] / seen[2] - x[i] - 0.5).abs().max((seen[1] / seen[2] - y[i] - 0.5).abs());
-            let doubt = if agreeing > 0.0 { agreeing * off.min(1.0) } else { 0.0 };
-            let silent = if agreeing - doubt > 0.0 { SILENCE * silent } else { 0.0 };
-            let (agreeing, through) = (agreeing - doubt, through + doubt);
-            let is_asked = asked >> i & 1 == 1;
-            agree[i] += if is_asked { weights[i] * (agreeing + 0.5 * silent) } else { 0.0 };
-            all[i] += if is_asked { weights[i] * (agreeing + through + silent) } else { 0.0 };
-            most[i] = most[i].max(if is_asked { weights[i] } else { 0.0 });
-        }
+        let (column, row) = (at.left[i] + at.along[i], at.above[i] + at.down[i]);
+        let seen = view.target_from_source.point(column, row, depth / agreeing);
+        let (dx, dy) = (seen.x / seen.z - points.x[i] - 0.5, seen.y / seen.z - points.y[i] - 0.5);
+        let displaced = if agreeing > 0.0 { agreeing * dx.abs().max(dy.abs()).min(1.0) } else { 0.0 };
+        let unknown = if agreeing - displaced > 0.0 { UNKNOWN_WEIGHT * unknown } else { 0.0 };
+        let (agreeing, behind) = (agreeing - displaced, behind + displaced);
+        let is_asked = which >> i & 1 == 1;
+        agree[i] += if is_asked { weights[i] * (agreeing + 0.5 * unknown) } else { 0.0 };
+        total[i] += if is_asked { weights[i] * (agreeing + behind + unknown) } else { 0.0 };
+        max_weight[i] = max_weight[i].max(if is_asked { weights[i] } else { 0.0 });
     }
 }

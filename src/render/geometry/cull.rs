@@ -1,10 +1,9 @@
 //! Culling: which tiles of samples can touch which rows of the vantage.
 //!
 //! A tile and the bounds of its depths make a box, `(column, row, inverse depth)`, whose projection lies between those of its
-//! eight corners as long as all of them are in front of the vantage. The picture is cut into bands of rows; a band's list
-//! holds the tiles that may touch it, in the order of the samples. Each band is painted by one thread into rows of its own: no
-//! two threads write to one cache line, no buffer is merged, and sums run in the order of the samples whatever the number of
-//! threads.
+//! eight corners if all of them are in front of the vantage. The picture is cut into bands of rows, each with a list of the
+//! tiles that may touch it, in the order of the samples. One thread paints each band: threads share no cache line, no buffer is
+//! merged, and sums run in the order of the samples for any number of threads.
 
 use std::ops::Range;
 
@@ -16,7 +15,7 @@ use crate::render::input::{FrameSamples, FrameTile};
 use crate::samples::TILE;
 use crate::simd::{self, VectorLoop};
 
-/// Pixels `[left, right) × [top, bottom)` of the target that a tile may touch, cut to the picture.
+/// Pixels `[left, right) × [top, bottom)` of the target that a tile may touch, clipped to the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct TileBounds {
     pub(crate) left: u32,
@@ -26,7 +25,7 @@ pub(crate) struct TileBounds {
 }
 
 impl TileBounds {
-    /// Whether there is no pixel in it.
+    /// Whether it contains no pixel.
     pub(crate) fn is_empty(self) -> bool {
         self.left >= self.right || self.top >= self.bottom
     }
@@ -43,16 +42,16 @@ pub(crate) struct RowBand {
 /// How far from the projected pixel of a sample its footprint reaches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FootprintReach {
-    /// In target pixels, at least.
+    /// In target pixels.
     pub(crate) pixels: f32,
-    /// In projected source pixels.
+    /// Added to it, in projected source pixels.
     pub(crate) source_pixels: f32,
 }
 
 /// Tiles that are bounded together.
-const TOGETHER: usize = 16;
+const LANES: usize = 16;
 
-/// Where each of some tiles may touch the target, in their order; empty where they cannot.
+/// The pixels of the target that each tile may touch; empty if none.
 pub(crate) fn bounds(
     frame: &FrameSamples<'_>,
     tiles: Range<usize>,
@@ -62,12 +61,12 @@ pub(crate) fn bounds(
 ) -> Vec<TileBounds> {
     let tiles = frame.tiles(tiles);
     let mut bounds = vec![TileBounds::default(); tiles.len()];
-    let parts = bounds.par_chunks_mut(64 * TOGETHER).zip(tiles.par_chunks(64 * TOGETHER));
-    parts.for_each(|(bounds, tiles)| simd::run(Bounding { tiles, projectors, target, reach, bounds }));
+    let parts = bounds.par_chunks_mut(64 * LANES).zip(tiles.par_chunks(64 * LANES));
+    parts.for_each(|(bounds, tiles)| simd::run(BoundTiles { tiles, projectors, target, reach, bounds }));
     bounds
 }
 
-struct Bounding<'a> {
+struct BoundTiles<'a> {
     tiles: &'a [FrameTile<'a>],
     projectors: &'a [Projector],
     target: &'a Camera,
@@ -75,32 +74,32 @@ struct Bounding<'a> {
     bounds: &'a mut [TileBounds],
 }
 
-impl VectorLoop for Bounding<'_> {
+impl VectorLoop for BoundTiles<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        for (tiles, bounds) in self.tiles.chunks(TOGETHER).zip(self.bounds.chunks_mut(TOGETHER)) {
-            let boxes = Boxes::of(tiles, self.projectors);
+        for (tiles, bounds) in self.tiles.chunks(LANES).zip(self.bounds.chunks_mut(LANES)) {
+            let boxes = TileBoxes::of(tiles, self.projectors);
             boxes.bounds(self.target, self.reach, bounds);
         }
     }
 }
 
-/// Boxes of `(column, row, inverse depth)` in the target before the division, one a lane.
-struct Boxes {
+/// Boxes of `(column, row, inverse depth)` in the target before the division, one per lane.
+struct TileBoxes {
     /// The first corner.
-    corner: [[f32; TOGETHER]; 3],
+    corner: [[f32; LANES]; 3],
     /// The edges along columns, rows and inverse depths.
-    edges: [[[f32; TOGETHER]; 3]; 3],
-    focal_ratio: [f32; TOGETHER],
+    edges: [[[f32; LANES]; 3]; 3],
+    focal_ratio: [f32; LANES],
 }
 
-impl Boxes {
+impl TileBoxes {
     #[inline(always)]
     fn of(tiles: &[FrameTile<'_>], projectors: &[Projector]) -> Self {
-        let zero = [[0.0; TOGETHER]; 3];
-        let mut boxes = Self { corner: zero, edges: [zero; 3], focal_ratio: [0.0; TOGETHER] };
+        let zero = [[0.0; LANES]; 3];
+        let mut boxes = Self { corner: zero, edges: [zero; 3], focal_ratio: [0.0; LANES] };
         for (lane, tile) in tiles.iter().enumerate() {
             let projector = &projectors[tile.camera as usize];
             let (far, near) = tile.depths.bounds();
@@ -122,12 +121,12 @@ impl Boxes {
 
     #[inline(always)]
     fn bounds(&self, target: &Camera, reach: FootprintReach, bounds: &mut [TileBounds]) {
-        let all = |value: f32| [value; TOGETHER];
+        let all = |value: f32| [value; LANES];
         let (mut min, mut max) = ([all(f32::INFINITY); 2], [all(f32::NEG_INFINITY); 2]);
-        let (mut nearest_z, mut behind) = (all(f32::INFINITY), [0_u32; TOGETHER]);
+        let (mut nearest_z, mut behind) = (all(f32::INFINITY), [0_u32; LANES]);
         for corner in 0..8_usize {
             let share = [0, 1, 2].map(|edge| (corner >> edge & 1) as f32);
-            for lane in 0..TOGETHER {
+            for lane in 0..LANES {
                 let point = [0, 1, 2].map(|axis| {
                     let along = |edge: usize| self.edges[edge][axis][lane] * share[edge];
                     self.corner[axis][lane] + along(0) + along(1) + along(2)
@@ -144,9 +143,9 @@ impl Boxes {
         let size = [target.intrinsics.width as f32, target.intrinsics.height as f32];
         let (mut low, mut high) = ([all(0.0); 2], [all(0.0); 2]);
         for axis in 0..2 {
-            for lane in 0..TOGETHER {
+            for lane in 0..LANES {
                 let grow = reach.pixels + reach.source_pixels * self.focal_ratio[lane] / nearest_z[lane];
-                // A box that reaches behind the vantage may touch everything. So may one whose corners are no numbers.
+                // A box that reaches behind the vantage, or has NaN corners, may touch everything.
                 let sound = (behind[lane] == 0)
                     & (min[axis][lane].abs() < f32::MAX)
                     & (max[axis][lane].abs() < f32::MAX);
@@ -170,11 +169,11 @@ impl Boxes {
     }
 }
 
-/// Cuts the picture into at most `count` bands with about as many tiles each.
+/// Cuts the picture into at most `count` bands with about the same number of tiles each.
 pub(crate) fn bands(bounds: &[TileBounds], first_tile: usize, height: usize, count: usize) -> Vec<RowBand> {
     let mut middles = vec![0_usize; height];
-    for place in bounds.iter().filter(|place| !place.is_empty()) {
-        middles[(place.top + place.bottom) as usize / 2] += 1;
+    for tile in bounds.iter().filter(|tile| !tile.is_empty()) {
+        middles[(tile.top + tile.bottom) as usize / 2] += 1;
     }
     let total: usize = middles.iter().sum();
     let mut bands: Vec<RowBand> = Vec::new();
@@ -188,18 +187,11 @@ pub(crate) fn bands(bounds: &[TileBounds], first_tile: usize, height: usize, cou
         }
     }
     bands.par_iter_mut().for_each(|band| {
-        let touches = |place: &TileBounds| {
-            !place.is_empty()
-                && (place.top as usize) < band.rows.end
-                && place.bottom as usize > band.rows.start
+        let touches = |tile: &TileBounds| {
+            !tile.is_empty() && (tile.top as usize) < band.rows.end && tile.bottom as usize > band.rows.start
         };
-        let tiles: Vec<u32> = bounds
-            .iter()
-            .enumerate()
-            .filter(|(_, place)| touches(place))
-            .map(|(index, _)| (first_tile + index) as u32)
-            .collect();
-        band.tiles = tiles;
+        let touching = bounds.iter().enumerate().filter(|(_, tile)| touches(tile));
+        band.tiles = touching.map(|(index, _)| (first_tile + index) as u32).collect();
     });
     bands
 }

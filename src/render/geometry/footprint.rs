@@ -1,4 +1,4 @@
-//! Oriented footprints: the patch of surface that a sample stands for, as the vantage sees it.
+//! Oriented footprints: the patch of surface that a sample represents, as the vantage sees it.
 //!
 //! A plane has an inverse depth that is linear in the pixels of *any* pinhole camera. From the slope of the inverse depths
 //! around a sample follow, without a normal and exactly for planes: the Jacobian of target pixels by source pixels, hence the
@@ -11,7 +11,7 @@
 use super::project::{ProjectedRow, Projector};
 use crate::samples::TILE;
 
-/// A footprint never stretches beyond this many times its size seen face on: what is steeper is not known well enough.
+/// A footprint stretches at most to this many times its size seen face on: steeper slopes are too inexact.
 pub(crate) const MAX_STRETCH: f32 = 1.5;
 
 /// Neighboring footprints overlap by this factor, so that no crack opens between them.
@@ -20,21 +20,22 @@ pub(crate) const OVERLAP: f32 = 1.05;
 /// How far a footprint reaches from its sample, in source pixels.
 pub(crate) const CORE_REACH: f32 = 0.5 * OVERLAP;
 
-/// Samples are magnified that are so many pixels wide: gaps beside narrower ones are no wider than a pixel.
+/// Samples at least this many pixels wide count as magnified; gaps beside narrower ones are no wider than a pixel.
 pub(crate) const MAGNIFIED: f32 = 2.5;
 
-/// How far the fringe of a magnified one does: over the neighbors, which may have been dropped for another camera's.
+/// How far the fringe of a magnified sample reaches, in source pixels: over its neighbors, which may have been pruned.
 pub(crate) const FRINGE: f32 = 1.0;
 
 /// The footprints of a row of sixteen samples.
+#[derive(Default)]
 pub(crate) struct Footprints {
     /// The target's inverse depth at the sample.
     pub(crate) inverse_depth: [f32; TILE],
-    /// Its growth from one target column to the next, …
+    /// Its growth from one target column to the next.
     pub(crate) slope_x: [f32; TILE],
-    /// … from one target row to the next, …
+    /// Its growth from one target row to the next.
     pub(crate) slope_y: [f32; TILE],
-    /// … and how far it may deviate in all.
+    /// How far the inverse depth may deviate from that at the sample within the footprint.
     pub(crate) deviation: [f32; TILE],
     /// Jacobian of target pixels by source pixels: `[∂u/∂column, ∂u/∂row, ∂v/∂column, ∂v/∂row]`.
     pub(crate) jacobian: [[f32; TILE]; 4],
@@ -44,7 +45,7 @@ pub(crate) struct Footprints {
     pub(crate) half_width: [f32; TILE],
     /// Half the extent in target rows.
     pub(crate) half_height: [f32; TILE],
-    /// What neither may exceed, nor those of the fringe.
+    /// The largest half extent, also of the fringe.
     pub(crate) largest: [f32; TILE],
 }
 
@@ -56,18 +57,7 @@ pub(crate) fn footprints(
     w: &[f32; TILE],
     slopes: &[[f32; TILE]; 2],
 ) -> Footprints {
-    let zero = [0.0; TILE];
-    let mut found = Footprints {
-        inverse_depth: zero,
-        slope_x: zero,
-        slope_y: zero,
-        deviation: zero,
-        jacobian: [zero; 4],
-        inverse: [zero; 4],
-        half_width: zero,
-        half_height: zero,
-        largest: zero,
-    };
+    let mut found = Footprints::default();
     let (across, down, origin) = (projector.per_column, projector.per_row, projector.origin);
     for i in 0..TILE {
         let (u, v, reciprocal) = (row.u[i], row.v[i], row.reciprocal[i]);
@@ -82,7 +72,7 @@ pub(crate) fn footprints(
         let w_across = (wx - target_w * z_across) * reciprocal;
         let w_down = (wy - target_w * z_down) * reciprocal;
         let determinant = a * d - b * c;
-        // Edge on, the plane says nothing about its depth in the target.
+        // Edge on, the plane gives no depth in the target.
         let inverse = if determinant.abs() > 1e-6 { 1.0 / determinant } else { 0.0 };
         let largest = MAX_STRETCH * projector.focal_ratio * reciprocal;
         found.inverse_depth[i] = target_w;
@@ -108,17 +98,17 @@ pub(crate) fn footprints(
 pub(crate) struct PlaneAt {
     /// Never negative.
     pub(crate) inverse_depth: f32,
-    /// How far the place lies from the sample, in source columns.
+    /// Distance from the sample, in source columns.
     pub(crate) across: f32,
     /// The same in rows.
     pub(crate) down: f32,
-    /// Whether it lies in the footprint proper, without its fringe.
+    /// Whether it lies in the footprint without its fringe.
     pub(crate) is_core: bool,
 }
 
 impl Footprints {
-    /// The plane of sample `i` at the center of pixel `(x, y)`. Its depth deviates from the sample's by `stretch` times what it may
-    /// within the footprint.
+    /// The plane of sample `i` at the center of pixel `(x, y)`. Its inverse depth differs from the sample's by at most `stretch` times
+    /// `deviation`.
     #[inline(always)]
     pub(crate) fn plane_at(&self, row: &ProjectedRow, i: usize, (x, y): (f32, f32), stretch: f32) -> PlaneAt {
         let (dx, dy) = (x + 0.5 - row.u[i], y + 0.5 - row.v[i]);

@@ -1,4 +1,4 @@
-//! Projection (the paper, §3.3): from a sample's pixel and depth to its place in the vantage, incrementally along rows.
+//! Projection (the paper, §3.3): from a sample's pixel and depth to its position in the vantage, incrementally along rows.
 //!
 //! Unprojecting `ray · z`, moving to the target camera and projecting is linear in `(ray, 1/z)` before the division:
 //! `P = M·ray + o·w` with `w = 1/z`. `P.xy / P.z` is the position in target pixels and `w / P.z` the target's inverse
@@ -72,10 +72,16 @@ impl Projector {
         }
     }
 
-    /// `M·ray` of the center of pixel `(x, y)`; fractions of pixels are welcome.
+    /// `M·ray` of the center of pixel `(x, y)`, which need not be a whole number.
     #[inline(always)]
     pub(crate) fn ray(&self, x: f32, y: f32) -> Vec3 {
         self.first_pixel + self.per_column * x + self.per_row * y
+    }
+
+    /// `P = M·ray + o·w` of the center of pixel `(x, y)` at inverse depth `w`.
+    #[inline(always)]
+    pub(crate) fn point(&self, x: f32, y: f32, w: f32) -> Vec3 {
+        self.ray(x, y) + self.origin * w
     }
 
     /// Sixteen pixels of a row from `ray` on, with their inverse depths.

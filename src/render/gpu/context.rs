@@ -1,7 +1,7 @@
 //! The graphics adapter, and how its failures become errors.
 //!
-//! wgpu reports most failures through callbacks and would abort the program by default. Here they are collected: every piece
-//! of work runs inside [`Context::guarded`], which gives them back as [`Error::Gpu`], so that the caller can go on on the CPU.
+//! wgpu reports most failures through callbacks and would abort the program by default. Here they are collected: all work runs
+//! inside [`Context::guarded`], which returns them as [`Error::Gpu`], so that the caller can use the CPU instead.
 
 use std::sync::{Arc, Mutex};
 
@@ -15,22 +15,22 @@ const STORAGE_BUFFERS: u32 = 11;
 pub enum AdapterChoice {
     /// Graphics cards alone.
     Hardware,
-    /// Graphics cards first, else a program that does their work on the processor.
+    /// Graphics cards first, else a software adapter.
     Any,
 }
 
-/// A device that a window draws with. What is painted on it can be shown without being copied.
+/// A device that a window draws with. Pictures painted on it are displayed without a copy.
 #[derive(Clone, Debug)]
 pub struct SharedDevice {
     /// What the device runs on.
     pub adapter: wgpu::Adapter,
     /// The device, opened as [`device_descriptor`] says.
     pub device: wgpu::Device,
-    /// Where its work is handed in.
+    /// Its queue.
     pub queue: wgpu::Queue,
 }
 
-/// How to open a device of `adapter` so that the renderer can share it: with all that the adapter can do.
+/// How to open a device of `adapter` so that the renderer can share it: with all limits of the adapter.
 #[must_use]
 pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     wgpu::DeviceDescriptor {
@@ -45,7 +45,7 @@ fn wide_atomics() -> wgpu::Features {
     wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX
 }
 
-/// Whether something with these limits can run all stages.
+/// Whether a device of `adapter` with these limits can run all stages.
 fn is_able(limits: &wgpu::Limits, adapter: &wgpu::Adapter) -> bool {
     limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
         && limits.max_compute_invocations_per_workgroup >= 256
@@ -55,16 +55,17 @@ fn is_able(limits: &wgpu::Limits, adapter: &wgpu::Adapter) -> bool {
             .contains(wgpu::DownlevelFlags::COMPUTE_SHADERS | wgpu::DownlevelFlags::SHADER_F16_IN_F32)
 }
 
-/// An adapter that has been opened.
+/// An open adapter.
+#[derive(Debug)]
 pub(crate) struct Context {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) adapter: wgpu::AdapterInfo,
-    /// Whether keys can be raised by one 64-bit maximum.
+    /// Whether there are 64-bit atomics.
     pub(crate) has_wide_atomics: bool,
     /// Whether a window draws with the same device.
     pub(crate) is_shared: bool,
-    /// The first failure that no guard saw.
+    /// The first failure outside of [`Context::guarded`].
     failure: Arc<Mutex<Option<String>>>,
 }
 
@@ -72,7 +73,7 @@ fn gpu_error(what: impl Into<String>) -> Error {
     Error::Gpu { what: what.into() }
 }
 
-/// How much an adapter is preferred; `None` where it may not be taken.
+/// The rank of an adapter, best 0; `None` if the choice excludes it.
 fn preference(info: &wgpu::AdapterInfo, choice: AdapterChoice) -> Option<u32> {
     match info.device_type {
         wgpu::DeviceType::DiscreteGpu => Some(0),
@@ -82,8 +83,8 @@ fn preference(info: &wgpu::AdapterInfo, choice: AdapterChoice) -> Option<u32> {
     }
 }
 
-/// Whether there may be a graphics card. On Linux a card has a device file; without one Vulkan need not be asked, which
-/// takes a tenth of a second and has drivers complain on stderr about whatever else is missing.
+/// Whether there may be a graphics card. On Linux a card has a device file; without one, starting Vulkan would only cost a tenth
+/// of a second and warnings of its drivers on stderr.
 fn may_have_card() -> bool {
     let device_files = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kgsl-3d0", "/dev/mali0"];
     !cfg!(target_os = "linux") || device_files.iter().any(|path| std::path::Path::new(path).exists())
@@ -93,18 +94,18 @@ impl Context {
     /// Opens the best adapter.
     ///
     /// # Errors
-    /// `Gpu` where there is none, or it can do too little.
+    /// `Gpu` where there is none, or none can run the stages.
     pub(crate) fn new(choice: AdapterChoice) -> Result<Self> {
         let none =
             || gpu_error("there is no adapter that can compute; use the CPU instead (render.backend = cpu)");
         if choice == AdapterChoice::Hardware && !may_have_card() {
             return Err(none());
         }
-        // Not OpenGL: it reaches the same cards by a longer way, and where there is none it complains on stderr.
+        // Not OpenGL: it offers the same cards, and without one it writes errors to stderr.
         let backends = wgpu::Backends::PRIMARY;
         let description = wgpu::InstanceDescriptor {
             backends,
-            // In development too: with debugging on, the loader logs every driver that it does not find as an error.
+            // With debugging on, the loader logs every driver that it does not find as an error.
             flags: wgpu::InstanceFlags::empty(),
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         };
@@ -129,7 +130,7 @@ impl Context {
         Ok(context)
     }
 
-    /// Takes part in a device that belongs to a window. Its owner goes on to hear of the owner's own failures.
+    /// Shares the device of a window. Failures outside of [`Context::guarded`] still go to the window.
     ///
     /// # Errors
     /// `Gpu` where `choice` excludes the adapter, or the device was opened with less than the stages need.
@@ -161,7 +162,7 @@ impl Context {
         context
     }
 
-    /// Remembers the first failure it is told.
+    /// A callback that stores the first failure.
     fn note(&self) -> impl Fn(String) + Send + Sync + 'static {
         let failure = self.failure.clone();
         move |what: String| {
@@ -171,12 +172,12 @@ impl Context {
         }
     }
 
-    /// Whether the adapter is a program that runs on the processor.
+    /// Whether the adapter is software that runs on the processor.
     pub(crate) fn is_software(&self) -> bool {
         matches!(self.adapter.device_type, wgpu::DeviceType::Cpu | wgpu::DeviceType::Other)
     }
 
-    /// Does some work, and gives whatever failed on the way as an error.
+    /// Does some work and returns failures during it as an error.
     pub(crate) fn guarded<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         self.check()?;
         let filters =
@@ -189,26 +190,31 @@ impl Context {
             failure = pollster::block_on(scope.pop()).or(failure);
         }
         if let Some(error) = failure {
-            return Err(gpu_error(format!("{}: {error}", self.adapter.name)));
+            return Err(self.error(error));
         }
         self.check()?;
         result
     }
 
-    /// Whether something failed that no guard saw: nothing can be painted any more.
+    /// Whether something failed outside of [`Context::guarded`]: nothing can be painted any more.
     pub(crate) fn is_lost(&self) -> bool {
         self.check().is_err()
     }
 
     fn check(&self) -> Result<()> {
         let failure = self.failure.lock().ok().and_then(|failure| failure.clone());
-        failure.map_or(Ok(()), |what| Err(gpu_error(format!("{}: {what}", self.adapter.name))))
+        failure.map_or(Ok(()), |what| Err(self.error(what)))
+    }
+
+    /// A failure of this adapter.
+    pub(crate) fn error(&self, what: impl std::fmt::Display) -> Error {
+        gpu_error(format!("{}: {what}", self.adapter.name))
     }
 
     /// Waits until everything submitted is done.
     pub(crate) fn wait(&self) -> Result<()> {
         let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
-        waited.map(drop).map_err(|error| gpu_error(format!("{}: {error}", self.adapter.name)))
+        waited.map(drop).map_err(|error| self.error(error))
     }
 
     /// The longest buffer that a shader can see, bytes.
@@ -237,10 +243,16 @@ impl Context {
             mapped_at_creation: false,
         }))
     }
-}
 
-impl std::fmt::Debug for Context {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Context").field("adapter", &self.adapter.name).finish_non_exhaustive()
+    /// A buffer with these bytes.
+    pub(crate) fn written(
+        &self,
+        label: &str,
+        bytes: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer> {
+        let buffer = self.buffer(label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST)?;
+        self.queue.write_buffer(&buffer, 0, bytes);
+        Ok(buffer)
     }
 }

@@ -1,7 +1,7 @@
 //! The display stage: a picture that a window shows without its pixels ever leaving the adapter.
 //!
-//! What differs from reading the picture back and coloring it on the CPU: the window must draw with the very device that
-//! painted, see [`SharedDevice`]; and only colors are shown, as what tells of samples needs the picture itself.
+//! What differs from reading the picture back and coloring it on the CPU: the window must draw with the same device, see
+//! [`SharedDevice`]; and only colors are shown, because other views read the samples of the picture.
 //!
 //! [`SharedDevice`]: super::context::SharedDevice
 
@@ -9,16 +9,15 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use wgpu::BufferUsages as Usage;
-use wgpu::util::DeviceExt;
 
 use super::context::Context;
-use super::pipelines::pipeline;
+use super::pipelines::{READ, UNIFORM, WRITE, bind, layout, pipeline};
 use super::recorder::compute_pass;
 use super::shaders;
 use super::target::{GpuTarget, read_words};
 use crate::error::Result;
 
-/// How holes are shown: stripes of two colors.
+/// How holes are displayed: stripes of two colors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HolePattern {
     /// 8-bit sRGB of the stripes, the first at the corner.
@@ -45,15 +44,15 @@ pub(crate) struct GpuDisplay {
 /// Threads of a workgroup along each side, as in `display.wgsl`.
 const GROUP: usize = 16;
 
-/// What pictures are shown as: sRGB-encoded, four bytes a pixel.
+/// The format of the textures: sRGB-encoded, four bytes a pixel.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// The compiled stage, and the textures that it has written.
+/// The compiled stage, and the textures that it wrote.
 #[derive(Debug)]
 pub(crate) struct Display {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
-    /// Those that nobody shows any more are written again.
+    /// Textures that are no longer shown are written again.
     textures: Vec<ScreenTexture>,
 }
 
@@ -61,35 +60,17 @@ impl Display {
     /// Compiles the stage.
     pub(crate) fn new(context: &Context) -> Self {
         let device = &context.device;
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
-        };
-        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         let texture = wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::WriteOnly,
             format: FORMAT,
             view_dimension: wgpu::TextureViewDimension::D2,
         };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("display"),
-            entries: &[
-                entry(0, buffer(wgpu::BufferBindingType::Uniform)),
-                entry(1, buffer(wgpu::BufferBindingType::Storage { read_only: true })),
-                entry(2, buffer(wgpu::BufferBindingType::Storage { read_only: false })),
-                entry(3, texture),
-            ],
-        });
+        let layout = layout(device, "display", &[UNIFORM, READ, WRITE, texture]);
         let pipeline = pipeline(device, &shaders::DISPLAY, &[Some(&layout)]);
         Self { layout, pipeline, textures: Vec::new() }
     }
 
-    /// Ends the work of `encoder` with the picture of `target` on a texture, and does it; how many pixels are holes.
-    ///
-    /// # Errors
-    /// `Gpu` where the adapter fails.
+    /// Records the display of `target`'s picture, submits the work of `encoder` and returns the texture and the number of holes.
     pub(crate) fn show(
         &mut self,
         context: &Context,
@@ -107,11 +88,7 @@ impl Display {
             hole: color(pattern.colors[0]),
             hole_stripe: color(pattern.colors[1]),
         };
-        let numbers = context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("display"),
-            contents: bytemuck::bytes_of(&numbers),
-            usage: Usage::UNIFORM,
-        });
+        let numbers = context.written("display", bytemuck::bytes_of(&numbers), Usage::UNIFORM)?;
         let holes = context.buffer("holes", 4, Usage::STORAGE | Usage::COPY_SRC)?;
         let readback = context.buffer("holes readback", 4, Usage::MAP_READ | Usage::COPY_DST)?;
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -121,16 +98,7 @@ impl Display {
             holes.as_entire_binding(),
             wgpu::BindingResource::TextureView(&view),
         ];
-        let entries: Vec<_> = resources
-            .into_iter()
-            .enumerate()
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
-            .collect();
-        let group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("display"),
-            layout: &self.layout,
-            entries: &entries,
-        });
+        let group = bind(&context.device, &self.layout, resources);
         let mut pass = compute_pass(&mut encoder, "display");
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
@@ -143,7 +111,7 @@ impl Display {
         Ok((texture, holes))
     }
 
-    /// A texture of this size that nobody shows.
+    /// A texture of this size that is not shown.
     fn free_texture(&mut self, context: &Context, width: usize, height: usize) -> ScreenTexture {
         let (width, height) = (width as u32, height as u32);
         let fits = |texture: &ScreenTexture| (texture.width(), texture.height()) == (width, height);

@@ -4,7 +4,6 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::capture::Camera;
 use crate::render::geometry::{Projector, focal};
-use crate::settings::Kernel;
 
 /// `Stage` in `stage.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -12,6 +11,7 @@ use crate::settings::Kernel;
 pub(super) struct GpuStage {
     pub(super) width: u32,
     pub(super) height: u32,
+    /// Index of the kernel in `Kernel::ALL`.
     pub(super) kernel: u32,
     pub(super) step: u32,
     pub(super) first_tile: u32,
@@ -19,7 +19,7 @@ pub(super) struct GpuStage {
     pub(super) piece_count: u32,
     pub(super) surface_ratio: f32,
     pub(super) first_ray: [f32; 3],
-    pub(super) lasting_tiles: u32,
+    pub(super) background_tiles: u32,
     pub(super) ray_across: [f32; 3],
     pub(super) entries_at: u32,
     pub(super) ray_down: [f32; 3],
@@ -112,21 +112,11 @@ pub(super) const KEY_WORDS: u64 = 2;
 /// Words of a pixel of the picture: color, inverse depth, image.
 pub(super) const PICTURE_WORDS: u64 = 5;
 
-/// Cameras that the gather stage can tell apart, as `CAMERA_WORDS` in `patch.wgsl` times 32.
+/// Most cameras of the gather stage, as `CAMERA_WORDS` in `patch.wgsl` times 32.
 pub(super) const MAX_CAMERAS: usize = 1024;
 
 /// Workgroups in a row of a dispatch, as `GROUPS_ACROSS` in `stage.wgsl`.
 pub(super) const GROUPS_ACROSS: u32 = 32768;
-
-/// The number of a kernel, as `KERNEL_*` in `stage.wgsl`.
-pub(super) fn kernel_number(kernel: Kernel) -> u32 {
-    match kernel {
-        Kernel::Point => 0,
-        Kernel::Block => 1,
-        Kernel::Surfel => 2,
-        Kernel::Gather => 3,
-    }
-}
 
 #[cfg(test)]
 mod tests {
@@ -135,6 +125,7 @@ mod tests {
     use super::*;
     use crate::render::gpu::display::GpuDisplay;
     use crate::render::gpu::shaders;
+    use crate::settings::Kernel;
     use wgpu::naga;
 
     /// Size of a struct of the shaders, and the offset of each of its fields.
@@ -170,7 +161,7 @@ mod tests {
         assert_same_layout! {
             &module, "Stage", GpuStage,
             width, height, kernel, step, first_tile, tile_count, piece_count, surface_ratio, first_ray,
-            lasting_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, padding_0, padding_1, padding_2
+            background_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, padding_0, padding_1, padding_2
         }
         assert_same_layout! {
             &module, "View", GpuView,
@@ -206,7 +197,7 @@ mod tests {
         assert_eq!(constant(&module, "GROUPS_ACROSS"), GROUPS_ACROSS);
         for kernel in Kernel::ALL {
             let name = format!("KERNEL_{}", kernel.name().to_uppercase());
-            assert_eq!(constant(&module, &name), kernel_number(*kernel));
+            assert_eq!(constant(&module, &name), *kernel as u32);
         }
         let module = naga::front::wgsl::parse_str(&shaders::GATHER.source()).unwrap();
         assert_eq!(constant(&module, "CAMERA_WORDS") as usize * 32, MAX_CAMERAS);

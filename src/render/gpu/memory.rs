@@ -1,42 +1,45 @@
-//! Memory for samples on the adapter: images are uploaded once, and those that were not needed for longest make room.
+//! Memory for samples on the adapter: images are uploaded once, and the least recently used are evicted.
 //!
 //! Shaders see at most four pages, none longer than a binding may be (128 MiB on some adapters). An image that fits into no
-//! page is cut between tiles into pieces. Pages begin as large as the first frame asks for twice over; when all four are in
-//! use and too small, they are given up for ones of full size.
+//! page is cut between tiles into pieces. Pages begin at twice the size of the first frame's samples; when all four are full,
+//! they are replaced by pages of full size.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use super::context::Context;
-use super::upload::{Piece, PlacedPiece};
+use super::layout::GpuPiece;
+use super::upload::Piece;
 use crate::error::{Error, Result};
 use crate::samples::SampleImage;
 
 /// Pages that shaders can see at once.
 pub(super) const MAX_PAGES: usize = 4;
 
-/// No page begins smaller, bytes.
+/// The smallest page, bytes.
 const MIN_PAGE: u64 = 16 << 20;
 
+#[derive(Debug)]
 struct Page {
     buffer: wgpu::Buffer,
-    room: Room,
+    space: PageAllocator,
 }
 
-/// Which words of a page are taken.
-struct Room {
+/// Which words of a page are in use.
+#[derive(Debug)]
+struct PageAllocator {
     words: u32,
     /// Where pieces lie, ascending: first word and words.
     used: Vec<(u32, u32)>,
 }
 
-impl Room {
+impl PageAllocator {
     fn new(words: u32) -> Self {
         Self { words, used: Vec::new() }
     }
 
-    /// The first gap of `words`, which is then taken.
-    fn take(&mut self, words: u32) -> Option<u32> {
+    /// Allocates the first gap of `words`; returns its first word.
+    fn allocate(&mut self, words: u32) -> Option<u32> {
         let mut end = 0;
         let mut place = self.used.len();
         for (index, &(start, length)) in self.used.iter().enumerate() {
@@ -53,38 +56,41 @@ impl Room {
         Some(end)
     }
 
-    fn give_back(&mut self, start: u32) {
+    fn free(&mut self, start: u32) {
         self.used.retain(|(used, _)| *used != start);
     }
 }
 
-struct Resident {
-    /// Keeps any other image from taking its address, but not its samples in main memory.
+/// An image on the adapter.
+#[derive(Debug)]
+struct ResidentImage {
+    /// Weak: reserves the image's address, the key of the map, but does not keep its samples in main memory.
     image: Weak<SampleImage>,
-    pieces: Vec<PlacedPiece>,
+    pieces: Vec<GpuPiece>,
     last_used: u64,
 }
 
-impl Resident {
-    /// Whether nobody can ask for it any more.
-    fn is_gone(&self) -> bool {
+impl ResidentImage {
+    /// Whether the image was dropped.
+    fn is_dropped(&self) -> bool {
         self.image.strong_count() == 0
     }
 }
 
-/// See the module's page.
+/// The pages and the images in them.
+#[derive(Debug)]
 pub(super) struct SampleMemory {
     pages: Vec<Page>,
     page_bytes: u64,
     max_page_bytes: u64,
-    resident: HashMap<usize, Resident>,
+    resident: HashMap<usize, ResidentImage>,
     now: u64,
-    /// Bytes sent so far.
+    /// Bytes uploaded so far.
     pub(super) uploaded: u64,
 }
 
 impl SampleMemory {
-    /// Takes at most `budget` bytes.
+    /// Memory of at most `budget` bytes.
     pub(super) fn new(context: &Context, budget: u64) -> Self {
         let max_page_bytes = (budget / MAX_PAGES as u64).clamp(1 << 12, 1 << 31).min(context.max_binding());
         Self {
@@ -102,7 +108,7 @@ impl SampleMemory {
         self.pages.iter().map(|page| &page.buffer)
     }
 
-    /// Brings the images of a frame onto the adapter and gives the pieces of each.
+    /// Uploads the images of a frame, if they are not resident, and returns the pieces of each.
     ///
     /// # Errors
     /// `Gpu` where they do not fit.
@@ -110,7 +116,7 @@ impl SampleMemory {
         &mut self,
         context: &Context,
         images: &[&Arc<SampleImage>],
-    ) -> Result<Vec<Vec<PlacedPiece>>> {
+    ) -> Result<Vec<Vec<GpuPiece>>> {
         self.now += 1;
         if self.page_bytes == 0 {
             let bytes = images.iter().map(|image| image.bytes() as u64).sum::<u64>();
@@ -124,9 +130,9 @@ impl SampleMemory {
             self.page_bytes = self.max_page_bytes;
             self.pages.clear();
         }
-        // There may be room enough in all, but in gaps between images that this frame needs too.
+        // There may be enough space in all, but in gaps between images that this frame needs too.
         for page in &mut self.pages {
-            page.room = Room::new((self.page_bytes / 4) as u32);
+            page.space = PageAllocator::new((self.page_bytes / 4) as u32);
         }
         self.try_load(context, images)?.ok_or_else(|| Error::Gpu {
             what: format!(
@@ -137,14 +143,14 @@ impl SampleMemory {
         })
     }
 
-    /// Gives everything up, as after a failure that may have left pages unusable.
+    /// Drops everything, after a failure that may have left pages unusable.
     pub(super) fn forget(&mut self) {
         self.resident.clear();
         self.pages.clear();
         self.page_bytes = 0;
     }
 
-    /// Brings images onto the adapter as long as there is room without sending others away that `load` has just asked for.
+    /// Uploads images while there is space, without evicting those that `load` has just used.
     pub(super) fn prefetch(&mut self, context: &Context, images: &[&Arc<SampleImage>]) -> Result<()> {
         if self.page_bytes > 0 {
             self.try_load(context, images)?;
@@ -157,8 +163,8 @@ impl SampleMemory {
         &mut self,
         context: &Context,
         images: &[&Arc<SampleImage>],
-    ) -> Result<Option<Vec<Vec<PlacedPiece>>>> {
-        // Those that are here already must not make room for the others.
+    ) -> Result<Option<Vec<Vec<GpuPiece>>>> {
+        // Those that are resident already must not be evicted for the others.
         for image in images {
             if let Some(resident) = self.resident.get_mut(&Arc::as_ptr(image).addr()) {
                 resident.last_used = self.now;
@@ -174,16 +180,16 @@ impl SampleMemory {
         Ok(Some(all))
     }
 
-    /// Whether there was room.
+    /// Uploads an image; `false` if there is no space.
     fn make_resident(&mut self, context: &Context, image: &Arc<SampleImage>) -> Result<bool> {
         let address = Arc::as_ptr(image).addr();
         if self.resident.contains_key(&address) {
             return Ok(true);
         }
-        let mut pieces: Vec<PlacedPiece> = Vec::new();
+        let mut pieces: Vec<GpuPiece> = Vec::new();
         for piece in Piece::cut(image, (self.page_bytes / 4) as u32) {
             let Some((page, at)) = self.place(context, piece.words())? else {
-                self.give_back(&pieces);
+                self.free(&pieces);
                 return Ok(false);
             };
             let placed = piece.place(page, at);
@@ -191,49 +197,44 @@ impl SampleMemory {
             self.uploaded += u64::from(piece.words()) * 4;
             pieces.push(placed);
         }
-        self.resident.insert(address, Resident { image: Arc::downgrade(image), pieces, last_used: self.now });
+        self.resident
+            .insert(address, ResidentImage { image: Arc::downgrade(image), pieces, last_used: self.now });
         Ok(true)
     }
 
-    /// Page and first word of room for `words`, made by sending images away where there is none.
+    /// Page and first word of a gap of `words`, after evicting images if needed.
     fn place(&mut self, context: &Context, words: u32) -> Result<Option<(u32, u32)>> {
         loop {
             for (index, page) in self.pages.iter_mut().enumerate() {
-                if let Some(at) = page.room.take(words) {
+                if let Some(at) = page.space.allocate(words) {
                     return Ok(Some((index as u32, at)));
                 }
             }
             if self.pages.len() < MAX_PAGES {
                 let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
                 let buffer = context.buffer("samples", self.page_bytes, usage)?;
-                self.pages.push(Page { buffer, room: Room::new((self.page_bytes / 4) as u32) });
+                self.pages.push(Page { buffer, space: PageAllocator::new((self.page_bytes / 4) as u32) });
             } else if !self.evict() {
                 return Ok(None);
             }
         }
     }
 
-    fn give_back(&mut self, pieces: &[PlacedPiece]) {
+    fn free(&mut self, pieces: &[GpuPiece]) {
         for piece in pieces {
-            self.pages[piece.page as usize].room.give_back(piece.at);
+            self.pages[piece.page as usize].space.free(piece.tiles_at);
         }
     }
 
-    /// Sends away an image that is gone, else the one that was not needed for longest. `false` where all are needed.
+    /// Evicts an image that was dropped, else the least recently used one. `false` if this frame needs all.
     fn evict(&mut self) -> bool {
-        let idle = self.resident.iter().filter(|(_, image)| image.is_gone() || image.last_used < self.now);
-        let oldest = idle.min_by_key(|(_, image)| (!image.is_gone(), image.last_used));
+        let idle = self.resident.iter().filter(|(_, image)| image.is_dropped() || image.last_used < self.now);
+        let oldest = idle.min_by_key(|(_, image)| (!image.is_dropped(), image.last_used));
         let Some((&address, _)) = oldest else { return false };
         if let Some(oldest) = self.resident.remove(&address) {
-            self.give_back(&oldest.pieces);
+            self.free(&oldest.pieces);
         }
         true
-    }
-}
-
-impl std::fmt::Debug for SampleMemory {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SampleMemory").field("images", &self.resident.len()).finish_non_exhaustive()
     }
 }
 
@@ -299,7 +300,7 @@ mod tests {
         let samples = Arc::downgrade(&gone);
         drop(gone);
         assert!(samples.upgrade().is_none());
-        // Its room is taken before that of an image that somebody may ask for.
+        // Its space is reused before that of an image that still exists.
         load(&context, &mut memory, &[image(1)]).unwrap();
         let sent = memory.uploaded;
         load(&context, &mut memory, &[kept]).unwrap();
@@ -308,13 +309,13 @@ mod tests {
 
     #[test]
     fn room_that_was_given_back_is_taken_again_and_never_twice() {
-        let mut room = Room::new(100);
-        assert_eq!([40, 30, 20].map(|words| room.take(words)), [Some(0), Some(40), Some(70)]);
-        assert_eq!((room.take(11), room.take(10)), (None, Some(90)));
-        room.give_back(40);
-        assert_eq!((room.take(31), room.take(25), room.take(6)), (None, Some(40), None));
-        assert_eq!(room.take(5), Some(65));
-        room.give_back(0);
-        assert_eq!((room.take(41), room.take(40), room.take(1)), (None, Some(0), None));
+        let mut room = PageAllocator::new(100);
+        assert_eq!([40, 30, 20].map(|words| room.allocate(words)), [Some(0), Some(40), Some(70)]);
+        assert_eq!((room.allocate(11), room.allocate(10)), (None, Some(90)));
+        room.free(40);
+        assert_eq!((room.allocate(31), room.allocate(25), room.allocate(6)), (None, Some(40), None));
+        assert_eq!(room.allocate(5), Some(65));
+        room.free(0);
+        assert_eq!((room.allocate(41), room.allocate(40), room.allocate(1)), (None, Some(0), None));
     }
 }

@@ -9,8 +9,8 @@
 //!
 //! What differs from the CPU renderer: one thread a sample instead of one a band of rows, so keys are raised and colors are
 //! summed by atomics, colors in fixed point. Neither result depends on the order of the threads. Shader compilers may contract
-//! sums and divide by other means than the CPU does: a sample's position and depth may differ in the last bits, and where it
-//! stood on the border of a pixel, so may the pixel. `tests/gpu_parity.rs` says how much of that is let pass.
+//! sums and divide in other ways than the CPU: a sample's position and depth may differ in the last bits, and so may the pixel
+//! of a sample on the border of two. `tests/gpu_parity.rs` holds the limits.
 
 mod context;
 mod copy;
@@ -32,21 +32,20 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::cpu::check;
 use super::fill::fill;
-use super::input::FrameSamples;
+use super::input::{BackgroundKey, FrameSamples};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
-use crate::settings::{Fill, Kernel, RenderSettings};
+use crate::settings::{Kernel, RenderSettings};
 use context::Context;
 use display::Display;
 use memory::SampleMemory;
 use pipelines::Pipelines;
 use recorder::Recorder;
-use scene::SceneBindings;
+use scene::{SceneBindings, SceneInput};
 use target::GpuTarget;
 
 /// How a [`GpuRenderer`] is set up.
@@ -69,31 +68,13 @@ impl Default for GpuOptions {
 /// Renders vantages on a graphics adapter, and keeps samples there as well as the background of a still vantage.
 #[derive(Debug)]
 pub struct GpuRenderer {
-    context: Context,
+    pub(super) context: Context,
     pipelines: Pipelines,
     memory: SampleMemory,
     target: Option<GpuTarget>,
-    background: Option<CachedBackground>,
+    /// What the background layer of `target` was painted from.
+    background: Option<BackgroundKey>,
     display: Option<Display>,
-}
-
-/// What the background layer of the target was painted from.
-#[derive(Debug)]
-struct CachedBackground {
-    samples: Arc<SampleSet>,
-    images: Vec<usize>,
-    camera: Camera,
-    settings: RenderSettings,
-}
-
-impl CachedBackground {
-    fn is(&self, other: &Self) -> bool {
-        self.images == other.images
-            && (Arc::ptr_eq(&self.samples, &other.samples)
-                || self.samples.shares(&other.samples, &other.images))
-            && self.camera == other.camera
-            && self.settings == other.settings
-    }
 }
 
 impl GpuRenderer {
@@ -113,7 +94,7 @@ impl GpuRenderer {
         Self::on(Context::new(options.adapter)?, options)
     }
 
-    /// Takes part in the device of a window, for [`GpuRenderer::show`].
+    /// Shares the device of a window, for [`GpuRenderer::show`].
     ///
     /// # Errors
     /// `Gpu` where `options` exclude its adapter, or it was not opened as [`device_descriptor`] says.
@@ -134,42 +115,24 @@ impl GpuRenderer {
         &self.context.adapter.name
     }
 
-    /// Whether the adapter is a program that runs on the processor.
-    #[must_use]
-    pub fn is_software(&self) -> bool {
-        self.context.is_software()
-    }
-
     /// Whether keys are raised by one 64-bit maximum instead of two 32-bit ones.
     #[must_use]
     pub fn has_wide_atomics(&self) -> bool {
         self.pipelines.one_pass
     }
 
-    /// Bytes of samples sent to the adapter so far.
+    /// Bytes of samples uploaded so far.
     #[must_use]
     pub fn uploaded_bytes(&self) -> u64 {
         self.memory.uploaded
     }
 
-    /// Drops the background, so that the next picture is painted anew.
+    /// Drops the background, so that the next picture is painted in full.
     pub fn forget_background(&mut self) {
         self.background = None;
     }
 
-    /// Whether the adapter was lost: every further call fails.
-    #[must_use]
-    pub fn is_lost(&self) -> bool {
-        self.context.is_lost()
-    }
-
-    /// Has the adapter go away, as unplugging it would.
-    #[cfg(test)]
-    pub(super) fn lose(&self) {
-        self.context.device.destroy();
-    }
-
-    /// Sends the images of some frames ahead, as far as there is room.
+    /// Uploads the images of some frames ahead, as far as there is space.
     ///
     /// # Errors
     /// `Gpu` where the adapter fails.
@@ -181,12 +144,6 @@ impl GpuRenderer {
             .collect();
         let (context, memory) = (&self.context, &mut self.memory);
         context.guarded(|| memory.prefetch(context, &images)).inspect_err(|_| self.memory.forget())
-    }
-
-    /// Whether a window draws with the same device, so that [`GpuRenderer::show`] is of use.
-    #[must_use]
-    pub fn is_shared(&self) -> bool {
-        self.context.is_shared
     }
 
     /// Paints the samples of the vantage's frame.
@@ -209,9 +166,7 @@ impl GpuRenderer {
                 target.read(context)
             })?;
         let filling = Instant::now();
-        if settings.fill != Fill::None {
-            fill(&mut picture, &vantage.camera, settings);
-        }
+        fill(&mut picture, &vantage.camera, settings);
         stats.fill_ms = filling.elapsed().as_secs_f64() * 1e3;
         stats.holes = picture.holes();
         stats.milliseconds = started.elapsed().as_secs_f64() * 1e3;
@@ -244,7 +199,7 @@ impl GpuRenderer {
         Ok((texture, RenderStats { holes, milliseconds, ..stats }))
     }
 
-    /// Has everything painted up to the picture, and `finish` do the work that was written down and take what comes of it.
+    /// Records all stages up to the picture; `finish` submits them and returns the result.
     fn paint<T>(
         &mut self,
         samples: &Arc<SampleSet>,
@@ -253,22 +208,22 @@ impl GpuRenderer {
         job: &Job,
         finish: impl FnOnce(&Context, &GpuTarget, wgpu::CommandEncoder) -> Result<T>,
     ) -> Result<(T, RenderStats)> {
-        check(samples, vantage)?;
+        vantage.check(samples)?;
         job.check()?;
         let frame = FrameSamples::at(samples, vantage.frame)?;
-        let wanted = CachedBackground {
+        let key = BackgroundKey {
             samples: samples.clone(),
-            images: frame.images[..frame.lasting_images].to_vec(),
+            images: frame.images[..frame.background_images].to_vec(),
             camera: vantage.camera.clone(),
             settings: settings.clone(),
         };
-        let reused = self.background.take().as_ref().is_some_and(|background| background.is(&wanted));
+        let reused = self.background.take().as_ref().is_some_and(|background| background.matches(&key));
         let Self { context, pipelines, memory, target, .. } = self;
         let context = &*context;
         let result = context.guarded(|| {
             let target = target_for(target, context, pipelines, &vantage.camera, settings)?;
-            let scene =
-                SceneBindings::new(context, pipelines, memory, target, (&frame, &vantage.camera, settings))?;
+            let input = SceneInput { frame: &frame, camera: &vantage.camera, settings };
+            let scene = SceneBindings::new(context, pipelines, memory, target, input)?;
             job.check()?;
             let mut encoder =
                 context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -281,20 +236,20 @@ impl GpuRenderer {
             finish(context, target, encoder)
         });
         let result = result.inspect_err(|error| {
-            // What was to be kept may be what failed: memory that ran out is an unusable buffer from then on.
+            // Buffers that memory ran out for are unusable from then on.
             if matches!(error, Error::Gpu { .. }) {
                 self.target = None;
                 self.memory.forget();
             }
         })?;
-        self.background = Some(wanted);
-        let tiles = if reused { frame.passing() } else { 0..frame.tile_count() };
+        self.background = Some(key);
+        let tiles = if reused { frame.foreground_tiles() } else { 0..frame.tile_count() };
         let samples = frame.sample_count(tiles);
         Ok((result, RenderStats { samples, background_reused: reused, ..RenderStats::default() }))
     }
 }
 
-/// Buffers of the right size: the ones there are, or others.
+/// Buffers of the right size: the existing ones if they fit, else new ones.
 fn target_for<'a>(
     target: &'a mut Option<GpuTarget>,
     context: &Context,
@@ -312,7 +267,7 @@ fn target_for<'a>(
     Ok(target.insert(found))
 }
 
-/// An adapter for a test; `None`, said aloud, where the machine has none, a failure where `OVERLOOK_REQUIRE_GPU` asks for one.
+/// An adapter for a test; `None`, with a message, if the machine has none, and a failure if `OVERLOOK_REQUIRE_GPU` demands one.
 #[cfg(test)]
 pub(super) fn opened<T>(adapter: Result<T>) -> Option<T> {
     let say = |error: &Error| {
@@ -324,22 +279,17 @@ pub(super) fn opened<T>(adapter: Result<T>) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{Demo, DemoSpec};
-    use crate::preprocess::preprocess;
-    use crate::settings::Settings;
+    use crate::demo::DemoSpec;
+    use crate::render::tests::scene;
 
     #[test]
     fn after_a_failure_the_next_picture_is_painted() {
         let Some(mut gpu) = opened(GpuRenderer::new(AdapterChoice::Any)) else { return };
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((48, 36));
-        let demo = Demo::new(&spec).unwrap();
-        let settings = Settings::default();
-        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
-        let vantage = Vantage { camera: demo.home(), frame: 0 };
+        let (samples, vantage) = scene(DemoSpec::new("orrery").cameras(2).size((48, 36)), 0);
         let paint =
             |gpu: &mut GpuRenderer| gpu.render(&samples, &vantage, &RenderSettings::default(), &Job::new());
         let (before, _) = paint(&mut gpu).unwrap();
-        // What memory that ran out leaves behind: buffers that cannot be used.
+        // When memory runs out, buffers are unusable.
         let unusable: [fn(&GpuRenderer); 2] = [
             |gpu| gpu.target.as_ref().unwrap().picture.destroy(),
             |gpu| gpu.memory.pages().for_each(wgpu::Buffer::destroy),
@@ -347,7 +297,7 @@ mod tests {
         for break_it in unusable {
             break_it(&gpu);
             let error = paint(&mut gpu).unwrap_err();
-            assert!(matches!(error, Error::Gpu { .. }) && !gpu.is_lost(), "{error}");
+            assert!(matches!(error, Error::Gpu { .. }) && !gpu.context.is_lost(), "{error}");
             assert!(paint(&mut gpu).unwrap().0 == before);
         }
     }

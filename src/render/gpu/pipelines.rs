@@ -26,33 +26,31 @@ pub(super) struct Pipelines {
     pub(super) one_pass: bool,
 }
 
-/// What a binding holds.
-#[derive(Clone, Copy)]
-enum BindingKind {
-    Stage,
-    Read,
-    Write,
+const fn buffer(ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
 }
 
-fn layout(device: &wgpu::Device, label: &str, bindings: &[BindingKind]) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = bindings
-        .iter()
-        .enumerate()
-        .map(|(binding, holds)| wgpu::BindGroupLayoutEntry {
-            binding: binding as u32,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: match holds {
-                    BindingKind::Stage => wgpu::BufferBindingType::Uniform,
-                    BindingKind::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                    BindingKind::Write => wgpu::BufferBindingType::Storage { read_only: false },
-                },
-                has_dynamic_offset: matches!(holds, BindingKind::Stage),
-                min_binding_size: None,
-            },
-            count: None,
-        })
-        .collect();
+/// The stage, one of several in a buffer, by offset.
+const STAGE: wgpu::BindingType = buffer(wgpu::BufferBindingType::Uniform, true);
+pub(super) const UNIFORM: wgpu::BindingType = buffer(wgpu::BufferBindingType::Uniform, false);
+pub(super) const READ: wgpu::BindingType =
+    buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
+pub(super) const WRITE: wgpu::BindingType =
+    buffer(wgpu::BufferBindingType::Storage { read_only: false }, false);
+
+/// The layout of a group of bindings, numbered from 0.
+pub(super) fn layout(
+    device: &wgpu::Device,
+    label: &str,
+    bindings: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, ty): (usize, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
+        binding: binding as u32,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: *ty,
+        count: None,
+    };
+    let entries: Vec<_> = bindings.iter().enumerate().map(entry).collect();
     device
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
@@ -87,14 +85,13 @@ pub(super) fn pipeline(
 }
 
 impl Pipelines {
-    /// Compiles the stages; `one_pass` asks for 64-bit atomics.
+    /// Compiles the stages; `one_pass` needs 64-bit atomics.
     pub(super) fn new(context: &Context, one_pass: bool) -> Self {
-        use BindingKind::{Read, Stage, Write};
         let device = &context.device;
-        let scene_layout = layout(device, "scene", &[Stage, Read, Read, Read, Read, Read, Read]);
-        let layer_layout = layout(device, "layer", &[Write, Write]);
-        let resolve_layout = layout(device, "resolve", &[Read, Read, Read, Read, Write]);
-        let gather_layout = layout(device, "gather", &[Read, Read, Write, Read, Read]);
+        let scene_layout = layout(device, "scene", &[STAGE, READ, READ, READ, READ, READ, READ]);
+        let layer_layout = layout(device, "layer", &[WRITE, WRITE]);
+        let resolve_layout = layout(device, "resolve", &[READ, READ, READ, READ, WRITE]);
+        let gather_layout = layout(device, "gather", &[READ, READ, WRITE, READ, READ]);
         let surface = if one_pass { shaders::SURFACE_64 } else { shaders::SURFACE_32 };
         let over_layer = [Some(&scene_layout), Some(&layer_layout)];
         let over_views = [Some(&scene_layout), Some(&gather_layout)];
@@ -113,21 +110,13 @@ impl Pipelines {
     }
 }
 
-/// A bind group of whole buffers; the first may be the stage, which is bound at an offset.
-pub(super) fn bind(
+/// A bind group of these resources, numbered from 0.
+pub(super) fn bind<'a>(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    stage: Option<&wgpu::Buffer>,
-    buffers: &[&wgpu::Buffer],
+    resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
 ) -> wgpu::BindGroup {
-    let stage = stage.map(|buffer| {
-        let size = std::num::NonZeroU64::new(size_of::<super::layout::GpuStage>() as u64);
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
-    });
-    let resources = stage.into_iter().chain(buffers.iter().map(|buffer| buffer.as_entire_binding()));
-    let entries: Vec<_> = resources
-        .enumerate()
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
-        .collect();
+    let entry = |(binding, resource): (usize, _)| wgpu::BindGroupEntry { binding: binding as u32, resource };
+    let entries: Vec<_> = resources.into_iter().enumerate().map(entry).collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

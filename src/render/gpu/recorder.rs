@@ -6,7 +6,7 @@ use super::scene::SceneBindings;
 use super::target::GpuTarget;
 use crate::render::gather::BLOCK;
 
-/// Writes the stages of one picture down, in the order in which they run.
+/// Records the stages of one picture.
 pub(super) struct Recorder<'a> {
     pub(super) pipelines: &'a Pipelines,
     pub(super) scene: &'a SceneBindings,
@@ -66,7 +66,7 @@ pub(super) fn compute_pass<'a>(encoder: &'a mut wgpu::CommandEncoder, name: &str
     encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes: None })
 }
 
-/// Starts so many workgroups, in rows that one dimension can hold.
+/// Starts workgroups, in rows that one dimension can hold.
 fn dispatch(pass: &mut wgpu::ComputePass<'_>, groups: u32) {
     if groups > 0 {
         pass.dispatch_workgroups(groups.min(GROUPS_ACROSS), groups.div_ceil(GROUPS_ACROSS), 1);

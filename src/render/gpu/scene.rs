@@ -1,19 +1,19 @@
 //! What the stages of one picture read: samples, cameras and numbers.
 
+use std::iter::once;
+use std::num::NonZeroU64;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use glam::DVec2;
 
 use super::context::Context;
-use super::layout::{GpuPiece, GpuProjector, GpuStage, GpuView, MAX_CAMERAS, kernel_number};
+use super::layout::{GpuPiece, GpuProjector, GpuStage, GpuView, MAX_CAMERAS};
 use super::memory::{MAX_PAGES, SampleMemory};
 use super::pipelines::{Pipelines, bind};
 use super::target::GpuTarget;
-use super::upload::PlacedPiece;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
-use crate::render::geometry::focal;
+use crate::render::geometry::{focal, rays_in_world};
 use crate::render::input::FrameSamples;
 use crate::samples::{SampleImage, TILE};
 use crate::settings::{Kernel, RenderSettings};
@@ -31,29 +31,33 @@ pub(super) struct SceneBindings {
     pub(super) tile_counts: [u32; 2],
 }
 
-/// What is painted: the samples of a frame, from where, and how.
-pub(super) type Wanted<'a> = (&'a FrameSamples<'a>, &'a Camera, &'a RenderSettings);
+/// What is painted.
+#[derive(Clone, Copy)]
+pub(super) struct SceneInput<'a> {
+    pub(super) frame: &'a FrameSamples<'a>,
+    pub(super) camera: &'a Camera,
+    pub(super) settings: &'a RenderSettings,
+}
 
 impl SceneBindings {
-    /// Brings everything onto the adapter.
-    ///
-    /// # Errors
-    /// `Gpu` where it does not fit.
+    /// Uploads what the stages read, and binds it.
     pub(super) fn new(
         context: &Context,
         pipelines: &Pipelines,
         memory: &mut SampleMemory,
         target: &GpuTarget,
-        wanted: Wanted<'_>,
+        input: SceneInput<'_>,
     ) -> Result<Self> {
-        let (frame, camera, settings) = wanted;
-        if settings.kernel == Kernel::Gather {
-            can_gather(&frame.set.cameras)?;
+        let SceneInput { frame, camera, settings } = input;
+        let cameras = &frame.set.cameras;
+        if settings.kernel == Kernel::Gather && cameras.len() > MAX_CAMERAS {
+            let (count, most) = (cameras.len(), MAX_CAMERAS);
+            let what = format!("{most} cameras can be gathered from, not {count}; use the CPU instead");
+            return Err(Error::Gpu { what });
         }
         let images: Vec<&Arc<SampleImage>> =
             frame.images.iter().map(|index| &frame.set.images[*index]).collect();
         let pieces = pieces(frame, &memory.load(context, &images)?);
-        let cameras = &frame.set.cameras;
         let projectors: Vec<_> = cameras.iter().map(|source| GpuProjector::new(source, camera)).collect();
         let (views, cells) = views(cameras, camera, settings.depth_tolerance);
         let gather_group = if settings.kernel == Kernel::Gather {
@@ -62,19 +66,27 @@ impl SceneBindings {
             let lookup = list(context, "lookup", &lookup)?;
             let [background, foreground] = &target.layers;
             let buffers = [&background.keys, &foreground.keys, &target.picture, &views, &lookup];
-            Some(bind(&context.device, &pipelines.gather_layout, None, &buffers))
+            Some(bind(
+                &context.device,
+                &pipelines.gather_layout,
+                buffers.map(wgpu::Buffer::as_entire_binding),
+            ))
         } else {
             None
         };
-        let stages = stages(wanted, pieces.len(), cells);
-        let stages = written(context, "stages", &stages, wgpu::BufferUsages::UNIFORM)?;
+        let stages = stages(input, pieces.len(), cells);
+        let stages = context.written("stages", &stages, wgpu::BufferUsages::UNIFORM)?;
         let projectors = list(context, "projectors", &projectors)?;
         let pieces = list(context, "pieces", &pieces)?;
         let missing = context.buffer("no page", 4, wgpu::BufferUsages::STORAGE)?;
         let mut buffers = vec![&projectors, &pieces];
         buffers.extend(memory.pages().chain(std::iter::repeat(&missing)).take(MAX_PAGES));
-        let group = bind(&context.device, &pipelines.scene_layout, Some(&stages), &buffers);
-        let tile_counts = [frame.lasting(), frame.passing()].map(|tiles| tiles.len() as u32);
+        let size = NonZeroU64::new(size_of::<GpuStage>() as u64);
+        let stage = wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &stages, offset: 0, size });
+        let resources = once(stage).chain(buffers.into_iter().map(wgpu::Buffer::as_entire_binding));
+        let group = bind(&context.device, &pipelines.scene_layout, resources);
+        let tile_counts =
+            [frame.background_tiles(), frame.foreground_tiles()].map(|tiles| tiles.len() as u32);
         Ok(Self { group, gather_group, tile_counts })
     }
 
@@ -85,27 +97,27 @@ impl SceneBindings {
 }
 
 /// The stages of both layers, for both passes, each at its offset.
-fn stages((frame, camera, settings): Wanted<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
+fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
+    let SceneInput { frame, camera, settings } = input;
     let (width, height) = camera.intrinsics.size();
-    let ray = |x, y| camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(DVec2::new(x, y));
-    let first = ray(0.5, 0.5);
+    let [first_ray, ray_across, ray_down] = rays_in_world(camera, 0.5).map(|ray| ray.to_array());
     let mut stages = Vec::new();
-    for tiles in [frame.lasting(), frame.passing()] {
+    for tiles in [frame.background_tiles(), frame.foreground_tiles()] {
         for step in 0..2 {
             let stage = GpuStage {
                 width: width as u32,
                 height: height as u32,
-                kernel: kernel_number(settings.kernel),
+                kernel: settings.kernel as u32,
                 step,
                 first_tile: tiles.start as u32,
                 tile_count: tiles.len() as u32,
                 piece_count: piece_count as u32,
                 surface_ratio: 1.0 / (1.0 + settings.depth_tolerance / focal(camera)),
-                first_ray: first.as_vec3().to_array(),
-                lasting_tiles: frame.lasting_tiles as u32,
-                ray_across: (ray(1.5, 0.5) - first).as_vec3().to_array(),
+                first_ray,
+                background_tiles: frame.background_tile_count as u32,
+                ray_across,
                 entries_at: cells as u32,
-                ray_down: (ray(0.5, 1.5) - first).as_vec3().to_array(),
+                ray_down,
                 all_tiles: frame.tile_count() as u32,
                 pruned: u32::from(frame.is_pruned()),
                 ..GpuStage::zeroed()
@@ -117,20 +129,7 @@ fn stages((frame, camera, settings): Wanted<'_>, piece_count: usize, cells: usiz
     stages
 }
 
-fn can_gather(cameras: &[Camera]) -> Result<()> {
-    if cameras.len() <= MAX_CAMERAS {
-        return Ok(());
-    }
-    Err(Error::Gpu {
-        what: format!(
-            "{} cameras can be gathered from, not {}; use the CPU instead",
-            MAX_CAMERAS,
-            cameras.len()
-        ),
-    })
-}
-
-/// How the gather stage sees each camera, and how many cells there are in all.
+/// The cameras for the gather stage, and the number of their cells.
 fn views(cameras: &[Camera], target: &Camera, depth_tolerance: f32) -> (Vec<GpuView>, usize) {
     let center = target.position_in_world();
     let mut cells = 0;
@@ -173,22 +172,15 @@ fn lookup(frame: &FrameSamples<'_>, pieces: &[GpuPiece], views: &[GpuView], cell
     lookup
 }
 
-/// A buffer with these entries. Shaders must be given room for one even where there is none.
+/// A buffer with these entries; with one of zeros if there are none, because shaders cannot bind an empty buffer.
 fn list<T: Pod>(context: &Context, label: &str, entries: &[T]) -> Result<wgpu::Buffer> {
     let none = [T::zeroed()];
     let entries = if entries.is_empty() { &none } else { entries };
-    written(context, label, bytemuck::cast_slice(entries), wgpu::BufferUsages::STORAGE)
-}
-
-/// A buffer with these bytes.
-fn written(context: &Context, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
-    let buffer = context.buffer(label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST)?;
-    context.queue.write_buffer(&buffer, 0, bytes);
-    Ok(buffer)
+    context.written(label, bytemuck::cast_slice(entries), wgpu::BufferUsages::STORAGE)
 }
 
 /// The pieces of a frame's images, in the order of the frame's tiles.
-fn pieces(frame: &FrameSamples<'_>, placed: &[Vec<PlacedPiece>]) -> Vec<GpuPiece> {
+fn pieces(frame: &FrameSamples<'_>, placed: &[Vec<GpuPiece>]) -> Vec<GpuPiece> {
     let mut pieces = Vec::new();
     let mut first_tile = 0;
     for (&index, placed) in frame.images.iter().zip(placed) {
@@ -197,11 +189,7 @@ fn pieces(frame: &FrameSamples<'_>, placed: &[Vec<PlacedPiece>]) -> Vec<GpuPiece
             first_tile: first_tile + piece.first_tile,
             camera: image.camera,
             image: index as u32,
-            page: piece.page,
-            tiles_at: piece.at,
-            low_at: piece.low_at,
-            high_at: piece.high_at,
-            color_at: piece.color_at,
+            ..*piece
         }));
         first_tile += image.tiles.len() as u32;
     }

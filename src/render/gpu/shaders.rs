@@ -1,15 +1,5 @@
 //! The shaders: each is its own file after the shared pieces that it needs.
 
-macro_rules! shader {
-    ($name:ident, $entry:literal, $doc:literal, [$($piece:literal),+]) => {
-        #[doc = $doc]
-        pub(super) const $name: Shader = Shader {
-            entry: $entry,
-            pieces: &[$(include_str!(concat!("../../../shaders/", $piece, ".wgsl"))),+],
-        };
-    };
-}
-
 /// One compute shader.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shader {
@@ -19,67 +9,39 @@ pub(super) struct Shader {
 }
 
 impl Shader {
-    /// The whole text.
+    /// The whole source.
     pub(super) fn source(&self) -> String {
         self.pieces.concat()
     }
 }
 
-shader!(
-    SURFACE_64,
-    "surface",
-    "The surface stage with 64-bit atomics.",
-    ["common/stage", "common/samples", "common/project", "common/dense_tile", "common/keys_64", "surface"]
-);
-shader!(
-    SURFACE_32,
-    "surface",
-    "The surface stage with 32-bit atomics.",
-    ["common/stage", "common/samples", "common/project", "common/dense_tile", "common/keys_32", "surface"]
-);
-shader!(
-    BLEND,
-    "blend",
-    "The blend stage.",
-    ["common/stage", "common/samples", "common/project", "common/dense_tile", "common/sums", "blend"]
-);
-shader!(
-    RESOLVE,
-    "resolve",
-    "The resolve stage of kernels that do not gather.",
-    ["common/stage", "common/samples", "common/sums", "common/picture", "resolve"]
-);
-shader!(
-    SILHOUETTE,
-    "silhouette",
-    "The silhouette stage.",
-    [
-        "common/stage",
-        "common/samples",
-        "common/project",
-        "common/lookup",
-        "common/place",
-        "common/patch",
-        "silhouette"
-    ]
-);
-shader!(
-    GATHER,
-    "gather",
-    "The gather stage.",
-    [
-        "common/stage",
-        "common/samples",
-        "common/project",
-        "common/lookup",
-        "common/place",
-        "common/patch",
-        "common/picture",
-        "gather"
-    ]
-);
+/// The shader of a name, after the shared pieces that it needs.
+macro_rules! shader {
+    ($entry:literal $(, $piece:literal)*) => {
+        Shader {
+            entry: $entry,
+            pieces: &[
+                $(include_str!(concat!("../../../shaders/common/", $piece, ".wgsl")),)*
+                include_str!(concat!("../../../shaders/", $entry, ".wgsl")),
+            ],
+        }
+    };
+}
 
-shader!(DISPLAY, "display", "The display stage.", ["display"]);
+/// The surface stage with 64-bit atomics.
+pub(super) const SURFACE_64: Shader =
+    shader!("surface", "stage", "samples", "project", "dense_tile", "keys_64");
+/// The surface stage with 32-bit atomics.
+pub(super) const SURFACE_32: Shader =
+    shader!("surface", "stage", "samples", "project", "dense_tile", "keys_32");
+pub(super) const BLEND: Shader = shader!("blend", "stage", "samples", "project", "dense_tile", "sums");
+/// The resolve stage of kernels that do not gather.
+pub(super) const RESOLVE: Shader = shader!("resolve", "stage", "samples", "sums", "picture");
+pub(super) const SILHOUETTE: Shader =
+    shader!("silhouette", "stage", "samples", "project", "lookup", "reproject", "patch");
+pub(super) const GATHER: Shader =
+    shader!("gather", "stage", "samples", "project", "lookup", "reproject", "patch", "picture");
+pub(super) const DISPLAY: Shader = shader!("display");
 
 #[cfg(test)]
 mod tests {

@@ -1,14 +1,14 @@
-//! The buffers of a picture: two layers, what comes of them, and the way back to the CPU.
+//! The buffers of a picture: two layers, the resolved picture, and a buffer that the CPU can read.
 
 use super::context::Context;
 use super::layout::{KEY_WORDS, PICTURE_WORDS, SUM_WORDS};
 use super::pipelines::{Pipelines, bind};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::grid::Grid;
 use crate::render::vantage::Picture;
 use wgpu::BufferUsages as Usage;
 
-/// What was painted of some images.
+/// The keys and sums of a layer.
 #[derive(Debug)]
 pub(super) struct PaintedImages {
     pub(super) keys: wgpu::Buffer,
@@ -21,12 +21,16 @@ impl PaintedImages {
         let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
         let keys = context.buffer("keys", 4 * KEY_WORDS * pixels, usage)?;
         let sums = context.buffer("sums", if blends { 4 * SUM_WORDS * pixels } else { 0 }, usage)?;
-        let group = bind(&context.device, &pipelines.layer_layout, None, &[&keys, &sums]);
+        let group = bind(
+            &context.device,
+            &pipelines.layer_layout,
+            [&keys, &sums].map(wgpu::Buffer::as_entire_binding),
+        );
         Ok(Self { keys, sums, group })
     }
 }
 
-/// See the module's page.
+/// The buffers of a picture.
 #[derive(Debug)]
 pub(super) struct GpuTarget {
     pub(super) width: usize,
@@ -41,9 +45,6 @@ pub(super) struct GpuTarget {
 
 impl GpuTarget {
     /// Buffers for a picture of this size, with sums where the kernel blends.
-    ///
-    /// # Errors
-    /// `Gpu` where the adapter takes no picture of this size.
     pub(super) fn new(
         context: &Context,
         pipelines: &Pipelines,
@@ -51,15 +52,14 @@ impl GpuTarget {
         blends: bool,
     ) -> Result<Self> {
         let pixels = (width * height) as u64;
-        let layers = [
-            PaintedImages::new(context, pipelines, pixels, blends)?,
-            PaintedImages::new(context, pipelines, pixels, blends)?,
-        ];
+        let layer = || PaintedImages::new(context, pipelines, pixels, blends);
+        let layers = [layer()?, layer()?];
         let bytes = 4 * PICTURE_WORDS * pixels;
         let picture = context.buffer("picture", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
         let readback = context.buffer("readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;
         let buffers = [&layers[0].keys, &layers[0].sums, &layers[1].keys, &layers[1].sums, &picture];
-        let resolve_group = bind(&context.device, &pipelines.resolve_layout, None, &buffers);
+        let resources = buffers.map(wgpu::Buffer::as_entire_binding);
+        let resolve_group = bind(&context.device, &pipelines.resolve_layout, resources);
         Ok(Self { width, height, blends, layers, picture, resolve_group, readback })
     }
 
@@ -68,15 +68,12 @@ impl GpuTarget {
         self.width * self.height
     }
 
-    /// Has the picture copied to where the CPU can read it.
+    /// Records a copy of the picture to where the CPU can read it.
     pub(super) fn record_readback(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.copy_buffer_to_buffer(&self.picture, 0, &self.readback, 0, self.readback.size());
     }
 
-    /// Waits for the picture and takes it.
-    ///
-    /// # Errors
-    /// `Gpu` where it never comes.
+    /// Waits for the picture and reads it.
     pub(super) fn read(&self, context: &Context) -> Result<Picture> {
         let pixels = self.pixels();
         read_words(context, &self.readback, |words| {
@@ -92,25 +89,21 @@ impl GpuTarget {
     }
 }
 
-/// Waits for all work and shows the words of a buffer that the CPU may map.
-///
-/// # Errors
-/// `Gpu` where the adapter does not come back.
+/// Waits for all work and passes on the words of a buffer that the CPU may map.
 pub(super) fn read_words<T>(
     context: &Context,
     buffer: &wgpu::Buffer,
     take: impl FnOnce(&[u32]) -> T,
 ) -> Result<T> {
-    let lost = |what: String| Error::Gpu { what: format!("{}: {what}", context.adapter.name) };
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     buffer.map_async(wgpu::MapMode::Read, .., move |mapped| {
         // The receiver is gone only where waiting failed, which is an error already.
         let _ = sender.send(mapped);
     });
     context.wait()?;
-    let mapped = receiver.try_recv().map_err(|_| lost("the picture did not come back".to_owned()))?;
-    mapped.map_err(|error| lost(error.to_string()))?;
-    let view = buffer.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
+    let mapped = receiver.try_recv().map_err(|_| context.error("the picture did not come back"))?;
+    mapped.map_err(|error| context.error(error))?;
+    let view = buffer.get_mapped_range(..).map_err(|error| context.error(error))?;
     let taken = take(bytemuck::cast_slice(&view));
     drop(view);
     buffer.unmap();

@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
-use super::layout::GpuTile;
-use crate::samples::{SampleImage, TILE};
+use bytemuck::Zeroable;
+
+use super::layout::{GpuPiece, GpuTile};
+use crate::render::input::samples_above;
+use crate::samples::SampleImage;
 
 const TILE_WORDS: u32 = (size_of::<GpuTile>() / 4) as u32;
 
@@ -13,23 +16,6 @@ pub(super) struct Piece {
     tiles: Range<usize>,
     samples: Range<usize>,
     high: Range<usize>,
-}
-
-/// Where a piece lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PlacedPiece {
-    /// Index of its first tile in its image.
-    pub(super) first_tile: u32,
-    /// Its page.
-    pub(super) page: u32,
-    /// Its first word, where its tiles begin.
-    pub(super) at: u32,
-    /// Where each plane begins, words.
-    pub(super) low_at: u32,
-    /// See `low_at`.
-    pub(super) high_at: u32,
-    /// See `low_at`.
-    pub(super) color_at: u32,
 }
 
 impl Piece {
@@ -76,26 +62,27 @@ impl Piece {
         self.plane_words().iter().sum()
     }
 
-    /// The piece at word `at` of a page.
-    pub(super) fn place(&self, page: u32, at: u32) -> PlacedPiece {
+    /// The piece at word `at` of a page, to be completed by camera and image; tiles count from the first of the image.
+    pub(super) fn place(&self, page: u32, at: u32) -> GpuPiece {
         let [tiles, low, high, _] = self.plane_words();
-        PlacedPiece {
+        GpuPiece {
             first_tile: self.tiles.start as u32,
             page,
-            at,
+            tiles_at: at,
             low_at: at + tiles,
             high_at: at + tiles + low,
             color_at: at + tiles + low + high,
+            ..GpuPiece::zeroed()
         }
     }
 
-    /// Sends the piece to its place in `page`.
+    /// Uploads the piece to its place in `page`.
     pub(super) fn write(
         &self,
         image: &SampleImage,
         queue: &wgpu::Queue,
         page: &wgpu::Buffer,
-        place: &PlacedPiece,
+        place: &GpuPiece,
     ) {
         let tiles: Vec<GpuTile> = self
             .tiles
@@ -115,7 +102,7 @@ impl Piece {
             .collect();
         let color = &image.color[self.samples.clone()];
         let planes: [(u32, &[u8]); 4] = [
-            (place.at, bytemuck::cast_slice(&tiles)),
+            (place.tiles_at, bytemuck::cast_slice(&tiles)),
             (place.low_at, bytemuck::cast_slice(&image.depth.low()[self.samples.clone()])),
             (place.high_at, &image.depth.high()[self.high.clone()]),
             (place.color_at, bytemuck::cast_slice(color)),
@@ -124,16 +111,6 @@ impl Piece {
             write_words(queue, page, u64::from(at) * 4, bytes);
         }
     }
-}
-
-/// How many samples the rows above each row hold.
-fn samples_above(rows: &[u16; TILE]) -> [u8; TILE] {
-    let mut count = 0;
-    rows.map(|row| {
-        let before = count as u8;
-        count += row.count_ones();
-        before
-    })
 }
 
 /// Writes bytes, and zeros up to a whole word.
@@ -152,7 +129,7 @@ fn write_words(queue: &wgpu::Queue, buffer: &wgpu::Buffer, at: u64, bytes: &[u8]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::{DepthPlane, SampleTile, Span};
+    use crate::samples::{DepthPlane, SampleTile, Span, TILE};
     use half::f16;
 
     /// `count` tiles, the `nth` with `nth + 1` samples.
@@ -193,13 +170,5 @@ mod tests {
             }
             assert_eq!((tile, sample, byte), (image.tiles.len(), image.len(), image.depth.high().len()));
         }
-    }
-
-    #[test]
-    fn samples_above_a_row_are_counted() {
-        let mut rows = [0; TILE];
-        (rows[0], rows[2], rows[15]) = (0b101, 0xffff, 1);
-        let above = samples_above(&rows);
-        assert_eq!([0, 1, 2, 3, 15].map(|row| above[row]), [0, 2, 2, 18, 18]);
     }
 }

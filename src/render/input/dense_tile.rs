@@ -1,4 +1,4 @@
-//! A tile of samples laid out as the 16×16 pixels that it is, and the slope of its surface.
+//! A tile of samples as 16×16 pixels, and the slope of its surface.
 
 use super::frame_tiles::FrameTile;
 use crate::samples::{TILE, TILE_SAMPLES};
@@ -6,8 +6,8 @@ use crate::samples::{TILE, TILE_SAMPLES};
 /// Marks a pixel without a sample.
 pub(crate) const MISSING: f32 = -1.0;
 
-/// A surface is taken to go on from one pixel to the next where their inverse depths differ by no more than this many
-/// pixel footprints along the ray: some 83 degrees of slant.
+/// Neighboring pixels show the same surface if their inverse depths differ by at most this many pixel footprints along the ray:
+/// some 83 degrees of slant.
 const EDGE_FOOTPRINTS: f32 = 8.0;
 
 /// Inverse depths of a tile's pixels, row-major, between two rows of missing ones.

@@ -1,7 +1,7 @@
-//! The samples of one frame, as the renderers see them: its images one after another, their tiles numbered through.
+//! The samples of one frame: its images one after another, with their tiles numbered consecutively.
 //!
-//! A sample is named by its *slot*: the number of its tile at this frame and its place in the tile. A slot says at once
-//! which camera recorded the sample and where, and fits into half a z-buffer key:
+//! A sample is identified by its *slot*: the number of its tile at this frame and its pixel in the tile. A slot gives the camera
+//! and pixel of the sample and takes half of a z-buffer key:
 //!
 //! ```text
 //! slot = [ number of the tile: 24 bits | row in the tile: 4 bits | column in the tile: 4 bits ]
@@ -13,12 +13,11 @@ use half::f16;
 
 use crate::color::widened;
 use crate::error::{Error, Result};
-use crate::render::splat::slot_of;
 use crate::samples::{SampleImage, SampleSet, TILE, TILE_SAMPLES, TileDepths};
 use crate::settings::PruningMethod;
 use crate::simd::{self, VectorLoop};
 
-/// Tiles that slots can tell apart.
+/// Most tiles that slots can number.
 const MAX_TILES: usize = 1 << 24;
 
 /// A tile of the frame, with everything that its samples are read from.
@@ -39,16 +38,13 @@ pub(crate) struct FrameTile<'a> {
 }
 
 impl<'a> FrameTile<'a> {
+    /// The tile of an image with an index.
     #[inline(always)]
-    fn new(image: &'a SampleImage, index: usize) -> Self {
+    pub(crate) fn new(image: &'a SampleImage, index: usize) -> Self {
         let tile = &image.tiles[index];
-        let mut before = [0; TILE];
-        let mut count = 0;
-        for (before, row) in before.iter_mut().zip(&tile.rows) {
-            *before = count as u8;
-            count += row.count_ones();
-        }
-        let samples = tile.first as usize..tile.first as usize + count as usize;
+        let before = samples_above(&tile.rows);
+        let count = usize::from(before[TILE - 1]) + tile.rows[TILE - 1].count_ones() as usize;
+        let samples = tile.first as usize..tile.first as usize + count;
         Self {
             rows: tile.rows,
             before,
@@ -68,21 +64,21 @@ impl<'a> FrameTile<'a> {
     /// The color of a sample, linear.
     #[inline(always)]
     pub(crate) fn color(&self, nth: usize) -> [f32; 3] {
-        self.color[nth].map(|half| widened(half.to_bits().cast_signed()))
+        linear(self.color[nth])
     }
 
-    /// Asks for the memory of the tile's depths.
+    /// Prefetches the depths.
     #[inline(always)]
-    pub(crate) fn fetch_depths_ahead(&self) {
+    pub(crate) fn prefetch_depths(&self) {
         let (low, high) = self.depths.planes();
         (0..low.len()).step_by(32).for_each(|at| simd::prefetch(low, at));
         (0..high.len()).step_by(64).for_each(|at| simd::prefetch(high, at));
     }
 
-    /// Asks for the memory of everything that is read from the tile.
+    /// Prefetches depths and colors.
     #[inline(always)]
-    pub(crate) fn fetch_ahead(&self) {
-        self.fetch_depths_ahead();
+    pub(crate) fn prefetch(&self) {
+        self.prefetch_depths();
         // Ten colors to a cache line.
         (0..self.color.len()).step_by(10).for_each(|at| simd::prefetch(self.color, at));
     }
@@ -95,16 +91,33 @@ impl<'a> FrameTile<'a> {
     }
 }
 
-/// Where a color lies.
+/// A color as it is stored, widened.
+#[inline(always)]
+pub(crate) fn linear(color: [f16; 3]) -> [f32; 3] {
+    color.map(|half| widened(half.to_bits().cast_signed()))
+}
+
+/// The number of samples in the rows above each row of a tile.
+#[inline(always)]
+pub(crate) fn samples_above(rows: &[u16; TILE]) -> [u8; TILE] {
+    let mut count = 0;
+    rows.map(|row| {
+        let above = count as u8;
+        count += row.count_ones();
+        above
+    })
+}
+
+/// Where a color is stored.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ColorPlace {
+pub(crate) struct ColorIndex {
     /// Index in [`FrameSamples::images`].
     pub(crate) image: u32,
     /// Index of the sample in the image.
     pub(crate) nth: u32,
 }
 
-/// Marks tiles whose samples need not be counted: each lies at its place in the tile.
+/// Marks tiles with a sample in every pixel, where samples need not be counted.
 const FULL: u32 = 1 << 31;
 
 /// The images at a frame, those of all frames first, so that their slots are the same at every frame.
@@ -112,39 +125,39 @@ const FULL: u32 = 1 << 31;
 pub(crate) struct FrameImages {
     /// Indices in [`SampleSet::images`].
     indices: Vec<usize>,
-    /// How many of them hold at all frames.
-    lasting: usize,
+    /// How many of them hold at all frames: the background.
+    background: usize,
 }
 
 impl FrameImages {
     pub(crate) fn at(set: &SampleSet, frame: usize) -> Self {
-        // Images of some frames change so often that keeping them painted would not pay.
-        let outlasts = |image: &SampleImage| image.span.len() > 1 && image.span.len() == set.frame_count();
-        let at_frame = |lasting: bool| {
+        // Keeping images of only some frames painted would not pay: they change too often.
+        let is_background =
+            |image: &SampleImage| image.span.len() > 1 && image.span.len() == set.frame_count();
+        let at_frame = |background: bool| {
             let images = set.images.iter().enumerate();
             images
-                .filter(move |(_, image)| image.span.contains(frame) && outlasts(image) == lasting)
+                .filter(move |(_, image)| image.span.contains(frame) && is_background(image) == background)
                 .map(|(index, _)| index)
         };
         let mut indices: Vec<usize> = at_frame(true).collect();
-        let lasting = indices.len();
+        let background = indices.len();
         indices.extend(at_frame(false));
-        Self { indices, lasting }
+        Self { indices, background }
     }
 
     /// Indices of the images that hold at all frames.
-    pub(crate) fn lasting(&self) -> &[usize] {
-        &self.indices[..self.lasting]
+    pub(crate) fn background(&self) -> &[usize] {
+        &self.indices[..self.background]
     }
 }
 
-/// What is known of every tile by its number. That of lasting tiles is kept from one frame to the next.
+/// The camera and the color index of every tile by its number. For tiles of the background it is kept from frame to frame.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Numbers {
-    /// The place of the first sample of each tile, with [`FULL`] added to the image: eight bytes, so that all of them fit in
-    /// a cache together.
-    color_places: Vec<ColorPlace>,
-    /// The camera of each tile: two bytes, so that all of them fit in the smallest cache.
+pub(crate) struct TileIndex {
+    /// Where the colors of each tile begin, with [`FULL`] added to the image. Eight bytes a tile, to fit in a cache.
+    color_indices: Vec<ColorIndex>,
+    /// The camera of each tile. Two bytes a tile, to fit in the smallest cache.
     cameras: Vec<u16>,
 }
 
@@ -154,52 +167,52 @@ pub(crate) struct FrameSamples<'a> {
     pub(crate) set: &'a SampleSet,
     /// Indices in [`SampleSet::images`].
     pub(crate) images: Vec<usize>,
-    /// Every tile that is to be painted: all, or those after the lasting ones, which are painted already.
+    /// The tiles to be painted: all, or those of the foreground if the background is painted already.
     tiles: Vec<FrameTile<'a>>,
     /// The number of the first of `tiles`.
     first_number: usize,
     /// How many of `images` hold at all frames.
-    pub(crate) lasting_images: usize,
-    /// How many tiles belong to them.
-    pub(crate) lasting_tiles: usize,
+    pub(crate) background_images: usize,
+    /// How many tiles these have.
+    pub(crate) background_tile_count: usize,
     /// The number of the first tile of each image.
     first_of_image: Vec<usize>,
-    numbers: Numbers,
+    index: TileIndex,
     /// Colors of each image.
     colors: Vec<&'a [[f16; 3]]>,
 }
 
-/// Adds the tiles of the `nth` image of the frame.
-struct Numbering<'a, 'b> {
+/// Adds the tiles of an image, the `nth` of the frame, to a list and an index.
+struct IndexTiles<'a, 'b> {
     nth: u32,
     image: &'a SampleImage,
     tiles: &'b mut Vec<FrameTile<'a>>,
-    numbers: &'b mut Numbers,
+    index: &'b mut TileIndex,
 }
 
-impl VectorLoop for Numbering<'_, '_> {
+impl VectorLoop for IndexTiles<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { nth, image, tiles, numbers } = self;
-        for (index, tile) in image.tiles.iter().enumerate() {
-            let numbered = FrameTile::new(image, index);
+        let Self { nth, image, tiles, index } = self;
+        for (at, tile) in image.tiles.iter().enumerate() {
+            let numbered = FrameTile::new(image, at);
             let full = if numbered.color.len() == TILE_SAMPLES { FULL } else { 0 };
-            numbers.color_places.push(ColorPlace { image: nth | full, nth: tile.first });
-            numbers.cameras.push(numbered.camera);
+            index.color_indices.push(ColorIndex { image: nth | full, nth: tile.first });
+            index.cameras.push(numbered.camera);
             tiles.push(numbered);
         }
     }
 }
 
 impl<'a> FrameSamples<'a> {
-    /// Whether samples that others represent were dropped.
+    /// Whether redundant samples were pruned.
     pub(crate) fn is_pruned(&self) -> bool {
         self.set.settings.pruning.method != PruningMethod::Off
     }
 
-    /// The samples of the images at `frame`. Where the numbers of lasting tiles are known, those tiles are taken to be painted.
+    /// The samples of the images at `frame`. With an index of the background's tiles, these are not listed for painting again.
     ///
     /// # Errors
     /// `Unsupported` where there are more tiles than slots can number.
@@ -207,9 +220,9 @@ impl<'a> FrameSamples<'a> {
         set: &'a SampleSet,
         frame: usize,
         images: FrameImages,
-        lasting: Option<Numbers>,
+        background: Option<TileIndex>,
     ) -> Result<Self> {
-        let FrameImages { indices: images, lasting: lasting_images } = images;
+        let FrameImages { indices: images, background: background_images } = images;
         let mut count = 0;
         let mut first_of_image = Vec::with_capacity(images.len() + 1);
         for &image in &images {
@@ -223,17 +236,16 @@ impl<'a> FrameSamples<'a> {
                 format!("{count} tiles of samples at one frame; {MAX_TILES} can be rendered"),
             ));
         }
-        let lasting_tiles = first_of_image[lasting_images];
+        let background_tile_count = first_of_image[background_images];
         let (first_image, first_number) =
-            if lasting.is_some() { (lasting_images, lasting_tiles) } else { (0, 0) };
-        let mut numbers = lasting.unwrap_or_default();
-        numbers.color_places.reserve(count - first_number);
-        numbers.cameras.reserve(count - first_number);
+            if background.is_some() { (background_images, background_tile_count) } else { (0, 0) };
+        let mut index = background.unwrap_or_default();
+        index.color_indices.reserve(count - first_number);
+        index.cameras.reserve(count - first_number);
         let mut tiles = Vec::with_capacity(count - first_number);
-        for (nth, &index) in images.iter().enumerate().skip(first_image) {
-            let image = &set.images[index];
-            let (tiles, numbers) = (&mut tiles, &mut numbers);
-            simd::run(Numbering { nth: nth as u32, image, tiles, numbers });
+        for (nth, &image) in images.iter().enumerate().skip(first_image) {
+            let image = &set.images[image];
+            simd::run(IndexTiles { nth: nth as u32, image, tiles: &mut tiles, index: &mut index });
         }
         let colors = images.iter().map(|&image| set.images[image].color.as_slice()).collect();
         Ok(Self {
@@ -241,110 +253,107 @@ impl<'a> FrameSamples<'a> {
             images,
             tiles,
             first_number,
-            lasting_images,
-            lasting_tiles,
+            background_images,
+            background_tile_count,
             first_of_image,
-            numbers,
+            index,
             colors,
         })
     }
 
-    /// The samples at `frame`, of which nothing is known yet.
-    ///
-    /// # Errors
-    /// As [`FrameSamples::of`].
+    /// The samples at `frame`, with all tiles to be painted.
     pub(crate) fn at(set: &'a SampleSet, frame: usize) -> Result<Self> {
         Self::of(set, frame, FrameImages::at(set, frame), None)
     }
 
-    /// What is known of the lasting tiles, for the next frame.
-    pub(crate) fn into_lasting_numbers(self) -> Numbers {
-        let Self { mut numbers, lasting_tiles, .. } = self;
-        numbers.color_places.truncate(lasting_tiles);
-        numbers.cameras.truncate(lasting_tiles);
-        numbers
+    /// The index of the background's tiles, for the next frame.
+    pub(crate) fn into_background_index(self) -> TileIndex {
+        let Self { mut index, background_tile_count, .. } = self;
+        index.color_indices.truncate(background_tile_count);
+        index.cameras.truncate(background_tile_count);
+        index
     }
 
-    /// How many tiles there are.
+    /// The number of tiles.
     pub(crate) fn tile_count(&self) -> usize {
-        self.numbers.cameras.len()
+        self.index.cameras.len()
     }
 
-    /// Tiles that are to be painted.
+    /// Tiles to be painted.
     pub(crate) fn tiles(&self, numbers: Range<usize>) -> &[FrameTile<'a>] {
         &self.tiles[numbers.start - self.first_number..numbers.end - self.first_number]
     }
 
-    /// A tile that is to be painted.
+    /// A tile to be painted.
     #[inline(always)]
     pub(crate) fn tile(&self, number: usize) -> &FrameTile<'a> {
         &self.tiles[number - self.first_number]
     }
 
-    /// A tile, unless it is painted already.
+    /// A tile, if it is to be painted.
     #[inline(always)]
-    pub(crate) fn new_tile(&self, number: usize) -> Option<&FrameTile<'a>> {
+    pub(crate) fn tile_to_paint(&self, number: usize) -> Option<&FrameTile<'a>> {
         self.tiles.get(number.wrapping_sub(self.first_number))
     }
 
-    /// A tile that is painted already.
+    /// A tile of the background that is painted already.
     #[inline(always)]
     pub(crate) fn painted_tile(&self, number: usize) -> FrameTile<'a> {
-        let nth = (self.numbers.color_places[number].image & !FULL) as usize;
+        let nth = self.nth_image(number);
         FrameTile::new(&self.set.images[self.images[nth]], number - self.first_of_image[nth])
     }
 
     /// Numbers of the tiles that hold at all frames.
-    pub(crate) fn lasting(&self) -> Range<usize> {
-        0..self.lasting_tiles
+    pub(crate) fn background_tiles(&self) -> Range<usize> {
+        0..self.background_tile_count
     }
 
     /// Numbers of the tiles of shorter spans.
-    pub(crate) fn passing(&self) -> Range<usize> {
-        self.lasting_tiles..self.tile_count()
+    pub(crate) fn foreground_tiles(&self) -> Range<usize> {
+        self.background_tile_count..self.tile_count()
     }
 
     /// Index in [`SampleSet::images`] of the image of a slot.
     #[inline(always)]
     pub(crate) fn image_of(&self, slot: u32) -> u32 {
-        self.images[self.nth_image(slot)] as u32
+        self.images[self.nth_image((slot >> 8) as usize)] as u32
     }
 
     /// Index of the camera of a slot.
     #[inline(always)]
     pub(crate) fn camera_of(&self, slot: u32) -> u16 {
-        self.numbers.cameras[(slot >> 8) as usize]
+        self.index.cameras[(slot >> 8) as usize]
     }
 
-    /// The image of a slot, as an index in `images`.
+    /// The image of a tile, as an index in `images`.
     #[inline(always)]
-    fn nth_image(&self, slot: u32) -> usize {
-        (self.numbers.color_places[(slot >> 8) as usize].image & !FULL) as usize
+    fn nth_image(&self, number: usize) -> usize {
+        (self.index.color_indices[number].image & !FULL) as usize
     }
 
     /// The color of the sample at a slot, linear.
     #[inline(always)]
     pub(crate) fn color_of(&self, slot: u32) -> [f32; 3] {
-        let place = self.color_place(slot);
-        self.colors(place.image)[place.nth as usize].map(|half| widened(half.to_bits().cast_signed()))
+        let index = self.color_index(slot);
+        linear(self.colors(index.image)[index.nth as usize])
     }
 
-    /// Where the color of the sample at a slot lies.
+    /// Where the color of the sample at a slot is stored.
     #[inline(always)]
-    pub(crate) fn color_place(&self, slot: u32) -> ColorPlace {
+    pub(crate) fn color_index(&self, slot: u32) -> ColorIndex {
         let number = (slot >> 8) as usize;
-        let first = self.numbers.color_places[number];
+        let first = self.index.color_indices[number];
         let nth = if first.image & FULL != 0 {
             slot as usize % TILE_SAMPLES
-        } else if let Some(tile) = self.new_tile(number) {
+        } else if let Some(tile) = self.tile_to_paint(number) {
             tile.rank(slot as usize % TILE, slot as usize / TILE % TILE)
         } else {
             self.rank_in_painted_tile(slot)
         };
-        ColorPlace { image: first.image & !FULL, nth: first.nth + nth as u32 }
+        ColorIndex { image: first.image & !FULL, nth: first.nth + nth as u32 }
     }
 
-    /// Samples before a slot in its tile, where that is painted already.
+    /// Samples before a slot in its tile, if the tile is painted already.
     #[cold]
     #[inline(never)]
     fn rank_in_painted_tile(&self, slot: u32) -> usize {
@@ -357,11 +366,11 @@ impl<'a> FrameSamples<'a> {
         self.colors[image as usize]
     }
 
-    /// The cameras that some keys' samples come from, ascending.
+    /// The cameras that recorded the samples at some slots, ascending.
     #[inline(always)]
-    pub(crate) fn cameras_of(&self, keys: &[u64], cameras: &mut Vec<u16>) {
+    pub(crate) fn cameras_of(&self, slots: impl Iterator<Item = u32>, cameras: &mut Vec<u16>) {
         cameras.clear();
-        let shown = keys.iter().filter(|key| **key != 0).map(|key| self.camera_of(slot_of(*key)));
+        let shown = slots.map(|slot| self.camera_of(slot));
         if self.set.cameras.len() > 64 {
             cameras.extend(shown);
             cameras.sort_unstable();
@@ -375,8 +384,21 @@ impl<'a> FrameSamples<'a> {
         }
     }
 
-    /// Samples in some tiles that are to be painted.
+    /// The number of samples in tiles to be painted.
     pub(crate) fn sample_count(&self, tiles: Range<usize>) -> u64 {
         self.tiles(tiles).iter().map(|tile| tile.color.len() as u64).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_above_a_row_are_counted() {
+        let mut rows = [0; TILE];
+        (rows[0], rows[2], rows[15]) = (0b101, 0xffff, 1);
+        let above = samples_above(&rows);
+        assert_eq!([0, 1, 2, 3, 15].map(|row| above[row]), [0, 2, 2, 18, 18]);
     }
 }

@@ -1,12 +1,10 @@
-//! Windows into the cameras' pictures: the tiles that were looked at last, unpacked.
+//! A cache of unpacked tiles for each camera.
 //!
-//! Neighboring points of the vantage are looked up in the same few tiles of a camera again and again. A tile is unpacked
-//! when the first of them asks for it; sixteen points at a time then read their 2×2 samples from plain arrays.
+//! Neighboring points of the vantage are looked up in the same few tiles of a camera again and again. A tile is unpacked when it
+//! is first read; sixteen points at a time then read their 2×2 samples from plain arrays.
 //!
-//! ```text
-//! pixel (x, y) of a camera lies at (x mod 64, y mod 64) of its window: 4×4 tiles, each pushing out
-//! the one that lies a whole number of windows away
-//! ```
+//! A cache holds 4×4 tiles: pixel `(x, y)` of a camera is stored at `(x mod 64, y mod 64)`, so that a tile replaces those that
+//! lie a whole number of 64 pixels away.
 
 use super::dense_tile::MISSING;
 use super::frame_tiles::FrameTile;
@@ -20,12 +18,12 @@ pub(crate) const LANES: usize = 16;
 /// One number for each of them.
 pub(crate) type LaneValues = [f32; LANES];
 
-/// Tiles along each side of a window.
+/// Tiles along each side of a cache.
 const TILES: usize = 4;
 const SIDE: usize = TILES * TILE;
 const AREA: usize = SIDE * SIDE;
 
-/// Stands in a place of a window that holds no tile yet: no camera is so large.
+/// Marks a slot of a cache without a tile; larger than the cell of any camera.
 const NO_CELL: u32 = u32::MAX;
 
 /// The 2×2 samples around each point: left above, right above, left below, right below.
@@ -36,87 +34,88 @@ pub(crate) struct Quads {
     pub(crate) color: [[u64; LANES]; 4],
 }
 
-/// One camera's window.
+/// The cache of one camera.
 #[derive(Debug)]
 struct TileCache {
     depth: [f32; AREA],
     color: [u64; AREA],
-    /// Which tile of the camera is in each place: `row + 1 << 16 | column + 1`.
+    /// The tile in each slot: `row + 1 << 16 | column + 1`.
     cells: [u32; TILES * TILES],
-    /// The same of tiles whose colors are there too.
+    /// The same for tiles whose colors are unpacked too.
     colored: [u32; TILES * TILES],
 }
 
-/// A window for each camera that was asked for.
+/// A cache for each camera that was read.
 #[derive(Debug)]
-pub(crate) struct Windows {
+pub(crate) struct TileCaches {
     cameras: Vec<Option<Box<TileCache>>>,
     packed: [f32; TILE_SAMPLES],
 }
 
-impl Windows {
-    /// For so many cameras, nothing unpacked.
+impl TileCaches {
+    /// Empty caches for this many cameras.
     pub(crate) fn new(cameras: usize) -> Self {
         Self { cameras: std::iter::repeat_with(|| None).take(cameras).collect(), packed: [0.0; TILE_SAMPLES] }
     }
 
-    /// Of how many cameras there may be one.
+    /// The number of cameras that there may be caches of.
     pub(crate) fn camera_count(&self) -> usize {
         self.cameras.len()
     }
 
-    /// Forgets what is unpacked.
+    /// Empties the caches.
     pub(crate) fn forget(&mut self) {
-        for window in self.cameras.iter_mut().flatten() {
-            window.cells.fill(NO_CELL);
-            window.colored.fill(NO_CELL);
+        for cache in self.cameras.iter_mut().flatten() {
+            cache.cells.fill(NO_CELL);
+            cache.colored.fill(NO_CELL);
         }
     }
 
-    /// Asks for the memory of the tile around a pixel of a camera, where it is not unpacked yet.
+    /// Prefetches the tile around a pixel of a camera, if it is not unpacked yet.
     #[inline(always)]
-    pub(crate) fn fetch_ahead(&self, lookup: &Lookup<'_>, camera: usize, (x, y): (i32, i32)) {
+    pub(crate) fn prefetch(&self, lookup: &Lookup<'_>, camera: usize, (x, y): (i32, i32)) {
         let (column, row) = (x >> 4, y >> 4);
         let is_there = self.cameras[camera]
             .as_ref()
-            .is_some_and(|window| window.cells[slot(column, row)] == cell(column, row));
+            .is_some_and(|cache| cache.cells[slot(column, row)] == cell(column, row));
         if !is_there {
             let mut at = lookup.first_at(camera, column, row);
             while let Some(number) = at {
-                lookup.tile(number, &mut None).fetch_ahead();
+                lookup.tile(number, &mut None).prefetch();
                 at = lookup.next(number);
             }
         }
     }
 
-    /// The samples of a camera at columns `x`, `x + 1` and rows `y`, `y + 1`, from −1 on, for the points of a mask; for
-    /// others anything. Colors only where `COLORS` asks for them.
+    /// The samples of a camera at columns `x`, `x + 1` and rows `y`, `y + 1` for the points of a mask, whose corners `(x, y)` are −1
+    /// or more; those of other points are undefined. Colors only if `COLORS`.
     #[inline(always)]
     pub(crate) fn quads<const COLORS: bool>(
         &mut self,
         lookup: &Lookup<'_>,
         camera: usize,
-        [x, y]: &[[i32; LANES]; 2],
-        asked: u32,
+        corners: &[[i32; LANES]; 2],
+        which: u32,
     ) -> Quads {
         let Self { cameras, packed } = self;
-        let window = cameras[camera].get_or_insert_with(TileCache::new);
-        let (near, corner, touched) = within((x, y), asked);
+        let cache = cameras[camera].get_or_insert_with(TileCache::new);
+        let (near, corner, touched) = within(corners, which);
         for row in touched[2]..=touched[3] {
             for column in touched[0]..=touched[1] {
-                window.unpack::<COLORS>(lookup, camera, (corner.0 + column, corner.1 + row), packed);
+                cache.unpack::<COLORS>(lookup, camera, (corner.0 + column, corner.1 + row), packed);
             }
         }
-        let mut quads = window.read::<COLORS>((x, y));
-        // Points that lie too far from the first for the window to hold both are looked up one by one: unpacking tiles for them
-        // would push out those of their neighbors.
-        let mut left = asked & !near;
+        let mut quads = cache.read::<COLORS>(corners);
+        // Points too far from the first for the cache to hold both are looked up one by one: unpacking tiles for them would replace
+        // those of their neighbors.
+        let [x, y] = corners;
+        let mut left = which & !near;
         while left != 0 {
             let i = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
             for corner in 0..4 {
                 let pixel = (x[i] + (corner as i32 & 1), y[i] + (corner as i32 >> 1));
-                let (depth, color) = window.sample::<COLORS>(lookup, camera, pixel);
+                let (depth, color) = cache.sample::<COLORS>(lookup, camera, pixel);
                 quads.depth[corner][i] = depth;
                 quads.color[corner][i] = color;
             }
@@ -125,30 +124,30 @@ impl Windows {
     }
 }
 
-/// Where a pixel of a camera lies in its window.
+/// Where a pixel of a camera is stored in its cache.
 #[inline(always)]
-fn place(x: i32, y: i32) -> usize {
+fn pixel_at(x: i32, y: i32) -> usize {
     let (column, row) = (x as u32 % SIDE as u32, y as u32 % SIDE as u32);
     (row * SIDE as u32 + column) as usize % AREA
 }
 
-/// Which place of a window holds a tile of a camera.
+/// The slot of a cache for a tile of a camera.
 #[inline(always)]
 fn slot(column: i32, row: i32) -> usize {
     let (column, row) = (column & (TILES as i32 - 1), row & (TILES as i32 - 1));
     (row as usize * TILES + column as usize) % (TILES * TILES)
 }
 
-/// A tile of a camera in one number.
+/// The column and row of a tile in one number.
 #[inline(always)]
 fn cell(column: i32, row: i32) -> u32 {
     ((row + 1) as u32) << 16 | (column + 1) as u32
 }
 
-/// Those points of a mask whose 2×2 samples lie in one window together with the first one's; the tile that the window begins
-/// with; and from there, the first and last columns and rows of tiles that they touch.
+/// The points of a mask whose 2×2 samples fit into the cache together with those of the first; the first column and row of these
+/// 4×4 tiles; and from there, the first and last columns and rows of tiles that the points touch.
 #[inline(always)]
-fn within((x, y): (&[i32; LANES], &[i32; LANES]), which: u32) -> (u32, (i32, i32), [i32; 4]) {
+fn within([x, y]: &[[i32; LANES]; 2], which: u32) -> (u32, (i32, i32), [i32; 4]) {
     let first = which.trailing_zeros() as usize % LANES;
     let corner = ((x[first] >> 4) - 1, (y[first] >> 4) - 1);
     let (mut near, mut touched) = ([0_u32; LANES], [[1; LANES]; 4]);
@@ -188,8 +187,8 @@ impl TileCache {
         })
     }
 
-    /// Puts a tile of the camera into its place, where it is not there yet; those beside the picture are empty. Its colors only
-    /// where `COLORS` asks for them: who votes does not.
+    /// Unpacks a tile of the camera into its slot, if it is not there yet; tiles beside the picture are empty. Colors only if
+    /// `COLORS`: votes need none.
     #[inline(always)]
     fn unpack<const COLORS: bool>(
         &mut self,
@@ -219,15 +218,15 @@ impl TileCache {
             let tile = lookup.tile(number, &mut made);
             if is_new {
                 tile.depths.unpack(packed);
-                self.unpack_tile::<COLORS>(tile, corner, packed);
+                self.unpack_tile::<true, COLORS>(tile, corner, packed);
             } else {
-                self.unpack_colors(tile, corner);
+                self.unpack_tile::<false, true>(tile, corner, packed);
             }
             at = lookup.next(number);
         }
     }
 
-    /// The sample of a camera at a pixel, out of the window where its tile is unpacked, else from where it lies.
+    /// The sample of a camera at a pixel, from the cache if its tile is unpacked, else from the packed samples.
     #[inline(always)]
     fn sample<const COLORS: bool>(
         &self,
@@ -237,7 +236,7 @@ impl TileCache {
     ) -> (f32, u64) {
         let (slot, cell) = (slot(x >> 4, y >> 4), cell(x >> 4, y >> 4));
         if self.cells[slot] == cell && (!COLORS || self.colored[slot] == cell) {
-            let at = place(x, y);
+            let at = pixel_at(x, y);
             return (self.depth[at], self.color[at]);
         }
         let (column, row) = ((x & 15) as usize, (y & 15) as usize);
@@ -255,7 +254,7 @@ impl TileCache {
         (MISSING, 0)
     }
 
-    /// Takes everything out of a tile's place.
+    /// Empties the slot of a tile.
     #[inline(always)]
     fn empty(&mut self, corner: usize) {
         for row in 0..TILE {
@@ -263,8 +262,9 @@ impl TileCache {
         }
     }
 
+    /// Writes the depths of a tile, which are in `packed`, if `DEPTHS`, and its colors if `COLORS`.
     #[inline(always)]
-    fn unpack_tile<const COLORS: bool>(
+    fn unpack_tile<const DEPTHS: bool, const COLORS: bool>(
         &mut self,
         tile: &FrameTile<'_>,
         corner: usize,
@@ -279,7 +279,9 @@ impl TileCache {
             (depths, colors) = (rest_of_depths, rest_of_colors);
             let (to_depths, to_colors) = (&mut self.depth[at..][..TILE], &mut self.color[at..][..TILE]);
             if mask == u16::MAX {
-                to_depths.copy_from_slice(row_depths);
+                if DEPTHS {
+                    to_depths.copy_from_slice(row_depths);
+                }
                 if COLORS {
                     for (to, color) in to_colors.iter_mut().zip(row_colors) {
                         *to = FrameTile::bits_of(*color);
@@ -291,7 +293,9 @@ impl TileCache {
             for (depth, color) in row_depths.iter().zip(row_colors) {
                 let column = left.trailing_zeros() as usize % TILE;
                 left &= left.wrapping_sub(1);
-                to_depths[column] = *depth;
+                if DEPTHS {
+                    to_depths[column] = *depth;
+                }
                 if COLORS {
                     to_colors[column] = FrameTile::bits_of(*color);
                 }
@@ -299,50 +303,28 @@ impl TileCache {
         }
     }
 
-    /// The colors of a tile whose depths are there.
+    /// Reads the 2×2 samples of all points; those of points that are not in the cache are undefined.
     #[inline(always)]
-    fn unpack_colors(&mut self, tile: &FrameTile<'_>, corner: usize) {
-        let mut colors = tile.color;
-        for (row, &mask) in tile.rows.iter().enumerate() {
-            let to = &mut self.color[corner + row * SIDE..][..TILE];
-            let count = mask.count_ones() as usize;
-            if mask == u16::MAX {
-                for (to, color) in to.iter_mut().zip(colors) {
-                    *to = FrameTile::bits_of(*color);
-                }
-            } else {
-                let mut left = mask;
-                for color in &colors[..count] {
-                    to[left.trailing_zeros() as usize % TILE] = FrameTile::bits_of(*color);
-                    left &= left.wrapping_sub(1);
-                }
-            }
-            colors = &colors[count..];
-        }
-    }
-
-    /// Reads the 2×2 samples of all points; those of points that are not in the window are anything.
-    #[inline(always)]
-    fn read<const COLORS: bool>(&self, (x, y): (&[i32; LANES], &[i32; LANES])) -> Quads {
-        // One corner after the other, not in a loop: that would be turned into reading the four corners of one point after
-        // another, and scattering them.
-        let (depth_a, color_a) = self.read_corner::<COLORS>((x, y), (0, 0));
-        let (depth_b, color_b) = self.read_corner::<COLORS>((x, y), (1, 0));
-        let (depth_c, color_c) = self.read_corner::<COLORS>((x, y), (0, 1));
-        let (depth_d, color_d) = self.read_corner::<COLORS>((x, y), (1, 1));
+    fn read<const COLORS: bool>(&self, corners: &[[i32; LANES]; 2]) -> Quads {
+        // One corner after the other, not in a loop, which would be compiled to reading and scattering the four corners of each
+        // point.
+        let (depth_a, color_a) = self.read_corner::<COLORS>(corners, (0, 0));
+        let (depth_b, color_b) = self.read_corner::<COLORS>(corners, (1, 0));
+        let (depth_c, color_c) = self.read_corner::<COLORS>(corners, (0, 1));
+        let (depth_d, color_d) = self.read_corner::<COLORS>(corners, (1, 1));
         Quads { depth: [depth_a, depth_b, depth_c, depth_d], color: [color_a, color_b, color_c, color_d] }
     }
 
-    /// Reads the samples of all points that lie `right` and `below` of their first.
+    /// Reads the samples `right` and `below` of the corners of all points.
     #[inline(always)]
     fn read_corner<const COLORS: bool>(
         &self,
-        (x, y): (&[i32; LANES], &[i32; LANES]),
+        [x, y]: &[[i32; LANES]; 2],
         (right, below): (i32, i32),
     ) -> (LaneValues, [u64; LANES]) {
         let (mut at, mut depth, mut color) = ([0_u32; LANES], [0.0; LANES], [0; LANES]);
         for i in 0..LANES {
-            at[i] = place(x[i] + right, y[i] + below) as u32;
+            at[i] = pixel_at(x[i] + right, y[i] + below) as u32;
         }
         for i in 0..LANES {
             depth[i] = self.depth[at[i] as usize % AREA];
@@ -359,28 +341,23 @@ impl TileCache {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::{Demo, DemoSpec};
-    use crate::job::Job;
-    use crate::preprocess::preprocess;
+    use crate::demo::DemoSpec;
     use crate::render::input::frame_tiles::FrameSamples;
     use crate::render::input::tile_grid::CellTable;
-    use crate::settings::Settings;
+    use crate::render::tests::scene;
 
     #[test]
     fn points_far_apart_read_what_each_of_them_reads_alone() {
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((160, 120));
-        let demo = Demo::new(&spec).unwrap();
-        let settings = Settings::default();
-        let samples = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        let (samples, _) = scene(DemoSpec::new("orrery").cameras(2).size((160, 120)), 1);
         let frame = FrameSamples::at(&samples, 1).unwrap();
         let table = CellTable::empty(&samples.cameras).with(&frame, 0..frame.tile_count());
         let lookup = Lookup { table, frame: &frame };
         let corners: [[i32; LANES]; 2] = [(53, 161), (37, 121)]
             .map(|(step, count)| std::array::from_fn(|i| (i as i32 * step) % count - 1));
-        let together = Windows::new(2).quads::<true>(&lookup, 0, &corners, 0xffff);
+        let together = TileCaches::new(2).quads::<true>(&lookup, 0, &corners, 0xffff);
         let mut found = 0;
         for i in 0..LANES {
-            let alone = Windows::new(2).quads::<true>(&lookup, 0, &corners, 1 << i);
+            let alone = TileCaches::new(2).quads::<true>(&lookup, 0, &corners, 1 << i);
             for corner in 0..4 {
                 let depth = alone.depth[corner][i];
                 assert_eq!(together.depth[corner][i], depth, "point {i}, corner {corner}");

@@ -1,8 +1,8 @@
-//! Looking samples up by camera and pixel: the way back from a surface point to the pixels that saw it.
+//! Looks samples up by camera and pixel.
 //!
-//! Each camera's picture is a grid of cells, one per tile; a cell leads to the tiles of the images that hold samples there,
-//! one after another: no two images of a camera hold a sample of the same pixel at one frame. Building the table takes a few
-//! instructions per tile and copies no sample.
+//! Each camera's picture is a grid of cells, one per tile; a cell holds a list of the tiles with samples there, one per image.
+//! No two images of a camera hold a sample of the same pixel at one frame. Building the table takes a few instructions per tile
+//! and copies no sample.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::samples::TILE;
 /// Marks the end of a list of tiles.
 const NONE: u32 = u32::MAX;
 
-/// Where a camera's cells begin, and its size.
+/// The size of a camera's picture and where its cells begin.
 #[derive(Clone, Copy, Debug)]
 struct CameraGrid {
     width: i32,
@@ -23,7 +23,7 @@ struct CameraGrid {
     first: usize,
 }
 
-/// Which tiles of a frame lie in each cell. That of lasting tiles is kept from one frame to the next.
+/// Which tiles of a frame lie in each cell. That of the background is kept from one frame to the next.
 #[derive(Clone, Debug)]
 pub(crate) struct CellTable {
     cameras: Vec<CameraGrid>,
@@ -34,7 +34,7 @@ pub(crate) struct CellTable {
 }
 
 impl CellTable {
-    /// Of no tiles.
+    /// A table without tiles.
     pub(crate) fn empty(cameras: &[Camera]) -> Self {
         let mut first = 0;
         let cells_of = |camera: &Camera| {
@@ -48,7 +48,7 @@ impl CellTable {
         Self { cameras, cells: vec![NONE; first], next: Vec::new() }
     }
 
-    /// With some tiles that are painted, which come after those that it holds.
+    /// The table with further tiles, whose numbers follow those that it holds.
     pub(crate) fn with(mut self, frame: &FrameSamples<'_>, tiles: Range<usize>) -> Self {
         self.next.resize(tiles.end, NONE);
         for (number, tile) in tiles.clone().zip(frame.tiles(tiles)) {
@@ -75,8 +75,7 @@ impl<'a> Lookup<'a> {
         (width, height)
     }
 
-    /// The number of the first tile of a camera that holds samples in a column and row of its grid of tiles, which may lie
-    /// outside of it.
+    /// The number of the first tile of a camera with samples in a column and row of its grid, or outside of it.
     #[inline(always)]
     pub(crate) fn first_at(&self, camera: usize, column: i32, row: i32) -> Option<u32> {
         let cells = &self.table.cameras[camera];
@@ -96,10 +95,10 @@ impl<'a> Lookup<'a> {
         (next != NONE).then_some(next)
     }
 
-    /// A tile by its number; one that is painted already is put together in `made`.
+    /// A tile by its number; one that is painted already is made anew in `made`.
     #[inline(always)]
     pub(crate) fn tile<'b>(&'b self, number: u32, made: &'b mut Option<FrameTile<'a>>) -> &'b FrameTile<'a> {
-        match self.frame.new_tile(number as usize) {
+        match self.frame.tile_to_paint(number as usize) {
             Some(tile) => tile,
             None => made.insert(self.frame.painted_tile(number as usize)),
         }

@@ -3,5 +3,5 @@
 mod pick;
 mod png;
 
-pub use pick::{Picked, pick};
+pub use pick::{PickedSample, pick};
 pub use png::write_png;

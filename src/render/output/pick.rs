@@ -1,21 +1,21 @@
 //! Picking: from a pixel of a rendered picture back to the sample that painted it.
 //!
-//! A picture remembers for every pixel which image's sample is nearest and at which depth. That gives the surface point;
-//! carried into the image's own camera it falls beside the sample, which is then the nearest of those around. No stage of
-//! painting has to keep anything for this.
+//! A picture holds for every pixel which image's sample is nearest and at which depth. The surface point there, projected into
+//! the image's own camera, lies beside the sample, which is the nearest of those around it.
 
 use glam::{DVec2, DVec3};
 
+use crate::render::input::FrameTile;
 use crate::render::vantage::{NO_IMAGE, Picture, Vantage};
-use crate::samples::{SampleImage, SampleSet, TILE};
+use crate::samples::{SampleImage, SampleSet, SampleTile, TILE};
 
-/// Samples this many pixels around the position are looked at: a footprint seen from the side reaches that far, and where
-/// there is none, a gap between samples that gathering closed lies within the farther reach.
+/// The sample is searched this many pixels around the position: a footprint seen from the side reaches that far; the second
+/// distance covers gaps between samples that gathering closed.
 const REACHES: [i64; 2] = [3, 12];
 
 /// The sample that painted a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Picked {
+pub struct PickedSample {
     /// Index in [`SampleSet::images`].
     pub image: usize,
     /// Index of the camera in [`SampleSet::cameras`].
@@ -32,7 +32,13 @@ pub struct Picked {
 
 /// The sample that painted pixel `(x, y)` of `picture`, which `samples` gave at `vantage`; `None` in holes.
 #[must_use]
-pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize, y: usize) -> Option<Picked> {
+pub fn pick(
+    samples: &SampleSet,
+    vantage: &Vantage,
+    picture: &Picture,
+    x: usize,
+    y: usize,
+) -> Option<PickedSample> {
     let image_index = *picture.image.get(x, y)?;
     if image_index == NO_IMAGE {
         return None;
@@ -60,7 +66,7 @@ pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize,
                 Some(point) if sample_inverse_depth > 0.0 => {
                     (source.unproject(center, 1.0 / f64::from(sample_inverse_depth)) - point).length()
                 }
-                // A sample at infinity never shows a point that is not; the one that does may lie within the farther reach.
+                // A sample at infinity never shows a finite point.
                 Some(_) => return None,
                 None => (center - position).length(),
             };
@@ -69,7 +75,7 @@ pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize,
         found.min_by(|(a, ..), (b, ..)| a.total_cmp(b))
     };
     let (_, x, y, index) = REACHES.into_iter().find_map(nearest)?;
-    Some(Picked {
+    Some(PickedSample {
         image: image_index as usize,
         camera: image.camera as usize,
         x,
@@ -83,19 +89,13 @@ pub fn pick(samples: &SampleSet, vantage: &Vantage, picture: &Picture, x: usize,
 fn sample_at(image: &SampleImage, x: i64, y: i64) -> Option<(usize, f32)> {
     let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
     let (tile_x, tile_y) = (x / TILE, y / TILE);
-    let place = image
-        .tiles
-        .binary_search_by_key(&(tile_y, tile_x), |tile| (usize::from(tile.tile_y), usize::from(tile.tile_x)))
-        .ok()?;
-    let tile = &image.tiles[place];
+    let key = |tile: &SampleTile| (usize::from(tile.tile_y), usize::from(tile.tile_x));
+    let nth_tile = image.tiles.binary_search_by_key(&(tile_y, tile_x), key).ok()?;
+    let tile = FrameTile::new(image, nth_tile);
     let (row, column) = (y % TILE, x % TILE);
-    if tile.rows[row] >> column & 1 == 0 {
-        return None;
-    }
-    let before: u32 = tile.rows[..row].iter().map(|mask| mask.count_ones()).sum();
-    let nth = (before + (tile.rows[row] & ((1 << column) - 1)).count_ones()) as usize;
-    let inverse_depth = image.depth.tile(place, tile.first, tile.count()).get(nth);
-    Some((tile.first as usize + nth, inverse_depth))
+    let nth = tile.rank(column, row);
+    let is_sampled = tile.rows[row] >> column & 1 == 1;
+    is_sampled.then(|| (image.tiles[nth_tile].first as usize + nth, tile.depths.get(nth)))
 }
 
 #[cfg(test)]
@@ -106,7 +106,7 @@ mod tests {
 
     use super::*;
     use crate::capture::{Camera, Intrinsics};
-    use crate::samples::{DepthPlane, SampleTile, Span};
+    use crate::samples::{DepthPlane, Span};
     use crate::settings::Settings;
 
     #[test]

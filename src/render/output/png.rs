@@ -1,4 +1,4 @@
-//! A picture as an 8-bit sRGB PNG file, as a display shows it.
+//! Writes a picture as an 8-bit sRGB PNG file.
 
 use std::path::Path;
 
@@ -9,8 +9,8 @@ use crate::error::{Error, Result};
 use crate::render::vantage::Picture;
 use crate::whole_file;
 
-/// Writes a picture as 8-bit sRGB with alpha. Alpha is 0 only in holes that were not filled: the file is made to be looked at. It takes
-/// its name once it is whole.
+/// Writes a picture as 8-bit sRGB with alpha, which is 0 only in holes that were not filled. The file takes its name when it is
+/// complete.
 ///
 /// # Errors
 /// `Io` where the file cannot be written, `Invalid` where a PNG cannot hold the picture.

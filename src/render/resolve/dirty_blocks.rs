@@ -1,5 +1,7 @@
 //! Blocks of 16×16 pixels of the picture: what is repainted when a foreground moves over a still background.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::render::gather::BLOCK;
@@ -7,12 +9,12 @@ use crate::render::geometry::TileBounds;
 
 /// A set of blocks.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Blocks {
+pub(crate) struct BlockSet {
     across: usize,
     marked: Vec<bool>,
 }
 
-impl Blocks {
+impl BlockSet {
     /// None of the blocks of a picture.
     pub(crate) fn none(width: usize, height: usize) -> Self {
         let across = width.div_ceil(BLOCK);
@@ -31,7 +33,7 @@ impl Blocks {
         blocks
     }
 
-    /// Adds the blocks that `bounds` touch, and those beside them as far as decisions at an edge reach.
+    /// Adds the blocks that `bounds`, widened by `reach` pixels on each side, touch.
     pub(crate) fn mark(&mut self, bounds: &[TileBounds], reach: usize) {
         let down = self.marked.len().checked_div(self.across).unwrap_or(0);
         for place in bounds.iter().filter(|place| !place.is_empty()) {
@@ -52,9 +54,8 @@ impl Blocks {
     /// Sets the pixels of the blocks, in a buffer of `width` columns.
     pub(crate) fn clear<T: Copy + Send + Sync>(&self, width: usize, buffer: &mut [T], value: T) {
         buffer.par_chunks_mut(BLOCK * width).enumerate().for_each(|(row, strip)| {
-            for column in (0..self.across).filter(|column| self.contains(*column, row)) {
-                let (left, right) = (column * BLOCK, ((column + 1) * BLOCK).min(width));
-                strip.chunks_mut(width).for_each(|pixels| pixels[left..right].fill(value));
+            for columns in self.columns(row, width) {
+                strip.chunks_mut(width).for_each(|pixels| pixels[columns.clone()].fill(value));
             }
         });
     }
@@ -62,15 +63,19 @@ impl Blocks {
     /// Pixels of the blocks for which `is` holds, in a plane of `width` columns.
     pub(crate) fn count<T: Sync>(&self, width: usize, plane: &[T], is: impl Fn(&T) -> bool + Sync) -> u64 {
         let strips = plane.par_chunks(BLOCK * width).enumerate();
+        let count_in = |pixels: &[T]| pixels.iter().map(|pixel| u64::from(is(pixel))).sum::<u64>();
         let counts = strips.map(|(row, strip)| {
-            let columns = (0..self.across).filter(|column| self.contains(*column, row));
-            let blocks = columns.flat_map(|column| {
-                let (left, right) = (column * BLOCK, ((column + 1) * BLOCK).min(width));
-                strip.chunks(width).map(move |pixels| &pixels[left..right])
-            });
-            blocks.map(|pixels| pixels.iter().map(|pixel| u64::from(is(pixel))).sum::<u64>()).sum::<u64>()
+            let blocks = self.columns(row, width);
+            let rows = blocks.flat_map(|columns| strip.chunks(width).map(move |row| &row[columns.clone()]));
+            rows.map(count_in).sum::<u64>()
         });
         counts.sum()
+    }
+
+    /// Columns of pixels of each block of a row that is in the set.
+    fn columns(&self, row: usize, width: usize) -> impl Iterator<Item = Range<usize>> {
+        let columns = (0..self.across).filter(move |column| self.contains(*column, row));
+        columns.map(move |column| column * BLOCK..((column + 1) * BLOCK).min(width))
     }
 
     /// Whether a block is in the set.

@@ -13,10 +13,12 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::surface::{Stage, split_at_bands};
+use super::input::{StageInput, split_at_bands};
 use super::zkey::inverse_depth_of;
 use crate::error::Result;
-use crate::render::geometry::{FootprintReach, MAX_STRETCH, ProjectedRow, Projector, RowBand, footprints};
+use crate::render::geometry::{
+    FootprintReach, Footprints, MAX_STRETCH, ProjectedRow, Projector, RowBand, footprints,
+};
 use crate::render::input::{DenseTile, FrameTile, beside_edges, slopes};
 use crate::samples::TILE;
 use crate::settings::Kernel;
@@ -25,8 +27,8 @@ use crate::simd::{self, VectorLoop};
 /// One pixel's sum of weighted colors, and of weights.
 pub(crate) type Sum = [f32; 4];
 
-/// Weights that sum to less are no color: the GPU, which sums in fixed point, has too few digits of them. Those of samples that
-/// lie so far apart in the picture that none is blended with another, and of ends of kernels that brush a pixel.
+/// Weights that sum to less give no color: the fixed-point sums of the GPU would be too inexact. Only samples that lie far apart in
+/// the picture and outermost parts of kernels sum to so little.
 pub(crate) const LEAST_WEIGHT: f32 = 1.0 / 65536.0;
 
 /// Variance of the reconstruction filter, squared source pixels, and of the screen filter, squared target pixels.
@@ -39,36 +41,26 @@ const KERNEL_END: f32 = 6.0;
 /// Footprints reach no farther, in target pixels.
 const MAX_REACH: f32 = 64.0;
 
-/// How far a sample's weight reaches: the filter alone, and with it two of the widest footprints.
+/// How far a sample's weight reaches: the filter, and twice the widest footprint.
 pub(crate) const BLEND_REACH: FootprintReach =
     FootprintReach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
 
-/// Adds up the pixels of `bands` over the samples that are no farther than `surface_ratio` of the nearest depth in `keys`.
-///
-/// # Errors
-/// `Cancelled`.
-pub(crate) fn blend(
-    stage: &Stage<'_>,
-    bands: &[RowBand],
-    keys: &[u64],
-    surface_ratio: f32,
-    sums: &mut [Sum],
-) -> Result<()> {
-    let parts: Vec<BandBlend<'_>> = split_at_bands(bands, stage.width, sums)
+/// Adds up the colors in `bands` of the samples that lie on the nearest surface, by the z-buffer `keys`.
+pub(crate) fn blend(input: &StageInput<'_>, bands: &[RowBand], keys: &[u64], sums: &mut [Sum]) -> Result<()> {
+    let parts: Vec<BandBlend<'_>> = split_at_bands(bands, input.width, sums)
         .into_iter()
         .map(|(band, sums)| {
-            let keys = &keys[band.rows.start * stage.width..band.rows.end * stage.width];
-            BandBlend { stage, band, keys, surface_ratio, sums }
+            let keys = &keys[band.rows.start * input.width..band.rows.end * input.width];
+            BandBlend { input, band, keys, sums }
         })
         .collect();
     parts.into_par_iter().try_for_each(simd::run)
 }
 
 struct BandBlend<'a> {
-    stage: &'a Stage<'a>,
+    input: &'a StageInput<'a>,
     band: &'a RowBand,
     keys: &'a [u64],
-    surface_ratio: f32,
     sums: &'a mut [Sum],
 }
 
@@ -77,14 +69,15 @@ impl VectorLoop for BandBlend<'_> {
 
     #[inline(always)]
     fn run(self) -> Result<()> {
-        let Self { stage, band, keys, surface_ratio, sums } = self;
+        let Self { input, band, keys, sums } = self;
+        let (width, surface_ratio) = (input.width, input.surface_ratio);
         let mut dense = DenseTile::new();
-        let mut canvas = Canvas { width: stage.width, rows: band.rows.clone(), keys, surface_ratio, sums };
+        let mut sums = BandSums { width, rows: band.rows.clone(), keys, surface_ratio, sums };
         for &number in &band.tiles {
-            stage.job.check()?;
-            let tile = stage.frame.tile(number as usize);
+            input.job.check()?;
+            let tile = input.frame.tile(number as usize);
             let camera = tile.camera as usize;
-            let projector = &stage.projectors[camera];
+            let projector = &input.projectors[camera];
             dense.unpack(tile);
             let (x, y) = tile.origin;
             let mut nth = 0;
@@ -92,17 +85,18 @@ impl VectorLoop for BandBlend<'_> {
                 let w = dense.row(row);
                 let ray = projector.ray(x as f32, (y as usize + row) as f32);
                 let projected = projector.row(ray, w);
-                let samples = Samples { mask: tile.rows[row], first: nth, tile, w };
-                if stage.kernel == Kernel::Surfel {
-                    let slopes = slopes(&dense, row, stage.per_footprint[camera]);
-                    let mut trust = cosines(&stage.rays_in_world, projector, ray, &projected);
-                    let beside = beside_edges(&dense, row, stage.per_footprint[camera]);
+                let samples = RowSamples { mask: tile.rows[row], first: nth, tile, w };
+                if input.kernel == Kernel::Surfel {
+                    let slopes = slopes(&dense, row, input.per_footprint[camera]);
+                    let mut trust = cosines(&input.rays_in_world, projector, ray, &projected);
+                    let beside = beside_edges(&dense, row, input.per_footprint[camera]);
                     for i in 0..TILE {
                         trust[i] *= if beside[i] { BESIDE_EDGE } else { 1.0 };
                     }
-                    canvas.footprints(projector, &projected, (&slopes, &trust), &samples);
+                    let found = footprints(projector, &projected, w, &slopes);
+                    sums.add_footprints(projector.focal_ratio, &projected, &found, &trust, &samples);
                 } else {
-                    canvas.blocks(&projected, &samples);
+                    sums.add_blocks(&projected, &samples);
                 }
                 nth += tile.rows[row].count_ones() as usize;
             }
@@ -111,15 +105,15 @@ impl VectorLoop for BandBlend<'_> {
     }
 }
 
-/// The samples of a row.
-struct Samples<'a> {
+/// The samples in a row of a tile.
+struct RowSamples<'a> {
     mask: u16,
     first: usize,
     tile: &'a FrameTile<'a>,
     w: &'a [f32; TILE],
 }
 
-impl Samples<'_> {
+impl RowSamples<'_> {
     /// Column, inverse depth and color of every sample.
     #[inline(always)]
     fn for_each(&self, mut visit: impl FnMut(usize, f32, [f32; 3])) {
@@ -133,13 +127,13 @@ impl Samples<'_> {
     }
 }
 
-/// Samples beside another surface may be blended with it: they count less than clean ones. Measured: most is gained at a half.
+/// The weight of samples beside another surface, whose colors may be blended with it. Measured: a half gains most.
 const BESIDE_EDGE: f32 = 0.5;
 
-/// The least that a line of sight counts.
+/// The least weight of a line of sight.
 const LEAST_COSINE: f32 = 0.01;
 
-/// Cosines between the camera's and the vantage's lines of sight to the samples of a row, whose first is carried by `ray`.
+/// Cosines between the camera's and the vantage's lines of sight to the samples of a row; `ray` is that of its first pixel.
 #[inline(always)]
 fn cosines(
     rays_in_world: &[Vec3; 3],
@@ -159,7 +153,8 @@ fn cosines(
     cosines
 }
 
-struct Canvas<'a> {
+/// The sums of a band, and the keys by which samples take part.
+struct BandSums<'a> {
     width: usize,
     rows: Range<usize>,
     keys: &'a [u64],
@@ -167,12 +162,12 @@ struct Canvas<'a> {
     sums: &'a mut [Sum],
 }
 
-impl Canvas<'_> {
+impl BandSums<'_> {
     #[inline(always)]
     fn add(&mut self, x: usize, y: usize, depth: f32, weight: f32, color: [f32; 3]) {
         let pixel = (y - self.rows.start) * self.width + x;
         let nearest = inverse_depth_of(self.keys[pixel]);
-        // Neither what lies behind the surface nor what ends beside it: a nearer sample whose kernel only brushes the pixel.
+        // Neither what lies behind the surface, nor a nearer sample whose kernel only touches the edge of the pixel.
         if depth >= nearest * self.surface_ratio && depth * self.surface_ratio <= nearest {
             let sum = &mut self.sums[pixel];
             let parts = [color[0] * weight, color[1] * weight, color[2] * weight, weight];
@@ -181,7 +176,7 @@ impl Canvas<'_> {
     }
 
     #[inline(always)]
-    fn blocks(&mut self, projected: &ProjectedRow, samples: &Samples<'_>) {
+    fn add_blocks(&mut self, projected: &ProjectedRow, samples: &RowSamples<'_>) {
         let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
         samples.for_each(|i, w, color| {
             let (u, v, reciprocal) = (projected.u[i] - 0.5, projected.v[i] - 0.5, projected.reciprocal[i]);
@@ -203,14 +198,14 @@ impl Canvas<'_> {
     }
 
     #[inline(always)]
-    fn footprints(
+    fn add_footprints(
         &mut self,
-        projector: &Projector,
+        focal_ratio: f32,
         projected: &ProjectedRow,
-        (slopes, trust): (&[[f32; TILE]; 2], &[f32; TILE]),
-        samples: &Samples<'_>,
+        found: &Footprints,
+        trust: &[f32; TILE],
+        samples: &RowSamples<'_>,
     ) {
-        let found = footprints(projector, projected, samples.w, slopes);
         let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
         samples.for_each(|i, _, color| {
             if projected.reciprocal[i] <= 0.0 {
@@ -223,9 +218,9 @@ impl Canvas<'_> {
             let area = (a * d - b * c).abs().max(0.05);
             let determinant = xx * yy - xy * xy;
             let (half_width, half_height) = ((KERNEL_END * xx).sqrt(), (KERNEL_END * yy).sqrt());
-            // Not beyond the bounds that tiles are culled by: what is painted must not depend on how the picture is cut.
+            // Not beyond the bounds that tiles are culled by: the picture must not depend on how it is cut into bands.
             let limit = (BLEND_REACH.pixels
-                + BLEND_REACH.source_pixels * projector.focal_ratio * projected.reciprocal[i])
+                + BLEND_REACH.source_pixels * focal_ratio * projected.reciprocal[i])
                 .min(MAX_REACH);
             let (half_width, half_height) = (half_width.min(limit), half_height.min(limit));
             let (u, v) = (projected.u[i], projected.v[i]);

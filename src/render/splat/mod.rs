@@ -1,9 +1,11 @@
 //! Splatting: samples painted into the pixels that they cover.
 
 mod blend;
+mod input;
 mod surface;
 mod zkey;
 
 pub(crate) use blend::{BLEND_REACH, LEAST_WEIGHT, Sum, blend};
-pub(crate) use surface::{Stage, surface};
+pub(crate) use input::StageInput;
+pub(crate) use surface::surface;
 pub(crate) use zkey::{CORE, inverse_depth_of, key, nearness, slot_of};

@@ -5,17 +5,16 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
 use rayon::prelude::*;
 
+use super::input::{StageInput, split_at_bands};
 use super::zkey::{CORE, key, nearness};
 use crate::error::Result;
-use crate::job::Job;
 use crate::render::geometry::{
     CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,
     footprints,
 };
-use crate::render::input::{DenseTile, FrameSamples, slopes};
+use crate::render::input::{DenseTile, slopes};
 use crate::samples::TILE;
 use crate::settings::Kernel;
 use crate::simd::{self, VectorLoop, joined, whole};
@@ -24,87 +23,47 @@ use crate::simd::{self, VectorLoop, joined, whole};
 /// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.
 const CORE_SHARE: f32 = 0.06;
 
-/// What the stages of one picture share.
-pub(crate) struct Stage<'a> {
-    pub(crate) frame: &'a FrameSamples<'a>,
-    /// Carries each camera into the target.
-    pub(crate) projectors: &'a [Projector],
-    /// Reciprocal focal length of each camera: the size of its footprints at unit distance.
-    pub(crate) per_footprint: &'a [f32],
-    /// World-space ray of the target's corner, and its growth by column and row.
-    pub(crate) rays_in_world: [Vec3; 3],
-    /// Columns of the target.
-    pub(crate) width: usize,
-    pub(crate) kernel: Kernel,
-    pub(crate) job: &'a Job,
-}
-
-/// Cuts a buffer of `width` columns into the rows of each band; bands ascend.
-pub(crate) fn split_at_bands<'a, 'b, T>(
-    bands: &'a [RowBand],
-    width: usize,
-    buffer: &'b mut [T],
-) -> Vec<(&'a RowBand, &'b mut [T])> {
-    let (mut rest, mut row) = (buffer, 0);
-    let mut parts = Vec::with_capacity(bands.len());
-    for band in bands {
-        let (_, from) = rest.split_at_mut((band.rows.start - row) * width);
-        let (part, after) = from.split_at_mut(band.rows.len() * width);
-        parts.push((band, part));
-        (rest, row) = (after, band.rows.end);
-    }
-    parts
-}
-
-/// Raises the keys of the pixels of `bands` to those of their samples.
-///
-/// # Errors
-/// `Cancelled`.
-pub(crate) fn surface(stage: &Stage<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
-    split_at_bands(bands, stage.width, keys).into_par_iter().try_for_each(|(band, keys)| {
-        let window = PictureRows::of(stage.width, &band.rows);
-        match stage.kernel {
-            Kernel::Point => simd::run(BandSurface { stage, band, keys, splat: PointSplat(window) }),
-            Kernel::Block => simd::run(BandSurface { stage, band, keys, splat: Squares(window) }),
-            Kernel::Surfel | Kernel::Gather => simd::run(BandSurface {
-                stage,
-                band,
-                keys,
-                splat: PlaneSplat {
-                    window,
-                    fringe: stage.kernel == Kernel::Gather && stage.frame.is_pruned(),
-                },
-            }),
+/// Raises the keys in `bands` to those of the nearest samples.
+pub(crate) fn surface(input: &StageInput<'_>, bands: &[RowBand], keys: &mut [u64]) -> Result<()> {
+    split_at_bands(bands, input.width, keys).into_par_iter().try_for_each(|(band, keys)| {
+        let pixels = BandRows::of(input.width, &band.rows);
+        let fringe = input.kernel == Kernel::Gather && input.frame.is_pruned();
+        match input.kernel {
+            Kernel::Point => simd::run(BandSurface { input, band, keys, splat: PointSplat(pixels) }),
+            Kernel::Block => simd::run(BandSurface { input, band, keys, splat: BlockSplat(pixels) }),
+            Kernel::Surfel | Kernel::Gather => {
+                simd::run(BandSurface { input, band, keys, splat: PlaneSplat { pixels, fringe } })
+            }
         }
     })
 }
 
 /// One band of the picture.
 struct BandSurface<'a, S> {
-    stage: &'a Stage<'a>,
+    input: &'a StageInput<'a>,
     band: &'a RowBand,
     keys: &'a mut [u64],
     splat: S,
 }
 
-/// Where the keys of a band are raised, and to what.
-struct Raised<'a> {
-    /// Pixels of the band that the samples of a row touch: their first, second, third and fourth; or, where samples touch
-    /// one pixel alone, those of sixteen rows.
+/// The keys of a band, and new keys to raise them to.
+struct KeyUpdates<'a> {
+    /// Pixels of the band that sixteen samples touch: their first, second, third and fourth ones; or, for samples that touch a
+    /// single pixel, one for each row of a tile.
     pixels: [[u32; TILE]; TILE],
-    /// A key of which the larger stays; 0 changes nothing.
+    /// The new keys; the larger of old and new stays, so 0 changes nothing.
     new: [[u64; TILE]; TILE],
     keys: &'a mut [u64],
 }
 
 /// How the samples of a kernel touch pixels.
 trait Splat {
-    /// Raises the keys of what a row of a tile touches; `slots` is that of the row's first pixel.
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>);
+    /// Raises the keys of the pixels that a row of a tile touches; `slots` is the slot of the row's first pixel.
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>);
 
     /// Ends a tile.
     #[inline(always)]
-    fn end(&self, _raised: &mut Raised<'_>) {}
+    fn end(&self, _raised: &mut KeyUpdates<'_>) {}
 }
 
 /// A row of a tile.
@@ -119,7 +78,7 @@ struct TileRow<'a> {
     projected: ProjectedRow,
 }
 
-/// Samples are asked for so many tiles before they are read.
+/// Depths are prefetched this many tiles ahead.
 const TILES_AHEAD: usize = 4;
 
 impl<S: Splat> VectorLoop for BandSurface<'_, S> {
@@ -127,23 +86,23 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
 
     #[inline(always)]
     fn run(self) -> Result<()> {
-        let Self { stage, band, keys, splat } = self;
+        let Self { input, band, keys, splat } = self;
         let mut dense = DenseTile::new();
-        let mut raised = Raised { pixels: [[0; TILE]; TILE], new: [[0; TILE]; TILE], keys };
+        let mut raised = KeyUpdates { pixels: [[0; TILE]; TILE], new: [[0; TILE]; TILE], keys };
         for (nth, &number) in band.tiles.iter().enumerate() {
-            stage.job.check()?;
+            input.job.check()?;
             if let Some(&later) = band.tiles.get(nth + TILES_AHEAD) {
-                stage.frame.tile(later as usize).fetch_depths_ahead();
+                input.frame.tile(later as usize).prefetch_depths();
             }
-            let tile = stage.frame.tile(number as usize);
+            let tile = input.frame.tile(number as usize);
             let camera = tile.camera as usize;
-            let projector = &stage.projectors[camera];
+            let projector = &input.projectors[camera];
             dense.unpack(tile);
             let (x, y) = (tile.origin.0 as f32, tile.origin.1 as usize);
             for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
                 let w = dense.row(row);
                 let projected = projector.row(projector.ray(x, (y + row) as f32), w);
-                let per_footprint = stage.per_footprint[camera];
+                let per_footprint = input.per_footprint[camera];
                 let line =
                     TileRow { projector, per_footprint, tile: &dense, rows: &tile.rows, nth: row, projected };
                 splat.row(&line, number << 8 | (row as u32) << 4, &mut raised);
@@ -154,8 +113,8 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
     }
 }
 
-impl Raised<'_> {
-    /// Raises the keys of the `nth` pixels of all samples.
+impl KeyUpdates<'_> {
+    /// Raises the keys of the `nth` pixel of each sample.
     #[inline(always)]
     fn raise_all(&mut self, nth: usize) {
         for (pixel, new) in self.pixels[nth].iter().zip(&self.new[nth]) {
@@ -164,7 +123,7 @@ impl Raised<'_> {
         }
     }
 
-    /// Raises the keys of the `nth` pixels of some samples: a mask of columns.
+    /// Raises the keys of the `nth` pixel of the samples in a mask of columns.
     #[inline(always)]
     fn raise_some(&mut self, nth: usize, mut which: u32) {
         while which != 0 {
@@ -178,7 +137,7 @@ impl Raised<'_> {
 
 /// The rows of the picture that are being painted.
 #[derive(Clone, Copy)]
-struct PictureRows {
+struct BandRows {
     width: u32,
     right: f32,
     top: f32,
@@ -187,7 +146,7 @@ struct PictureRows {
     last: u32,
 }
 
-impl PictureRows {
+impl BandRows {
     fn of(width: usize, rows: &Range<usize>) -> Self {
         Self {
             width: width as u32,
@@ -198,9 +157,8 @@ impl PictureRows {
         }
     }
 
-    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it lies in the band. Where it does not,
-    /// or is no number, it is some pixel that does: another one for each of sixteen neighbors `i`, as changing one and the
-    /// same again and again is slow.
+    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it lies in the band. If it does not, or is
+    /// NaN, the pixel is any in the band: a different one for each lane `i`, as writing to the same again and again is slow.
     #[inline(always)]
     fn pixel(&self, x: f32, y: f32, i: usize) -> (u32, bool) {
         let inside = (x >= 0.0) & (x <= self.right) & (y >= self.top) & (y <= self.bottom);
@@ -208,9 +166,7 @@ impl PictureRows {
         let pixel = whole(y - self.top).wrapping_mul(self.width).wrapping_add(whole(x));
         (if inside { pixel } else { (i as u32).min(self.last) }, inside)
     }
-}
 
-impl PictureRows {
     /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives.
     #[inline(always)]
     fn raise(&self, keys: &mut [u64], edges: [f32; 4], key_at: impl Fn(f32, f32) -> u64) {
@@ -228,36 +184,34 @@ impl PictureRows {
 }
 
 /// `point`: a sample touches the pixel that it falls into.
-struct PointSplat(PictureRows);
+struct PointSplat(BandRows);
 
 impl Splat for PointSplat {
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
-        let (w, projected) = (row.tile.row(row.nth), &row.projected);
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
+        let projected = &row.projected;
         for i in 0..TILE {
             let (pixel, inside) = self.0.pixel(projected.u[i].floor(), projected.v[i].floor(), i);
-            let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
-            let full = key(nearness(w[i] * projected.reciprocal[i], CORE), slots | i as u32);
             raised.pixels[row.nth][i] = pixel;
-            raised.new[row.nth][i] = if seen { full } else { 0 };
+            raised.new[row.nth][i] = row.key(i, CORE, slots, inside);
         }
     }
 
-    /// A tile is projected as a whole before its keys are compared: the first is work for vectors, the second is not. Rows
-    /// without samples hold those of an earlier tile, which change nothing any more.
+    /// A tile is projected as a whole before its keys are compared, because only projecting is work for vectors. Rows without
+    /// samples hold keys of an earlier tile, which change nothing.
     #[inline(always)]
-    fn end(&self, raised: &mut Raised<'_>) {
+    fn end(&self, raised: &mut KeyUpdates<'_>) {
         (0..TILE).for_each(|row| raised.raise_all(row));
     }
 }
 
 /// `block`: a sample touches the 2×2 pixels around it.
-struct Squares(PictureRows);
+struct BlockSplat(BandRows);
 
-impl Splat for Squares {
+impl Splat for BlockSplat {
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
-        let (w, projected) = (row.tile.row(row.nth), &row.projected);
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
+        let projected = &row.projected;
         for corner in 0..4 {
             let (right, below) = ((corner & 1) as f32, (corner >> 1) as f32);
             for i in 0..TILE {
@@ -267,10 +221,8 @@ impl Splat for Squares {
                 let share_y = if corner >> 1 == 1 { down } else { 1.0 - down };
                 let tier = if share_x * share_y >= CORE_SHARE { CORE } else { 0 };
                 let (pixel, inside) = self.0.pixel(left + right, top + below, i);
-                let seen = inside & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
-                let full = key(nearness(w[i] * projected.reciprocal[i], tier), slots | i as u32);
                 raised.pixels[corner][i] = pixel;
-                raised.new[corner][i] = if seen { full } else { 0 };
+                raised.new[corner][i] = row.key(i, tier, slots, inside);
             }
         }
         (0..4).for_each(|corner| raised.raise_all(corner));
@@ -279,19 +231,19 @@ impl Splat for Squares {
 
 /// `surfel` and `gather`: a sample touches the pixels whose centers its footprint covers, at the depth of its plane.
 struct PlaneSplat {
-    window: PictureRows,
-    /// Whether magnified samples have a fringe, which fills pixels that are in no footprint, where neighbors may have been dropped.
-    /// What of it is surface has to be decided afterwards, see [`crate::render::gather`].
+    pixels: BandRows,
+    /// Whether magnified samples have a fringe, which fills pixels outside all footprints, where neighbors may have been pruned.
+    /// The gather stage decides which of these pixels show the surface.
     fringe: bool,
 }
 
 impl Splat for PlaneSplat {
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut Raised<'_>) {
+    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         let slopes = slopes(row.tile, row.nth, row.per_footprint);
         let found = footprints(row.projector, projected, w, &slopes);
-        // First and last column and row whose centers the footprint covers: always one, at most two unless it is large.
+        // First and last column and row whose centers the footprint covers: one or two unless it is large.
         let mut edges = [[0.0_f32; TILE]; 4];
         let (mut large, mut columns, mut rows) = ([0_u32; TILE], [0_u32; TILE], [0_u32; TILE]);
         for i in 0..TILE {
@@ -314,7 +266,7 @@ impl Splat for PlaneSplat {
             let (columns, rows) = (&edges[corner & 1], &edges[2 + (corner >> 1)]);
             for i in 0..TILE {
                 let (x, y) = (columns[i], rows[i]);
-                let (pixel, inside) = self.window.pixel(x, y, i);
+                let (pixel, inside) = self.pixels.pixel(x, y, i);
                 let PlaneAt { inverse_depth: depth, is_core: covered, .. } =
                     found.plane_at(projected, i, (x, y), 1.0);
                 let is_further = further[corner] >> i & 1 == 1;
@@ -329,34 +281,34 @@ impl Splat for PlaneSplat {
         while large != 0 {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
-            let own = Large { found: &found, projected, i, slot: slots | i as u32 };
-            self.window.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
+            let own = LargeFootprint { found: &found, projected, i, slot: slots | i as u32 };
+            self.pixels.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
             if self.fringe && own.has_fringe() {
                 let reach = row.reach(i);
-                self.window.raise(raised.keys, own.edges_of_fringe(reach), |x, y| own.fringe(x, y, reach));
+                self.pixels.raise(raised.keys, own.edges_of_fringe(reach), |x, y| own.fringe(x, y, reach));
             }
         }
     }
 }
 
 /// A sample whose footprint covers many pixels.
-struct Large<'a> {
+struct LargeFootprint<'a> {
     found: &'a Footprints,
     projected: &'a ProjectedRow,
-    /// Its place in the row.
+    /// Its column in the tile.
     i: usize,
     slot: u32,
 }
 
-impl Large<'_> {
-    /// Its key at the center of pixel `(x, y)`, 0 where the footprint does not cover that.
+impl LargeFootprint<'_> {
+    /// Its key at the center of pixel `(x, y)`; 0 where the footprint does not cover it.
     #[inline(always)]
     fn core(&self, x: f32, y: f32) -> u64 {
         let at = self.found.plane_at(self.projected, self.i, (x, y), 1.0);
         if at.is_core { key(nearness(at.inverse_depth, CORE), self.slot) } else { 0 }
     }
 
-    /// The same of its fringe, which begins where the footprint ends and reaches so many source pixels to the left, right, up and down.
+    /// The same of its fringe, which begins where the footprint ends; `reach` as [`TileRow::reach`] gives it.
     #[inline(always)]
     fn fringe(&self, x: f32, y: f32, reach: [f32; 4]) -> u64 {
         let at = self.found.plane_at(self.projected, self.i, (x, y), FRINGE / CORE_REACH);
@@ -366,7 +318,7 @@ impl Large<'_> {
         if reaches { key(nearness(at.inverse_depth, 0), self.slot) } else { 0 }
     }
 
-    /// Whether it is magnified, and not seen edge on: nothing is known of the surface beside it then.
+    /// Whether it is magnified and not seen edge on, where the surface beside it would be unknown.
     #[inline(always)]
     fn has_fringe(&self) -> bool {
         let is_known = self.found.inverse.iter().any(|part| part[self.i] != 0.0);
@@ -392,8 +344,17 @@ impl Large<'_> {
 }
 
 impl TileRow<'_> {
-    /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. There is none
-    /// toward samples of the same tile, whose own footprints are there.
+    /// The key of sample `i` at its own depth; 0 if it is not in the band or not visible.
+    #[inline(always)]
+    fn key(&self, i: usize, tier: u32, slots: u32, inside: bool) -> u64 {
+        let (w, reciprocal) = (self.tile.row(self.nth)[i], self.projected.reciprocal[i]);
+        let seen = inside & (reciprocal > 0.0) & (w >= 0.0);
+        let full = key(nearness(w * reciprocal, tier), slots | i as u32);
+        if seen { full } else { 0 }
+    }
+
+    /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. Toward samples
+    /// of the same tile, which have footprints of their own, there is no fringe.
     #[inline(always)]
     fn reach(&self, i: usize) -> [f32; 4] {
         let row = |nth: usize| u32::from(*self.rows.get(nth).unwrap_or(&0)) << 1;

@@ -1,11 +1,11 @@
-//! Z-buffer keys: which sample is nearest in a pixel, in one number that a maximum decides.
+//! Z-buffer keys: numbers whose maximum is the nearest sample of a pixel.
 //!
 //! ```text
 //! key of a pixel = [ core: 1 bit | nearness: 31 bits | u32::MAX − slot: 32 bits ]     0: nothing there
 //! ```
-//! Nearness is the bits of the inverse depth plus one (positive floats order like integers); the larger key is the nearer
-//! sample and, of two equally near ones, the one with the smaller slot: the earlier image's. As a maximum does not depend
-//! on order, neither does the picture.
+//! Nearness is the bits of the inverse depth plus one (positive floats order like integers). The larger key is the nearer
+//! sample and, of two equally near ones, that of the smaller slot. A maximum does not depend on the order of its operands, so
+//! neither does the picture.
 
 /// The bit of a key that marks a core sample: it wins over every fringe sample. Bits of positive floats leave it free.
 pub(crate) const CORE: u32 = 1 << 31;
@@ -22,7 +22,7 @@ pub(crate) fn key(nearness: u32, slot: u32) -> u64 {
     u64::from(nearness) << 32 | u64::from(!slot)
 }
 
-/// The inverse depth that a key stands for; negative for 0.
+/// The inverse depth of a key; negative for 0.
 #[inline(always)]
 pub(crate) fn inverse_depth_of(key: u64) -> f32 {
     match (key >> 32) as u32 & !CORE {
@@ -31,7 +31,7 @@ pub(crate) fn inverse_depth_of(key: u64) -> f32 {
     }
 }
 
-/// The slot that a key stands for.
+/// The slot of a key.
 #[inline(always)]
 pub(crate) fn slot_of(key: u64) -> u32 {
     !(key as u32)

@@ -10,7 +10,7 @@ use crate::cli::input::{self, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use crate::error::Result;
 use crate::job::Job;
-use crate::render::film::{self, Reel};
+use crate::render::film::{self, FilmSource};
 use crate::render::{Picture, Renderer};
 use crate::settings::{RenderSettings, Settings};
 use crate::store::playback::Playback;
@@ -61,7 +61,7 @@ pub(crate) fn paint(
     take: impl FnMut(usize, &Picture) -> Result<()>,
 ) -> Result<Option<String>> {
     let mut renderer = Renderer::strict(settings.backend)?;
-    film::paint(&Reel::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)?;
+    film::paint(&FilmSource::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)?;
     Ok(renderer.notice().map(str::to_owned))
 }
 

@@ -1,29 +1,29 @@
-// Carrying a surface point back into the cameras. Twin: `Gather::places` in src/render/places.rs.
+// Carries surface points back into the cameras. Twins: src/render/gather/reproject.rs, src/render/gather/view_weights.rs.
 
-// Sampling rates beyond this many times that of the vantage gain nothing.
+// A higher sampling rate than this many times the vantage's gains nothing.
 const USEFUL_RATE: f32 = 1.5;
 
 // A surface point in one camera.
-struct Place {
+struct Reprojected {
     inside: bool,
-    // Whole column and row of the 2×2 samples around it, and where it lies between them.
+    // Whole column and row of the 2×2 samples around it, and its position between them, 0 to 1.
     corner: vec2<f32>,
     between: vec2<f32>,
-    // Inverse depth there, if it is the surface that the camera sees.
+    // Inverse depth of the point in the camera.
     expected: f32,
     // Distance from the vantage over that from the camera.
-    reciprocal: f32,
+    distance_ratio: f32,
 }
 
-fn place_in(camera: u32, at: vec2<f32>, w: f32) -> Place {
+fn reproject(camera: u32, at: vec2<f32>, w: f32) -> Reprojected {
     let projector = views[camera].source_from_target;
     let point = ray(projector, at.x, at.y) + projector.origin * w;
-    let reciprocal = 1.0 / point.z;
-    let pixel = point.xy * reciprocal - 0.5;
+    let distance_ratio = 1.0 / point.z;
+    let pixel = point.xy * distance_ratio - 0.5;
     let size = vec2<f32>(f32(views[camera].width), f32(views[camera].height));
     let inside = point.z > 0.0 && all(pixel > vec2<f32>(-1.0)) && all(pixel < size);
     let corner = floor(pixel);
-    return Place(inside, corner, pixel - corner, w * reciprocal, reciprocal);
+    return Reprojected(inside, corner, pixel - corner, w * distance_ratio, distance_ratio);
 }
 
 // Shares of left above, right above, left below, right below.
@@ -32,12 +32,12 @@ fn bilinear(between: vec2<f32>) -> array<f32, 4> {
     return array<f32, 4>(back.x * back.y, between.x * back.y, back.x * between.y, between.x * between.y);
 }
 
-// How much a camera counts: the squared sampling rate, as far as it is of use, times the cosine between its line of sight
-// and the vantage's.
-fn weight_of(camera: u32, reciprocal: f32, at: vec2<f32>, w: f32) -> f32 {
+// The weight of a camera: the squared sampling rate, up to USEFUL_RATE, times the cosine between its line of sight and the
+// vantage's.
+fn weight_of(camera: u32, distance_ratio: f32, at: vec2<f32>, w: f32) -> f32 {
     let line = stage.first_ray + stage.ray_across * at.x + stage.ray_down * at.y;
     let sight = line + views[camera].offset_in_world * w;
     let cosine = dot(line, sight) / sqrt(dot(line, line) * dot(sight, sight));
-    let rate = min(views[camera].source_from_target.focal_ratio * reciprocal, USEFUL_RATE);
+    let rate = min(views[camera].source_from_target.focal_ratio * distance_ratio, USEFUL_RATE);
     return rate * rate * max(cosine, 0.01);
 }

@@ -1,0 +1,41 @@
+//! What the gather stage writes to: blocks of 16×16 pixels in rows of the picture.
+
+use crate::render::input::FrameSamples;
+use crate::render::splat::{inverse_depth_of, slot_of};
+use crate::render::vantage::NO_IMAGE;
+use crate::samples::TILE;
+
+/// Columns and rows of the blocks of the picture that share a list of cameras.
+pub(crate) const BLOCK: usize = TILE;
+
+/// Column and row of the first pixel of a block.
+#[derive(Clone, Copy)]
+pub(crate) struct BlockOrigin {
+    pub(crate) left: usize,
+    pub(crate) top: usize,
+}
+
+/// A row of blocks: up to sixteen pixel rows of the three planes of a picture.
+pub(crate) struct PictureRows<'a> {
+    /// Columns of the picture.
+    pub(crate) width: usize,
+    pub(crate) color: &'a mut [[f32; 3]],
+    pub(crate) inverse_depth: &'a mut [f32],
+    pub(crate) image: &'a mut [u32],
+}
+
+impl PictureRows<'_> {
+    /// Columns and rows of a block that lie in the picture.
+    #[inline(always)]
+    pub(crate) fn extent(&self, left: usize) -> (usize, usize) {
+        (BLOCK.min(self.width - left), self.image.len() / self.width)
+    }
+
+    /// Sets a pixel, given by its position in these rows, to the sample of a key, or to a hole where the key is 0.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, frame: &FrameSamples<'_>, at: usize, key: u64, color: [f32; 3]) {
+        self.color[at] = color;
+        self.inverse_depth[at] = inverse_depth_of(key);
+        self.image[at] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };
+    }
+}
