@@ -27,7 +27,7 @@ fn every_metric_agrees_with_another_program() {
     };
     let (picture, truth) = (encoded("picture.png"), encoded("truth.png"));
     let (a, b) = (picture.as_slice(), truth.as_slice());
-    expect("psnr_db", overlook::evaluate::metrics::psnr_db(a, b, 0..a.len()).unwrap(), 1e-4);
+    expect("psnr_db", metrics::psnr_db(a, b, 0..a.len()).unwrap(), 1e-4);
 
     let (a, b) = (picture.map(metrics::luma), truth.map(metrics::luma));
     expect("ssim", metrics::ssim(&a, &b, |_, _| true), 1e-6);

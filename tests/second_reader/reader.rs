@@ -175,6 +175,28 @@ struct ImageDecoder<'a> {
     shift: u32,
 }
 
+/// The pixels of a block that hold a sample, as its mask says.
+fn held_pixels(
+    numbers: &mut Numbers<'_>,
+    pixels: &[(i64, i64)],
+    reference: Option<&Block>,
+) -> Vec<(i64, i64)> {
+    let mut held = Vec::new();
+    for &(x, y) in pixels {
+        let set = |dx: i64, dy: i64| usize::from(held.contains(&(x + dx, y + dy)));
+        let near = [(-1, 0), (0, -1), (-1, -1), (1, -1), (-2, 0), (0, -2)];
+        let mut context: usize = near.iter().enumerate().map(|(n, (dx, dy))| set(*dx, *dy) << n).sum();
+        if let Some(reference) = reference {
+            let set = |dx, dy| usize::from(reference.contains_key(&(x + dx, y + dy)));
+            context += 64 * set(0, 0) + 128 * set(1, 0) + 256 * set(0, 1) + 512;
+        }
+        if numbers.take(x as usize % 4, 0, context) != 0 {
+            held.push((x, y));
+        }
+    }
+    held
+}
+
 impl ImageDecoder<'_> {
     fn image(&mut self, payload: &[u8], head_length: usize) -> (Vec<Sample>, BTreeMap<usize, Block>) {
         let mut head = Bytes(&payload[..head_length]);
@@ -241,20 +263,7 @@ impl ImageDecoder<'_> {
         let bits = Bits { bytes: bytes.0, position: 0 };
         let mut numbers = Numbers { model: self.model, states, words, bits };
 
-        let mut held = Vec::new();
-        for &(x, y) in pixels {
-            let set = |dx: i64, dy: i64| usize::from(held.contains(&(x + dx, y + dy)));
-            let near = [(-1, 0), (0, -1), (-1, -1), (1, -1), (-2, 0), (0, -2)];
-            let mut context: usize = near.iter().enumerate().map(|(n, (dx, dy))| set(*dx, *dy) << n).sum();
-            if let Some(reference) = reference {
-                let set = |dx, dy| usize::from(reference.contains_key(&(x + dx, y + dy)));
-                context += 64 * set(0, 0) + 128 * set(1, 0) + 256 * set(0, 1) + 512;
-            }
-            if numbers.take(x as usize % 4, 0, context) != 0 {
-                held.push((x, y));
-            }
-        }
-
+        let held = held_pixels(&mut numbers, pixels, reference);
         let mut block = Block::new();
         // The numbers that residuals were coded by, by plane.
         let mut coded = BTreeMap::<(i64, i64), [u32; 6]>::new();

@@ -1,5 +1,6 @@
 //! Registration (the paper, §3.2): carries samples into other cameras, and decides whether both saw the same surface point.
 
+mod around;
 mod camera_pairs;
 mod matches;
 mod noise_tolerance;

@@ -12,6 +12,7 @@
 //!
 //! `step` is what depths are rounded by. Where depth is noisy, so many standard deviations of both samples' noise come to it.
 
+use super::around::Around;
 use super::matches::{
     COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
     RequiredTolerances, SAME, SURROUNDED, SurfaceMatches,
@@ -22,7 +23,6 @@ use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
-use crate::simd::whole;
 
 /// The same-surface test: its tolerances, and which samples of the target it sees.
 #[derive(Clone, Copy, Debug)]
@@ -58,9 +58,6 @@ impl VisibleLevels {
 
 /// Two noisy colors of one surface, and two noisy depths, differ by less than this many standard deviations of their difference.
 const SIGMAS: f32 = 3.0;
-
-/// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
-const CENTERED: f32 = 1.0 / 16.0;
 
 impl SameSurface {
     /// With the tolerances of `settings`; every sample is visible.
@@ -218,6 +215,34 @@ impl SameSurface {
                 | if there * qz > w { NEARER } else { 0 }
                 | if facing { NORMAL_AGREES } else { 0 };
         }
+        self.compare_colors::<N, MEASURING>(
+            (source, block),
+            (target, reprojected),
+            relevant,
+            &mut matches,
+            required,
+        );
+        self.surround::<N, MEASURING>(
+            &registration.target,
+            (target, reprojected, &found),
+            &mut matches,
+            relevant,
+            required,
+        );
+        matches
+    }
+
+    /// What the target's colors say: whether its samples take part, have normals, and agree in color.
+    #[inline(always)]
+    fn compare_colors<const N: usize, const MEASURING: bool>(
+        &self,
+        (source, block): (&CameraLayer, &PixelRun<N>),
+        (target, reprojected): (&CameraLayer, &ReprojectedRun<N>),
+        relevant: [u32; N],
+        matches: &mut SurfaceMatches<N>,
+        required: &mut RequiredTolerances<N>,
+    ) {
+        let limits = &self.tolerances;
         let mut packed_colors = [PackedColor::ABSENT; N];
         for i in 0..N {
             packed_colors[i] = target.packed_colors[reprojected.pixel[i] as usize];
@@ -246,18 +271,10 @@ impl SameSurface {
                 (target, &packed_colors),
                 (limits.color_steps, limits.color_sigmas),
                 relevant,
-                &mut matches,
+                matches,
                 required,
             );
         }
-        self.surround::<N, MEASURING>(
-            &registration.target,
-            (target, reprojected, &found),
-            &mut matches,
-            relevant,
-            required,
-        );
-        matches
     }
 
     /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
@@ -282,44 +299,8 @@ impl SameSurface {
             matches.bits.iter_mut().for_each(|bits| *bits |= SURROUNDED);
             return;
         }
-        let width = target.width as u32;
-        // Along each axis: 0 where the position is the pixel's center, else ±1 toward the pixel on the other side of it.
-        let mut toward = [[0.0_f32; N]; 2];
-        let mut beside = [[0_u32; N]; 3];
-        let mut inside = [0_u32; N];
-        for i in 0..N {
-            let mut within = relevant[i] != 0;
-            for axis in 0..2 {
-                let off = reprojected.off_center[axis][i];
-                let side = if off > CENTERED { 1.0 } else { 0.0 } - if off < -CENTERED { 1.0 } else { 0.0 };
-                let cell = reprojected.cell[axis][i] + side;
-                within &= (cell >= 0.0) & (cell < lens.size[axis]);
-                toward[axis][i] = side;
-            }
-            let right = if within { reprojected.cell[0][i] + toward[0][i] } else { 0.0 };
-            let below = if within { reprojected.cell[1][i] + toward[1][i] } else { 0.0 };
-            let left = if within { reprojected.cell[0][i] } else { 0.0 };
-            let above = if within { reprojected.cell[1][i] } else { 0.0 };
-            beside[0][i] = whole(above) * width + whole(right);
-            beside[1][i] = whole(below) * width + whole(left);
-            beside[2][i] = whole(below) * width + whole(right);
-            inside[i] = u32::from(within);
-        }
-        let mut depths = [[0.0_f32; N]; 3];
-        for corner in 0..3 {
-            for i in 0..N {
-                depths[corner][i] = target.geometry[beside[corner][i] as usize].inverse_depth;
-            }
-        }
-        if self.visible.hides_any {
-            for corner in 0..3 {
-                for i in 0..N {
-                    let takes_part =
-                        u32::from(target.level[beside[corner][i] as usize]) <= self.visible.deepest;
-                    depths[corner][i] = if takes_part { depths[corner][i] } else { INVALID_INVERSE_DEPTH };
-                }
-            }
-        }
+        let Around { toward, pixels, inside } = Around::of(lens, target.width as u32, reprojected, relevant);
+        let depths = self.depths_at(target, &pixels);
         let mut granted = [[0.0; N]; 3];
         if limits.depth_sigmas > 0.0 {
             granted = granted_depth_noise_around(target, reprojected, found, &depths, limits.depth_sigmas);
@@ -349,6 +330,27 @@ impl SameSurface {
             }
             matches.bits[i] |= if all { SURROUNDED } else { 0 };
         }
+    }
+
+    /// The inverse depths of the target's samples that take part, at three pixels of each lane.
+    #[inline(always)]
+    fn depths_at<const N: usize>(&self, target: &CameraLayer, pixels: &[[u32; N]; 3]) -> [[f32; N]; 3] {
+        let mut depths = [[0.0_f32; N]; 3];
+        for corner in 0..3 {
+            for i in 0..N {
+                depths[corner][i] = target.geometry[pixels[corner][i] as usize].inverse_depth;
+            }
+        }
+        if self.visible.hides_any {
+            for corner in 0..3 {
+                for i in 0..N {
+                    let takes_part =
+                        u32::from(target.level[pixels[corner][i] as usize]) <= self.visible.deepest;
+                    depths[corner][i] = if takes_part { depths[corner][i] } else { INVALID_INVERSE_DEPTH };
+                }
+            }
+        }
+        depths
     }
 }
 

@@ -1,6 +1,6 @@
 //! A tile of samples as 16×16 pixels, and the slope of its surface.
 
-use super::frame_tiles::FrameTile;
+use super::frame_tile::FrameTile;
 use crate::samples::{TILE, TILE_SAMPLES};
 
 /// Marks a pixel without a sample.

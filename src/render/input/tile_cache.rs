@@ -7,7 +7,7 @@
 //! lie a whole number of 64 pixels away.
 
 use super::dense_tile::MISSING;
-use super::frame_tiles::FrameTile;
+use super::frame_tile::FrameTile;
 use super::tile_grid::Lookup;
 use crate::samples::{TILE, TILE_SAMPLES};
 use crate::simd::joined;

@@ -6,7 +6,8 @@
 
 use std::ops::Range;
 
-use super::frame_tiles::{FrameSamples, FrameTile};
+use super::frame_tile::FrameTile;
+use super::frame_tiles::FrameSamples;
 use crate::capture::Camera;
 use crate::samples::TILE;
 
