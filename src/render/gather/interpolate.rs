@@ -209,6 +209,16 @@ fn interpolated(
     weighted_colors(view, &quads, at, &weights, which)
 }
 
+/// A channel of point `i` from its 2×2 samples. A function rather than a closure: closures are not always inlined here, and the
+/// loop around this one must become vector instructions.
+#[inline(always)]
+fn blended(colors: &[[LaneValues; 3]; 4], channel: usize, i: usize, parts: [f32; 4]) -> f32 {
+    colors[0][channel][i] * parts[0]
+        + colors[1][channel][i] * parts[1]
+        + colors[2][channel][i] * parts[2]
+        + colors[3][channel][i] * parts[3]
+}
+
 /// The colors at `at` of the samples that show the surface there, for the points of a mask.
 #[inline(always)]
 fn weighted_colors(
@@ -239,15 +249,10 @@ fn weighted_colors(
             | (!agrees_d & (d >= 0.0));
         let weight = weights[i] * if beside { BESIDE_EDGE } else { 1.0 };
         let counts = which >> i & 1 == 1;
-        let mix = |channel: usize| {
-            colors[0][channel][i] * part_a
-                + colors[1][channel][i] * part_b
-                + colors[2][channel][i] * part_c
-                + colors[3][channel][i] * part_d
-        };
-        found.color[0][i] = if counts { mix(0) * weight } else { 0.0 };
-        found.color[1][i] = if counts { mix(1) * weight } else { 0.0 };
-        found.color[2][i] = if counts { mix(2) * weight } else { 0.0 };
+        let parts = [part_a, part_b, part_c, part_d];
+        found.color[0][i] = if counts { blended(&colors, 0, i, parts) * weight } else { 0.0 };
+        found.color[1][i] = if counts { blended(&colors, 1, i, parts) * weight } else { 0.0 };
+        found.color[2][i] = if counts { blended(&colors, 2, i, parts) * weight } else { 0.0 };
         found.weight[i] = if counts { share * weight } else { 0.0 };
         found.coverage[i] = if counts { share } else { 0.0 };
     }
