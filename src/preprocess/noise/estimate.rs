@@ -208,6 +208,7 @@ struct ColorChange {
 }
 
 impl ColorChange {
+    #[inline(always)]
     fn between(colors: [[f16; 3]; 2]) -> Self {
         let table = color::steps_table();
         let [before, after] = colors.map(|color| color.map(|channel| table[channel.to_bits() as usize]));

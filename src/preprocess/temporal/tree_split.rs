@@ -167,7 +167,7 @@ impl SplitSamples {
         Self {
             short: ShortSpans::new(batch, ROOM),
             long: batch.carry.iter().map(|_| [room(), room()]).collect(),
-            root: SpanSamples::default(),
+            root: SpanSamples::with_capacity(if batch.is_last { JOB_BANDS * BAND } else { 0 }),
             uncertain: Vec::with_capacity(CHUNK),
         }
     }
