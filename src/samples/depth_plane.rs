@@ -142,7 +142,7 @@ impl DepthPlane {
         Self { tiles, low, high }
     }
 
-    /// A plane with room for so many tiles and depths.
+    /// A plane with room for the given numbers of tiles and depths.
     pub(crate) fn with_capacity(tiles: usize, depths: usize) -> Self {
         Self {
             tiles: Vec::with_capacity(tiles),

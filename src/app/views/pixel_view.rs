@@ -60,7 +60,7 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
             .auto_shrink(false)
             .show(ui, |ui| summary_ui(ui, state, scene, probed, commands));
     });
-    ui.scope_builder(egui::UiBuilder::new().max_rect(right).id_salt("testimonies"), |ui| {
+    ui.scope_builder(egui::UiBuilder::new().max_rect(right).id_salt("evidence"), |ui| {
         ScrollArea::both().auto_shrink(false).show(ui, |ui| table_ui(ui, state, scene, probed, commands));
     });
     ui.allocate_rect(area, Sense::hover());
@@ -171,7 +171,7 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
             font.size = font.size.min(NARROW);
         }
     }
-    Grid::new("testimonies").striped(true).spacing(spacing).min_row_height(row).show(ui, |ui| {
+    Grid::new("evidence").striped(true).spacing(spacing).min_row_height(row).show(ui, |ui| {
         for (name, help) in COLUMNS {
             note(ui, name).on_hover_text(help);
         }

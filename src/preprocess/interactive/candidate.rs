@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_claimant_that_covers_another_surely_holds_wherever_the_other_may() {
+    fn a_candidate_that_covers_another_is_surely_valid_wherever_the_other_may_be() {
         let candidate = |required| ListedCandidate {
             verdict: Verdict::without_witness(Rule::Tie),
             required,

@@ -38,7 +38,7 @@ pub(crate) struct FrameLayers {
 #[derive(Debug, Default)]
 struct CachedLists {
     lists: Option<Arc<CandidateLists>>,
-    /// Tolerances for which so many bytes of memory were too few.
+    /// Tolerances whose lists did not fit into this many bytes of memory.
     refused: Option<(ToleranceRange, usize)>,
 }
 
@@ -219,7 +219,7 @@ mod tests {
     use crate::settings::{CaptureSettings, MixedPixels};
 
     #[test]
-    fn a_frame_that_is_pruned_again_from_its_docket_gets_the_verdicts_of_a_new_search() {
+    fn a_frame_that_is_pruned_again_from_its_candidate_lists_gets_the_verdicts_of_a_new_search() {
         let cases = [
             ("nine-cameras", 0.4, MixedPixels::Yield, true),
             ("nine-cameras", 1.0, MixedPixels::Drop, true),

@@ -14,7 +14,7 @@ use crate::color;
 const WIDTH: usize = 16;
 const HEIGHT: usize = 4;
 
-/// Patterns are looked for so many pixels away.
+/// Patterns are searched for up to this many pixels away.
 const REACH: usize = 4;
 
 /// Blocks of a pair of frames that are looked at, about: plenty for a share.

@@ -54,7 +54,7 @@ const DARKEST_STEPS: f32 = 8.0;
 /// √2 · Φ⁻¹(0.75): from the median absolute difference of two draws to their standard deviation.
 const MEDIAN_DIFFERENCE_PER_SIGMA: f32 = 0.953_87;
 
-/// Where fewer than one in so many pixels of resting surfaces change at all, light moves and nothing is noisy.
+/// If fewer than one in this many pixels of resting surfaces change at all, light moves and nothing is noisy.
 const FEWEST_REDRAWN: u64 = 10;
 
 /// Depth that changes by more than this, or by so many times its noise, is that of another surface.

@@ -5,7 +5,7 @@ use super::pass::{DROPPED, KEPT, PendingSample, PruningPass, SearchBand, UNDECID
 use crate::preprocess::registration::Outcome;
 use crate::simd::{self, VectorLoop};
 
-/// Statuses of witnesses are fetched so many samples ahead.
+/// How many samples ahead the statuses of witnesses are prefetched.
 const AHEAD: usize = 24;
 
 /// Decides every sample of the band whose best candidate is decided; the others become pending.

@@ -95,7 +95,7 @@ pub(crate) fn prune(
 /// Pixels that are passed over at once.
 const RUN: usize = 64;
 
-/// Where fewer than one in so many pixels are to be decided, testing whether all samples may be witnesses does not pay.
+/// If fewer than one in this many pixels are to be decided, testing whether all samples may be witnesses does not pay.
 const DENSE_SHARE: usize = 8;
 
 /// Marks the samples of `level` as undecided, mixed ones as dropped where they are to be. Gives how many there are in each band

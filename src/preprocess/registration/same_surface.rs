@@ -10,7 +10,7 @@
 //! |n·(q wₜ − rayₜ w)| ≤ τ max(s wₜ, sₜ w) + step wₜ + stepₜ w
 //! ```
 //!
-//! `step` is what depths are rounded by. Where depth is noisy, so many standard deviations of both samples' noise come to it.
+//! `step` is what depths are rounded by. Where depth is noisy, a multiple of both samples' standard deviations is added to it.
 
 use super::around::Around;
 use super::matches::{

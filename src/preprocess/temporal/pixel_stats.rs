@@ -148,7 +148,7 @@ pub(crate) fn larger(a: f32, b: f32) -> f32 {
 /// Pixels whose sums are held in registers while frame after frame is added.
 pub(crate) const REGISTER_PIXELS: usize = 16;
 
-/// Frames are fetched so many pixels ahead.
+/// How many pixels ahead frames are prefetched.
 const AHEAD: usize = 96;
 
 /// Half floats in a cache line.

@@ -40,7 +40,7 @@ impl SpanSamples {
         self.pixels.is_empty()
     }
 
-    /// No samples, and room for so many (normals aside).
+    /// No samples, with room for `count` of them, without normals.
     pub(crate) fn with_capacity(count: usize) -> Self {
         Self {
             pixels: Vec::with_capacity(count),
@@ -58,7 +58,7 @@ impl SpanSamples {
         self.normal.extend_from_slice(&later.normal);
     }
 
-    /// Makes room for so many more (normals aside).
+    /// Makes room for more samples, without normals.
     pub(crate) fn reserve(&mut self, count: usize) {
         self.pixels.reserve_exact(count);
         self.color.reserve_exact(count);
