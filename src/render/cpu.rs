@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::fill::fill;
+use super::finish::{Finisher, changes_pictures};
 use super::gather::{RING, ScratchPool, SourceViews};
 use super::geometry::{FootprintReach, MAX_STRETCH, TileBounds, bands, bounds};
 use super::input::{BackgroundKey, CellTable, FrameImages, FrameSamples, TileIndex};
@@ -20,13 +20,14 @@ use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
 use crate::samples::SampleSet;
-use crate::settings::{Fill, Kernel, RenderSettings};
+use crate::settings::{Kernel, RenderSettings};
 
 /// Renders vantages, and keeps the background while the vantage is still.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
     cache: Option<VantageCache>,
     scratches: ScratchPool,
+    finisher: Finisher,
 }
 
 /// What is kept from one frame to the next while the vantage is still.
@@ -164,16 +165,18 @@ impl CpuRenderer {
         let painted = frame.sample_count(painted);
         cache.tile_index = frame.into_background_index();
         self.cache = Some(cache);
-        let filling = Instant::now();
-        if settings.fill != Fill::None {
-            fill(Arc::make_mut(&mut picture), &vantage.camera, settings);
+        let finishing = Instant::now();
+        let mut holes = holes;
+        if changes_pictures(settings) {
+            self.finisher.finish(Arc::make_mut(&mut picture), samples, vantage, settings)?;
+            holes = picture.holes();
         }
-        let fill_ms = filling.elapsed().as_secs_f64() * 1e3;
+        let finish_ms = finishing.elapsed().as_secs_f64() * 1e3;
         let stats = RenderStats {
             samples: painted,
             holes,
             milliseconds: started.elapsed().as_secs_f64() * 1e3,
-            fill_ms,
+            finish_ms,
             background_reused,
         };
         Ok((picture, stats))

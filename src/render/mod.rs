@@ -17,6 +17,9 @@ pub mod gpu;
 pub mod output;
 
 mod cpu;
+mod environment;
+mod finish;
+mod free_space;
 mod gather;
 mod geometry;
 mod input;

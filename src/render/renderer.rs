@@ -6,12 +6,13 @@ use std::time::Instant;
 
 use super::cpu::CpuRenderer;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
+use super::finish::changes_pictures;
 use super::supersample::{averaged, finer, supersampling_factor};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
-use crate::settings::{Backend, Fill, Kernel, RenderSettings};
+use crate::settings::{Backend, Kernel, RenderSettings};
 
 /// What painted a picture.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
@@ -207,7 +208,7 @@ impl Renderer {
         // If the GPU fails, it fails again below, where the CPU takes over.
         if on_gpu
             && is_shared
-            && settings.fill == Fill::None
+            && !changes_pictures(settings)
             && let Some((texture, stats)) =
                 self.try_gpu(|gpu| gpu.show(samples, vantage, settings, holes, job))?
         {

@@ -109,6 +109,9 @@ section! {
         kernel: Kernel = Kernel::Gather, "", ValueKind::Choice(Kernel::NAMES);
         /// How pixels without any sample are filled.
         fill: Fill = Fill::None, "", ValueKind::Choice(Fill::NAMES);
+        /// Whether what nearer surfaces enclose shows what is behind them only where cameras have seen the line of sight free, by
+        /// kernels that interpolate.
+        free_space: bool = true, "", ValueKind::Switch;
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
         depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
         /// Whether a picture that is coarser than what was recorded is painted finer and averaged, by kernels that interpolate.

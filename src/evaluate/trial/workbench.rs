@@ -194,7 +194,7 @@ impl Workbench {
                     });
                 }
                 if trial.settings.render.fill == Fill::None {
-                    painted.score.milliseconds -= painted.fill_ms;
+                    painted.score.milliseconds -= painted.finish_ms;
                 }
                 scores.add(view, painted);
                 job.advance(1);

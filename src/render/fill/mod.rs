@@ -25,6 +25,8 @@ mod surface;
 
 use rayon::prelude::*;
 
+use super::environment::{Environment, PixelDirections};
+use super::free_space::{HOLE, OPEN_HOLE, SKY_HOLE, hidden_surface_limit};
 use super::vantage::{NO_IMAGE, Picture};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
@@ -35,6 +37,16 @@ use surface::{SurfaceTolerance, WeightedMean, surface_behind};
 /// Fills the holes of `picture` as the settings demand. Sets color and inverse depth, which is then 0 or more; [`Picture::image`]
 /// stays [`NO_IMAGE`]. A picture without any sample is left as it is.
 pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
+    fill_from(picture, target, settings, None);
+}
+
+/// As [`fill`], but with the sky where holes show it.
+pub(super) fn fill_from(
+    picture: &mut Picture,
+    target: &Camera,
+    settings: &RenderSettings,
+    environment: Option<&Environment>,
+) {
     let (width, height) = picture.image.size();
     let image = picture.image.as_slice();
     let is_hole = |image: &u32| *image == NO_IMAGE;
@@ -44,22 +56,73 @@ pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
     if nothing_to_do {
         return;
     }
+    if let Some(environment) = environment {
+        fill_sky(picture, target, environment);
+    }
+    let depths = picture.inverse_depth.as_slice();
+    let is_open = |depth: &f32| *depth < 0.0;
+    // Where a surface is hidden, the sky is not among what the hole is filled from.
+    let hides_surface = |depth: &f32| *depth < HOLE;
     let tolerance = SurfaceTolerance::new(target, settings);
-    let (pyramid, rays) =
-        rayon::join(|| Pyramid::pull(picture, tolerance), || HoleRays::cast(image, (width, height)));
-    let fill_row = |(y, row): (usize, &[u32])| -> Vec<(usize, WeightedMean)> {
-        let fill_pixel = |x| {
-            let surface = surface_behind(picture, &rays, (x, y), tolerance);
-            Some((x, pyramid.push((x, y), surface.as_ref(), tolerance)?))
+    let all = depths.iter().any(is_open).then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0));
+    let surfaces = depths.iter().any(hides_surface);
+    let surfaces = surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0));
+    let fill_row = |(y, row): (usize, &[f32])| -> Vec<(usize, WeightedMean)> {
+        let fill_pixel = |x: usize| {
+            let sources = if hides_surface(&row[x]) { surfaces.as_ref() } else { all.as_ref() }?;
+            let limit = hidden_surface_limit(row[x]);
+            let surface = surface_behind(picture, &sources.rays, (x, y), limit, tolerance);
+            Some((x, sources.pyramid.push((x, y), surface.as_ref(), tolerance)?))
         };
-        (0..width).filter(|x| is_hole(&row[*x])).filter_map(fill_pixel).collect()
+        (0..width).filter(|x| is_open(&row[*x])).filter_map(fill_pixel).collect()
     };
-    let filled: Vec<_> = image.par_chunks(width).enumerate().map(fill_row).collect();
+    let filled: Vec<_> = depths.par_chunks(width).enumerate().map(fill_row).collect();
+    debug_assert_eq!(filled.len(), height);
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
     let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
     rows.zip(filled).for_each(|((colors, inverse_depths), filled)| {
         for (x, filling) in filled {
             (colors[x], inverse_depths[x]) = (filling.color, filling.inverse_depth);
+        }
+    });
+}
+
+/// The pixels that holes are filled from.
+struct FillSources {
+    pyramid: Pyramid,
+    rays: HoleRays,
+}
+
+impl FillSources {
+    /// The pixels of a picture whose inverse depth `counts`.
+    fn new(picture: &Picture, tolerance: SurfaceTolerance, counts: impl Fn(f32) -> bool + Sync) -> Self {
+        let depths = picture.inverse_depth.as_slice().par_iter().with_min_len(4096);
+        let sources: Vec<u32> = depths.map(|depth| if counts(*depth) { 0 } else { NO_IMAGE }).collect();
+        let (pyramid, rays) = rayon::join(
+            || Pyramid::pull(picture, &sources, tolerance),
+            || HoleRays::cast(&sources, picture.image.size()),
+        );
+        Self { pyramid, rays }
+    }
+}
+
+/// Fills the holes that show the sky: those with free lines of sight, and of those that nothing encloses, the ones around whose
+/// direction some camera saw the sky.
+fn fill_sky(picture: &mut Picture, target: &Camera, environment: &Environment) {
+    let width = picture.image.width();
+    let directions = PixelDirections::new(target);
+    let colors = picture.color.as_mut_slice().par_chunks_mut(width);
+    let rows = colors.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width)).enumerate();
+    rows.for_each(|(y, (colors, inverse_depths))| {
+        for (x, (color, inverse_depth)) in colors.iter_mut().zip(inverse_depths).enumerate() {
+            let shows_sky = match *inverse_depth {
+                SKY_HOLE => true,
+                OPEN_HOLE => environment.is_seen(directions.at((x, y))),
+                _ => false,
+            };
+            if shows_sky {
+                (*color, *inverse_depth) = (environment.color(directions.at((x, y))), 0.0);
+            }
         }
     });
 }

@@ -37,12 +37,13 @@ const MAX_BLOCK_RATIO: f32 = 8.0;
 const MAX_OPEN_SHARE: f32 = 1.0 / 64.0;
 
 impl Pyramid {
-    /// Builds the levels from a picture: every cell is the mean of the farthest surface in its block.
-    pub(super) fn pull(picture: &Picture, tolerance: SurfaceTolerance) -> Self {
+    /// Builds the levels from the pixels of a picture whose `sources` are not [`NO_IMAGE`]: every cell is the mean of the farthest
+    /// surface in its block.
+    pub(super) fn pull(picture: &Picture, sources: &[u32], tolerance: SurfaceTolerance) -> Self {
         let (width, height) = picture.image.size();
         let pixel = |x: usize, y: usize| {
             let pixel = y * width + x;
-            let painted = picture.image.as_slice()[pixel] != NO_IMAGE;
+            let painted = sources[pixel] != NO_IMAGE;
             WeightedMean {
                 color: picture.color.as_slice()[pixel],
                 inverse_depth: picture.inverse_depth.as_slice()[pixel],

@@ -10,6 +10,9 @@ use crate::settings::RenderSettings;
 /// the narrowest runs from near to near, and only a longer one reaches the background.
 const MAX_WIDTH_RATIO: f32 = 4.0;
 
+/// A surface counts as no farther than a limit from this share of its inverse depth on: the surface around a hole slopes.
+const LIMIT_SLACK: f32 = 0.95;
+
 /// Tells surfaces apart by their inverse depths.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceTolerance {
@@ -69,11 +72,13 @@ impl WeightedMean {
     }
 }
 
-/// The farthest surface across the hole where it is narrow; `None` if the pixel sees nothing painted.
+/// The farthest surface across the hole where it is narrow that is no farther than inverse depth `limit`, if there is one, else the
+/// nearest; `None` if the pixel sees nothing painted.
 pub(super) fn surface_behind(
     picture: &Picture,
     rays: &HoleRays,
     pixel: (usize, usize),
+    limit: f32,
     tolerance: SurfaceTolerance,
 ) -> Option<HoleSurface> {
     let HoleNeighbors { pixel, distance_px } = rays.neighbors(pixel);
@@ -85,12 +90,14 @@ pub(super) fn surface_behind(
     let mut behind: Option<(f32, f32)> = None;
     for direction in 0..8 {
         let (far, distance_px) = (inverse_depth[direction], distance_px[direction]);
-        let counts = distance_px.is_finite() && width_px[direction % 4] <= MAX_WIDTH_RATIO * narrowest_px;
+        let counts = distance_px.is_finite()
+            && far >= limit * LIMIT_SLACK
+            && width_px[direction % 4] <= MAX_WIDTH_RATIO * narrowest_px;
         if counts && behind.is_none_or(|behind| (far, distance_px) < behind) {
             behind = Some((far, distance_px));
         }
     }
-    let (far, far_px) = behind?;
+    let (far, far_px) = behind.or_else(|| nearest_of(&inverse_depth, &distance_px))?;
     let mut surface = HoleSurface { range: [far; 2], mean: WeightedMean::EMPTY, reach_px: 0.0 };
     for direction in 0..8 {
         let (near, near_px) = (inverse_depth[direction], distance_px[direction]);
@@ -103,4 +110,10 @@ pub(super) fn surface_behind(
     }
     surface.mean = surface.mean.normalized();
     Some(surface)
+}
+
+/// Inverse depth and distance of the nearest surface that a hole pixel sees.
+fn nearest_of(inverse_depth: &[f32; 8], distance_px: &[f32; 8]) -> Option<(f32, f32)> {
+    let seen = inverse_depth.iter().zip(distance_px).filter(|(_, distance)| distance.is_finite());
+    seen.map(|(w, distance)| (*w, *distance)).max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)))
 }

@@ -32,7 +32,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::fill::fill;
+use super::finish::{Finisher, changes_pictures};
 use super::input::{BackgroundKey, FrameSamples};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
@@ -75,6 +75,7 @@ pub struct GpuRenderer {
     /// What the background layer of `target` was painted from.
     background: Option<BackgroundKey>,
     display: Option<Display>,
+    finisher: Finisher,
 }
 
 impl GpuRenderer {
@@ -106,7 +107,7 @@ impl GpuRenderer {
         let one_pass = options.wide_atomics && context.has_wide_atomics;
         let pipelines = context.guarded(|| Ok(Pipelines::new(&context, one_pass)))?;
         let memory = SampleMemory::new(&context, options.sample_bytes);
-        Ok(Self { context, pipelines, memory, target: None, background: None, display: None })
+        Ok(Self { context, pipelines, memory, target: None, background: None, display: None, finisher: Finisher::default() })
     }
 
     /// The adapter's name.
@@ -165,9 +166,11 @@ impl GpuRenderer {
                 context.queue.submit([encoder.finish()]);
                 target.read(context)
             })?;
-        let filling = Instant::now();
-        fill(&mut picture, &vantage.camera, settings);
-        stats.fill_ms = filling.elapsed().as_secs_f64() * 1e3;
+        let finishing = Instant::now();
+        if changes_pictures(settings) {
+            self.finisher.finish(&mut picture, samples, vantage, settings)?;
+        }
+        stats.finish_ms = finishing.elapsed().as_secs_f64() * 1e3;
         stats.holes = picture.holes();
         stats.milliseconds = started.elapsed().as_secs_f64() * 1e3;
         Ok((Arc::new(picture), stats))

@@ -58,6 +58,11 @@ impl FrameImages {
         Self { indices, background }
     }
 
+    /// Indices of all images, those that hold at all frames first.
+    pub(crate) fn all(&self) -> &[usize] {
+        &self.indices
+    }
+
     /// Indices of the images that hold at all frames.
     pub(crate) fn background(&self) -> &[usize] {
         &self.indices[..self.background]

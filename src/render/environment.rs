@@ -1,0 +1,165 @@
+//! The sky, continued into directions that no camera saw.
+//!
+//! What lies at infinity depends on direction alone. Its colors are summed up in the cells of grids over the cube around the unit
+//! sphere, each grid half as fine as the one before; a direction around which a fine grid knows nothing is interpolated in coarser
+//! ones. Grids in space have no seams, unlike the faces of a cube or the poles of a map.
+//!
+//! Source: pull and push, Gortler et al., *The Lumigraph*, SIGGRAPH 1996, §3.4. What differs: the grids are three-dimensional.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::geometry::rays_in_world;
+use super::input::{DenseTile, FrameSamples, FrameTile};
+use crate::capture::Camera;
+use crate::samples::TILE;
+
+/// Cells along each side of the finest grid: some two degrees each.
+const FINEST: usize = 64;
+
+/// Of the eight cells around a direction half touch the sphere, on average: the others are always empty.
+const TOUCHING: f32 = 0.5;
+
+/// Interpolation ends when less than this share is open.
+const MAX_OPEN_SHARE: f32 = 1.0 / 256.0;
+
+/// Sums of red, green and blue, and their number.
+type Sum = [f32; 4];
+
+/// The colors of samples at infinity, by direction.
+#[derive(Clone, Debug)]
+pub(crate) struct SkySums {
+    /// The finest grid, by z, y and x.
+    cells: Vec<Sum>,
+    /// Whether there is any sample.
+    is_empty: bool,
+}
+
+/// The color at infinity in every direction.
+#[derive(Clone, Debug)]
+pub(crate) struct Environment {
+    /// The grids, finest first.
+    levels: Vec<Vec<Sum>>,
+}
+
+impl SkySums {
+    /// The samples at infinity among some tiles of a frame, and those of `before`, if given.
+    pub(crate) fn new(frame: &FrameSamples<'_>, tiles: &[FrameTile<'_>], before: Option<&Self>) -> Self {
+        let rays: Vec<[Vec3; 3]> =
+            frame.set.cameras.iter().map(|camera| rays_in_world(camera, 0.5)).collect();
+        let empty = || Self { cells: vec![[0.0; 4]; FINEST * FINEST * FINEST], is_empty: true };
+        let mut sums = before.cloned().unwrap_or_else(empty);
+        let mut dense = DenseTile::new();
+        for tile in tiles {
+            dense.unpack(tile);
+            for row in 0..TILE {
+                for column in (0..TILE).filter(|column| dense.row(row)[*column] == 0.0) {
+                    let [first, across, down] = rays[tile.camera as usize];
+                    let (x, y) = (tile.origin.0 as f32 + column as f32, tile.origin.1 as f32 + row as f32);
+                    let cell = &mut sums.cells[cell_of((first + across * x + down * y).normalize())];
+                    let [red, green, blue] = tile.color(tile.rank(column, row));
+                    *cell = [cell[0] + red, cell[1] + green, cell[2] + blue, cell[3] + 1.0];
+                    sums.is_empty = false;
+                }
+            }
+        }
+        sums
+    }
+}
+
+impl Environment {
+    /// From samples at infinity; `None` if there are none.
+    pub(crate) fn new(sums: &SkySums) -> Option<Self> {
+        let mut levels = vec![sums.cells.clone()];
+        while let Some(finer) = levels.last().filter(|finer| finer.len() > 1) {
+            let coarser = halved(finer, FINEST >> (levels.len() - 1));
+            levels.push(coarser);
+        }
+        (!sums.is_empty).then_some(Self { levels })
+    }
+
+    /// Whether samples at infinity were found around a direction of length 1.
+    pub(crate) fn is_seen(&self, direction: Vec3) -> bool {
+        let mut count = 0.0;
+        for_cells_around(direction, FINEST, |cell, _| count += self.levels[0][cell][3]);
+        count > 0.0
+    }
+
+    /// The color in a direction of length 1, linear Rec.709.
+    pub(crate) fn color(&self, direction: Vec3) -> [f32; 3] {
+        let (mut color, mut open) = ([0.0; 3], 1.0_f32);
+        for (nth, level) in self.levels.iter().enumerate() {
+            let (mut sum, mut weight) = ([0.0; 3], 0.0_f32);
+            for_cells_around(direction, FINEST >> nth, |cell, share| {
+                let [red, green, blue, count] = level[cell];
+                if count > 0.0 {
+                    let part = share / count;
+                    sum = [sum[0] + part * red, sum[1] + part * green, sum[2] + part * blue];
+                    weight += share;
+                }
+            });
+            if weight > 0.0 {
+                let covered = (weight / TOUCHING).min(1.0);
+                (0..3).for_each(|channel| color[channel] += open * covered * sum[channel] / weight);
+                open *= 1.0 - covered;
+            }
+            if open < MAX_OPEN_SHARE {
+                break;
+            }
+        }
+        color.map(|channel| channel / (1.0 - open))
+    }
+}
+
+/// World-space directions of a camera's pixels.
+pub(crate) struct PixelDirections([Vec3; 3]);
+
+impl PixelDirections {
+    pub(crate) fn new(camera: &Camera) -> Self {
+        Self(rays_in_world(camera, 0.5))
+    }
+
+    /// The direction of a pixel's center, of length 1.
+    pub(crate) fn at(&self, (x, y): (usize, usize)) -> Vec3 {
+        let [first, across, down] = self.0;
+        (first + across * x as f32 + down * y as f32).normalize()
+    }
+}
+
+/// The cell of the finest grid that a direction of length 1 lies in.
+fn cell_of(direction: Vec3) -> usize {
+    let index = |part: f32| (((part + 1.0) * (0.5 * FINEST as f32)) as usize).min(FINEST - 1);
+    (index(direction.z) * FINEST + index(direction.y)) * FINEST + index(direction.x)
+}
+
+/// The next coarser grid of one with `side` cells along each side.
+fn halved(finer: &[Sum], side: usize) -> Vec<Sum> {
+    let half = side / 2;
+    let sum_of = |cell: usize| {
+        let (x, y, z) = (cell % half, cell / half % half, cell / half / half);
+        let mut sum = [0.0; 4];
+        for corner in 0..8 {
+            let (x, y, z) = (2 * x + (corner & 1), 2 * y + (corner >> 1 & 1), 2 * z + (corner >> 2));
+            let part = finer[(z * side + y) * side + x];
+            (0..4).for_each(|channel| sum[channel] += part[channel]);
+        }
+        sum
+    };
+    (0..half * half * half).into_par_iter().with_min_len(512).map(sum_of).collect()
+}
+
+/// Visits the eight cells around a direction with their trilinear shares, in a grid of `side` cells along each side.
+fn for_cells_around(direction: Vec3, side: usize, mut visit: impl FnMut(usize, f32)) {
+    let at = (direction + Vec3::ONE) * (0.5 * side as f32) - Vec3::splat(0.5);
+    let first = at.floor();
+    let share = at - first;
+    for corner in 0..8 {
+        let end = |axis: usize| {
+            let step = corner >> axis & 1;
+            let index = (first[axis] as i32 + step).clamp(0, side as i32 - 1) as usize;
+            (index, if step == 1 { share[axis] } else { 1.0 - share[axis] })
+        };
+        let ((x, a), (y, b), (z, c)) = (end(0), end(1), end(2));
+        visit((z * side + y) * side + x, a * b * c);
+    }
+}

@@ -1,0 +1,101 @@
+//! What follows on a painted picture, whatever painted it: holes that hide a surface are found, and holes are filled.
+
+use std::sync::Arc;
+
+use super::environment::{Environment, SkySums};
+use super::fill::fill_from;
+use super::free_space::{SeenDepths, mark_holes};
+use super::input::{FrameImages, FrameSamples};
+use super::vantage::{Picture, Vantage};
+use crate::error::Result;
+use crate::samples::SampleSet;
+use crate::settings::{Fill, Kernel, RenderSettings};
+
+/// Finishes pictures, and keeps what cameras saw at the last frame.
+#[derive(Debug, Default)]
+pub(super) struct Finisher {
+    background: Option<SeenFrame>,
+    frame: Option<SeenFrame>,
+}
+
+/// What cameras saw according to some images of samples.
+#[derive(Debug)]
+struct SeenFrame {
+    samples: Arc<SampleSet>,
+    images: Vec<usize>,
+    depths: SeenDepths,
+    sky: SkySums,
+    environment: Option<Environment>,
+}
+
+/// Whether lines of sight are tested with these settings.
+pub(super) fn tests_free_space(settings: &RenderSettings) -> bool {
+    settings.free_space && matches!(settings.kernel, Kernel::Gather | Kernel::Surfel)
+}
+
+/// Whether painted pictures are changed with these settings.
+pub(super) fn changes_pictures(settings: &RenderSettings) -> bool {
+    tests_free_space(settings) || settings.fill != Fill::None
+}
+
+impl Finisher {
+    /// Finds the holes of a picture that hide a surface, and fills all holes, as the settings demand.
+    ///
+    /// # Errors
+    /// `Unsupported` where a frame has more samples than can be numbered.
+    pub(super) fn finish(
+        &mut self,
+        picture: &mut Picture,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+    ) -> Result<()> {
+        let camera = &vantage.camera;
+        if !tests_free_space(settings) {
+            fill_from(picture, camera, settings, None);
+            return Ok(());
+        }
+        let seen = self.seen_at(samples, vantage.frame)?;
+        mark_holes(picture, &seen.depths, &samples.cameras, camera);
+        fill_from(picture, camera, settings, seen.environment.as_ref());
+        Ok(())
+    }
+
+    /// What cameras saw at a frame.
+    fn seen_at(&mut self, samples: &Arc<SampleSet>, frame: usize) -> Result<&SeenFrame> {
+        let images = FrameImages::at(samples, frame);
+        let (background, all) = (images.background().to_vec(), images.all().to_vec());
+        if self.frame.as_ref().is_some_and(|seen| seen.is_of(samples, &all))
+            && let Some(seen) = self.frame.take()
+        {
+            return Ok(self.frame.insert(seen));
+        }
+        let frame = FrameSamples::of(samples, frame, images, None)?;
+        if !self.background.as_ref().is_some_and(|seen| seen.is_of(samples, &background)) {
+            let tiles = frame.tiles(frame.background_tiles());
+            self.background = Some(SeenFrame {
+                samples: samples.clone(),
+                depths: SeenDepths::new(&frame, tiles, None),
+                sky: SkySums::new(&frame, tiles, None),
+                environment: None,
+                images: background,
+            });
+        }
+        let tiles = frame.tiles(frame.foreground_tiles());
+        let before = self.background.as_ref();
+        let sky = SkySums::new(&frame, tiles, before.map(|before| &before.sky));
+        Ok(self.frame.insert(SeenFrame {
+            samples: samples.clone(),
+            depths: SeenDepths::new(&frame, tiles, before.map(|before| &before.depths)),
+            environment: Environment::new(&sky),
+            sky,
+            images: all,
+        }))
+    }
+}
+
+impl SeenFrame {
+    fn is_of(&self, samples: &Arc<SampleSet>, images: &[usize]) -> bool {
+        Arc::ptr_eq(&self.samples, samples) && self.images == images
+    }
+}

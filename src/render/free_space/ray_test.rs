@@ -1,0 +1,131 @@
+//! Which parts of a line of sight no camera has seen free.
+
+use super::seen_depth::{SeenDepths, UNSEEN, cell_camera};
+use crate::capture::Camera;
+use crate::render::geometry::Projector;
+use crate::render::input::{LANES, LaneValues};
+use crate::simd::{joined, whole};
+
+/// Vectors of inverse depths at which a line of sight is tested.
+const GROUPS: usize = 4;
+
+/// Inverse depths at which a line of sight is tested.
+const DEPTHS: usize = GROUPS * LANES;
+
+/// What a camera saw counts as behind a point only if it is farther by this many cells' footprints.
+const BEHIND_FOOTPRINTS: f32 = 1.0;
+
+/// What cameras say about a line of sight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum LineOfSight {
+    /// Cameras have seen all of it free.
+    Free,
+    /// Some of it was in no camera's picture, and the rest was seen free.
+    Unseen,
+    /// Some of it lies behind what every camera saw there; the inverse depth at which the longest such part ends.
+    Hidden(f32),
+}
+
+/// Tests lines of sight of the vantage.
+pub(super) struct RayTest<'a> {
+    seen: &'a SeenDepths,
+    views: Vec<CellView>,
+}
+
+/// A camera, nearest to the vantage first: those answer most questions.
+struct CellView {
+    camera: usize,
+    cells_from_target: Projector,
+    /// Inverse depths below this share of a point's lie behind it.
+    behind_ratio: f32,
+}
+
+impl<'a> RayTest<'a> {
+    /// For lines of sight of `target`.
+    pub(super) fn new(seen: &'a SeenDepths, cameras: &[Camera], target: &Camera) -> Self {
+        let center = target.position_in_world();
+        let mut order: Vec<usize> = (0..cameras.len()).collect();
+        let distance = |camera: usize| (cameras[camera].position_in_world() - center).length();
+        order.sort_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+        let view = |camera: usize| {
+            let cells = cell_camera(&cameras[camera]);
+            let focal = (cells.intrinsics.fx * cells.intrinsics.fy).sqrt() as f32;
+            let cells_from_target = Projector::new(target, &cells);
+            CellView { camera, cells_from_target, behind_ratio: 1.0 - BEHIND_FOOTPRINTS / focal }
+        };
+        Self { seen, views: order.into_iter().map(view).collect() }
+    }
+
+    /// Tests the line of sight of pixel `(x, y)` between the inverse depths `near` and `far`, evenly in inverse depth, which is
+    /// evenly in the pixels of every camera.
+    #[inline(always)]
+    pub(super) fn test(&self, (x, y): (f32, f32), near: f32, far: f32) -> LineOfSight {
+        let step = (near - far) / DEPTHS as f32;
+        let (mut free, mut blocked) = (0_u64, 0_u64);
+        for group in 0..GROUPS {
+            let mut w = [0.0; LANES];
+            for i in 0..LANES {
+                w[i] = near - step * ((group * LANES + i) as f32 + 0.5);
+            }
+            let (mut group_free, mut group_blocked) = (0_u32, 0_u32);
+            for view in &self.views {
+                let [is_free, is_blocked] = self.look(view, (x, y), &w);
+                group_free |= is_free;
+                group_blocked |= is_blocked;
+                if group_free == 0xffff {
+                    break;
+                }
+            }
+            free |= u64::from(group_free) << (group * LANES);
+            blocked |= u64::from(group_blocked & !group_free) << (group * LANES);
+        }
+        if blocked != 0 {
+            return LineOfSight::Hidden(near - step * end_of_longest_run(blocked) as f32);
+        }
+        if free == u64::MAX >> (64 - DEPTHS) { LineOfSight::Free } else { LineOfSight::Unseen }
+    }
+
+    /// At which of some inverse depths a camera saw the pixel's line of sight free, and at which it saw something in front of it:
+    /// one bit each.
+    #[inline(always)]
+    fn look(&self, view: &CellView, (x, y): (f32, f32), w: &LaneValues) -> [u32; 2] {
+        let free_depths = self.seen.free_depths(view.camera);
+        let projector = &view.cells_from_target;
+        let (ray, origin) = (projector.ray(x, y), projector.origin);
+        let (right, below) = ((free_depths.across - 1) as f32, (free_depths.down - 1) as f32);
+        let across = free_depths.across as u32;
+        let (mut at, mut limit) = ([0_u32; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let reciprocal = 1.0 / (ray.z + origin.z * w[i]);
+            // The corner nearest to the point; the outermost ones, where nothing was seen, if it lies beside the picture.
+            let u = ((ray.x + origin.x * w[i]) * reciprocal + 1.5).max(0.0).min(right);
+            let v = ((ray.y + origin.y * w[i]) * reciprocal + 1.5).max(0.0).min(below);
+            let corner = whole(v.floor()).wrapping_mul(across).wrapping_add(whole(u.floor()));
+            let in_front = reciprocal > 0.0;
+            at[i] = if in_front { corner } else { 0 };
+            limit[i] = w[i] * reciprocal * view.behind_ratio;
+        }
+        let (mut free, mut blocked) = ([0_u32; LANES], [0_u32; LANES]);
+        let last = free_depths.farthest.len() - 1;
+        for i in 0..LANES {
+            let farthest = free_depths.farthest[(at[i] as usize).min(last)];
+            free[i] = u32::from(farthest < limit[i]) << i;
+            blocked[i] = u32::from((farthest >= limit[i]) & (farthest < UNSEEN)) << i;
+        }
+        [joined(&free), joined(&blocked)]
+    }
+}
+
+/// The position after the longest run of set bits.
+fn end_of_longest_run(bits: u64) -> u32 {
+    let (mut left, mut longest, mut end) = (bits, 0, 0);
+    while left != 0 {
+        let start = left.trailing_zeros();
+        let length = (!(left >> start)).trailing_zeros();
+        if length > longest {
+            (longest, end) = (length, start + length);
+        }
+        left &= left.wrapping_add(1 << start);
+    }
+    end
+}

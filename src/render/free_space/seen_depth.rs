@@ -1,0 +1,178 @@
+//! What each camera saw, put together again from the kept samples of all of them.
+//!
+//! Pruning leaves a camera only the samples that no other camera has better. To know up to where its lines of sight are free,
+//! the samples of all cameras are carried into it. A sample that was dropped has a witness that is no coarser, so that cells of
+//! 2×2 pixels close the cracks between samples of one surface.
+
+use rayon::prelude::*;
+
+use crate::capture::Camera;
+use crate::render::geometry::Projector;
+use crate::render::input::{DenseTile, FrameSamples, FrameTile};
+use crate::samples::TILE;
+use crate::simd::{self, VectorLoop, whole};
+
+/// Columns and rows of a camera's pixels in a cell.
+const CELL_PX: u32 = 2;
+
+/// Empty cells around those of a camera, so that points beside its picture are looked up like all others.
+const BORDER: usize = 2;
+
+/// Marks corners around which a camera saw nothing: no line of sight is free there, and none is blocked.
+pub(super) const UNSEEN: f32 = f32::INFINITY;
+
+/// What one camera saw.
+#[derive(Clone, Debug)]
+struct SeenCamera {
+    /// Columns of cells with the border.
+    across: usize,
+    /// The nearest surface in each cell: the bits of the inverse depth plus one, whose order is that of nearness; 0 where the camera
+    /// saw nothing.
+    nearest: Vec<u32>,
+    free: FreeDepths,
+}
+
+/// How far the lines of sight of a camera are free at the corners between its cells: the least inverse depth that was seen in the
+/// four cells at each corner.
+///
+/// The farthest of the four counts, because cells widen surfaces: whether the space right beside a silhouette is free cannot be
+/// told otherwise.
+#[derive(Clone, Debug)]
+pub(super) struct FreeDepths {
+    /// Columns of corners, one less than those of cells with the border.
+    pub(super) across: usize,
+    /// Rows of corners.
+    pub(super) down: usize,
+    /// Row-major; [`UNSEEN`] where nothing was seen.
+    pub(super) farthest: Vec<f32>,
+}
+
+/// What each camera saw.
+#[derive(Clone, Debug)]
+pub(crate) struct SeenDepths {
+    cameras: Vec<SeenCamera>,
+}
+
+/// A camera whose pixels are the cells of another.
+pub(super) fn cell_camera(camera: &Camera) -> Camera {
+    let mut cells = camera.clone();
+    let k = &mut cells.intrinsics;
+    (k.width, k.height) = (k.width.div_ceil(CELL_PX), k.height.div_ceil(CELL_PX));
+    for length in [&mut k.fx, &mut k.fy, &mut k.cx, &mut k.cy] {
+        *length /= f64::from(CELL_PX);
+    }
+    cells
+}
+
+impl SeenDepths {
+    /// What cameras saw according to some tiles of a frame, and to what was seen `before`, if given.
+    pub(crate) fn new(frame: &FrameSamples<'_>, tiles: &[FrameTile<'_>], before: Option<&Self>) -> Self {
+        let cells: Vec<Camera> = frame.set.cameras.iter().map(cell_camera).collect();
+        let mut seen =
+            before.cloned().unwrap_or_else(|| Self { cameras: cells.iter().map(SeenCamera::empty).collect() });
+        let share = cells.len().div_ceil(rayon::current_num_threads()).max(1);
+        seen.cameras.par_chunks_mut(share).zip(cells.par_chunks(share)).for_each(|(seen, cells)| {
+            let into_cells =
+                |cells| frame.set.cameras.iter().map(|source| Projector::new(source, cells)).collect();
+            let projectors = cells.iter().map(into_cells).collect();
+            simd::run(CarryTiles { tiles, projectors, cells, seen });
+        });
+        seen
+    }
+
+    /// How far the lines of sight of a camera are free.
+    #[inline(always)]
+    pub(super) fn free_depths(&self, camera: usize) -> &FreeDepths {
+        &self.cameras[camera].free
+    }
+}
+
+/// Carries tiles into some cameras.
+struct CarryTiles<'a, 'b> {
+    tiles: &'a [FrameTile<'b>],
+    /// For each camera of `seen`, what carries samples of every camera into its cells.
+    projectors: Vec<Vec<Projector>>,
+    /// The cameras of the cells.
+    cells: &'a [Camera],
+    seen: &'a mut [SeenCamera],
+}
+
+impl VectorLoop for CarryTiles<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let mut dense = DenseTile::new();
+        for tile in self.tiles {
+            dense.unpack(tile);
+            for ((seen, projectors), cells) in self.seen.iter_mut().zip(&self.projectors).zip(self.cells) {
+                let (width, height) = cells.intrinsics.size();
+                seen.add(tile, &dense, &projectors[tile.camera as usize], (width as f32, height as f32));
+            }
+        }
+        for seen in self.seen {
+            seen.find_free();
+        }
+    }
+}
+
+impl SeenCamera {
+    /// A camera that saw nothing, by the camera of its cells.
+    fn empty(cells: &Camera) -> Self {
+        let (width, height) = cells.intrinsics.size();
+        let (across, down) = (width + 2 * BORDER, height + 2 * BORDER);
+        let corners = (across - 1) * (down - 1);
+        let free = FreeDepths { across: across - 1, down: down - 1, farthest: vec![UNSEEN; corners] };
+        Self { across, nearest: vec![0; across * down], free }
+    }
+
+    /// Adds the samples of a tile; `size` is that of the picture in cells.
+    #[inline(always)]
+    fn add(&mut self, tile: &FrameTile<'_>, dense: &DenseTile, projector: &Projector, size: (f32, f32)) {
+        let across = self.across as u32;
+        for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
+            let w = dense.row(row);
+            let ray = projector.ray(tile.origin.0 as f32, (tile.origin.1 as usize + row) as f32);
+            let projected = projector.row(ray, w);
+            let (mut cells, mut bits) = ([0_u32; TILE], [0_u32; TILE]);
+            for i in 0..TILE {
+                let (u, v, reciprocal) = (projected.u[i], projected.v[i], projected.reciprocal[i]);
+                let inside = (reciprocal > 0.0)
+                    & (w[i] >= 0.0)
+                    & (u >= 0.0)
+                    & (v >= 0.0)
+                    & (u < size.0)
+                    & (v < size.1);
+                let (column, row) = (whole(u.floor()) + BORDER as u32, whole(v.floor()) + BORDER as u32);
+                cells[i] = if inside { row.wrapping_mul(across).wrapping_add(column) } else { 0 };
+                bits[i] = if inside { (w[i] * reciprocal).to_bits() + 1 } else { 0 };
+            }
+            for i in 0..TILE {
+                let nearest = &mut self.nearest[cells[i] as usize];
+                *nearest = (*nearest).max(bits[i]);
+            }
+        }
+    }
+
+    /// Sets the free depths from the nearest surfaces.
+    #[inline(always)]
+    fn find_free(&mut self) {
+        let Self { across, nearest, free } = self;
+        let corners = free.across;
+        for (row, farthest) in free.farthest.chunks_exact_mut(corners).enumerate() {
+            let above = &nearest[row * *across..][..corners + 1];
+            let below = &nearest[(row + 1) * *across..][..corners + 1];
+            for (column, farthest) in farthest.iter_mut().enumerate() {
+                let left = seen_at(above[column]).min(seen_at(below[column]));
+                let right = seen_at(above[column + 1]).min(seen_at(below[column + 1]));
+                *farthest = left.min(right);
+            }
+        }
+    }
+}
+
+/// The inverse depth of a cell; [`UNSEEN`] where nothing was seen.
+#[inline(always)]
+fn seen_at(bits: u32) -> f32 {
+    if bits == 0 { UNSEEN } else { f32::from_bits(bits - 1) }
+}
