@@ -108,7 +108,7 @@ section! {
         /// How a sample is painted into the picture.
         kernel: Kernel = Kernel::Gather, "", ValueKind::Choice(Kernel::NAMES);
         /// How pixels without any sample are filled.
-        fill: Fill = Fill::None, "", ValueKind::Choice(Fill::NAMES);
+        fill: Fill = Fill::PushPull, "", ValueKind::Choice(Fill::NAMES);
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
         depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
         /// Whether a picture that is coarser than what was recorded is painted finer and averaged, by kernels that interpolate.

@@ -20,7 +20,7 @@ pub struct ViewScore {
     /// Closeness to the truth; `None` where no pixel of it is known.
     #[serde(flatten)]
     pub scores: Option<Scores>,
-    /// Wall-clock milliseconds of painting.
+    /// Wall-clock milliseconds of painting, and of filling holes where the settings fill.
     pub milliseconds: f64,
     /// Samples that were projected.
     pub samples: u64,
