@@ -262,7 +262,7 @@ fn a_store_has_no_memory_by_camera_and_says_why() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    assert!(shows(&window, "hole: no sample reached it"));
+    assert!(shows(&window, "filled (invented)"));
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
     open_view(&mut window, "Memory");
