@@ -9,7 +9,7 @@ use overlook::job::Job;
 use overlook::preprocess::diagnostics::Report;
 use overlook::preprocess::normals::NormalErrors;
 use overlook::preprocess::{preprocess, prune, scan};
-use overlook::settings::{Kernel, RenderSettings, Settings};
+use overlook::settings::{Fill, Kernel, RenderSettings, Settings};
 
 #[test]
 fn pruning_by_rate_costs_little_and_first_camera_wins_costs_clearly_more() {
@@ -34,6 +34,7 @@ struct Bounds {
 fn compare_rules(capture: &Capture, views: &[TruthView], kernel: Kernel, bounds: &Bounds) {
     let mut settings = Settings::default();
     settings.render.kernel = kernel;
+    settings.render.fill = Fill::None;
     let comparison = compare(capture, views, &settings, &Job::new()).unwrap();
     let mean = |compared: &MethodScore| compared.evaluation.mean.clone();
     let all = mean(&comparison.no_pruning);

@@ -183,7 +183,7 @@ fn the_whole_chain_runs_from_a_demo_to_scores() {
     }
     // Through the file or not: the same samples, the same pictures.
     assert_eq!(painted["mean"]["psnr_db"], scored["mean"]["psnr_db"]);
-    filling_is_chosen_and_keeps_the_mask(here, views, &painted);
+    filling_is_the_default_and_keeps_the_mask(here, views, &painted);
     assert_keys(&scored, &["no_pruning", "first_camera", "samples_kept", "bytes_memory", "bytes_store"]);
     what_the_store_gives_up_shows_in_the_scores(here, views, &scored);
     for view in painted["views"].as_array().unwrap() {
@@ -211,21 +211,26 @@ fn what_the_store_gives_up_shows_in_the_scores(here: &Path, views: &str, lossles
     }
 }
 
-/// `plain` is what `render` says of `views` without filling.
-fn filling_is_chosen_and_keeps_the_mask(here: &Path, views: &str, plain: &Value) {
-    let point = ["--kernel", "point", "--fill", "pushpull", "--json"];
-    let render = ["render", "scene.ovl", "--views", views, "--out", "filled"];
-    let filled = json(here, &[render.as_slice(), &point].concat());
-    let scored = json(here, &[["evaluate", "scene"].as_slice(), &point].concat());
-    assert_eq!(filled["mean"]["psnr_all_db"], scored["mean"]["psnr_all_db"]);
+/// `filled` is what `render` says of `views` by default; its pictures are in `pictures`.
+fn filling_is_the_default_and_keeps_the_mask(here: &Path, views: &str, filled: &Value) {
+    let unfilled = ["--kernel", "point", "--fill", "none", "--json"];
+    let render = ["render", "scene.ovl", "--views", views, "--out", "unfilled"];
+    let plain = json(here, &[render.as_slice(), &unfilled].concat());
+    let scored = json(here, &[["evaluate", "scene"].as_slice(), &unfilled].concat());
+    assert_eq!(plain["mean"]["psnr_all_db"], scored["mean"]["psnr_all_db"]);
     for key in ["psnr_db", "coverage"] {
         assert_eq!(filled["mean"][key], plain["mean"][key]);
     }
     assert!(filled["mean"]["psnr_all_db"].as_f64() > plain["mean"]["psnr_all_db"].as_f64());
     // EXR keeps saying what was sampled; PNG shows what there is to see.
     let name = filled["views"][0]["file_path"].as_str().unwrap();
+    let alpha_is_one = |folder: &str| {
+        let png = image::open(here.join(folder).join(name).with_extension("png")).unwrap().to_rgba8();
+        png.pixels().all(|pixel| pixel.0[3] == 255)
+    };
+    assert!(alpha_is_one("pictures") && !alpha_is_one("unfilled"));
     let picture = exr::prelude::read_first_rgba_layer_from_file(
-        here.join("filled").join(name),
+        here.join("pictures").join(name),
         |size, _| (size, 0, 0),
         |(_, holes, dark_holes), _, (r, g, b, alpha): (f32, f32, f32, f32)| {
             *holes += usize::from(alpha == 0.0);
@@ -234,8 +239,6 @@ fn filling_is_chosen_and_keeps_the_mask(here: &Path, views: &str, plain: &Value)
     );
     let (size, holes, dark_holes) = picture.unwrap().layer_data.channel_data.pixels;
     assert!(holes > size.area() / 50 && dark_holes == 0, "{holes} holes, {dark_holes} of them dark");
-    let png = image::open(here.join("filled").join(name).with_extension("png")).unwrap().to_rgba8();
-    assert!(png.pixels().all(|pixel| pixel.0[3] == 255));
 }
 
 #[test]

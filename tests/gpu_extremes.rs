@@ -15,7 +15,7 @@ use overlook::job::Job;
 use overlook::render::gpu::{AdapterChoice, GpuRenderer};
 use overlook::render::{CpuRenderer, Picture, Vantage};
 use overlook::samples::SampleSet;
-use overlook::settings::{Kernel, RenderSettings};
+use overlook::settings::{Fill, Kernel, RenderSettings};
 use samples::{plain_camera, samples};
 use skip::skip;
 
@@ -49,14 +49,14 @@ fn zoomed(times: f64, (width, height): (u32, u32)) -> Camera {
     Camera { intrinsics: Intrinsics { fx: focal, fy: focal, cx, cy, ..plain.intrinsics }, ..plain }
 }
 
-/// The picture of the CPU, and of the GPU.
+/// The picture of the CPU, and of the GPU, with holes left.
 fn both(
     gpu: &mut GpuRenderer,
     samples: &Arc<SampleSet>,
     camera: &Camera,
     kernel: Kernel,
 ) -> [Arc<Picture>; 2] {
-    let settings = RenderSettings { kernel, ..RenderSettings::default() };
+    let settings = RenderSettings { kernel, fill: Fill::None, ..RenderSettings::default() };
     let vantage = Vantage { camera: camera.clone(), frame: 0 };
     let cpu = CpuRenderer::new().render(samples, &vantage, &settings, &Job::new()).unwrap().0;
     [cpu, gpu.render(samples, &vantage, &settings, &Job::new()).unwrap().0]

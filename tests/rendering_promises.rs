@@ -13,15 +13,20 @@ use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::{CpuRenderer, Picture, Vantage};
 use overlook::samples::SampleSet;
-use overlook::settings::{Kernel, PruningMethod, RenderSettings, Settings};
+use overlook::settings::{Fill, Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{SKY, Scene, arc, camera};
 
 fn samples(capture: &Capture, settings: &Settings) -> Arc<SampleSet> {
     preprocess(capture, settings, &Job::new()).unwrap().samples
 }
 
+/// What samples alone show: holes stay.
+fn unfilled(kernel: Kernel) -> RenderSettings {
+    RenderSettings { kernel, fill: Fill::None, ..RenderSettings::default() }
+}
+
 fn paint(samples: &Arc<SampleSet>, camera: &Camera, frame: usize, kernel: Kernel) -> Arc<Picture> {
-    let settings = RenderSettings { kernel, ..RenderSettings::default() };
+    let settings = unfilled(kernel);
     let vantage = Vantage { camera: camera.clone(), frame };
     CpuRenderer::new().render(samples, &vantage, &settings, &Job::new()).unwrap().0
 }
@@ -159,7 +164,7 @@ fn what_moved_at_another_vantage_is_gone_though_nothing_moved_when_this_one_was_
     let set = Arc::new(set);
     let eye = |x| camera("novel", DVec3::new(x, -4.6, 2.6), DVec3::new(0.3, 0.2, 0.3), 80);
     for &kernel in Kernel::ALL {
-        let settings = RenderSettings { kernel, ..RenderSettings::default() };
+        let settings = unfilled(kernel);
         let mut renderer = CpuRenderer::new();
         for (x, frame) in [(0.9, 1), (0.4, 2), (0.4, 3), (0.4, 2), (0.4, 4)] {
             let vantage = Vantage { camera: eye(x), frame };

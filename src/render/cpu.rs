@@ -160,23 +160,20 @@ impl CpuRenderer {
             cache => paint_all(&input, key, cache)?,
         };
         let CachedPicture { picture, holes, .. } = &cache.pictures[0];
-        let (mut picture, holes) = (picture.clone(), *holes);
+        let (mut picture, mut holes, mut fill_ms) = (picture.clone(), *holes, 0.0);
         let painted = if background_reused { frame.foreground_tiles() } else { 0..frame.tile_count() };
         let painted = frame.sample_count(painted);
         cache.tile_index = frame.into_background_index();
         self.cache = Some(cache);
-        let finishing = Instant::now();
-        let mut holes = holes;
         if changes_pictures(settings) {
-            self.finisher.finish(Arc::make_mut(&mut picture), samples, vantage, settings)?;
+            fill_ms = self.finisher.finish(Arc::make_mut(&mut picture), samples, vantage, settings)?;
             holes = picture.holes();
         }
-        let finish_ms = finishing.elapsed().as_secs_f64() * 1e3;
         let stats = RenderStats {
             samples: painted,
             holes,
             milliseconds: started.elapsed().as_secs_f64() * 1e3,
-            finish_ms,
+            fill_ms,
             background_reused,
         };
         Ok((picture, stats))

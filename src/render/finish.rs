@@ -1,6 +1,7 @@
 //! What follows on a painted picture, whatever painted it: holes that hide a surface are found, and holes are filled.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::environment::{Environment, SkySums};
 use super::fill::fill_from;
@@ -39,7 +40,8 @@ pub(super) fn changes_pictures(settings: &RenderSettings) -> bool {
 }
 
 impl Finisher {
-    /// Finds the holes of a picture that hide a surface, and fills all holes, as the settings demand.
+    /// Finds the holes of a picture that hide a surface, and fills all holes, as the settings demand. Returns the
+    /// milliseconds that filling took.
     ///
     /// # Errors
     /// `Unsupported` where a frame has more samples than can be numbered.
@@ -49,16 +51,17 @@ impl Finisher {
         samples: &Arc<SampleSet>,
         vantage: &Vantage,
         settings: &RenderSettings,
-    ) -> Result<()> {
+    ) -> Result<f64> {
         let camera = &vantage.camera;
-        if !tests_free_space(settings) {
-            fill_from(picture, camera, settings, None);
-            return Ok(());
+        let mut environment = None;
+        if tests_free_space(settings) {
+            let seen = self.seen_at(samples, vantage.frame)?;
+            mark_holes(picture, &seen.depths, &samples.cameras, camera);
+            environment = seen.environment.as_ref();
         }
-        let seen = self.seen_at(samples, vantage.frame)?;
-        mark_holes(picture, &seen.depths, &samples.cameras, camera);
-        fill_from(picture, camera, settings, seen.environment.as_ref());
-        Ok(())
+        let filling = Instant::now();
+        fill_from(picture, camera, settings, environment);
+        Ok(filling.elapsed().as_secs_f64() * 1e3)
     }
 
     /// What cameras saw at a frame.

@@ -182,8 +182,8 @@ impl Renderer {
         }
     }
 
-    /// Paints for a window in motion: on the window's own device without a copy if the GPU paints there, else as
-    /// [`Renderer::render`]; never supersampled, because the next picture follows at once.
+    /// Paints for a window in motion: on the window's own device without a copy if the GPU paints there and the settings leave
+    /// holes, which only the CPU fills; else as [`Renderer::render`]. Never supersampled, because the next picture follows at once.
     ///
     /// # Errors
     /// As [`Renderer::render`].

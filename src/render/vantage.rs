@@ -108,8 +108,8 @@ pub struct RenderStats {
     pub holes: u64,
     /// Wall-clock milliseconds, filling included.
     pub milliseconds: f64,
-    /// Wall-clock milliseconds of finding holes that hide a surface and of filling holes.
-    pub finish_ms: f64,
+    /// Wall-clock milliseconds of filling holes.
+    pub fill_ms: f64,
     /// Whether the background was taken from the cache instead of being painted.
     pub background_reused: bool,
 }

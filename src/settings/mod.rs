@@ -108,7 +108,7 @@ section! {
         /// How a sample is painted into the picture.
         kernel: Kernel = Kernel::Gather, "", ValueKind::Choice(Kernel::NAMES);
         /// How pixels without any sample are filled.
-        fill: Fill = Fill::None, "", ValueKind::Choice(Fill::NAMES);
+        fill: Fill = Fill::PushPull, "", ValueKind::Choice(Fill::NAMES);
         /// Whether what nearer surfaces enclose shows what is behind them only where cameras have seen the line of sight free, by
         /// kernels that interpolate.
         free_space: bool = true, "", ValueKind::Switch;

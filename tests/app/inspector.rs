@@ -136,7 +136,7 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     open_view(&mut window, "Compare");
-    wait(&mut window, "the comparison", |window| shows(window, "of pixels are shown by one side alone"));
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels are covered on one side only"));
     assert!(shows(&window, "dB apart") || shows(&window, "equal where both"));
     drag(&mut window, "Comparison", vec2(0.5, 0.5), vec2(40.0, 0.0));
     choose(&mut window, "Compare by", "Flip");
@@ -262,7 +262,7 @@ fn a_store_has_no_memory_by_camera_and_says_why() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    assert!(shows(&window, "hole: no sample reached it"));
+    assert!(shows(&window, "filled (invented)"));
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
     open_view(&mut window, "Memory");
@@ -280,6 +280,6 @@ fn kernels_are_compared_on_an_opened_store() {
     pick(&mut window, "Left side", "Kernel point");
     // Over the pictures the pointer asks for a pixel.
     window.hover_at(egui::pos2(5.0, 5.0));
-    wait(&mut window, "the comparison", |window| shows(window, "of pixels are shown by one side alone"));
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels are covered on one side only"));
     assert!(shows(&window, "dB apart"), "two empty pictures are equal");
 }

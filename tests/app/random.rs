@@ -32,11 +32,12 @@ impl Numbers {
     }
 }
 
-const KEYS: [Key; 34] = [
+const KEYS: [Key; 35] = [
     Key::Space,
     Key::Comma,
     Key::Period,
     Key::F,
+    Key::H,
     Key::K,
     Key::P,
     Key::X,

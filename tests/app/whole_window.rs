@@ -9,6 +9,7 @@ use std::path::Path;
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
+use overlook::settings::{Fill, Settings};
 
 #[test]
 fn a_demo_opens_and_both_views_show_it() {
@@ -40,25 +41,80 @@ fn a_changed_threshold_previews_at_once_and_reruns_the_capture() {
     assert_eq!(window.state().report().unwrap().0.samples_kept, before);
 }
 
+/// What the live view shows, without its frame.
+fn live_picture(window: &mut Window) -> image::RgbaImage {
+    let area = window.get_by_label("Live picture").rect();
+    let picture = window.render().unwrap();
+    let (left, top) = (area.left() as u32 + 8, area.top() as u32 + 8);
+    let (width, height) = (area.width() as u32 - 16, area.height() as u32 - 16);
+    image::imageops::crop_imm(&picture, left, top, width, height).to_image()
+}
+
+/// Pixels that differ between two pictures, as a share of all.
+fn changed(before: &image::RgbaImage, after: &image::RgbaImage) -> f64 {
+    let changed = before.pixels().zip(after.pixels()).filter(|(a, b)| a != b).count();
+    changed as f64 / f64::from(before.width() * before.height())
+}
+
+/// What the legend says of holes that are filled, and of holes that are hatched.
+const FILLED: &str = "filled (invented)";
+const HATCHED: &str = "hole: no sample reached it";
+
 #[test]
-fn filling_holes_repaints_the_live_view_and_counts_them_as_before() {
+fn holes_are_filled_and_the_key_the_toolbar_and_the_palette_hatch_them() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let (filled, coverage) = (live_picture(&mut window), window.state().live_coverage());
+    let holes = 1.0 - coverage.unwrap().1;
+    assert!(shows(&window, FILLED) && !shows(&window, HATCHED));
+    assert!(shows(&window, &format!("{FILLED} {:.1} %", 100.0 * holes)), "{holes}");
+    window.key_press(Key::H);
+    settle(&mut window);
+    assert!(shows(&window, HATCHED) && !shows(&window, FILLED));
+    let hatched = live_picture(&mut window);
+    assert!(changed(&filled, &hatched) > 0.5 * holes, "{holes} are holes");
+    for turn in ["key", "toolbar", "palette"] {
+        let choose_by = |window: &mut Window, choice: &str| match turn {
+            "key" => window.key_press(Key::H),
+            "toolbar" => choose(window, "Holes", choice),
+            _ => {
+                window.key_press_modifiers(egui::Modifiers::COMMAND, Key::P);
+                window.run_steps(2);
+                window.get_by_label("Command").type_text(&format!("holes {choice}"));
+                window.run_steps(2);
+                window.key_press(Key::Enter);
+            }
+        };
+        for (choice, expected) in [("Fill", &filled), ("Show", &hatched)] {
+            choose_by(&mut window, choice);
+            settle(&mut window);
+            assert_eq!(changed(&live_picture(&mut window), expected), 0.0, "{choice} by {turn}");
+            assert_eq!(window.state().live_coverage(), coverage);
+        }
+    }
+    assert_eq!(*window.state().settings(), Settings::default(), "what is exported stays filled");
+}
+
+#[test]
+fn holes_that_the_settings_leave_are_hatched_and_the_toolbar_fills_them_again() {
     // Tall enough for the last of the settings.
     let mut window = open(small_demo(), [SIZE[0], 2100.0]);
     settle(&mut window);
-    let look = |window: &mut Window| {
-        let area = window.get_by_label("Live picture").rect();
-        let picture = window.render().unwrap();
-        let (left, top) = (area.left() as u32 + 8, area.top() as u32 + 8);
-        let (width, height) = (area.width() as u32 - 16, area.height() as u32 - 16);
-        image::imageops::crop_imm(&picture, left, top, width, height).to_image()
-    };
-    let (before, coverage) = (look(&mut window), window.state().live_coverage());
-    pick(&mut window, "Render fill", "Pushpull");
+    let (filled, coverage) = (live_picture(&mut window), window.state().live_coverage());
+    pick(&mut window, "Render fill", "None");
     settle(&mut window);
-    assert_eq!(window.state().settings().render.fill, overlook::settings::Fill::PushPull);
-    let changed = before.pixels().zip(look(&mut window).pixels()).filter(|(a, b)| a != b).count();
-    assert!(changed > before.len() / 4 / 20, "{changed} pixels changed");
+    assert_eq!(window.state().settings().render.fill, Fill::None);
+    assert!(shows(&window, HATCHED) && !shows(&window, FILLED));
+    assert!(changed(&filled, &live_picture(&mut window)) > 0.05);
     assert_eq!(window.state().live_coverage(), coverage);
+    choose(&mut window, "Holes", "Fill");
+    settle(&mut window);
+    assert_eq!(window.state().settings().render.fill, Fill::PushPull);
+    assert_eq!(changed(&filled, &live_picture(&mut window)), 0.0);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(window.state().settings().render.fill, Fill::None, "a setting is undone");
+    assert!(shows(&window, HATCHED));
 }
 
 #[test]

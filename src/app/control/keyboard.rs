@@ -16,6 +16,7 @@ pub(crate) const HELP: &[(&str, &str)] = &[
     ("W A S D, Q E", "fly, down and up"),
     ("P", "keep the pixel, or let go of it"),
     ("F", "the pixel that is looked at into the middle"),
+    ("H", "hatch the pixels that no sample reached, or not"),
     ("Home", "back to the first vantage"),
     ("X", "the other side of a comparison"),
     ("K", "add a key to the camera path"),
@@ -88,6 +89,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             (Key::Period, Command::Step(1)),
             (Key::P, Command::Pin(!state.inspector.probe.pinned)),
             (Key::F, Command::FramePoint),
+            (Key::H, Command::Holes(state.holes_shown().other())),
             (Key::K, Command::AddKey),
             (Key::Home, Command::Home),
         ] {

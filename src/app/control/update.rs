@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use super::paths::lasting;
 use crate::app::dock::Dock;
-use crate::app::model::{self, Command, OrbitCamera, PictureZoom, StoppableWork};
+use crate::app::model::{self, Command, HoleDisplay, OrbitCamera, PictureZoom, StoppableWork};
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::OpenRequest;
 use crate::demo::DemoSpec;
+use crate::settings::{Fill, RenderSettings};
 
 impl OverlookApp {
     /// Carries out one command.
@@ -35,6 +36,7 @@ impl OverlookApp {
             Some(Command::OpenView(view)) => self.dock.open(view),
             Some(Command::ResetLayout) => self.dock = Dock::new(),
             Some(Command::Dark(dark)) => self.state.dark = dark,
+            Some(Command::Holes(holes)) => self.show_holes(holes),
             Some(Command::Dismiss(id)) => self.state.notices.retain(|notice| notice.id != id),
             _ => {}
         }
@@ -97,6 +99,16 @@ impl OverlookApp {
             }
         }
         None
+    }
+
+    /// Shows holes filled or hatched; to be shown filled, they must be filled by the settings too.
+    fn show_holes(&mut self, holes: HoleDisplay) {
+        self.state.live.holes = holes;
+        let mut settings = self.state.settings.clone();
+        if holes == HoleDisplay::Filled && settings.render.fill == Fill::None {
+            settings.render.fill = RenderSettings::default().fill;
+            self.change_settings("render.fill", settings);
+        }
     }
 
     /// Opens something, after a question where a camera path or measured points are lost by it.
@@ -207,6 +219,7 @@ fn only_looks(command: &Command) -> bool {
             | Command::JumpTo(_)
             | Command::Home
             | Command::ColorBy(_)
+            | Command::Holes(_)
             | Command::ShowCameras(_)
             | Command::Introduced
             | Command::Dark(_)

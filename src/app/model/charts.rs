@@ -159,13 +159,12 @@ impl Charts {
     /// Note for a stress test that was made with other settings than `now`; `None` where it holds.
     pub(crate) fn stale_stress_note(&self, now: &Settings) -> Option<&'static str> {
         let made = &self.runs[Study::Stress as usize].as_ref()?.settings;
-        let painting = |settings: &Settings| (settings.render.kernel, settings.render.fill);
         if self.is_of_previous_test && !self.stress.is_empty() {
             Some("Of the test before; the first new point takes their place.")
         } else if method_of(made) != method_of(now) {
             Some("Made with other thresholds; run it again to see what these give.")
-        } else if painting(made) != painting(now) {
-            Some("Made with another kernel or fill; run it again to see what this one gives.")
+        } else if made.render.kernel != now.render.kernel {
+            Some("Made with another kernel; run it again to see what this one gives.")
         } else {
             None
         }
@@ -293,6 +292,8 @@ mod tests {
         assert_eq!(charts.stale_stress_note(&settings), None);
         charts.begin(Study::Stress, &settings);
         assert_eq!(charts.stale_stress_note(&settings), None);
+        other.render.fill = crate::settings::Fill::None;
+        assert_eq!(charts.stale_stress_note(&other), None, "studies fill all holes alike");
         other.render.kernel = crate::settings::Kernel::Point;
         assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("kernel")));
         other.pruning.depth_tolerance = 2.0;

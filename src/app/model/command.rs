@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::chart_axis::Quantity;
 use super::charts::Study;
 use super::comparison::CompareLook;
-use super::live_picture::ColorBy;
+use super::live_picture::{ColorBy, HoleDisplay};
 use super::picture_zoom::PictureZoom;
 use super::pixel::Spot;
 use super::purpose::Purpose;
@@ -84,6 +84,7 @@ pub(crate) enum Command {
     /// Back to the first vantage, and the left picture back to fit.
     Home,
     ColorBy(ColorBy),
+    Holes(HoleDisplay),
     ShowCameras(bool),
     LiveSize([u32; 2]),
     Dark(bool),

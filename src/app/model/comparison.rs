@@ -176,27 +176,27 @@ pub(crate) struct ShownComparison {
     pub textures: [egui::TextureHandle; 3],
 }
 
-/// One side as displayed colors (0 to 255 a channel); `None` where there is nothing.
+/// Displayed colors (0 to 255 a channel); `None` where there is nothing.
 pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
 
 /// Two pictures and their difference.
 pub(crate) struct PictureDifference {
-    /// The two sides, of one size.
+    /// The two sides, of one size: what is compared of them, which is not what fills holes.
     pub sides: [DisplayColors; 2],
-    /// The two as shown: holes in a color of their own.
+    /// The two as shown: holes filled, or in a color of their own.
     pub images: [Arc<ColorImage>; 2],
     /// Where and how much they differ.
     pub difference: Arc<ColorImage>,
     /// What the map shows.
     pub measure: CompareMeasure,
-    /// How far every pixel is apart, in the unit of the measure; `None` where a side has nothing.
+    /// How far every pixel is apart, in the unit of the measure; `None` where a side has no sample.
     pub apart: Grid<Option<f32>>,
     /// The difference at the map's upper end.
     pub range: f32,
-    /// Mean of the map, signs aside, where both sides have something.
+    /// Mean of the map, signs aside, where both sides have a sample.
     pub mean: f64,
-    /// Peak signal-to-noise ratio of one side against the other where both have something; infinite where equal.
+    /// Peak signal-to-noise ratio of one side against the other where both have a sample; infinite where equal.
     pub psnr_db: f64,
-    /// Share of pixels that only one side has something for.
+    /// Share of pixels that only one side has a sample for.
     pub one_sided: f64,
 }

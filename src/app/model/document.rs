@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::command::Command;
 use super::inspector::Inspector;
-use super::live_picture::{ColorBy, LiveKey, LivePicture, PixelSource};
+use super::live_picture::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
 use super::notice::{Notice, NoticeKind, and_others};
 use super::orbit_camera::OrbitCamera;
 use super::picture_zoom::PictureZoom;
@@ -20,7 +20,7 @@ use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
 use crate::preprocess::inspect::FrameInspection;
 use crate::samples::SampleSet;
-use crate::settings::Settings;
+use crate::settings::{Fill, Settings};
 
 /// Where in time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,6 +52,8 @@ pub(crate) struct LiveLook {
     /// The virtual camera; `None` while nothing is open.
     pub orbit: Option<OrbitCamera>,
     pub color_by: ColorBy,
+    /// As chosen; see [`State::holes_shown`].
+    pub holes: HoleDisplay,
     pub show_cameras: bool,
     pub size: [u32; 2],
     /// Whether the GPU may paint on the device that draws the window.
@@ -174,6 +176,11 @@ impl State {
     /// Whether playback needs no verdicts: the live view shows the whole capture's samples, and the source view the bare picture.
     pub(crate) fn skips_verdicts(&self) -> bool {
         self.timeline.playing && self.current_whole().is_some() && !self.source.overlay.needs_verdicts()
+    }
+
+    /// How the live view shows holes: where the settings do not fill them, there is nothing but hatching.
+    pub(crate) fn holes_shown(&self) -> HoleDisplay {
+        if self.settings.render.fill == Fill::None { HoleDisplay::Hatched } else { self.live.holes }
     }
 
     /// The account of the open capture or store.
@@ -302,6 +309,7 @@ impl Default for State {
             live: LiveLook {
                 orbit: None,
                 color_by: ColorBy::Picture,
+                holes: HoleDisplay::Filled,
                 show_cameras: true,
                 size: FIRST_SIZE,
                 shares_device: false,

@@ -34,6 +34,33 @@ impl ColorBy {
     ];
 }
 
+/// How the live view shows pixels that no sample reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HoleDisplay {
+    Filled,
+    Hatched,
+}
+
+impl HoleDisplay {
+    /// Every choice in the order of the toolbar: its name, and what it shows.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 2] = [
+        (
+            Self::Filled,
+            "Fill",
+            "Pixels that no sample reached get invented colors, carried on from what lies behind (H).",
+        ),
+        (Self::Hatched, "Show", "Pixels that no sample reached are hatched, over what fills them (H)."),
+    ];
+
+    /// The other choice.
+    pub(crate) fn other(self) -> Self {
+        match self {
+            Self::Filled => Self::Hatched,
+            Self::Hatched => Self::Filled,
+        }
+    }
+}
+
 /// What a right picture was made from; a picture with an equal key is the same picture.
 #[derive(Clone)]
 pub(crate) struct LiveKey {
@@ -45,6 +72,7 @@ pub(crate) struct LiveKey {
     pub vantage: Vantage,
     pub settings: RenderSettings,
     pub color_by: ColorBy,
+    pub holes: HoleDisplay,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
     /// Whether the next picture follows at once: then its pixels are not read back, and may stay on the GPU.
@@ -67,6 +95,7 @@ impl PartialEq for LiveKey {
             && self.vantage == other.vantage
             && self.settings == other.settings
             && self.color_by == other.color_by
+            && self.holes == other.holes
             && self.dark == other.dark
             && self.in_motion == other.in_motion
     }

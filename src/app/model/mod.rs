@@ -43,7 +43,7 @@ pub(crate) use comparison::{
 pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
-pub(crate) use live_picture::{ColorBy, LiveKey, LivePicture, PixelSource};
+pub(crate) use live_picture::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
 pub(crate) use message::Message;
 pub(crate) use notice::{Notice, NoticeKind, and_others};
 pub(crate) use orbit_camera::OrbitCamera;

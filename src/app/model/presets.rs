@@ -1,6 +1,6 @@
 //! Settings to start from: those that come along, and one's own.
 
-use crate::settings::{Kernel, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
+use crate::settings::{Fill, Kernel, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
 
 /// Settings to start from.
 type Preset = (&'static str, &'static str, fn(&mut Settings));
@@ -10,13 +10,14 @@ pub(crate) const PRESETS: [Preset; 6] = [
     ("Balanced", "The defaults.", |_| {}),
     (
         "As in the paper",
-        "Background or foreground, the printed r, no help at seams and silhouettes, 2×2 blending.",
+        "Background or foreground, the printed r, no help at seams and silhouettes, 2×2 blending, holes left.",
         |settings| {
             settings.spans.levels = SpanLevels::Paper;
             settings.pruning.rate = RateModel::Paper;
             settings.pruning.overlap = false;
             settings.pruning.mixed_pixels = MixedPixels::Keep;
             settings.render.kernel = Kernel::Block;
+            settings.render.fill = Fill::None;
         },
     ),
     ("Careful", "Drops only what agrees closely in depth, normal and color.", |settings| {

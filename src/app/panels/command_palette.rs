@@ -4,7 +4,8 @@ use egui::{Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::app::control;
 use crate::app::model::{
-    ColorBy, Command, CommandPalette, Commands, DockView, Overlay, PRESETS, Purpose, State, Study,
+    ColorBy, Command, CommandPalette, Commands, DockView, HoleDisplay, Overlay, PRESETS, Purpose, State,
+    Study,
 };
 use crate::app::theme::space;
 use crate::app::widgets::weak;
@@ -154,6 +155,9 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
     }
     for (color_by, name, _) in ColorBy::ALL {
         add(format!("Live view shows: {name}"), "", Command::ColorBy(color_by));
+    }
+    for (holes, name, _) in HoleDisplay::ALL {
+        add(format!("Holes: {name}"), "H", Command::Holes(holes));
     }
     for (index, (name, ..)) in PRESETS.iter().enumerate().filter(|_| turns) {
         add(format!("Preset: {name}"), "", Command::Preset(index));

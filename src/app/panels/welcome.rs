@@ -14,7 +14,7 @@ const HINTS: [(&str, &str); 3] = [
     ),
     (
         "Fly through what is left",
-        "Drag to orbit, wheel to zoom, W A S D to fly. Hatched pixels are holes: no sample reached them.",
+        "Drag to orbit, wheel to zoom, W A S D to fly. What no sample reached is filled from behind; press H to see where.",
     ),
     (
         "Turn a threshold",

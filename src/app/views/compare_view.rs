@@ -249,7 +249,7 @@ fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
 fn about_pixel(comparison: &PictureDifference, [x, y]: [usize; 2]) -> Option<String> {
     let color = |side: usize| {
         let pixel = comparison.sides[side].get(x, y)?;
-        Some(pixel.map_or_else(|| "nothing".to_owned(), |[r, g, b]| format!("{r} {g} {b}")))
+        Some(pixel.map_or_else(|| "no sample".to_owned(), |[r, g, b]| format!("{r} {g} {b}")))
     };
     let apart = match comparison.apart.get(x, y)? {
         Some(apart) if comparison.measure == CompareMeasure::Flip => format!("FLIP {apart:.3}"),
@@ -263,7 +263,7 @@ fn about_pixel(comparison: &PictureDifference, [x, y]: [usize; 2]) -> Option<Str
 /// The whole comparison in figures.
 fn figures(comparison: &PictureDifference) -> String {
     let psnr = if comparison.psnr_db.is_infinite() {
-        "equal where both show something".to_owned()
+        "equal where both have samples".to_owned()
     } else {
         format!(
             "{:.1} dB apart, {} {}on average",
@@ -272,7 +272,7 @@ fn figures(comparison: &PictureDifference) -> String {
             if comparison.measure == CompareMeasure::Flip { "FLIP " } else { "steps " }
         )
     };
-    format!("{psnr}; {:.1} % of pixels are shown by one side alone", 100.0 * comparison.one_sided)
+    format!("{psnr}; {:.1} % of pixels are covered on one side only", 100.0 * comparison.one_sided)
 }
 
 #[cfg(test)]

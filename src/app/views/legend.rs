@@ -1,9 +1,9 @@
 //! What the colors of a picture mean: color bars and swatches.
 
-use egui::{Align2, Color32, Painter, Rect, RichText, Sense, Ui, pos2, vec2};
+use egui::{Align2, Color32, Painter, Rect, Response, RichText, Sense, Ui, pos2, vec2};
 
 use crate::app::colormap::{camera as camera_color, diverging, sequential};
-use crate::app::model::{self, ColorBy, Legend, Overlay, RATIO_RANGE, SourceKey, State};
+use crate::app::model::{self, ColorBy, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, State};
 use crate::app::theme::Tokens;
 use crate::app::widgets::note;
 use crate::grid::Grid;
@@ -18,8 +18,8 @@ const SWATCH_WIDTH: f32 = 26.0;
 /// Width of `+9 more`.
 const MORE_WIDTH: f32 = 56.0;
 
-/// Width of the swatch of holes with its name.
-const HOLE_WIDTH: f32 = 172.0;
+/// Width of what the legend says of holes.
+const HOLE_WIDTH: f32 = 220.0;
 
 pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, legend: &Legend) {
     let tokens = Tokens::in_ui(ui);
@@ -102,8 +102,33 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
             }
             ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
         }
-        swatch_ui(ui, tokens.hole, "hole: no sample reached it");
+        holes_ui(ui, state);
     });
+}
+
+/// What pixels are that no sample reached, and their share of the picture.
+fn holes_ui(ui: &mut Ui, state: &State) {
+    let share = state.live_shown.as_ref().map(|shown| {
+        let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
+        model::percent(shown.picture.stats.holes, pixels)
+    });
+    let named = |name: &str| share.map_or_else(|| name.to_owned(), |share| format!("{name} {share}"));
+    match state.holes_shown() {
+        HoleDisplay::Filled => {
+            let name = named("filled (invented)");
+            // Among the picture's own colors it has none of its own.
+            let response = match state.live.color_by {
+                ColorBy::Picture => ui.label(RichText::new(name).small()),
+                _ => swatch_ui(ui, Color32::GRAY, &name),
+            };
+            response.on_hover_text(
+                "No sample reached these pixels. Their colors are carried on from what lies behind; H shows where.",
+            );
+        }
+        HoleDisplay::Hatched => {
+            swatch_ui(ui, Tokens::in_ui(ui).hole_stripe, &named("hole: no sample reached it"));
+        }
+    }
 }
 
 /// The kept share of each tile, where tiles are large enough on the screen to read it.
@@ -141,12 +166,13 @@ fn line_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) {
+fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) -> Response {
     ui.spacing_mut().item_spacing.x = 5.0;
     let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
     ui.painter().rect_filled(rect, 2.0, color);
-    ui.label(RichText::new(name).small());
+    let response = ui.label(RichText::new(name).small());
     ui.add_space(6.0);
+    response
 }
 
 /// As many swatches as fit before the last `reserved` points of the line; the others are named on hover.

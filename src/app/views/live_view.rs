@@ -1,6 +1,6 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-use egui::{Painter, PointerButton, Rect, Response, Sense, Ui, vec2};
+use egui::{Painter, PointerButton, Rect, Response, RichText, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
@@ -9,11 +9,12 @@ use super::overlays::{self, frustum};
 use super::source_view::{self, CAMERA_LIST_WIDTH, FOOTER};
 use crate::app::colormap;
 use crate::app::model::verdict_text as words;
-use crate::app::model::{self, ColorBy, Command, Commands, Spot, State};
+use crate::app::model::{self, ColorBy, Command, Commands, HoleDisplay, Spot, State};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{
     self, camera_choices, choice_ui, icon_button, one_line, picture, scrolled, segments_ui, waiting,
 };
+use crate::render::NO_IMAGE;
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -40,9 +41,16 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, ColorBy::ALL) {
-        commands.push(Command::ColorBy(color_by));
-    }
+    ui.horizontal_wrapped(|ui| {
+        if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, ColorBy::ALL) {
+            commands.push(Command::ColorBy(color_by));
+        }
+        ui.separator();
+        ui.label(RichText::new("Holes").size(12.5));
+        if let Some(holes) = segments_ui(ui, "Holes", state.holes_shown(), HoleDisplay::ALL) {
+            commands.push(Command::Holes(holes));
+        }
+    });
 }
 
 /// Places to go to, and whether cameras are drawn; from right to left.
@@ -108,16 +116,19 @@ fn probe_ui(response: &Response, painter: &Painter, canvas: Rect, state: &State,
     }
 }
 
-/// Whether the live picture shows the surface at this place and depth, and not something before it.
+/// Whether a sample in the live picture shows the surface at this place and depth, and nothing before it.
 fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
-    let rendered = state.live_shown.as_ref().and_then(|shown| shown.picture.rendered());
-    let Some(picture) = rendered.map(|rendered| &rendered.inverse_depth) else { return false };
+    let Some(picture) = state.live_shown.as_ref().and_then(|shown| shown.picture.rendered()) else {
+        return false;
+    };
     let share = (at - canvas.min) / canvas.size();
     if share.x < 0.0 || share.y < 0.0 {
         return false;
     }
-    let (x, y) = ((share.x * picture.width() as f32) as usize, (share.y * picture.height() as f32) as usize);
-    picture.get(x, y).is_some_and(|inverse| (f64::from(*inverse) * depth - 1.0).abs() < NEARLY)
+    let (width, height) = picture.image.size();
+    let (x, y) = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
+    let has_sample = picture.image.get(x, y).is_some_and(|image| *image != NO_IMAGE);
+    has_sample && (f64::from(picture.inverse_depth[(x, y)]) * depth - 1.0).abs() < NEARLY
 }
 
 fn cameras_overlay(ui: &Ui, painter: &Painter, canvas: Rect, state: &State) {

@@ -44,7 +44,7 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
     let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
     let Some((scene, probed)) = shown else {
         let text = if state.inspector.probe.spot.is_some() {
-            "Nothing is known about this spot: it is a hole, of which no pixel can be kept, or its verdict is being worked out."
+            "Nothing is known about this spot: it is a hole, filled or not, of which no pixel can be kept, or its verdict is being worked out."
         } else {
             "Point at a pixel in the source or the live view. Click to keep it here; every camera then says what it \
              knows about the point."

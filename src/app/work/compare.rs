@@ -5,10 +5,9 @@
 use std::sync::Arc;
 
 use super::accuracy::with_nothing_pruned;
-use super::difference;
+use super::difference::{self, DisplayedSide};
 use crate::app::model::{
-    CompareKey, CompareSide, CompareVantage, Content, DisplayColors, Message, OpenScene, PictureDifference,
-    method_of,
+    CompareKey, CompareSide, CompareVantage, Content, Message, OpenScene, PictureDifference, method_of,
 };
 use crate::capture::{Capture, Frame};
 use crate::error::{Error, Result};
@@ -78,7 +77,7 @@ impl Comparer {
         vantage: &Vantage,
         truth: Option<&Frame>,
         job: &Job,
-    ) -> Result<DisplayColors> {
+    ) -> Result<DisplayedSide> {
         if side == CompareSide::Truth {
             let frame = truth.ok_or_else(|| {
                 Error::invalid(

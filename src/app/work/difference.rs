@@ -12,32 +12,52 @@ use crate::color::{linear_from_srgb, srgb8_from_linear, steps_from_linear};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{DEFAULT_PIXELS_PER_DEGREE, flip};
 use crate::grid::Grid;
-use crate::render::Picture;
+use crate::render::{NO_IMAGE, Picture};
 
 /// Share of pixels that may differ by more than a fitted range.
 const BEYOND: f32 = 0.01;
 
+/// One side as displayed.
+#[derive(Clone)]
+pub(crate) struct DisplayedSide {
+    /// `None` in holes that were not filled.
+    pub shown: DisplayColors,
+    /// What is compared: `None` in all holes, as what fills them was not recorded.
+    pub known: DisplayColors,
+}
+
 /// What a camera recorded, as displayed.
-pub(crate) fn of_frame(frame: &Frame) -> DisplayColors {
-    frame.color.map(|color| Some(color.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8)))
+pub(crate) fn of_frame(frame: &Frame) -> DisplayedSide {
+    let shown =
+        frame.color.map(|color| Some(color.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8)));
+    DisplayedSide { known: shown.clone(), shown }
 }
 
 /// What was painted, as displayed.
-pub(crate) fn of_picture(picture: &Picture) -> DisplayColors {
-    Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
-        picture.shows((x, y)).then(|| picture.color[(x, y)].map(srgb8_from_linear))
-    })
+pub(crate) fn of_picture(picture: &Picture) -> DisplayedSide {
+    let colors_where = |wanted: &dyn Fn((usize, usize)) -> bool| {
+        Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
+            wanted((x, y)).then(|| picture.color[(x, y)].map(srgb8_from_linear))
+        })
+    };
+    DisplayedSide {
+        shown: colors_where(&|at| picture.shows(at)),
+        known: colors_where(&|at| picture.image[at] != NO_IMAGE),
+    }
 }
 
 /// Compares two sides by `measure`. `range` is the difference at the map's upper end; `None` fits it. `Invalid` where the sides
 /// differ in size.
 pub(crate) fn between(
-    sides: [DisplayColors; 2],
+    sides: [DisplayedSide; 2],
     measure: CompareMeasure,
     range: Option<f32>,
     dark: bool,
 ) -> Result<PictureDifference> {
-    let [left, right] = &sides;
+    let [
+        DisplayedSide { shown: shown_left, known: left },
+        DisplayedSide { shown: shown_right, known: right },
+    ] = sides;
     if left.size() != right.size() {
         let ([a, b], [c, d]) = (<[usize; 2]>::from(left.size()), <[usize; 2]>::from(right.size()));
         let what = format!(
@@ -50,8 +70,8 @@ pub(crate) fn between(
         let colors = side.map(|pixel| pixel.map_or(tokens.hole, |[r, g, b]| Color32::from_rgb(r, g, b)));
         Arc::new(ColorImage::new([side.width(), side.height()], colors.into_vec()))
     };
-    let images = [image(left), image(right)];
-    let apart = apart(left, right, measure);
+    let images = [image(&shown_left), image(&shown_right)];
+    let apart = apart(&left, &right, measure);
     let range = range.unwrap_or_else(|| fitted(&apart, measure));
     let color = |apart: f32| match measure {
         CompareMeasure::Brightness => diverging(apart / range),
@@ -62,7 +82,8 @@ pub(crate) fn between(
     let difference = Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()));
     let known = || apart.as_slice().iter().flatten();
     let mean = known().map(|apart| f64::from(apart.abs())).sum::<f64>() / known().count().max(1) as f64;
-    let (psnr_db, one_sided) = (psnr_db(left, right), one_sided(left, right));
+    let (psnr_db, one_sided) = (psnr_db(&left, &right), one_sided(&left, &right));
+    let sides = [left, right];
     Ok(PictureDifference { sides, images, difference, measure, apart, range, mean, psnr_db, one_sided })
 }
 
@@ -128,8 +149,9 @@ fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
 mod tests {
     use super::*;
 
-    fn side(pixels: [Option<u8>; 4]) -> DisplayColors {
-        Grid::from_vec(4, 1, pixels.map(|gray| gray.map(|gray| [gray; 3])).to_vec())
+    fn side(pixels: [Option<u8>; 4]) -> DisplayedSide {
+        let known = Grid::from_vec(4, 1, pixels.map(|gray| gray.map(|gray| [gray; 3])).to_vec());
+        DisplayedSide { shown: known.clone(), known }
     }
 
     fn compared(measure: CompareMeasure) -> PictureDifference {
@@ -163,8 +185,26 @@ mod tests {
     }
 
     #[test]
+    fn what_fills_a_hole_is_shown_but_not_compared() {
+        let mut painted = Picture {
+            color: Grid::filled(4, 1, [1.0; 3]),
+            inverse_depth: Grid::filled(4, 1, 0.5),
+            image: Grid::filled(4, 1, 0),
+        };
+        painted.image[(2, 0)] = NO_IMAGE;
+        let sides = [of_picture(&painted), side([Some(255), Some(255), Some(0), Some(255)])];
+        let compared = between(sides, CompareMeasure::Steps, None, true).unwrap();
+        assert_eq!(compared.images[0].pixels[2], Color32::WHITE);
+        assert_eq!(compared.apart.as_slice(), [Some(0.0), Some(0.0), None, Some(0.0)]);
+        assert!(compared.psnr_db.is_infinite() && compared.one_sided == 0.25);
+        painted.inverse_depth[(2, 0)] = -1.0;
+        assert_eq!(of_picture(&painted).shown[(2, 0)], None);
+    }
+
+    #[test]
     fn sides_of_different_sizes_are_refused() {
-        let sides = [side([None; 4]), Grid::filled(2, 2, None)];
+        let other = DisplayedSide { shown: Grid::filled(2, 2, None), known: Grid::filled(2, 2, None) };
+        let sides = [side([None; 4]), other];
         let error = between(sides, CompareMeasure::Steps, None, true).err().unwrap().to_string();
         assert!(error.contains("4×1") && error.contains("2×2"), "{error}");
     }

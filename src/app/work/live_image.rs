@@ -6,7 +6,7 @@ use egui::{Color32, ColorImage};
 use glam::DVec2;
 
 use crate::app::colormap::{camera as camera_color, dimmed, diverging, mix};
-use crate::app::model::{ColorBy, LiveKey, LivePicture, PixelSource, RATIO_RANGE};
+use crate::app::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE};
 use crate::app::theme::Tokens;
 use crate::color::srgb8_from_linear;
 use crate::error::Result;
@@ -19,6 +19,12 @@ use crate::settings::RenderSettings;
 
 /// Frames whose samples are sent to a GPU in advance.
 const FRAMES_AHEAD: usize = 2;
+
+/// Brightness of a picture in gray, under colors that tell of its samples.
+const DIMMED: f32 = 0.9;
+
+/// Opacity of the two stripes over filled holes: what fills them can be made out between the stripes.
+const HATCHING: [f32; 2] = [0.35, 0.85];
 
 /// Renders and colors the picture of `key`.
 pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
@@ -82,24 +88,28 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let stripe = key.stripe();
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
-        if image == NO_IMAGE {
-            let filled = picture.inverse_depth[(x, y)] >= 0.0;
-            if filled && key.color_by == ColorBy::Picture {
-                let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
-                return Color32::from_rgb(r, g, b);
-            }
-            return if ((x + y) / stripe).is_multiple_of(2) { tokens.hole } else { tokens.hole_stripe };
-        }
         let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
         let own = Color32::from_rgb(r, g, b);
+        if image == NO_IMAGE {
+            let nth = (x + y) / stripe % 2;
+            let pattern = [tokens.hole, tokens.hole_stripe][nth];
+            let is_filled = picture.shows((x, y));
+            return match (key.holes, key.color_by) {
+                _ if !is_filled => pattern,
+                (HoleDisplay::Hatched, _) => mix(own, pattern, HATCHING[nth]),
+                (HoleDisplay::Filled, ColorBy::Picture) => own,
+                // Such colors tell of samples, of which there is none here.
+                (HoleDisplay::Filled, _) => dimmed(own, DIMMED),
+            };
+        }
         let source = &key.samples.images[image as usize];
         match key.color_by {
             ColorBy::Picture => own,
-            ColorBy::Camera => mix(dimmed(own, 0.9), camera_color(source.camera as usize), 0.7),
+            ColorBy::Camera => mix(dimmed(own, DIMMED), camera_color(source.camera as usize), 0.7),
             ColorBy::Span => {
                 let frames = key.samples.frame_numbers.len();
                 let share = if source.span.len() >= frames { 0.55 } else { 0.7 };
-                mix(dimmed(own, 0.9), tokens.of_span(source.span.len(), frames), share)
+                mix(dimmed(own, DIMMED), tokens.of_span(source.span.len(), frames), share)
             }
             ColorBy::SamplingRate => {
                 let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
@@ -152,6 +162,7 @@ mod tests {
             vantage: Vantage { camera: camera(distance), frame: 0 },
             settings: RenderSettings::default(),
             color_by: ColorBy::Picture,
+            holes: HoleDisplay::Filled,
             dark: true,
             in_motion: false,
             per_coarse_pixel: 1.0,
@@ -159,20 +170,26 @@ mod tests {
     }
 
     #[test]
-    fn filled_holes_are_shown_in_the_picture_and_hatched_where_colors_tell_of_samples() {
+    fn filled_holes_are_shown_and_gray_among_colors_of_samples_and_hatched_on_demand() {
         let mut key = key(1.0);
         let mut picture = Picture {
             color: Grid::filled(1, 1, [1.0, 0.0, 0.0]),
             inverse_depth: Grid::filled(1, 1, 0.5),
             image: Grid::filled(1, 1, NO_IMAGE),
         };
-        let hatched = Tokens::of(true).hole;
-        assert_eq!(colored(&picture, &key)[(0, 0)], Color32::from_rgb(255, 0, 0));
+        let (red, hatched) = (Color32::from_rgb(255, 0, 0), Tokens::of(true).hole);
+        assert_eq!(colored(&picture, &key)[(0, 0)], red);
         key.color_by = ColorBy::Camera;
-        assert_eq!(colored(&picture, &key)[(0, 0)], hatched);
-        key.color_by = ColorBy::Picture;
+        assert_eq!(colored(&picture, &key)[(0, 0)], dimmed(red, DIMMED));
+        for (color_by, ..) in ColorBy::ALL {
+            key = LiveKey { color_by, holes: HoleDisplay::Hatched, ..key };
+            assert_eq!(colored(&picture, &key)[(0, 0)], mix(red, hatched, HATCHING[0]));
+        }
         picture.inverse_depth[(0, 0)] = -1.0;
-        assert_eq!(colored(&picture, &key)[(0, 0)], hatched);
+        for (holes, ..) in HoleDisplay::ALL {
+            key.holes = holes;
+            assert_eq!(colored(&picture, &key)[(0, 0)], hatched, "there is nothing else to be shown");
+        }
     }
 
     #[test]

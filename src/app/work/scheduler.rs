@@ -206,6 +206,7 @@ impl Scheduler {
             vantage,
             settings: state.settings.render.clone(),
             color_by: state.live.color_by,
+            holes: state.live.holes,
             dark: state.dark,
             in_motion,
             per_coarse_pixel: f64::from(width) / f64::from(coarse[0]),

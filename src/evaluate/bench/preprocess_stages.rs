@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::case::{Bench, Case, Measure};
 use super::measure::{Times, repeat};
 use super::report::MeasuredStage;
+use super::scene::without_filling;
 use crate::capture::Frame;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -20,7 +21,7 @@ use crate::preprocess::temporal::{BATCH, Split, StaticTest};
 use crate::preprocess::{inspect_frame, prepare_frame, scan};
 use crate::render::CpuRenderer;
 use crate::samples::{SampleSet, Span};
-use crate::settings::{Backend, NormalEstimator, RenderSettings, Settings};
+use crate::settings::{Backend, NormalEstimator, Settings};
 use crate::store::file::Store;
 use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use crate::store::{self, file};
@@ -236,7 +237,7 @@ fn first_picture(bench: &Bench<'_>) -> Result<StageResult> {
     let times = repeat(bench.budget, bench.job, || {
         let playback = Playback::new(Store::open(&path)?, DEFAULT_CACHE_BYTES);
         let samples = playback.seen_from(&vantage.camera, vantage.frame, bench.job)?;
-        CpuRenderer::new().render(&samples, &vantage, &RenderSettings::default(), bench.job)
+        CpuRenderer::new().render(&samples, &vantage, &without_filling(), bench.job)
     })?;
     Ok(of_pruned_set(bench, times))
 }

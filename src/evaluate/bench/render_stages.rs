@@ -1,12 +1,12 @@
 //! Rendering: each kernel over each set and picture size, everything anew; and over a cached background from a still vantage (the
-//! paper, §3.3).
+//! paper, §3.3). Holes are not filled.
 
 use std::sync::Arc;
 
 use super::case::{Bench, Case};
 use super::measure::repeat;
 use super::report::{MeasuredStage, PaintingStage};
-use super::scene::{BenchScene, FRAMES};
+use super::scene::{BenchScene, FRAMES, without_filling};
 use crate::error::{Error, Result};
 use crate::render::{Renderer, Vantage};
 use crate::samples::SampleSet;
@@ -111,7 +111,7 @@ impl PaintCase {
     /// Paints one vantage after the other.
     fn paint(&self, bench: &Bench<'_>, round: &Round<'_>) -> Result<MeasuredStage> {
         // A stage is what it takes at its own size.
-        let defaults = RenderSettings { antialias: false, ..RenderSettings::default() };
+        let defaults = RenderSettings { antialias: false, ..without_filling() };
         let settings = RenderSettings { kernel: self.kernel, backend: self.backend, ..defaults };
         let mut renderer = Renderer::strict(self.backend)?;
         let mut turns = round.vantages.iter().cycle();

@@ -19,7 +19,7 @@ use crate::job::Job;
 use crate::preprocess::inspect_frame;
 use crate::render::{CpuRenderer, Vantage};
 use crate::samples::{Sample, SampleImage, SampleSet, SampleTile, Span, TILE};
-use crate::settings::{CaptureSettings, PruningMethod, RenderSettings, Settings};
+use crate::settings::{CaptureSettings, Fill, PruningMethod, RenderSettings, Settings};
 
 /// The built-in scene that is measured.
 pub(crate) const SCENE: &str = "nine-cameras";
@@ -32,6 +32,12 @@ const FOREGROUND_SHARE: f64 = 0.1;
 
 /// Distance of the two vantages, m: too small to change the picture, enough that no cache serves both.
 const SIDE_STEP_M: f64 = 1e-6;
+
+/// The default settings of rendering, but for holes: filling them takes the same time after every kernel, so that measured kernels
+/// leave them.
+pub(crate) fn without_filling() -> RenderSettings {
+    RenderSettings { fill: Fill::None, ..RenderSettings::default() }
+}
 
 /// Seeded input for every stage.
 #[derive(Debug)]
@@ -68,7 +74,7 @@ impl BenchScene {
     fn object(&self, size: (u32, u32), job: &Job) -> Result<Ball> {
         // The shape of the larger of the measured pictures.
         let [vantage, _] = self.vantages((size.0, size.0 * 9 / 16), 0);
-        let settings = RenderSettings::default();
+        let settings = without_filling();
         let (picture, _) = CpuRenderer::new().render(&self.unpruned, &vantage, &settings, job)?;
         let (width, height) = picture.inverse_depth.size();
         let pixels = |step: usize| {
@@ -228,7 +234,7 @@ mod tests {
         }
         let [vantage, _] = scene.vantages(SIZE, 1);
         let paint = |set| {
-            let settings = RenderSettings::default();
+            let settings = without_filling();
             CpuRenderer::new().render(set, &vantage, &settings, &Job::new()).unwrap().0
         };
         let (split, unpruned) = (paint(&scene.split), paint(&scene.unpruned));
@@ -247,7 +253,7 @@ mod tests {
     fn the_scene_fills_the_picture() {
         let scene = &*SMALL;
         for vantage in scene.vantages(SIZE, 0) {
-            let settings = RenderSettings::default();
+            let settings = without_filling();
             let (picture, _) =
                 CpuRenderer::new().render(&scene.unpruned, &vantage, &settings, &Job::new()).unwrap();
             assert!((picture.holes() as f64) < 0.02 * 96.0 * 64.0, "{} holes", picture.holes());

@@ -17,20 +17,22 @@ use crate::render::{NO_IMAGE, Picture};
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Scores {
     /// Peak signal-to-noise ratio over the true pixels that got a sample, dB; read it together with `coverage`. Where no
-    /// pixel got one, the same as `psnr_all_db`. Filling holes does not change it.
+    /// pixel got one, the same as `psnr_all_db`. Filling holes changes it only where pictures are supersampled: a pixel that is
+    /// partly a hole then shows its filling too.
     pub psnr_db: f64,
     /// The same over all true pixels, dB. Holes count as black or as what fills them, so that this number shows the effect of
     /// filling. Sky that no camera saw weighs heavily in it.
     pub psnr_all_db: f64,
     /// Structural similarity of luma, -1 to 1, over windows whose middle got a sample; 0 where none did. Such windows reach
-    /// into holes, filled or not.
+    /// into holes, which are black or filled as the settings say.
     pub ssim: f64,
     /// The same over several scales, 0 to 1.
     pub ms_ssim: f64,
-    /// Mean FLIP difference, 0 (none) to 1, over the true pixels that got a sample; 0 where none did.
+    /// Mean FLIP difference, 0 (none) to 1, over the true pixels that got a sample; 0 where none did. Its filters reach into
+    /// holes as SSIM's windows do.
     pub flip: f64,
     /// Root mean square error of the true pixels within 3 px of a step in depth, holes included, 8-bit steps; `None` where
-    /// nothing has a silhouette.
+    /// nothing has a silhouette. Holes count as in `psnr_all_db`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub silhouette_steps: Option<f64>,
     /// Share of the true pixels (those with a depth or at infinity) that got a sample, 0 to 1; 1 where there are none.

@@ -20,7 +20,7 @@ pub struct ViewScore {
     /// Closeness to the truth; `None` where no pixel of it is known.
     #[serde(flatten)]
     pub scores: Option<Scores>,
-    /// Wall-clock milliseconds of painting.
+    /// Wall-clock milliseconds of painting, and of filling holes where the settings fill.
     pub milliseconds: f64,
     /// Samples that were projected.
     pub samples: u64,
@@ -92,7 +92,7 @@ pub(crate) struct PaintedView {
     /// The picture beside its truth, where that is known.
     pub(crate) pair: Option<Pair>,
     /// The part of [`ViewScore::milliseconds`] that filling holes took.
-    pub(crate) finish_ms: f64,
+    pub(crate) fill_ms: f64,
     /// A notice if another renderer than requested was used.
     pub(crate) notice: Option<String>,
 }
@@ -149,7 +149,7 @@ pub(crate) fn render_view(
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
     };
     let notice = renderer.notice().map(str::to_owned);
-    Ok(PaintedView { picture, score, pair, finish_ms: stats.finish_ms, notice })
+    Ok(PaintedView { picture, score, pair, fill_ms: stats.fill_ms, notice })
 }
 
 /// The picture of a view, with nothing kept from the view before.

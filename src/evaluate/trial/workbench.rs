@@ -193,9 +193,8 @@ impl Workbench {
                         what: format!("'{}' asks for the GPU, but {why}", trial.label),
                     });
                 }
-                if trial.settings.render.fill == Fill::None {
-                    painted.score.milliseconds -= painted.finish_ms;
-                }
+                // Filling is the same for all kernels and baselines, and no part of the paper's method.
+                painted.score.milliseconds -= painted.fill_ms;
                 scores.add(view, painted);
                 job.advance(1);
             }

@@ -166,11 +166,9 @@ impl GpuRenderer {
                 context.queue.submit([encoder.finish()]);
                 target.read(context)
             })?;
-        let finishing = Instant::now();
         if changes_pictures(settings) {
-            self.finisher.finish(&mut picture, samples, vantage, settings)?;
+            stats.fill_ms = self.finisher.finish(&mut picture, samples, vantage, settings)?;
         }
-        stats.finish_ms = finishing.elapsed().as_secs_f64() * 1e3;
         stats.holes = picture.holes();
         stats.milliseconds = started.elapsed().as_secs_f64() * 1e3;
         Ok((Arc::new(picture), stats))
