@@ -6,11 +6,13 @@
 //!
 //! Source: pull and push, Gortler et al., *The Lumigraph*, SIGGRAPH 1996, §3.4. What differs: the grids are three-dimensional.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::geometry::rays_in_world;
-use super::input::{DenseTile, FrameSamples, FrameTile};
+use super::input::{DenseTile, FrameSamples};
 use crate::capture::Camera;
 use crate::samples::TILE;
 
@@ -19,6 +21,9 @@ const FINEST: usize = 64;
 
 /// Of the eight cells around a direction half touch the sphere, on average: the others are always empty.
 const TOUCHING: f32 = 0.5;
+
+/// The grid whose cells around a direction tell whether the sky was seen there: within some four degrees.
+const NEARBY: usize = 1;
 
 /// Interpolation ends when less than this share is open.
 const MAX_OPEN_SHARE: f32 = 1.0 / 256.0;
@@ -29,10 +34,8 @@ type Sum = [f32; 4];
 /// The colors of samples at infinity, by direction.
 #[derive(Clone, Debug)]
 pub(crate) struct SkySums {
-    /// The finest grid, by z, y and x.
+    /// The finest grid, by z, y and x; empty if there are no samples.
     cells: Vec<Sum>,
-    /// Whether there is any sample.
-    is_empty: bool,
 }
 
 /// The color at infinity in every direction.
@@ -44,44 +47,46 @@ pub(crate) struct Environment {
 
 impl SkySums {
     /// The samples at infinity among some tiles of a frame, and those of `before`, if given.
-    pub(crate) fn new(frame: &FrameSamples<'_>, tiles: &[FrameTile<'_>], before: Option<&Self>) -> Self {
+    pub(crate) fn new(frame: &FrameSamples<'_>, tiles: Range<usize>, before: Option<&Self>) -> Self {
         let rays: Vec<[Vec3; 3]> =
             frame.set.cameras.iter().map(|camera| rays_in_world(camera, 0.5)).collect();
-        let empty = || Self { cells: vec![[0.0; 4]; FINEST * FINEST * FINEST], is_empty: true };
-        let mut sums = before.cloned().unwrap_or_else(empty);
+        let mut cells = before.map(|before| before.cells.clone()).unwrap_or_default();
         let mut dense = DenseTile::new();
-        for tile in tiles {
+        for tile in frame.tiles(tiles).iter().filter(|tile| tile.depths.bounds().0 == 0.0) {
+            cells.resize(FINEST * FINEST * FINEST, [0.0; 4]);
             dense.unpack(tile);
             for row in 0..TILE {
                 for column in (0..TILE).filter(|column| dense.row(row)[*column] == 0.0) {
                     let [first, across, down] = rays[tile.camera as usize];
                     let (x, y) = (tile.origin.0 as f32 + column as f32, tile.origin.1 as f32 + row as f32);
-                    let cell = &mut sums.cells[cell_of((first + across * x + down * y).normalize())];
+                    let cell = &mut cells[cell_of((first + across * x + down * y).normalize())];
                     let [red, green, blue] = tile.color(tile.rank(column, row));
                     *cell = [cell[0] + red, cell[1] + green, cell[2] + blue, cell[3] + 1.0];
-                    sums.is_empty = false;
                 }
             }
         }
-        sums
+        Self { cells }
     }
 }
 
 impl Environment {
     /// From samples at infinity; `None` if there are none.
     pub(crate) fn new(sums: &SkySums) -> Option<Self> {
+        if sums.cells.is_empty() {
+            return None;
+        }
         let mut levels = vec![sums.cells.clone()];
         while let Some(finer) = levels.last().filter(|finer| finer.len() > 1) {
             let coarser = halved(finer, FINEST >> (levels.len() - 1));
             levels.push(coarser);
         }
-        (!sums.is_empty).then_some(Self { levels })
+        Some(Self { levels })
     }
 
     /// Whether samples at infinity were found around a direction of length 1.
     pub(crate) fn is_seen(&self, direction: Vec3) -> bool {
         let mut count = 0.0;
-        for_cells_around(direction, FINEST, |cell, _| count += self.levels[0][cell][3]);
+        for_cells_around(direction, FINEST >> NEARBY, |cell, _| count += self.levels[NEARBY][cell][3]);
         count > 0.0
     }
 

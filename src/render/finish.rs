@@ -56,7 +56,7 @@ impl Finisher {
         let mut environment = None;
         if tests_free_space(settings) {
             let seen = self.seen_at(samples, vantage.frame)?;
-            mark_holes(picture, &seen.depths, &samples.cameras, camera);
+            mark_holes(picture, &seen.depths, &samples.cameras, camera, settings.depth_tolerance);
             environment = seen.environment.as_ref();
         }
         let filling = Instant::now();
@@ -75,25 +75,20 @@ impl Finisher {
         }
         let frame = FrameSamples::of(samples, frame, images, None)?;
         if !self.background.as_ref().is_some_and(|seen| seen.is_of(samples, &background)) {
-            let tiles = frame.tiles(frame.background_tiles());
-            self.background = Some(SeenFrame {
-                samples: samples.clone(),
-                depths: SeenDepths::new(&frame, tiles, None),
-                sky: SkySums::new(&frame, tiles, None),
-                environment: None,
-                images: background,
-            });
+            let (depths, sky) = rayon::join(
+                || SeenDepths::new(&frame, frame.background_tiles(), None),
+                || SkySums::new(&frame, frame.background_tiles(), None),
+            );
+            let samples = samples.clone();
+            self.background = Some(SeenFrame { samples, images: background, depths, sky, environment: None });
         }
-        let tiles = frame.tiles(frame.foreground_tiles());
         let before = self.background.as_ref();
-        let sky = SkySums::new(&frame, tiles, before.map(|before| &before.sky));
-        Ok(self.frame.insert(SeenFrame {
-            samples: samples.clone(),
-            depths: SeenDepths::new(&frame, tiles, before.map(|before| &before.depths)),
-            environment: Environment::new(&sky),
-            sky,
-            images: all,
-        }))
+        let (depths, sky) = rayon::join(
+            || SeenDepths::new(&frame, frame.foreground_tiles(), before.map(|before| &before.depths)),
+            || SkySums::new(&frame, frame.foreground_tiles(), before.map(|before| &before.sky)),
+        );
+        let (samples, environment) = (samples.clone(), Environment::new(&sky));
+        Ok(self.frame.insert(SeenFrame { samples, images: all, depths, sky, environment }))
     }
 }
 

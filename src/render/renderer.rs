@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::cpu::CpuRenderer;
-use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::finish::changes_pictures;
+use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::supersample::{averaged, finer, supersampling_factor};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};

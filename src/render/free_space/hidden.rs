@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use super::ray_test::{LineOfSight, RayTest};
 use super::seen_depth::SeenDepths;
-use super::window::{MARGIN, OUTSIDE, Window};
+use super::surroundings::{REACH, SQUARE, Surroundings};
 use crate::capture::Camera;
+use crate::render::geometry::focal;
 use crate::render::vantage::{NO_IMAGE, Picture};
 use crate::simd::{self, VectorLoop};
 
@@ -22,13 +23,6 @@ pub(crate) const SKY_HOLE: f32 = f32::NEG_INFINITY;
 /// A pixel that shows its sample.
 const SHOWN: f32 = 1.0;
 
-/// Directions in which a nearer surface must be found for a pixel to be enclosed.
-const ENOUGH: u32 = 7;
-
-/// Lines of sight are tested where this many directions lead to a nearer surface: through such pixels an enclosed one may see the
-/// surfaces around it.
-const ENOUGH_TO_TEST: u8 = 5;
-
 /// Lines of sight are tested down to this share of the inverse depth of the farthest surface around.
 const BEYOND_FARTHEST: f32 = 0.9;
 
@@ -38,8 +32,8 @@ const BEFORE_SHOWN: f32 = 1.04;
 /// Holes that nothing encloses are tested for squares of this many columns and rows: what they show is invented anyway.
 const COARSE: usize = 4;
 
-/// Rows that one thread judges together.
-const ROWS: usize = 64;
+/// No part of the line of sight is hidden.
+const NOT_HIDDEN: f32 = -1.0;
 
 /// The smallest inverse depth that the surface hidden in a hole may have, from the hole's own; 0 where that is not known.
 pub(crate) fn hidden_surface_limit(hole: f32) -> f32 {
@@ -49,14 +43,35 @@ pub(crate) fn hidden_surface_limit(hole: f32) -> f32 {
 /// Turns pixels into holes that nearer surfaces enclose and whose line of sight passes space that no camera has seen free, and
 /// marks all holes: their inverse depths become [`HOLE`], [`OPEN_HOLE`], [`SKY_HOLE`], or `−1 − w` where the surface that is hidden
 /// is no farther than inverse depth `w`.
-pub(crate) fn mark_holes(picture: &mut Picture, seen: &SeenDepths, cameras: &[Camera], target: &Camera) {
+pub(crate) fn mark_holes(
+    picture: &mut Picture,
+    seen: &SeenDepths,
+    cameras: &[Camera],
+    target: &Camera,
+    depth_tolerance: f32,
+) {
+    let tolerance = 1.0 + (depth_tolerance + 1.0) / focal(target);
     let width = picture.image.width();
     let test = RayTest::new(seen, cameras, target);
-    let mut marks = vec![SHOWN; picture.image.len()];
-    let shown = &*picture;
-    marks.par_chunks_mut(width * ROWS).enumerate().for_each_init(Window::new, |window, (nth, marks)| {
-        simd::run(JudgeRows { test: &test, picture: shown, top: nth * ROWS, window, marks });
+    let surroundings = Surroundings::new(picture);
+    let mut hidden_until = vec![NOT_HIDDEN; picture.image.len()];
+    hidden_until.par_chunks_mut(width * SQUARE).enumerate().for_each(|(row, hidden_until)| {
+        simd::run(TestSquares { test: &test, surroundings: &surroundings, width, row, hidden_until });
     });
+    let images = picture.image.as_slice();
+    let mut marks = vec![SHOWN; picture.image.len()];
+    marks.par_chunks_mut(width * SQUARE).enumerate().for_each(|(row, marks)| {
+        let (test, surroundings, hidden_until) = (&test, &surroundings, &hidden_until);
+        simd::run(MarkSquares { test, surroundings, hidden_until, images, width, row, marks });
+    });
+    let rims: Vec<_> = (0..marks.len())
+        .into_par_iter()
+        .with_min_len(4096)
+        .filter_map(|pixel| unblended(picture, &marks, pixel, tolerance))
+        .collect();
+    for (pixel, color) in rims {
+        picture.color.as_mut_slice()[pixel] = color;
+    }
     let color = picture.color.as_mut_slice().par_chunks_mut(width);
     let planes = color.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
     let planes = planes.zip(picture.image.as_mut_slice().par_chunks_mut(width));
@@ -67,82 +82,132 @@ pub(crate) fn mark_holes(picture: &mut Picture, seen: &SeenDepths, cameras: &[Ca
     });
 }
 
-/// Judges some rows.
-struct JudgeRows<'a> {
+/// Tests the lines of sight of the pixels in a row of squares that nearer surfaces may enclose.
+struct TestSquares<'a> {
     test: &'a RayTest<'a>,
-    picture: &'a Picture,
-    top: usize,
-    window: &'a mut Window,
-    marks: &'a mut [f32],
+    surroundings: &'a Surroundings,
+    width: usize,
+    row: usize,
+    /// Inverse depth at which the hidden part of each line of sight ends; else [`NOT_HIDDEN`].
+    hidden_until: &'a mut [f32],
 }
 
-impl VectorLoop for JudgeRows<'_> {
+impl VectorLoop for TestSquares<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { test, picture, top, window, marks } = self;
-        let size = picture.image.size();
-        let rows = marks.len() / size.0;
-        window.load(picture, top, rows);
-        let may_be_enclosed: Vec<usize> =
-            (0..window.counts.len()).filter(|at| window.counts[*at] >= ENOUGH_TO_TEST).collect();
-        for &at in &may_be_enclosed {
-            let Some((x, y)) = window.pixel(at, top, size) else { continue };
-            let (range, own) = (window.range_at(at), window.w[at]);
-            let far = (own * BEFORE_SHOWN).max(range.farthest * BEYOND_FARTHEST);
-            if own < OUTSIDE
-                && range.nearest > far
-                && let LineOfSight::Hidden(end) = test.test((x as f32, y as f32), range.nearest, far)
-            {
-                window.hidden_until[at] = end;
+        let Self { test, surroundings, width, row, hidden_until } = self;
+        for column in (0..width.div_ceil(SQUARE)).filter(|column| surroundings.may_enclose(*column, row)) {
+            let range = surroundings.range_at((column * SQUARE, row * SQUARE));
+            for (below, line) in hidden_until.chunks_mut(width).enumerate() {
+                let y = row * SQUARE + below;
+                for x in column * SQUARE..((column + 1) * SQUARE).min(width) {
+                    let at = surroundings.at((x, y));
+                    let far = (surroundings.w[at] * BEFORE_SHOWN).max(range.farthest * BEYOND_FARTHEST);
+                    if range.nearest > far
+                        && surroundings.may_be_enclosed(at)
+                        && let LineOfSight::Hidden(end) = test.test((x as f32, y as f32), range.nearest, far)
+                    {
+                        line[x] = end;
+                    }
+                }
             }
         }
-        for &at in &may_be_enclosed {
-            let Some((x, y)) = window.pixel(at, top, size) else { continue };
-            let is_judged = (top..top + rows).contains(&y) && !window.hidden_until[at].is_nan();
-            if is_judged && window.is_enclosed(at, ENOUGH) {
-                marks[(y - top) * size.0 + x] = HOLE - window.hidden_until[at];
-            }
-        }
-        let images = &picture.image.as_slice()[top * size.0..][..marks.len()];
-        mark_open_holes(test, window, images, (size.0, top), marks);
     }
 }
 
-/// Marks the holes that nothing encloses, by the line of sight of one pixel in each square.
-#[inline(always)]
-fn mark_open_holes(
-    test: &RayTest<'_>,
-    window: &Window,
-    images: &[u32],
-    (width, top): (usize, usize),
-    marks: &mut [f32],
-) {
-    let rows = marks.len() / width;
-    for row in (0..rows).step_by(COARSE) {
-        for column in (0..width).step_by(COARSE) {
-            let in_square = (row..(row + COARSE).min(rows))
-                .flat_map(|row| (column..(column + COARSE).min(width)).map(move |column| row * width + column));
-            let is_open_hole = |pixel: &usize| images[*pixel] == NO_IMAGE && marks[*pixel] == SHOWN;
-            let holes: Vec<usize> = in_square.filter(is_open_hole).collect();
-            if holes.is_empty() {
-                continue;
+/// Marks the holes in a row of squares.
+struct MarkSquares<'a> {
+    test: &'a RayTest<'a>,
+    surroundings: &'a Surroundings,
+    /// As in [`TestSquares`], of the whole picture.
+    hidden_until: &'a [f32],
+    /// The images of the whole picture.
+    images: &'a [u32],
+    width: usize,
+    row: usize,
+    marks: &'a mut [f32],
+}
+
+impl VectorLoop for MarkSquares<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { test, surroundings, hidden_until, images, width, row, marks } = self;
+        let (top, first) = (row * SQUARE, row * SQUARE * width);
+        let is_hidden = |there: usize| {
+            // Only positions that lie in the picture are asked for: beyond it every surface is nearer.
+            let (x, y) = (there % surroundings.across - REACH, there / surroundings.across - REACH);
+            hidden_until[y * width + x] >= 0.0
+        };
+        for (pixel, mark) in marks.iter_mut().enumerate() {
+            let hidden_until = hidden_until[first + pixel];
+            let at = surroundings.at((pixel % width, top + pixel / width));
+            if hidden_until >= 0.0 && surroundings.is_enclosed(at, is_hidden) {
+                *mark = HOLE - hidden_until;
             }
-            let range = window.range_at((row + MARGIN) * window.across + column + MARGIN);
-            let middle = ((column + COARSE / 2) as f32, (top + row + COARSE / 2) as f32);
-            let mark = if range.nearest == 0.0 {
-                SKY_HOLE
-            } else {
-                match test.test(middle, range.nearest, range.farthest * BEYOND_FARTHEST) {
-                    LineOfSight::Free => SKY_HOLE,
-                    LineOfSight::Hidden(_) => OPEN_HOLE,
-                    LineOfSight::Unseen => HOLE,
+        }
+        let rows = marks.len() / width;
+        let images = &images[first..][..marks.len()];
+        for row in (0..rows).step_by(COARSE) {
+            for column in (0..width).step_by(COARSE) {
+                let rows = row..(row + COARSE).min(rows);
+                let columns = column..(column + COARSE).min(width);
+                let pixels = || rows.clone().flat_map(|y| columns.clone().map(move |x| y * width + x));
+                let is_open_hole = |pixel: &usize| images[*pixel] == NO_IMAGE && marks[*pixel] == SHOWN;
+                if pixels().any(|pixel| is_open_hole(&pixel)) {
+                    let mark = mark_of_open_hole(test, surroundings, (column, top + row));
+                    for pixel in pixels() {
+                        if images[pixel] == NO_IMAGE && marks[pixel] == SHOWN {
+                            marks[pixel] = mark;
+                        }
+                    }
                 }
-            };
-            for pixel in holes {
-                marks[pixel] = mark;
             }
         }
     }
+}
+
+/// The mark of holes that nothing encloses in the square of [`COARSE`] columns and rows that begins at a pixel.
+#[inline(always)]
+fn mark_of_open_hole(test: &RayTest<'_>, surroundings: &Surroundings, (x, y): (usize, usize)) -> f32 {
+    let range = surroundings.range_at((x, y));
+    if range.nearest == 0.0 {
+        return SKY_HOLE;
+    }
+    let middle = ((x + COARSE / 2) as f32, (y + COARSE / 2) as f32);
+    match test.test(middle, range.nearest, range.farthest * BEYOND_FARTHEST) {
+        LineOfSight::Free => SKY_HOLE,
+        LineOfSight::Hidden(_) => OPEN_HOLE,
+        LineOfSight::Unseen => HOLE,
+    }
+}
+
+/// The color of a shown pixel beside one that was turned into a hole, whose sample may have been blended into it: the mean of the
+/// same surface beside it. `None` for all other pixels, and where the surface is not shown farther from the hole.
+fn unblended(picture: &Picture, marks: &[f32], pixel: usize, tolerance: f32) -> Option<(usize, [f32; 3])> {
+    let (width, height) = picture.image.size();
+    let (images, depths) = (picture.image.as_slice(), picture.inverse_depth.as_slice());
+    let around = |pixel: usize| {
+        let (x, y) = (pixel % width, pixel / width);
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x))
+    };
+    let was_turned = |pixel: usize| images[pixel] != NO_IMAGE && marks[pixel] != SHOWN;
+    let is_rim = |pixel: usize| around(pixel).any(was_turned);
+    if images[pixel] == NO_IMAGE || marks[pixel] != SHOWN || !is_rim(pixel) {
+        return None;
+    }
+    let own = depths[pixel];
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for there in around(pixel) {
+        let is_same = depths[there].max(own) <= depths[there].min(own) * tolerance;
+        if is_same && images[there] != NO_IMAGE && marks[there] == SHOWN && !is_rim(there) {
+            (0..3).for_each(|channel| sum[channel] += picture.color.as_slice()[there][channel]);
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| (pixel, sum.map(|sum| sum / count)))
 }

@@ -18,7 +18,7 @@
 mod hidden;
 mod ray_test;
 mod seen_depth;
-mod window;
+mod surroundings;
 
 pub(crate) use hidden::{HOLE, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, mark_holes};
 pub(crate) use seen_depth::SeenDepths;

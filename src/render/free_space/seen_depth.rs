@@ -4,16 +4,21 @@
 //! the samples of all cameras are carried into it. A sample that was dropped has a witness that is no coarser, so that cells of
 //! 2×2 pixels close the cracks between samples of one surface.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::capture::Camera;
-use crate::render::geometry::Projector;
+use crate::render::geometry::{FootprintReach, Projector, TileBounds, bounds as bounds_in};
 use crate::render::input::{DenseTile, FrameSamples, FrameTile};
 use crate::samples::TILE;
 use crate::simd::{self, VectorLoop, whole};
 
 /// Columns and rows of a camera's pixels in a cell.
 const CELL_PX: u32 = 2;
+
+/// One of this many rows of samples is carried: a cell still gets two samples of each surface.
+const ROW_STEP: usize = 2;
 
 /// Empty cells around those of a camera, so that points beside its picture are looked up like all others.
 const BORDER: usize = 2;
@@ -66,16 +71,21 @@ pub(super) fn cell_camera(camera: &Camera) -> Camera {
 
 impl SeenDepths {
     /// What cameras saw according to some tiles of a frame, and to what was seen `before`, if given.
-    pub(crate) fn new(frame: &FrameSamples<'_>, tiles: &[FrameTile<'_>], before: Option<&Self>) -> Self {
+    pub(crate) fn new(frame: &FrameSamples<'_>, tiles: Range<usize>, before: Option<&Self>) -> Self {
         let cells: Vec<Camera> = frame.set.cameras.iter().map(cell_camera).collect();
-        let mut seen =
-            before.cloned().unwrap_or_else(|| Self { cameras: cells.iter().map(SeenCamera::empty).collect() });
+        let mut seen = before
+            .cloned()
+            .unwrap_or_else(|| Self { cameras: cells.iter().map(SeenCamera::empty).collect() });
         let share = cells.len().div_ceil(rayon::current_num_threads()).max(1);
         seen.cameras.par_chunks_mut(share).zip(cells.par_chunks(share)).for_each(|(seen, cells)| {
             let into_cells =
                 |cells| frame.set.cameras.iter().map(|source| Projector::new(source, cells)).collect();
-            let projectors = cells.iter().map(into_cells).collect();
-            simd::run(CarryTiles { tiles, projectors, cells, seen });
+            let projectors: Vec<Vec<Projector>> = cells.iter().map(into_cells).collect();
+            let no_reach = FootprintReach { pixels: 0.0, source_pixels: 0.0 };
+            let bounds = cells.iter().zip(&projectors);
+            let bounds =
+                bounds.map(|(cells, from)| bounds_in(frame, tiles.clone(), from, cells, no_reach)).collect();
+            simd::run(CarryTiles { tiles: frame.tiles(tiles.clone()), bounds, projectors, cells, seen });
         });
         seen
     }
@@ -92,6 +102,8 @@ struct CarryTiles<'a, 'b> {
     tiles: &'a [FrameTile<'b>],
     /// For each camera of `seen`, what carries samples of every camera into its cells.
     projectors: Vec<Vec<Projector>>,
+    /// For each camera of `seen`, the cells that each tile may touch.
+    bounds: Vec<Vec<TileBounds>>,
     /// The cameras of the cells.
     cells: &'a [Camera],
     seen: &'a mut [SeenCamera],
@@ -103,9 +115,10 @@ impl VectorLoop for CarryTiles<'_, '_> {
     #[inline(always)]
     fn run(self) {
         let mut dense = DenseTile::new();
-        for tile in self.tiles {
+        for (nth, tile) in self.tiles.iter().enumerate() {
             dense.unpack(tile);
-            for ((seen, projectors), cells) in self.seen.iter_mut().zip(&self.projectors).zip(self.cells) {
+            let views = self.seen.iter_mut().zip(&self.projectors).zip(self.cells).zip(&self.bounds);
+            for (((seen, projectors), cells), _) in views.filter(|(_, bounds)| !bounds[nth].is_empty()) {
                 let (width, height) = cells.intrinsics.size();
                 seen.add(tile, &dense, &projectors[tile.camera as usize], (width as f32, height as f32));
             }
@@ -130,7 +143,7 @@ impl SeenCamera {
     #[inline(always)]
     fn add(&mut self, tile: &FrameTile<'_>, dense: &DenseTile, projector: &Projector, size: (f32, f32)) {
         let across = self.across as u32;
-        for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
+        for row in (0..TILE).step_by(ROW_STEP).filter(|row| tile.rows[*row] != 0) {
             let w = dense.row(row);
             let ray = projector.ray(tile.origin.0 as f32, (tile.origin.1 as usize + row) as f32);
             let projected = projector.row(ray, w);

@@ -107,7 +107,15 @@ impl GpuRenderer {
         let one_pass = options.wide_atomics && context.has_wide_atomics;
         let pipelines = context.guarded(|| Ok(Pipelines::new(&context, one_pass)))?;
         let memory = SampleMemory::new(&context, options.sample_bytes);
-        Ok(Self { context, pipelines, memory, target: None, background: None, display: None, finisher: Finisher::default() })
+        Ok(Self {
+            context,
+            pipelines,
+            memory,
+            target: None,
+            background: None,
+            display: None,
+            finisher: Finisher::default(),
+        })
     }
 
     /// The adapter's name.
