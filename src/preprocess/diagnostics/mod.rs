@@ -9,4 +9,4 @@ pub use calibration_warnings::{CalibrationWarning, calibration_warnings};
 pub(crate) use pair_residuals::Residuals;
 pub use pair_residuals::{PairResiduals, Residual};
 pub(crate) use report::Tally;
-pub use report::{CameraReport, Report, STATIC_RULE, SpanReport};
+pub use report::{CameraReport, DepthNoise, Report, STATIC_RULE, SpanReport};

@@ -9,7 +9,8 @@ use super::calibration_warnings::{calibration_warnings, shared_warning};
 use super::pair_residuals::PairResiduals;
 use crate::capture::Capture;
 use crate::error::{Error, Result};
-use crate::preprocess::layers::Rate;
+use crate::preprocess::layers::{CameraLayer, Rate};
+use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{Decided, Rule, Verdict};
 use crate::preprocess::temporal::{CameraScan, RangeFacts, TemporalScan};
@@ -38,6 +39,14 @@ pub struct CameraReport {
     pub color_noise_steps: f32,
     /// Measured depth noise: relative standard deviation over time of static pixels.
     pub depth_noise_relative: f32,
+    /// Measured depth noise between cameras, relative standard deviation, from the nearest depth to the farthest; empty where it is
+    /// too small to matter, or not measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub depth_noise_between: Vec<DepthNoise>,
+    /// Measured color noise between cameras: standard deviation, 8-bit sRGB steps, median over brightness; 0 where depth is not
+    /// noisy between cameras, or it is not measured.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub color_noise_between_steps: f32,
     /// Quantization step of depth as recorded, relative; 0 where it is exact to `f32`.
     pub depth_step_relative: f32,
     /// How far pixels range over all frames, and where the tolerances lie among them.
@@ -48,6 +57,20 @@ pub struct CameraReport {
     /// must be in another space, and they are used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normals_off_degrees: Option<f32>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &f32) -> bool {
+    *number == 0.0
+}
+
+/// Noise at one depth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DepthNoise {
+    /// Planar z, in the capture's unit.
+    pub depth: f32,
+    /// Relative standard deviation of depths about as large.
+    pub relative: f32,
 }
 
 /// Samples kept in one span.
@@ -218,6 +241,24 @@ impl Tally {
         };
         let rate = Rate::resolve(settings.pruning.rate, &capture.cameras);
         Self { report, frames, rate, is_first: true }
+    }
+
+    /// Notes how noisy cameras are beside each other.
+    pub(crate) fn add_noise_between(&mut self, layers: &[CameraLayer]) {
+        for (camera, layer) in self.report.cameras.iter_mut().zip(layers) {
+            let Some(noise) = &layer.noise_between else { continue };
+            let mut is_met = [false; DEPTH_CLASSES];
+            for &inverse_depth in layer.inverse_depth.iter().filter(|inverse_depth| **inverse_depth > 0.0) {
+                is_met[depth_class(inverse_depth)] = true;
+            }
+            let met = (0..DEPTH_CLASSES).rev().filter(|class| is_met[*class]);
+            let of_class =
+                |class| DepthNoise { depth: depth_of_class(class), relative: noise.depth_relative[class] };
+            camera.depth_noise_between = met.map(of_class).collect();
+            let mut steps = noise.color_steps;
+            steps.sort_unstable_by(f32::total_cmp);
+            camera.color_noise_between_steps = steps[steps.len() / 2];
+        }
     }
 
     /// Counts what was decided on the samples of one span.

@@ -17,7 +17,9 @@ use super::matches::{
     COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
     RequiredTolerances, SAME, SURROUNDED, SurfaceMatches,
 };
-use super::noise_tolerance::{grant_color_noise, granted_depth_noise, granted_depth_noise_around};
+use super::noise_tolerance::{
+    depth_noise_between, grant_color_noise, granted_depth_noise, granted_depth_noise_around,
+};
 use super::reproject::{Lens, PixelRun, Registration, ReprojectedRun};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
@@ -40,6 +42,8 @@ struct SurfaceTolerances {
     /// Standard deviations of noise that are granted beside the tolerances.
     color_sigmas: f32,
     depth_sigmas: f32,
+    /// Standard deviations of depth noise between cameras that are granted where they exceed the tolerance.
+    between_sigmas: f32,
     /// Whether the target has to show the surface all around the point.
     overlap: bool,
 }
@@ -69,6 +73,7 @@ impl SameSurface {
             color_steps: pruning.color_tolerance,
             color_sigmas: settings.spans.noise * SIGMAS,
             depth_sigmas: settings.spans.noise * SIGMAS,
+            between_sigmas: settings.spans.noise * SIGMAS,
             overlap: pruning.overlap,
         };
         Self { tolerances, visible: VisibleLevels::ALL }
@@ -82,9 +87,20 @@ impl SameSurface {
             color_steps: f32::from(u16::MAX),
             color_sigmas: 0.0,
             depth_sigmas: 0.0,
+            between_sigmas: 0.0,
             overlap: false,
         };
         Self { tolerances, visible: VisibleLevels::ALL }
+    }
+
+    /// As with the tolerances of `settings`, whatever normals and colors are, and at pixels alone.
+    pub(crate) fn geometry_of(settings: &Settings) -> Self {
+        let Self { tolerances, visible } = Self::new(settings);
+        let normal_cosine = f32::NEG_INFINITY;
+        let color_steps = f32::from(u16::MAX);
+        let tolerances =
+            SurfaceTolerances { normal_cosine, color_steps, color_sigmas: 0.0, overlap: false, ..tolerances };
+        Self { tolerances, visible }
     }
 
     /// This test for samples of `level`, which do not see those of deeper levels.
@@ -100,12 +116,35 @@ impl SameSurface {
         if !(source.has_depth_noise() || target.has_depth_noise()) {
             self.tolerances.depth_sigmas = 0.0;
         }
+        if source.noise_between.is_none() && target.noise_between.is_none() {
+            self.tolerances.between_sigmas = 0.0;
+        }
         self
     }
 
     /// This test for a target of which is known whether it has samples of deeper levels.
     pub(crate) fn with_deeper(self, has_deeper: bool) -> Self {
         Self { visible: VisibleLevels { hides_any: has_deeper, ..self.visible }, ..self }
+    }
+
+    /// Whether the target's sample at a pixel lies behind a sample of the source by more than the tolerance, along the target's
+    /// optical axis. `depth` is that of the source's sample in target camera space, times its inverse depth.
+    pub(crate) fn is_behind(
+        &self,
+        registration: &Registration,
+        (source, own): (&CameraLayer, usize),
+        (target, pixel): (&CameraLayer, usize),
+        depth: f32,
+    ) -> bool {
+        let (w, there) = (source.inverse_depth[own], target.inverse_depth[pixel]);
+        let limits = &self.tolerances;
+        let footprint = (registration.source_side * there).max(registration.target.side * w);
+        let noise = |own: f32, found: f32| (own * there).hypot(found * w);
+        let granted = limits.depth_sigmas * noise(source.depth_noise(own), target.depth_noise(pixel));
+        let between = limits.between_sigmas
+            * noise(source.depth_noise_between(own), target.depth_noise_between(pixel));
+        let step = source.depth_step_relative * there + target.depth_step_relative * w + granted;
+        w - depth * there > (limits.depth_footprints * footprint).max(between) + step
     }
 
     /// What the target camera shows of the sample of `source` at pixel `(x, y)`.
@@ -185,6 +224,11 @@ impl SameSurface {
             granted =
                 granted_depth_noise((source, block), (target, reprojected, &found), limits.depth_sigmas);
         }
+        let mut between = [0.0; N];
+        if limits.between_sigmas > 0.0 {
+            between =
+                depth_noise_between((source, block), (target, reprojected, &found), limits.between_sigmas);
+        }
         let mut matches = SurfaceMatches { bits: reprojected.bits, pixel: reprojected.pixel, level: [0; N] };
         let lens = &registration.target;
         let [ax, ay, az] = registration.axes;
@@ -199,15 +243,15 @@ impl SameSurface {
             let footprint = (registration.source_side * there).max(lens.side * w);
             let step = source.depth_step_relative * there + target.depth_step_relative * w + granted[i];
             let both_or_neither_finite = (w == 0.0) == (there == 0.0);
-            let on_surface =
-                (distance.abs() <= limits.depth_footprints * footprint + step) & both_or_neither_finite;
+            let limit = (limits.depth_footprints * footprint).max(between[i]) + step;
+            let on_surface = (distance.abs() <= limit) & both_or_neither_finite;
             let (mx, my, mz) = (block.normal[0][i], block.normal[1][i], block.normal[2][i]);
             let cosine = (ax.x * mx + ay.x * my + az.x * mz) * nx
                 + (ax.y * mx + ay.y * my + az.y * mz) * ny
                 + (ax.z * mx + ay.z * my + az.z * mz) * nz;
             let facing = (block.known[i] == 0) | (cosine >= limits.normal_cosine);
             if MEASURING {
-                required.depth[i] = needed(distance.abs() - step, footprint);
+                required.depth[i] = needed(distance.abs(), step, between[i], footprint);
                 required.turn[i] = if block.known[i] == 0 { 0.0 } else { 1.0 - cosine };
             }
             matches.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
@@ -224,7 +268,7 @@ impl SameSurface {
         );
         self.surround::<N, MEASURING>(
             &registration.target,
-            (target, reprojected, &found),
+            (target, reprojected, &found, &between),
             &mut matches,
             relevant,
             required,
@@ -282,7 +326,12 @@ impl SameSurface {
     fn surround<const N: usize, const MEASURING: bool>(
         &self,
         lens: &Lens,
-        (target, reprojected, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+        (target, reprojected, found, between): (
+            &CameraLayer,
+            &ReprojectedRun<N>,
+            &[PackedGeometry; N],
+            &[f32; N],
+        ),
         matches: &mut SurfaceMatches<N>,
         mut relevant: [u32; N],
         required: &mut RequiredTolerances<N>,
@@ -321,9 +370,10 @@ impl SameSurface {
                 let footprint = lens.side * here.max(there);
                 // Both are rounded, and both are noisy.
                 let step = target.depth_step_relative * (here + there) + granted[corner][i];
-                let limit = limits.depth_footprints * footprint + step;
+                let limit = (limits.depth_footprints * footprint).max(between[i]) + step;
                 if MEASURING {
-                    required.depth[i] = required.depth[i].max(needed(distance.abs() - step, footprint));
+                    let needed = needed(distance.abs(), step, between[i], footprint);
+                    required.depth[i] = required.depth[i].max(needed);
                 }
                 let both_or_neither_finite = (here == 0.0) == (there == 0.0);
                 all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
@@ -371,8 +421,9 @@ fn yields<const N: usize>(
     yields
 }
 
-/// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance.
+/// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance, `between` in place
+/// of a smaller tolerance, and `step` on top.
 #[inline(always)]
-fn needed(distance: f32, footprint: f32) -> f32 {
-    if distance <= 0.0 { 0.0 } else { distance / footprint }
+fn needed(distance: f32, step: f32, between: f32, footprint: f32) -> f32 {
+    if distance <= between + step { 0.0 } else { (distance - step) / footprint }
 }
