@@ -1,5 +1,6 @@
 //! A thousand random captures, the same in every run: cameras of odd sizes beside, behind, inside and far from things and
-//! each other, exact and half-float depth, clean and noisy color, given and estimated normals.
+//! each other, exact and half-float depth, clean and noisy color, given and estimated normals,
+//! stray samples and cameras that misread what they see.
 
 mod coverage;
 mod scene;
@@ -14,7 +15,7 @@ use overlook::job::Job;
 use overlook::preprocess::inspect::explain_pixel;
 use overlook::preprocess::pruning::Rule;
 use overlook::preprocess::{inspect_frame, prepare_frame, preprocess, scan};
-use overlook::settings::{MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
+use overlook::settings::{AgreementRule, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
 use rayon::prelude::*;
 use scene::draws::Draws;
 use scene::{Scene, Sphere, arc};
@@ -98,6 +99,8 @@ fn any_scene(draws: &mut Draws) -> Scene {
         half_depth: draws.chance(0.5),
         normals: draws.chance(0.5),
         color_rays: draws.of(&[1, 1, 3]),
+        strays: draws.of(&[0.0, 0.0, 0.003, 0.03]),
+        misreading: draws.of(&[None, None, Some(0), Some(1)]),
         ..Scene::still_life()
     };
     scene.ground = draws.chance(0.8);
@@ -119,6 +122,8 @@ fn any_settings(draws: &mut Draws) -> Settings {
     pruning.cosine_floor = draws.between(0.01, 1.0) as f32;
     pruning.across_spans = draws.chance(0.5);
     pruning.overlap = draws.chance(0.5);
+    pruning.agreement = draws.of(&[AgreementRule::Off, AgreementRule::Majority, AgreementRule::Majority]);
+    pruning.agreement_margin = draws.of(&[1, 1, 2]);
     settings
 }
 
@@ -178,6 +183,7 @@ fn the_search_the_candidate_lists_and_the_explanation_of_a_pixel_decide_alike() 
                 settings.pruning.depth_tolerance =
                     (settings.pruning.depth_tolerance * factor).clamp(0.05, 16.0);
                 settings.pruning.across_spans = draws.chance(0.5);
+                settings.pruning.agreement_margin = draws.of(&[1, 2]);
                 let [searched, replayed] = [0, 1]
                     .map(|nth| inspect_frame(&capture, Some(&scans[nth]), &settings, frame, &job).unwrap());
                 for (camera, (one, other)) in searched.cameras.iter().zip(&replayed.cameras).enumerate() {

@@ -142,7 +142,7 @@ fn prune_into(
     let background = PrunedBackground::of(capture, scan, settings, job)?;
     let normal_errors = scan.normal_errors(capture, &settings.normals, job)?;
     let mut tally = Tally::new((capture, scan), &normal_errors, settings);
-    tally.add_noise_between(&background.layers);
+    tally.add_noise_between(&capture.cameras, &background.layers);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
     let pairs = CameraPairs::new(&capture.cameras);
     let packing = Packing { pairs: &pairs, settings };

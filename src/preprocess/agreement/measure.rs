@@ -6,7 +6,8 @@
 //!
 //! Source: the median absolute deviation (Hampel 1974), of distances that are cut at three standard deviations until they stay.
 //! What differs: a camera counts as noisy only if the nearest quarter of its samples speaks for noise beyond a footprint. Exact
-//! depth has most distances next to zero, however many silhouettes there are, so that nothing is measured there.
+//! depth has most distances next to zero, however many silhouettes there are, so that nothing is measured there. And a few cameras
+//! that fit none of the others are not noisy but wrong.
 
 use std::sync::Arc;
 
@@ -54,7 +55,9 @@ pub(crate) fn measure_noise_between(
         let readings = Readings::of(pairs, layers, camera, samples);
         Ok(readings.noise().map(Arc::new))
     };
-    (0..layers.len()).into_par_iter().map(of_camera).collect()
+    let noise: Vec<Option<_>> = (0..layers.len()).into_par_iter().map(of_camera).collect::<Result<_>>()?;
+    let is_noisy = 2 * noise.iter().flatten().count() > noise.len();
+    Ok(if is_noisy { noise } else { vec![None; noise.len()] })
 }
 
 /// What one sample shows beside another camera's.
