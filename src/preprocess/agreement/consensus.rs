@@ -6,13 +6,18 @@
 //! of its sample, met along the ray of this one. What differs: it is robust. Cameras take part within three standard deviations of
 //! the sample, and count once more within three of the first mean, so that one that is far off does not pull it.
 
-use crate::preprocess::layers::CameraLayer;
+use glam::Vec3;
+
+use crate::preprocess::layers::{CameraLayer, ViewingRays};
 use crate::preprocess::registration::{CameraPairs, HAS_DEPTH, IN_VIEW, PixelRun, SameSurface};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::{AgreementRule, PruningMethod, Settings};
 
-/// Rays that meet a tangent plane at a smaller cosine than this see its depth, not where they meet it: its normal is noisy.
-const MIN_COSINE: f32 = 0.5;
+/// Where a ray meets a tangent plane at a smaller cosine than this is not known: the normal is noisy.
+const MIN_COSINE: f32 = 0.2;
+
+/// What a camera is off counts for no less than this share of its variance, however much more slanted it looks.
+const MIN_STRETCH: f32 = 0.25;
 
 /// What is farther off than so many standard deviations takes no part.
 const SIGMAS: f32 = 3.0;
@@ -49,12 +54,12 @@ impl<'a> Consensus<'a> {
     }
 
     /// The inverse depth of the sample of `camera` at `pixel`, refined by all cameras that confirm it; as recorded where it is at
-    /// infinity or its noise lies below a footprint.
+    /// infinity or its noise lies below what its pixel covers.
     pub(crate) fn inverse_depth(&self, camera: usize, pixel: usize) -> f32 {
         let layer = &self.layers[camera];
         let recorded = layer.inverse_depth[pixel];
         let noise = layer.depth_noise_between(pixel);
-        if recorded <= 0.0 || noise <= 0.0 {
+        if recorded <= 0.0 || noise <= self.slant(camera, pixel) {
             return recorded;
         }
         let block = PixelRun::<1>::new(layer, pixel % layer.width, pixel / layer.width, 1);
@@ -65,6 +70,15 @@ impl<'a> Consensus<'a> {
             }
         }
         recorded / (1.0 + robust_mean(&sightings))
+    }
+
+    /// How far the surface that a pixel covers reaches along its ray, relative to its depth.
+    fn slant(&self, camera: usize, pixel: usize) -> f32 {
+        let layer = &self.layers[camera];
+        let ray = ViewingRays::new(&self.pairs.cameras()[camera]).at(pixel % layer.width, pixel / layer.width);
+        let normal = layer.normal[pixel];
+        let cosine = if normal == Vec3::ZERO { 1.0 } else { -normal.dot(ray) / ray.length() };
+        self.pairs.registration(camera, camera).source_side / cosine.max(MIN_COSINE)
     }
 
     /// What camera `other` saw of the sample's surface; `None` where it does not confirm it.
@@ -94,16 +108,17 @@ impl<'a> Consensus<'a> {
         let ray = registration.ray(block).map(|axis| axis / w);
         let along = |to: [f32; 3]| normal[0] * to[0] + normal[1] * to[1] + normal[2] * to[2];
         let off = along([0, 1, 2].map(|axis| surface[axis] - point[axis]));
-        let length = ray.iter().map(|axis| axis * axis).sum::<f32>().sqrt();
-        let towards = along(ray);
-        let farther = if towards.abs() >= MIN_COSINE * length {
-            off / towards
-        } else {
-            1.0 / (there * point[2]) - 1.0
-        };
+        let length = |to: [f32; 3]| to.iter().map(|axis| axis * axis).sum::<f32>().sqrt();
+        let cosine = along(ray) / length(ray);
+        if cosine.abs() < MIN_COSINE {
+            return None;
+        }
+        let farther = off / along(ray);
+        // What the camera is off along its own ray is so much along the sample's.
+        let stretch = (along(surface) / (length(surface) * cosine)).powi(2);
         let [own, its] = [source.noise_between.as_ref()?.depth_at(w), target.depth_noise_between(found)];
         // A camera that is not noisy itself is off by no more than the others know.
-        let variance = if its > 0.0 { its * its } else { own * own };
+        let variance = stretch.max(MIN_STRETCH) * if its > 0.0 { its * its } else { own * own };
         let limit = SIGMAS * (own * own + variance).sqrt();
         (farther.abs() <= limit).then_some(Sighting { farther, variance })
     }

@@ -373,10 +373,14 @@ impl SameSurface {
                 let limit = (limits.depth_footprints * footprint).max(between[i]) + step;
                 if MEASURING {
                     let needed = needed(distance.abs(), step, between[i], footprint);
+                    let needed = if (between[i] > 0.0) & (there < 0.0) { 0.0 } else { needed };
                     required.depth[i] = required.depth[i].max(needed);
                 }
                 let both_or_neither_finite = (here == 0.0) == (there == 0.0);
-                all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
+                // A hole in noisy depth is no seam of the surface.
+                let is_hole = (between[i] > 0.0) & (there < 0.0);
+                let is_on_surface = (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
+                all &= is_hole | is_on_surface;
             }
             matches.bits[i] |= if all { SURROUNDED } else { 0 };
         }
