@@ -2,22 +2,17 @@
 //!
 //! Purpose: surfaces of different cameras lie on each other, although each is noisy.
 //!
-//! Source: the inverse-variance mean, as of any independent measurements; the surface that another camera saw is the tangent plane
-//! of its sample, met along the ray of this one. What differs: it is robust. Cameras take part within three standard deviations of
+//! Source: the inverse-variance mean, as of any independent measurements; the surface that another camera saw is interpolated
+//! between its pixels. What differs: it is robust. Cameras take part within three standard deviations of
 //! the sample, and count once more within three of the first mean, so that one that is far off does not pull it.
 
-use glam::Vec3;
-
-use crate::preprocess::layers::{CameraLayer, ViewingRays};
-use crate::preprocess::registration::{CameraPairs, HAS_DEPTH, IN_VIEW, PixelRun, SameSurface};
+use crate::preprocess::layers::CameraLayer;
+use crate::preprocess::registration::{CameraPairs, IN_VIEW, PixelRun};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::{AgreementRule, PruningMethod, Settings};
 
-/// Where a ray meets a tangent plane at a smaller cosine than this is not known: the normal is noisy.
-const MIN_COSINE: f32 = 0.2;
-
-/// What a camera is off counts for no less than this share of its variance, however much more slanted it looks.
-const MIN_STRETCH: f32 = 0.25;
+/// Pixels between which a surface is interpolated may be so many times as far off, since it may be slanted.
+const ACROSS: f32 = 2.0;
 
 /// What is farther off than so many standard deviations takes no part.
 const SIGMAS: f32 = 3.0;
@@ -26,7 +21,7 @@ const SIGMAS: f32 = 3.0;
 pub(crate) struct Consensus<'a> {
     pairs: &'a CameraPairs<'a>,
     layers: &'a [CameraLayer],
-    limits: SameSurface,
+    level: SpanLevel,
 }
 
 /// The surface that another camera saw along a sample's ray.
@@ -50,16 +45,16 @@ impl<'a> Consensus<'a> {
             && pruning.method != PruningMethod::Off
             && settings.spans.noise > 0.0
             && layers.iter().any(|layer| layer.noise_between.is_some());
-        is_on.then(|| Self { pairs, layers, limits: SameSurface::geometry_of(settings).at_level(level) })
+        is_on.then(|| Self { pairs, layers, level })
     }
 
     /// The inverse depth of the sample of `camera` at `pixel`, refined by all cameras that confirm it; as recorded where it is at
-    /// infinity or its noise lies below what its pixel covers.
+    /// infinity or its noise lies below a footprint.
     pub(crate) fn inverse_depth(&self, camera: usize, pixel: usize) -> f32 {
         let layer = &self.layers[camera];
         let recorded = layer.inverse_depth[pixel];
         let noise = layer.depth_noise_between(pixel);
-        if recorded <= 0.0 || noise <= self.slant(camera, pixel) {
+        if recorded <= 0.0 || noise <= self.pairs.registration(camera, camera).source_side {
             return recorded;
         }
         let block = PixelRun::<1>::new(layer, pixel % layer.width, pixel / layer.width, 1);
@@ -72,15 +67,6 @@ impl<'a> Consensus<'a> {
         recorded / (1.0 + robust_mean(&sightings))
     }
 
-    /// How far the surface that a pixel covers reaches along its ray, relative to its depth.
-    fn slant(&self, camera: usize, pixel: usize) -> f32 {
-        let layer = &self.layers[camera];
-        let ray = ViewingRays::new(&self.pairs.cameras()[camera]).at(pixel % layer.width, pixel / layer.width);
-        let normal = layer.normal[pixel];
-        let cosine = if normal == Vec3::ZERO { 1.0 } else { -normal.dot(ray) / ray.length() };
-        self.pairs.registration(camera, camera).source_side / cosine.max(MIN_COSINE)
-    }
-
     /// What camera `other` saw of the sample's surface; `None` where it does not confirm it.
     fn sighting(&self, camera: usize, block: &PixelRun<1>, other: usize) -> Option<Sighting> {
         let (source, target) = (&self.layers[camera], &self.layers[other]);
@@ -89,39 +75,48 @@ impl<'a> Consensus<'a> {
         if reprojected.bits[0] & IN_VIEW == 0 {
             return None;
         }
-        let limits = self.limits.between(source, target);
-        let found = reprojected.pixel[0] as usize;
-        let there = target.inverse_depth[found];
-        let matches = limits.compare(registration, (source, block), (target, &reprojected), [1]);
-        if matches.bits[0] & HAS_DEPTH == 0 || there <= 0.0 {
-            return None;
-        }
         let w = block.inverse_depth[0];
-        let point = [0, 1, 2].map(|axis| reprojected.point[axis][0] / w);
-        let lens = &registration.target;
-        let surface = [
-            (reprojected.cell[0][0] + 0.5 - lens.center[0]) / (lens.focal[0] * there),
-            (reprojected.cell[1][0] + 0.5 - lens.center[1]) / (lens.focal[1] * there),
-            there.recip(),
-        ];
-        let normal = target.geometry[found].normal_in_camera;
-        let ray = registration.ray(block).map(|axis| axis / w);
-        let along = |to: [f32; 3]| normal[0] * to[0] + normal[1] * to[1] + normal[2] * to[2];
-        let off = along([0, 1, 2].map(|axis| surface[axis] - point[axis]));
-        let length = |to: [f32; 3]| to.iter().map(|axis| axis * axis).sum::<f32>().sqrt();
-        let cosine = along(ray) / length(ray);
-        if cosine.abs() < MIN_COSINE {
-            return None;
-        }
-        let farther = off / along(ray);
-        // What the camera is off along its own ray is so much along the sample's.
-        let stretch = (along(surface) / (length(surface) * cosine)).powi(2);
-        let [own, its] = [source.noise_between.as_ref()?.depth_at(w), target.depth_noise_between(found)];
+        let expected = reprojected.point[2][0] / w;
+        let [own, its] = [source.depth_noise_between(pixel_of(block, source)), self.noise_of(other, expected)];
         // A camera that is not noisy itself is off by no more than the others know.
-        let variance = stretch.max(MIN_STRETCH) * if its > 0.0 { its * its } else { own * own };
+        let variance = if its > 0.0 { its * its } else { own * own };
         let limit = SIGMAS * (own * own + variance).sqrt();
+        let farther = |inverse_depth: f32| 1.0 / (inverse_depth * expected) - 1.0;
+        // Inverse depth is linear over a plane, so that interpolating it is exact, however slanted the plane is.
+        let mut interpolated = 0.0;
+        for corner in 0..4 {
+            let toward = [corner & 1, corner >> 1];
+            let mut weight = 1.0;
+            let mut at = [0; 2];
+            for axis in 0..2 {
+                let off = reprojected.off_center[axis][0];
+                let cell = reprojected.cell[axis][0] + if toward[axis] == 1 { off.signum() } else { 0.0 };
+                if cell < 0.0 || cell >= registration.target.size[axis] {
+                    return None;
+                }
+                at[axis] = cell as usize;
+                weight *= if toward[axis] == 1 { off.abs() } else { 1.0 - off.abs() };
+            }
+            let pixel = at[1] * target.width + at[0];
+            let there = target.inverse_depth[pixel];
+            let is_seen = there > 0.0 && target.level[pixel] <= self.level;
+            if !is_seen || farther(there).abs() > ACROSS * limit {
+                return None;
+            }
+            interpolated += weight * there;
+        }
+        let farther = farther(interpolated);
         (farther.abs() <= limit).then_some(Sighting { farther, variance })
     }
+
+    /// Relative standard deviation of what a camera sees at a depth.
+    fn noise_of(&self, camera: usize, depth: f32) -> f32 {
+        self.layers[camera].noise_between.as_ref().map_or(0.0, |noise| noise.depth_at(depth.recip()))
+    }
+}
+
+fn pixel_of(block: &PixelRun<1>, layer: &CameraLayer) -> usize {
+    block.row * layer.width + block.column
 }
 
 /// The inverse-variance mean, and once more of what lies close to it.

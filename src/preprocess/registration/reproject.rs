@@ -212,12 +212,6 @@ impl Registration {
         largest.iter().all(|largest| *largest >= -0.1 * depth)
     }
 
-    /// The ray of a block's first pixel, at depth 1, in the target's orientation.
-    pub(crate) fn ray<const N: usize>(&self, block: &PixelRun<N>) -> [f32; 3] {
-        let ray = self.first_ray + self.per_column * block.column as f32 + self.per_row * block.row as f32;
-        ray.to_array()
-    }
-
     /// Carries the samples of a block.
     #[inline(always)]
     pub(crate) fn reproject<const N: usize>(
