@@ -40,7 +40,7 @@ pub(crate) struct Scene {
     pub(crate) color_noise: f32,
     /// Relative standard deviation of depth noise that differs from frame to frame.
     pub(crate) depth_noise: f32,
-    /// Share of the pixels whose depth is read far too near, each camera's own.
+    /// Share of the pixels whose depth is read far too near, each camera's own and the same in all frames.
     pub(crate) strays: f32,
     /// A camera, by the seed that tells it apart, that reads what it sees in the middle of its picture at half its depth.
     pub(crate) misreading: Option<usize>,
@@ -135,7 +135,7 @@ impl Scene {
                 let (w, n, c) = hit.map_or((0.0, DVec3::ZERO, SKY), |(t, n, c)| (1.0 / t, n, c));
                 let depth_noise = self.depth_noise * normal_draw((x + 1000 * y, frame, seed + 100));
                 let w = w / f64::from(1.0 + depth_noise);
-                let w = w * self.misread((x, y), (width, height), frame, seed);
+                let w = w * self.misread((x, y), (width, height), seed);
                 let w = if self.half_depth { 1.0 / f64::from(f16::from_f64(1.0 / w).to_f32()) } else { w };
                 let c = if self.color_rays > 1 { self.average_color(camera, frame, (x, y)) } else { c };
                 color[(x, y)] = c.map(|c| f16::from_f32(c * noise));
@@ -152,9 +152,9 @@ impl Scene {
     }
 
     /// How many times nearer a pixel reads its depth than it is.
-    fn misread(&self, (x, y): (usize, usize), (width, height): (usize, usize), frame: usize, seed: usize) -> f64 {
+    fn misread(&self, (x, y): (usize, usize), (width, height): (usize, usize), seed: usize) -> f64 {
         let is_stray = self.strays > 0.0
-            && Draws((x + 1000 * y + 1_000_003 * frame) as u64 ^ (seed as u64) << 40).below(1 << 20) as f32
+            && Draws((x + 1000 * y) as u64 ^ (seed as u64) << 40).below(1 << 20) as f32
                 <= self.strays * (1 << 20) as f32;
         let is_middle = |at: usize, size: usize| 4 * at >= size && 4 * at < 3 * size;
         let misreads = self.misreading == Some(seed) && is_middle(x, width) && is_middle(y, height);
