@@ -34,7 +34,8 @@ fn stray_samples_are_dropped_and_hardly_anything_else() {
     let clean = Scene::still_life();
     let scene = Scene { strays: 0.01, ..clean.clone() };
     let (cameras, settings) = (arc(5, 96), Settings::default());
-    let [recorded, truth] = [&scene, &clean].map(|scene| inspect(&scene.record(cameras.clone(), 1), 0, &settings));
+    let [recorded, truth] =
+        [&scene, &clean].map(|scene| inspect(&scene.record(cameras.clone(), 1), 0, &settings));
     let (mut strays, mut kept) = (0, 0);
     for camera in 0..cameras.len() {
         let [found, true_depths] =

@@ -139,6 +139,10 @@ fn any_capture(draws: &mut Draws) -> (Scene, Settings, Capture) {
     for _ in 0..=draws.below(6) {
         cameras.push(any_camera(draws, &cameras));
     }
+    // Cameras at random seldom look at one point by the half dozen, as it takes to contradict one.
+    if Draws(draws.0 ^ APART).chance(0.15) {
+        cameras = arc(6, 16);
+    }
     let frames = 1 + draws.below(3) as usize;
     let capture = scene.record(cameras, frames);
     (scene, settings, capture)

@@ -146,7 +146,12 @@ fn prune_into(
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
     let pairs = CameraPairs::new(&capture.cameras);
     let packing = Packing { pairs: &pairs, settings };
-    packing.pack_all((all_frames(scan.frames), ROOT), &background.layers, &background.decided, &mut images)?;
+    packing.pack_all(
+        (all_frames(scan.frames), ROOT),
+        &background.layers,
+        &background.decided,
+        &mut images,
+    )?;
     let mut residuals = Residuals::new(&pairs, scan.frames);
     residuals.add_lasting(&background.layers, job)?;
     let stack = SpanStack::new(capture, Some(scan), &pairs, settings, background);

@@ -15,7 +15,9 @@ use super::temporal::TemporalScan;
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::{AgreementRule, MixedPixels, NormalSettings, PruningMethod, RateModel, Settings, SpanSettings};
+use crate::settings::{
+    AgreementRule, MixedPixels, NormalSettings, PruningMethod, RateModel, Settings, SpanSettings,
+};
 
 /// The pass over all frames of one capture, and what was last made of it.
 #[derive(Debug)]

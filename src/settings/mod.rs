@@ -16,8 +16,8 @@ mod choices;
 mod section;
 
 pub use choices::{
-    AgreementRule, Backend, Coding, Fill, Instructions, Kernel, MixedPixels, NormalEstimator, NormalSource, Precision,
-    PruningMethod, RateModel, SpanLevels,
+    AgreementRule, Backend, Coding, Fill, Instructions, Kernel, MixedPixels, NormalEstimator, NormalSource,
+    Precision, PruningMethod, RateModel, SpanLevels,
 };
 pub use section::{Field, ValueKind};
 

@@ -158,7 +158,13 @@ impl Scene {
                 <= self.strays * (1 << 20) as f32;
         let is_middle = |at: usize, size: usize| 4 * at >= size && 4 * at < 3 * size;
         let misreads = self.misreading == Some(seed) && is_middle(x, width) && is_middle(y, height);
-        if is_stray { 1.7 } else if misreads { 2.0 } else { 1.0 }
+        if is_stray {
+            1.7
+        } else if misreads {
+            2.0
+        } else {
+            1.0
+        }
     }
 
     /// The scene recorded by `cameras` over `frames` frames.

@@ -77,7 +77,8 @@ impl<'a> Consensus<'a> {
         }
         let w = block.inverse_depth[0];
         let expected = reprojected.point[2][0] / w;
-        let [own, its] = [source.depth_noise_between(pixel_of(block, source)), self.noise_of(other, expected)];
+        let [own, its] =
+            [source.depth_noise_between(pixel_of(block, source)), self.noise_of(other, expected)];
         // A camera that is not noisy itself is off by no more than the others know.
         let variance = if its > 0.0 { its * its } else { own * own };
         let limit = SIGMAS * (own * own + variance).sqrt();
@@ -122,9 +123,8 @@ fn pixel_of(block: &PixelRun<1>, layer: &CameraLayer) -> usize {
 /// The inverse-variance mean, and once more of what lies close to it.
 fn robust_mean(sightings: &[Sighting]) -> f32 {
     let first = mean(sightings.iter());
-    let close = |sighting: &&Sighting| {
-        (sighting.farther - first).powi(2) <= SIGMAS * SIGMAS * sighting.variance
-    };
+    let close =
+        |sighting: &&Sighting| (sighting.farther - first).powi(2) <= SIGMAS * SIGMAS * sighting.variance;
     mean(sightings.iter().filter(close))
 }
 

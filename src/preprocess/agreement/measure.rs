@@ -16,9 +16,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer};
-use crate::preprocess::noise::{
-    BRIGHTNESS_BINS, DEPTH_CLASSES, NoiseBetween, brightness_bin, depth_class,
-};
+use crate::preprocess::noise::{BRIGHTNESS_BINS, DEPTH_CLASSES, NoiseBetween, brightness_bin, depth_class};
 use crate::preprocess::registration::{
     CameraPairs, HAS_DEPTH, IN_VIEW, LANES, PixelRun, Registration, RequiredTolerances, SameSurface,
 };
@@ -133,7 +131,8 @@ impl Readings {
             (steps.len() >= MIN_READINGS).then(|| spread_of_one(&mut steps))
         };
         let colors = filled((0..BRIGHTNESS_BINS).map(of_bin).collect());
-        let color_steps = colors.map_or([0.0; BRIGHTNESS_BINS], |steps| std::array::from_fn(|bin| steps[bin]));
+        let color_steps =
+            colors.map_or([0.0; BRIGHTNESS_BINS], |steps| std::array::from_fn(|bin| steps[bin]));
         Some(NoiseBetween { depth_relative, color_steps })
     }
 }
@@ -161,7 +160,8 @@ fn spread_of_one(magnitudes: &mut [f32]) -> f32 {
 fn filled(values: Vec<Option<f32>>) -> Option<Vec<f32>> {
     let known: Vec<(usize, f32)> =
         values.iter().enumerate().filter_map(|(at, value)| Some((at, (*value)?))).collect();
-    let nearest = |at: usize| known.iter().min_by_key(|(other, _)| other.abs_diff(at)).map(|(_, value)| *value);
+    let nearest =
+        |at: usize| known.iter().min_by_key(|(other, _)| other.abs_diff(at)).map(|(_, value)| *value);
     (0..values.len()).map(nearest).collect()
 }
 

@@ -11,5 +11,5 @@ mod votes;
 
 pub(crate) use consensus::Consensus;
 pub(crate) use measure::measure_noise_between;
-pub(crate) use votes::{VoteTest, VotedRun};
 pub use votes::{Vote, VoteCounts};
+pub(crate) use votes::{VoteTest, VotedRun};

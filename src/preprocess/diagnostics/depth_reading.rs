@@ -42,7 +42,9 @@ impl DepthReading {
         match self {
             Self::RayDistance => "depth fits better as distance along the ray (depth_kind)".to_owned(),
             Self::PlanarZ => "depth fits better as depth along the optical axis (depth_kind)".to_owned(),
-            Self::Scaled(factor) => format!("depth fits better {factor} times as large (depth_unit_scale_factor)"),
+            Self::Scaled(factor) => {
+                format!("depth fits better {factor} times as large (depth_unit_scale_factor)")
+            }
         }
     }
 
@@ -61,7 +63,8 @@ pub(crate) fn better_reading(cameras: &[Camera], layers: &[CameraLayer]) -> Opti
     let others = [DepthReading::RayDistance, DepthReading::PlanarZ].into_iter();
     let others: Vec<DepthReading> = others.chain(SCALES.map(DepthReading::Scaled)).collect();
     let claimed = misfit(cameras, layers, DepthReading::Scaled(1.0))?;
-    let misfits = others.into_par_iter().filter_map(|reading| Some((misfit(cameras, layers, reading)?, reading)));
+    let misfits =
+        others.into_par_iter().filter_map(|reading| Some((misfit(cameras, layers, reading)?, reading)));
     let best = misfits.collect::<Vec<_>>().into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     best.filter(|(misfit, _)| *misfit < BETTER * claimed).map(|(_, reading)| reading)
 }

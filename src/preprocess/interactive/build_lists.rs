@@ -8,7 +8,8 @@ use rayon::prelude::*;
 
 use super::candidate::{Codes, ListedCandidate, NOT_AHEAD, codes, codes_of};
 use super::candidate_lists::{
-    BandCandidates, COUNT, CandidateLists, DISPUTABLE, IS_MIXED, ToleranceRange, least_tolerant, most_tolerant,
+    BandCandidates, COUNT, CandidateLists, DISPUTABLE, IS_MIXED, ToleranceRange, least_tolerant,
+    most_tolerant,
 };
 use crate::error::Result;
 use crate::job::Job;

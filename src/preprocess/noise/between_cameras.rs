@@ -63,6 +63,9 @@ mod tests {
             assert!((depth_of_class(class) / depth).log2().abs() < 0.6, "{depth}");
         }
         assert!(depth_class(1.0 / 2.0) < depth_class(1.0));
-        assert_eq!([depth_class(0.0), depth_class(-1.0), depth_class(f32::INFINITY)], [0, 0, DEPTH_CLASSES - 1]);
+        assert_eq!(
+            [depth_class(0.0), depth_class(-1.0), depth_class(f32::INFINITY)],
+            [0, 0, DEPTH_CLASSES - 1]
+        );
     }
 }

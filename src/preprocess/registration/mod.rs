@@ -6,6 +6,7 @@ mod matches;
 mod noise_tolerance;
 mod reproject;
 mod same_surface;
+mod tolerances;
 
 pub(crate) use camera_pairs::CameraPairs;
 pub use matches::Outcome;

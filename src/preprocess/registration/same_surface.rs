@@ -21,6 +21,7 @@ use super::noise_tolerance::{
     depth_noise_between, grant_color_noise, granted_depth_noise, granted_depth_noise_around,
 };
 use super::reproject::{Lens, PixelRun, Registration, ReprojectedRun};
+use super::tolerances::{SurfaceTolerances, VisibleLevels};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
@@ -33,74 +34,20 @@ pub(crate) struct SameSurface {
     visible: VisibleLevels,
 }
 
-/// Tolerances of the same-surface test, converted once.
-#[derive(Clone, Copy, Debug)]
-struct SurfaceTolerances {
-    depth_footprints: f32,
-    normal_cosine: f32,
-    color_steps: f32,
-    /// Standard deviations of noise that are granted beside the tolerances.
-    color_sigmas: f32,
-    depth_sigmas: f32,
-    /// Standard deviations of depth noise between cameras that are granted where they exceed the tolerance.
-    between_sigmas: f32,
-    /// Whether the target has to show the surface all around the point.
-    overlap: bool,
-}
-
-/// Samples of deeper levels are invisible.
-#[derive(Clone, Copy, Debug)]
-struct VisibleLevels {
-    deepest: u32,
-    /// Whether the target may have samples of deeper levels.
-    hides_any: bool,
-}
-
-impl VisibleLevels {
-    const ALL: Self = Self { deepest: SpanLevel::MAX as u32, hides_any: true };
-}
-
-/// Two noisy colors of one surface, and two noisy depths, differ by less than this many standard deviations of their difference.
-const SIGMAS: f32 = 3.0;
-
 impl SameSurface {
     /// With the tolerances of `settings`; every sample is visible.
     pub(crate) fn new(settings: &Settings) -> Self {
-        let pruning = &settings.pruning;
-        let tolerances = SurfaceTolerances {
-            depth_footprints: pruning.depth_tolerance,
-            normal_cosine: pruning.normal_tolerance.to_radians().cos(),
-            color_steps: pruning.color_tolerance,
-            color_sigmas: settings.spans.noise * SIGMAS,
-            depth_sigmas: settings.spans.noise * SIGMAS,
-            between_sigmas: settings.spans.noise * SIGMAS,
-            overlap: pruning.overlap,
-        };
-        Self { tolerances, visible: VisibleLevels::ALL }
+        Self { tolerances: SurfaceTolerances::of(settings), visible: VisibleLevels::ALL }
     }
 
     /// Surfaces are the same up to a distance in footprints, whatever their normals and colors are.
     pub(crate) fn geometry_within(footprints: f32) -> Self {
-        let tolerances = SurfaceTolerances {
-            depth_footprints: footprints,
-            normal_cosine: f32::NEG_INFINITY,
-            color_steps: f32::from(u16::MAX),
-            color_sigmas: 0.0,
-            depth_sigmas: 0.0,
-            between_sigmas: 0.0,
-            overlap: false,
-        };
-        Self { tolerances, visible: VisibleLevels::ALL }
+        Self { tolerances: SurfaceTolerances::of_geometry(footprints), visible: VisibleLevels::ALL }
     }
 
     /// As with the tolerances of `settings`, whatever normals and colors are, and at pixels alone.
     pub(crate) fn geometry_of(settings: &Settings) -> Self {
-        let Self { tolerances, visible } = Self::new(settings);
-        let normal_cosine = f32::NEG_INFINITY;
-        let color_steps = f32::from(u16::MAX);
-        let tolerances =
-            SurfaceTolerances { normal_cosine, color_steps, color_sigmas: 0.0, overlap: false, ..tolerances };
-        Self { tolerances, visible }
+        Self { tolerances: SurfaceTolerances::of(settings).geometry_alone(), visible: VisibleLevels::ALL }
     }
 
     /// This test for samples of `level`, which do not see those of deeper levels.
@@ -141,8 +88,8 @@ impl SameSurface {
         let footprint = (registration.source_side * there).max(registration.target.side * w);
         let noise = |own: f32, found: f32| (own * there).hypot(found * w);
         let granted = limits.depth_sigmas * noise(source.depth_noise(own), target.depth_noise(pixel));
-        let between = limits.between_sigmas
-            * noise(source.depth_noise_between(own), target.depth_noise_between(pixel));
+        let between =
+            limits.between_sigmas * noise(source.depth_noise_between(own), target.depth_noise_between(pixel));
         let step = source.depth_step_relative * there + target.depth_step_relative * w + granted;
         w - depth * there > (limits.depth_footprints * footprint).max(between) + step
     }
