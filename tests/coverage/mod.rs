@@ -116,7 +116,7 @@ impl Check<'_> {
             }
         }
         let margin = self.settings.pruning.agreement_margin;
-        assert!(look_past >= 1 + margin, "{look_past} cameras look past it");
+        assert!(look_past > margin, "{look_past} cameras look past it");
         assert!(look_past > confirm, "{look_past} cameras look past it and {confirm} confirm it");
     }
 

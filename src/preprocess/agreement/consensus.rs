@@ -45,7 +45,7 @@ impl<'a> Consensus<'a> {
             && pruning.method != PruningMethod::Off
             && settings.spans.noise > 0.0
             && layers.iter().any(|layer| layer.noise_between.is_some());
-        is_on.then(|| Self { pairs, layers, level })
+        is_on.then_some(Self { pairs, layers, level })
     }
 
     /// The inverse depth of the sample of `camera` at `pixel`, refined by all cameras that confirm it; as recorded where it is at

@@ -28,6 +28,9 @@ const FEWEST_SAMPLES: usize = 512;
 /// Cameras up to which nothing is spared.
 const FEW_CAMERAS: usize = 9;
 
+/// Of two cameras that disagree either may be wrong: they do not tell noise from that.
+const MIN_CAMERAS: usize = 3;
+
 /// A class of depth, or of brightness, with fewer readings takes its value from the next that has as many.
 const MIN_READINGS: usize = 256;
 
@@ -47,6 +50,9 @@ pub(crate) fn measure_noise_between(
     layers: &[CameraLayer],
     job: &Job,
 ) -> Result<Vec<Option<Arc<NoiseBetween>>>> {
+    if layers.len() < MIN_CAMERAS {
+        return Ok(vec![None; layers.len()]);
+    }
     let samples = (SAMPLES * FEW_CAMERAS / layers.len().max(1)).clamp(FEWEST_SAMPLES, SAMPLES);
     let of_camera = |camera: usize| {
         job.check()?;
@@ -116,8 +122,8 @@ impl Readings {
             let mut relative: Vec<f32> = of_class.map(|reading| reading.relative).collect();
             (relative.len() >= MIN_READINGS).then(|| spread_of_one(&mut relative))
         };
-        let depths = (0..DEPTH_CLASSES).map(|class| of_class(&self.0, class)).collect();
-        let depth_relative = filled(depths).unwrap_or_else(|| {
+        let depths = (0..DEPTH_CLASSES).map(|class| of_class(&self.0, class)).collect::<Vec<_>>();
+        let depth_relative = filled(&depths).unwrap_or_else(|| {
             let mut relative: Vec<f32> = self.0.iter().map(|reading| reading.relative).collect();
             vec![spread_of_one(&mut relative); DEPTH_CLASSES]
         });
@@ -130,7 +136,7 @@ impl Readings {
             let mut steps: Vec<f32> = of_bin.map(|reading| reading.color_steps).collect();
             (steps.len() >= MIN_READINGS).then(|| spread_of_one(&mut steps))
         };
-        let colors = filled((0..BRIGHTNESS_BINS).map(of_bin).collect());
+        let colors = filled(&(0..BRIGHTNESS_BINS).map(of_bin).collect::<Vec<_>>());
         let color_steps =
             colors.map_or([0.0; BRIGHTNESS_BINS], |steps| std::array::from_fn(|bin| steps[bin]));
         Some(NoiseBetween { depth_relative, color_steps })
@@ -157,7 +163,7 @@ fn spread_of_one(magnitudes: &mut [f32]) -> f32 {
 }
 
 /// Those that are missing are as their nearest neighbors; `None` where all are.
-fn filled(values: Vec<Option<f32>>) -> Option<Vec<f32>> {
+fn filled(values: &[Option<f32>]) -> Option<Vec<f32>> {
     let known: Vec<(usize, f32)> =
         values.iter().enumerate().filter_map(|(at, value)| Some((at, (*value)?))).collect();
     let nearest =
