@@ -140,10 +140,11 @@ fn any_capture(draws: &mut Draws) -> (Scene, Settings, Capture) {
         cameras.push(any_camera(draws, &cameras));
     }
     // Cameras at random seldom look at one point by the half dozen, as it takes to contradict one.
-    if Draws(draws.0 ^ APART).chance(0.15) {
-        cameras = arc(6, 16);
+    let is_arc = Draws(draws.0 ^ APART).chance(0.15);
+    let mut frames = 1 + draws.below(3) as usize;
+    if is_arc {
+        (cameras, frames) = (arc(6, 16), 1);
     }
-    let frames = 1 + draws.below(3) as usize;
     let capture = scene.record(cameras, frames);
     (scene, settings, capture)
 }

@@ -5,8 +5,8 @@
 //!
 //! Source: support and free-space violations are counted as in P. Merrell et al., *Real-Time Visibility-Based Fusion of Depth
 //! Maps*, ICCV 2007; that a whole neighborhood has to lie behind is the depth quality check of the MPEG immersive video test
-//! model. What differs: who may have missed a thing that is there cannot tell. These are cameras that resolve it less than half as
-//! well as the sample's own, since thin things slip between their pixels; those in whose neighborhood there is anything as near,
+//! model. What differs: who may have missed a thing that is there cannot tell. These are all of them where a thing is one pixel
+//! wide, and cameras that resolve it less than half as well as the sample's own, since thin things slip between pixels; those in whose neighborhood there is anything as near,
 //! which is the thing itself beside its silhouette; and those whose pixels change over time, since their clocks may differ.
 //!
 //! Thresholds are those of [`crate::preprocess::registration`]: footprints, or noise where it exceeds them.
@@ -48,6 +48,13 @@ impl VoteCounts {
 
 /// A pixel of the target may be so many times as large as the sample's own, and whatever the sample shows cannot slip between.
 const RESOLVES: f32 = 2.0;
+
+/// Neighbors in one picture are of one surface while their depths differ by no more than this, or by what noise explains.
+const SURFACE_FOOTPRINTS: f32 = 8.0;
+const SIGMAS: f32 = 3.0;
+
+/// The directions in which a thing may be thin.
+const ACROSS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
 
 /// Asks other cameras about samples.
 #[derive(Clone, Copy, Debug)]
@@ -158,6 +165,9 @@ impl VoteTest {
             return false;
         }
         let own = block.row * source.width + block.column + lane;
+        if self.is_thin(source, own, registration.source_side) {
+            return false;
+        }
         let [x, y] = [reprojected.cell[0][lane] as usize, reprojected.cell[1][lane] as usize];
         let rows = y.saturating_sub(1)..(y + 2).min(target.height());
         rows.flat_map(|row| (x.saturating_sub(1)..(x + 2).min(target.width)).map(move |x| (x, row))).all(
@@ -171,6 +181,27 @@ impl VoteTest {
                         && limits.is_behind(registration, (source, own), (target, pixel), depth))
             },
         )
+    }
+
+    /// Whether a sample belongs to a thing one pixel wide in its own picture: what is on both sides of it lies behind, and what is
+    /// beside it elsewhere does not. A sample all by itself is a stray one. `side` is that of a pixel at depth 1.
+    fn is_thin(&self, layer: &CameraLayer, pixel: usize, side: f32) -> bool {
+        let (x, y) = (pixel % layer.width, pixel / layer.width);
+        let here = layer.inverse_depth[pixel];
+        let noise = SIGMAS * std::f32::consts::SQRT_2 * layer.depth_noise_between(pixel);
+        let limit = here * noise.max(SURFACE_FOOTPRINTS * side);
+        let depth_at = |(dx, dy): (isize, isize)| {
+            let x = x.checked_add_signed(dx).filter(|x| *x < layer.width)?;
+            let y = y.checked_add_signed(dy).filter(|y| *y < layer.height())?;
+            let neighbor = y * layer.width + x;
+            let is_there = layer.inverse_depth[neighbor] >= 0.0 && layer.level[neighbor] <= self.level;
+            is_there.then(|| layer.inverse_depth[neighbor])
+        };
+        let is_behind = |toward| depth_at(toward).is_some_and(|there| here - there > limit);
+        let is_beside = |toward| depth_at(toward).is_some_and(|there| (here - there).abs() <= limit);
+        let opposite = |(dx, dy): (isize, isize)| (-dx, -dy);
+        ACROSS.iter().any(|&toward| is_behind(toward) && is_behind(opposite(toward)))
+            && ACROSS.iter().any(|&toward| is_beside(toward) || is_beside(opposite(toward)))
     }
 
     /// The votes of all other cameras on the sample of `camera` at `pixel`.
