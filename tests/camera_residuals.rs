@@ -9,6 +9,7 @@ use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook::error::Result;
 use overlook::job::Job;
 use overlook::preprocess::diagnostics::{CalibrationWarning, Report, calibration_warnings};
+use overlook::preprocess::pruning::{Rule, Verdict};
 use overlook::preprocess::{inspect_frame, preprocess, scan};
 use overlook::settings::{NormalSource, PruningMethod, Settings};
 use scene::{Scene, Sphere, arc};
@@ -216,7 +217,11 @@ fn a_wrong_camera_costs_samples_and_nothing_else() {
     let inspection = inspect_frame(&capture, Some(&scan), &Settings::default(), 3, &Job::new()).unwrap();
     let verdicts: Vec<_> = inspection.cameras.iter().map(|camera| camera.verdict.as_slice()).collect();
     let dropped = verdicts.iter().flat_map(|verdicts| verdicts.iter()).filter(|verdict| !verdict.is_kept());
-    for verdict in dropped {
+    // What at least two of the right cameras look past is the wrong one's alone.
+    let is_represented = |verdict: &&Verdict| verdict.rule != Rule::Contradicted;
+    let right = (0..4).filter(|camera| *camera != WRONG).flat_map(|camera| verdicts[camera]);
+    assert!(right.clone().filter(|verdict| !is_represented(verdict)).count() * 1000 < right.count());
+    for verdict in dropped.filter(is_represented) {
         assert!(verdicts[verdict.witness_camera as usize][verdict.witness_pixel as usize].is_kept());
     }
 }

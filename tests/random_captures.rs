@@ -1,5 +1,6 @@
 //! A thousand random captures, the same in every run: cameras of odd sizes beside, behind, inside and far from things and
-//! each other, exact and half-float depth, clean and noisy color, given and estimated normals.
+//! each other, exact and half-float depth, clean and noisy color, given and estimated normals,
+//! stray samples and cameras that misread what they see.
 
 mod coverage;
 mod scene;
@@ -14,12 +15,15 @@ use overlook::job::Job;
 use overlook::preprocess::inspect::explain_pixel;
 use overlook::preprocess::pruning::Rule;
 use overlook::preprocess::{inspect_frame, prepare_frame, preprocess, scan};
-use overlook::settings::{MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
+use overlook::settings::{AgreementRule, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
 use rayon::prelude::*;
 use scene::draws::Draws;
 use scene::{Scene, Sphere, arc};
 
 const CAPTURES: u64 = 1000;
+
+/// Parts the draws of what cameras misread from those of all else.
+const APART: u64 = 0x6d69_7372_6561_6421;
 
 impl Draws {
     fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -93,11 +97,14 @@ fn any_scene(draws: &mut Draws) -> Scene {
         radius: draws.between(0.01, 1.0),
         color: [0.6, 0.6, 0.1],
     };
+    let mut apart = Draws(draws.0 ^ APART);
     let mut scene = Scene {
         color_noise: draws.of(&[0.0, 0.02, 0.2]),
         half_depth: draws.chance(0.5),
         normals: draws.chance(0.5),
         color_rays: draws.of(&[1, 1, 3]),
+        strays: apart.of(&[0.0, 0.01, 0.05]),
+        misreading: apart.of(&[None, Some(0), Some(1)]),
         ..Scene::still_life()
     };
     scene.ground = draws.chance(0.8);
@@ -119,6 +126,9 @@ fn any_settings(draws: &mut Draws) -> Settings {
     pruning.cosine_floor = draws.between(0.01, 1.0) as f32;
     pruning.across_spans = draws.chance(0.5);
     pruning.overlap = draws.chance(0.5);
+    let mut apart = Draws(draws.0 ^ APART);
+    pruning.agreement = apart.of(&[AgreementRule::Off, AgreementRule::Majority, AgreementRule::Majority]);
+    pruning.agreement_margin = apart.of(&[1, 1, 2]);
     settings
 }
 
@@ -129,7 +139,12 @@ fn any_capture(draws: &mut Draws) -> (Scene, Settings, Capture) {
     for _ in 0..=draws.below(6) {
         cameras.push(any_camera(draws, &cameras));
     }
-    let frames = 1 + draws.below(3) as usize;
+    // Cameras at random seldom look at one point by the half dozen, as it takes to contradict one.
+    let is_arc = Draws(draws.0 ^ APART).chance(0.15);
+    let mut frames = 1 + draws.below(3) as usize;
+    if is_arc {
+        (cameras, frames) = (arc(6, 16), 1);
+    }
     let capture = scene.record(cameras, frames);
     (scene, settings, capture)
 }
@@ -178,6 +193,7 @@ fn the_search_the_candidate_lists_and_the_explanation_of_a_pixel_decide_alike() 
                 settings.pruning.depth_tolerance =
                     (settings.pruning.depth_tolerance * factor).clamp(0.05, 16.0);
                 settings.pruning.across_spans = draws.chance(0.5);
+                settings.pruning.agreement_margin = draws.of(&[1, 2]);
                 let [searched, replayed] = [0, 1]
                     .map(|nth| inspect_frame(&capture, Some(&scans[nth]), &settings, frame, &job).unwrap());
                 for (camera, (one, other)) in searched.cameras.iter().zip(&replayed.cameras).enumerate() {

@@ -13,6 +13,7 @@
 //! thresholds of one frame change again and again, [`prepare_frame`] lists the candidates of every sample, so that none has to
 //! be searched for. [`inspect`] explains the verdicts, [`diagnostics`] counts them.
 
+pub mod agreement;
 pub mod diagnostics;
 pub mod inspect;
 pub(crate) mod interactive;
@@ -37,6 +38,7 @@ use crate::grid::Grid;
 use crate::job::Job;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet, Span, samples_in_memory};
 use crate::settings::Settings;
+use agreement::Consensus;
 use diagnostics::{Report, Residuals, Tally};
 use inspect::{CameraInspection, FrameInspection};
 use interactive::{CameraPlanes, FrameLayers, FrameVerdicts};
@@ -140,14 +142,21 @@ fn prune_into(
     let background = PrunedBackground::of(capture, scan, settings, job)?;
     let normal_errors = scan.normal_errors(capture, &settings.normals, job)?;
     let mut tally = Tally::new((capture, scan), &normal_errors, settings);
+    tally.add_noise_between(&capture.cameras, &background.layers);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
-    pack_all(all_frames(scan.frames), &background.layers, &background.decided, settings, &mut images)?;
     let pairs = CameraPairs::new(&capture.cameras);
+    let packing = Packing { pairs: &pairs, settings };
+    packing.pack_all(
+        (all_frames(scan.frames), ROOT),
+        &background.layers,
+        &background.decided,
+        &mut images,
+    )?;
     let mut residuals = Residuals::new(&pairs, scan.frames);
     residuals.add_lasting(&background.layers, job)?;
     let stack = SpanStack::new(capture, Some(scan), &pairs, settings, background);
     job.start("Pruning frames", scan.frames);
-    let mut traversal = SpanTraversal { tree: stack.tree(), stack, tally, residuals, images, settings, job };
+    let mut traversal = SpanTraversal { tree: stack.tree(), stack, tally, residuals, images, packing, job };
     traversal.below(all_frames(scan.frames), ROOT)?;
     let SpanTraversal { tally, residuals, mut images, .. } = traversal;
     images.sort();
@@ -164,7 +173,7 @@ struct SpanTraversal<'a> {
     tally: Tally,
     residuals: Residuals<'a>,
     images: ImageBuffer,
-    settings: &'a Settings,
+    packing: Packing<'a>,
     job: &'a Job,
 }
 
@@ -174,7 +183,8 @@ impl SpanTraversal<'_> {
         for child in self.tree.children(span) {
             let step = self.stack.enter(child, level + 1, self.job)?;
             self.tally.add(child, &step.decided);
-            pack_all(child, &self.stack.layers, &step.decided, self.settings, &mut self.images)?;
+            let layers = &self.stack.layers;
+            self.packing.pack_all((child, level + 1), layers, &step.decided, &mut self.images)?;
             // Of a single frame the paper's two levels are as long as each other.
             if child.len() < span.len() {
                 self.below(child, level + 1)?;
@@ -221,9 +231,11 @@ pub fn inspect_frame(
     let all = complete.prune(&pairs, settings, job)?;
     let levels = complete.path.iter().zip(0..);
     let packed = levels.flat_map(|(&span, level)| {
+        let consensus = Consensus::new(&pairs, &complete.layers, level, settings);
         let cameras = complete.layers.par_iter().enumerate();
         let packed = cameras.filter_map(|(camera, layer)| {
-            pruning::pack(camera, span, layer, all.masks(camera, layer, level), settings.store.normals)
+            let masks = all.masks(camera, layer, level);
+            pruning::pack(camera, span, layer, masks, consensus.as_ref(), settings.store.normals)
         });
         packed.collect::<Vec<_>>()
     });
@@ -267,20 +279,29 @@ pub fn prepare_frame(
     scan.frame_layers(capture, &pairs, settings, frame, job)?.prepare(&pairs, settings, job)
 }
 
-/// Adds the kept samples of every camera over one span.
-fn pack_all(
-    span: Span,
-    layers: &[CameraLayer],
-    decided: &[Decided],
-    settings: &Settings,
-    images: &mut ImageBuffer,
-) -> Result<()> {
-    let cameras = layers.par_iter().zip(decided).enumerate();
-    let packed = cameras.filter_map(|(camera, (layer, decided))| {
-        let masks = Masks::decided(layer, decided);
-        pruning::pack(camera, span, layer, masks, settings.store.normals)
-    });
-    packed.collect::<Vec<_>>().into_iter().try_for_each(|image| images.push(image))
+/// Packs kept samples.
+struct Packing<'a> {
+    pairs: &'a CameraPairs<'a>,
+    settings: &'a Settings,
+}
+
+impl Packing<'_> {
+    /// Adds the kept samples of every camera over one span, which lies at `level`.
+    fn pack_all(
+        &self,
+        (span, level): (Span, SpanLevel),
+        layers: &[CameraLayer],
+        decided: &[Decided],
+        images: &mut ImageBuffer,
+    ) -> Result<()> {
+        let consensus = Consensus::new(self.pairs, layers, level, self.settings);
+        let cameras = layers.par_iter().zip(decided).enumerate();
+        let packed = cameras.filter_map(|(camera, (layer, decided))| {
+            let masks = Masks::decided(layer, decided);
+            pruning::pack(camera, span, layer, masks, consensus.as_ref(), self.settings.store.normals)
+        });
+        packed.collect::<Vec<_>>().into_iter().try_for_each(|image| images.push(image))
+    }
 }
 
 fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {

@@ -15,7 +15,9 @@ use super::temporal::TemporalScan;
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::{MixedPixels, NormalSettings, PruningMethod, RateModel, Settings, SpanSettings};
+use crate::settings::{
+    AgreementRule, MixedPixels, NormalSettings, PruningMethod, RateModel, Settings, SpanSettings,
+};
 
 /// The pass over all frames of one capture, and what was last made of it.
 #[derive(Debug)]
@@ -55,6 +57,7 @@ struct PreparedFrameKey {
     cosine_floor: f32,
     first_camera: bool,
     mixed_pixels: MixedPixels,
+    agreement: AgreementRule,
 }
 
 /// The last result, with what it was made with.
@@ -99,6 +102,7 @@ impl PreparedScan {
             cosine_floor: settings.pruning.cosine_floor,
             first_camera: settings.pruning.method == PruningMethod::FirstCamera,
             mixed_pixels: settings.pruning.mixed_pixels,
+            agreement: settings.pruning.agreement,
         };
         if let Some(layers) = self.frame.get(&key) {
             return Ok(layers);

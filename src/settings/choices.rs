@@ -73,6 +73,16 @@ choice! {
 }
 
 choice! {
+    /// What becomes of samples that other cameras look past, and how noise between cameras is treated.
+    pub enum AgreementRule {
+        /// Nothing is asked of other cameras, and noise between them is not measured.
+        Off = "off",
+        /// A sample is dropped where more cameras look past it than confirm it.
+        Majority = "majority",
+    }
+}
+
+choice! {
     /// How much of color and depth a store keeps.
     pub enum Precision {
         /// Every bit.

@@ -16,8 +16,8 @@ mod choices;
 mod section;
 
 pub use choices::{
-    Backend, Coding, Fill, Instructions, Kernel, MixedPixels, NormalEstimator, NormalSource, Precision,
-    PruningMethod, RateModel, SpanLevels,
+    AgreementRule, Backend, Coding, Fill, Instructions, Kernel, MixedPixels, NormalEstimator, NormalSource,
+    Precision, PruningMethod, RateModel, SpanLevels,
 };
 pub use section::{Field, ValueKind};
 
@@ -85,6 +85,12 @@ section! {
         overlap: bool = true, "", ValueKind::Switch;
         /// What happens to samples whose color is blended across a silhouette.
         mixed_pixels: MixedPixels = MixedPixels::Yield, "", ValueKind::Choice(MixedPixels::NAMES);
+        /// What becomes of samples that other cameras look past. Where cameras are asked, noise between them is measured, and
+        /// granted where it exceeds the tolerances.
+        agreement: AgreementRule = AgreementRule::Majority, "", ValueKind::Choice(AgreementRule::NAMES);
+        /// By how many the cameras that look past a sample must outnumber those that confirm it, its own among them, for it to
+        /// be dropped.
+        agreement_margin: u32 = 1, "cameras", ValueKind::Integer { min: 1, max: 64 };
     }
 }
 

@@ -8,7 +8,7 @@ use overlook::settings::Settings;
 
 use super::scene::Scene;
 
-/// Checks that for every dropped sample a kept one shows its surface point, and gives how many of them lie farther off the kept
+/// Checks that for every dropped sample a kept one shows its surface point, or more cameras look past it than confirm it, and gives how many of them lie farther off the kept
 /// one's surface than the settings grant: none where normals are given.
 ///
 /// Where a sample lies and how its surface faces is traced anew in double precision: no recorded or estimated depth or normal
@@ -19,13 +19,23 @@ pub(crate) fn assert_covered(
     inspection: &FrameInspection,
     settings: &Settings,
 ) -> usize {
-    let exact = Scene { normals: true, half_depth: false, depth_noise: 0.0, color_rays: 1, ..scene.clone() };
+    let exact = Scene {
+        normals: true,
+        half_depth: false,
+        depth_noise: 0.0,
+        strays: 0.0,
+        misreading: None,
+        color_rays: 1,
+        ..scene.clone()
+    };
     let truth = capture.cameras.iter().map(|camera| exact.trace(camera, inspection.frame, 0)).collect();
     let check = Check { scene, cameras: &capture.cameras, truth, inspection, settings };
     let mut beyond = 0;
     for (camera, seen) in inspection.cameras.iter().enumerate() {
         for (pixel, verdict) in seen.verdict.as_slice().iter().enumerate() {
-            if !verdict.is_kept() && !matches!(verdict.rule, Rule::NoSample | Rule::MixedDropped) {
+            if verdict.rule == Rule::Contradicted {
+                check.assert_contradicted(camera, pixel);
+            } else if !verdict.is_kept() && !matches!(verdict.rule, Rule::NoSample | Rule::MixedDropped) {
                 beyond += usize::from(!check.is_within_tolerance(camera, pixel, *verdict));
             }
         }
@@ -80,11 +90,44 @@ impl Check<'_> {
         self.inspection.cameras[camera].verdict.as_slice()[pixel].is_kept()
     }
 
+    fn recorded(&self, camera: usize, pixel: usize) -> f64 {
+        f64::from(self.inspection.cameras[camera].frame.inverse_depth.as_slice()[pixel])
+    }
+
+    /// Whether a camera recorded another depth than there is, by more than any noise.
+    fn is_misread(&self, camera: usize, pixel: usize) -> bool {
+        self.recorded(camera, pixel) > 1.3 * f64::from(self.truth[camera].inverse_depth.as_slice()[pixel])
+    }
+
+    /// Checks that the cameras which look past a dropped sample outnumber its own and those that surely confirm it.
+    fn assert_contradicted(&self, camera: usize, pixel: usize) {
+        let inverse_depth = self.recorded(camera, pixel);
+        assert!(inverse_depth > 0.0, "nothing lies behind infinity");
+        let point = self.cameras[camera].unproject(self.center(camera, pixel), 1.0 / inverse_depth);
+        let (mut look_past, mut confirm) = (0, 0);
+        for other in (0..self.cameras.len()).filter(|other| *other != camera) {
+            let seen_by = &self.cameras[other];
+            let Some((at, expected)) = seen_by.project(point) else { continue };
+            let (width, height) = seen_by.intrinsics.size();
+            if at.min_element() >= 0.0 && at.x < width as f64 && at.y < height as f64 {
+                let found = self.recorded(other, at.y as usize * width + at.x as usize);
+                look_past += u32::from(found >= 0.0 && found * expected < 1.0);
+                confirm += u32::from(found > 0.0 && (found * expected - 1.0).abs() < 1e-5);
+            }
+        }
+        let margin = self.settings.pruning.agreement_margin;
+        assert!(look_past > margin, "{look_past} cameras look past it");
+        assert!(look_past > confirm, "{look_past} cameras look past it and {confirm} confirm it");
+    }
+
     /// Checks the witness of a dropped sample; whether it, or else another kept sample, is as close as the settings ask for.
     fn is_within_tolerance(&self, camera: usize, pixel: usize, verdict: Verdict) -> bool {
         let (witness, at) = (usize::from(verdict.witness_camera), verdict.witness_pixel as usize);
         assert!(self.is_kept(witness, at), "dropped for {verdict:?}, which is dropped");
         assert_ne!(witness, camera);
+        if self.is_misread(camera, pixel) || self.is_misread(witness, at) {
+            return true;
+        }
         let is_at_infinity = [(camera, pixel), (witness, at)].map(|(camera, pixel)| {
             self.inspection.cameras[camera].frame.inverse_depth.as_slice()[pixel] == 0.0
         });

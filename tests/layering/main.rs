@@ -34,6 +34,7 @@ const STAGES: [(&str, &[&str]); 8] = [
             "temporal",
             "layers",
             "registration",
+            "agreement",
             "pruning",
             "interactive",
             "inspect",

@@ -40,6 +40,10 @@ pub(crate) struct Scene {
     pub(crate) color_noise: f32,
     /// Relative standard deviation of depth noise that differs from frame to frame.
     pub(crate) depth_noise: f32,
+    /// Share of the pixels whose depth is read far too near, each camera's own and the same in all frames.
+    pub(crate) strays: f32,
+    /// A camera, by the seed that tells it apart, that reads what it sees in the middle of its picture at half its depth.
+    pub(crate) misreading: Option<usize>,
     /// Whether depth is rounded to half floats.
     pub(crate) half_depth: bool,
     /// Whether frames carry normals.
@@ -131,6 +135,7 @@ impl Scene {
                 let (w, n, c) = hit.map_or((0.0, DVec3::ZERO, SKY), |(t, n, c)| (1.0 / t, n, c));
                 let depth_noise = self.depth_noise * normal_draw((x + 1000 * y, frame, seed + 100));
                 let w = w / f64::from(1.0 + depth_noise);
+                let w = w * self.misread((x, y), (width, height), seed);
                 let w = if self.half_depth { 1.0 / f64::from(f16::from_f64(1.0 / w).to_f32()) } else { w };
                 let c = if self.color_rays > 1 { self.average_color(camera, frame, (x, y)) } else { c };
                 color[(x, y)] = c.map(|c| f16::from_f32(c * noise));
@@ -143,6 +148,22 @@ impl Scene {
             inverse_depth,
             normal_in_world: self.normals.then_some(normal),
             depth_step_relative: if self.half_depth { 1.0 / 2048.0 } else { 0.0 },
+        }
+    }
+
+    /// How many times nearer a pixel reads its depth than it is.
+    fn misread(&self, (x, y): (usize, usize), (width, height): (usize, usize), seed: usize) -> f64 {
+        let is_stray = self.strays > 0.0
+            && Draws((x + 1000 * y) as u64 ^ (seed as u64) << 40).below(1 << 20) as f32
+                <= self.strays * (1 << 20) as f32;
+        let is_middle = |at: usize, size: usize| 4 * at >= size && 4 * at < 3 * size;
+        let misreads = self.misreading == Some(seed) && is_middle(x, width) && is_middle(y, height);
+        if is_stray {
+            1.7
+        } else if misreads {
+            2.0
+        } else {
+            1.0
         }
     }
 

@@ -5,6 +5,7 @@ use super::pixel::Probed;
 use super::scene::OpenScene;
 use super::text;
 use crate::capture::Camera;
+use crate::preprocess::agreement::VoteCounts;
 use crate::preprocess::inspect::{CameraEvidence, ChainLink};
 use crate::preprocess::pruning::{Rule, Verdict};
 use crate::preprocess::registration::Outcome;
@@ -40,6 +41,22 @@ pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     } else {
         "Its verdict is being worked out."
     }
+}
+
+/// How many other cameras confirm a sample and how many look past it; `None` where none does either.
+pub(crate) fn votes(counts: VoteCounts) -> Option<String> {
+    let VoteCounts { confirm, look_past } = counts;
+    let confirming = match confirm {
+        0 => "No other camera confirms it".to_owned(),
+        1 => "1 camera confirms it".to_owned(),
+        _ => format!("{confirm} cameras confirm it"),
+    };
+    let looking_past = match look_past {
+        0 => "none looks past it".to_owned(),
+        1 => "1 camera looks past it".to_owned(),
+        _ => format!("{look_past} cameras look past it"),
+    };
+    (confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}."))
 }
 
 /// Column and row of a pixel index.
@@ -150,6 +167,7 @@ pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
     if let Some(explanation) = &probed.explanation {
         lines.push(format!("Frame {}", explanation.frame + 1));
         lines.push(verdict(cameras, explanation.verdict));
+        lines.extend(votes(explanation.votes));
         if explanation.chain.len() > 1 {
             lines.push(format!("Chain: {}", chain(cameras, &explanation.chain)));
         }
@@ -234,6 +252,7 @@ mod tests {
             footprint_r: 1.5,
             is_blended: false,
             is_unsure: false,
+            vote: None,
             verdict: Some(Verdict::without_witness(Rule::BestRate)),
         }
     }
@@ -251,6 +270,15 @@ mod tests {
         let blended = CameraEvidence { is_blended: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
         assert_eq!(there(&[], &blended).unwrap(), "kept, blended, no normal");
         assert_eq!(there(&[], &row(None)).unwrap(), "kept");
+    }
+
+    #[test]
+    fn votes_are_told_where_any_camera_has_one() {
+        let told = |confirm, look_past| votes(VoteCounts { confirm, look_past });
+        assert_eq!(told(0, 0), None);
+        assert_eq!(told(1, 0).unwrap(), "1 camera confirms it, none looks past it.");
+        assert_eq!(told(0, 3).unwrap(), "No other camera confirms it, 3 cameras look past it.");
+        assert_eq!(told(2, 1).unwrap(), "2 cameras confirm it, 1 camera looks past it.");
     }
 
     #[test]

@@ -77,6 +77,9 @@ fn rule_words(rule: &str) -> (String, &'static str) {
             ("Normal unknown", "The normal is not known here, and a sample that knows it shows the point.")
         }
         "mixed_dropped" => ("Blended, dropped", "The color is blended and the settings drop such samples."),
+        "contradicted" => {
+            ("Contradicted", "More cameras look past the point than confirm it: one camera misread it.")
+        }
         "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),
         other => return (model::words(other), ""),
     };
@@ -155,8 +158,9 @@ fn measured(camera: &CameraReport) -> String {
     let ranges = &camera.ranges;
     let percent = |share: f32| format!("{:.1} %", 100.0 * share);
     let half = ranges.color_percentiles_steps.first().copied().unwrap_or(0.0);
+    let between = camera.noise_between().map_or_else(String::new, |noise| format!("{noise}\n"));
     format!(
-        "Depth noise {:.1e}, depth recorded in steps of {:.1e}, both relative.\nOver all frames the color of half of the \
+        "{between}Depth noise {:.1e}, depth recorded in steps of {:.1e}, both relative.\nOver all frames the color of half of the \
          pixels stays within {half:.1} steps. Within the tolerance: {}; with what noise explains: {}.\nDepth within {:.1e}: \
          {} of the pixels.",
         camera.depth_noise_relative,

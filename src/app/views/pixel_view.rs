@@ -93,6 +93,9 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         let sentence = words::verdict(&scene.cameras, explanation.verdict);
         let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
         ui.add(Label::new(RichText::new(sentence).color(color)).wrap());
+        if let Some(votes) = words::votes(explanation.votes) {
+            note(ui, votes);
+        }
         if explanation.chain.len() > 1 {
             let chain = words::chain(&scene.cameras, &explanation.chain);
             ui.add(Label::new(RichText::new(chain).small().color(tokens.text_weak)).wrap())

@@ -143,6 +143,9 @@ impl PreprocessArgs {
         }
         for camera in &result.report.cameras {
             let _ = writeln!(text, "  {}", measured(camera));
+            if let Some(noise) = camera.noise_between() {
+                let _ = writeln!(text, "    {noise}");
+            }
         }
         if let Some((off, a, b)) = farthest_apart(&result.report) {
             let [a, b] = [a, b].map(|camera| &result.report.cameras[camera].name);

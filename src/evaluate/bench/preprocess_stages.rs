@@ -183,7 +183,7 @@ fn pack_frame(bench: &Bench<'_>) -> Result<StageResult> {
         let cameras = complete.layers.par_iter().enumerate();
         let images = cameras.map(|(camera, layer)| {
             let masks = all.masks(camera, layer, FRAME);
-            pruning::pack(camera, span, layer, masks, settings.store.normals)
+            pruning::pack(camera, span, layer, masks, None, settings.store.normals)
         });
         Ok(images.collect::<Vec<_>>())
     })?;

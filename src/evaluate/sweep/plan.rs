@@ -29,7 +29,8 @@ pub struct SweepPlan {
 }
 
 /// Values of numbers; choices and switches take all of theirs.
-const NUMBERS: [(&str, &[f64]); 8] = [
+const NUMBERS: [(&str, &[f64]); 9] = [
+    ("pruning.agreement_margin", &[2.0, 3.0]),
     ("pruning.depth_tolerance", &[0.25, 0.5, 2.0, 4.0, 8.0]),
     ("pruning.normal_tolerance", &[15.0, 60.0]),
     ("pruning.color_tolerance", &[6.0, 12.0, 48.0, 255.0]),

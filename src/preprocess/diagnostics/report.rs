@@ -6,10 +6,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::calibration_warnings::{calibration_warnings, shared_warning};
+use super::depth_reading::{DepthReading, better_reading};
 use super::pair_residuals::PairResiduals;
-use crate::capture::Capture;
+use crate::capture::{Camera, Capture};
 use crate::error::{Error, Result};
-use crate::preprocess::layers::Rate;
+use crate::preprocess::layers::{CameraLayer, Rate};
+use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{Decided, Rule, Verdict};
 use crate::preprocess::temporal::{CameraScan, RangeFacts, TemporalScan};
@@ -38,6 +40,14 @@ pub struct CameraReport {
     pub color_noise_steps: f32,
     /// Measured depth noise: relative standard deviation over time of static pixels.
     pub depth_noise_relative: f32,
+    /// Measured depth noise between cameras, relative standard deviation, from the nearest depth to the farthest; empty where it is
+    /// too small to matter, or not measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub depth_noise_between: Vec<DepthNoise>,
+    /// Measured color noise between cameras: standard deviation, 8-bit sRGB steps, median over brightness; 0 where depth is not
+    /// noisy between cameras, or it is not measured.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub color_noise_between_steps: f32,
     /// Quantization step of depth as recorded, relative; 0 where it is exact to `f32`.
     pub depth_step_relative: f32,
     /// How far pixels range over all frames, and where the tolerances lie among them.
@@ -48,6 +58,32 @@ pub struct CameraReport {
     /// must be in another space, and they are used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normals_off_degrees: Option<f32>,
+}
+
+impl CameraReport {
+    /// What was measured of its noise between cameras, as a sentence; `None` where that is nothing.
+    #[must_use]
+    pub fn noise_between(&self) -> Option<String> {
+        let [near, far] = [self.depth_noise_between.first()?, self.depth_noise_between.last()?];
+        Some(format!(
+            "Beside other cameras depth noise {:.1e} at {:.3} to {:.1e} at {:.3}, relative; color noise {:.1} steps.",
+            near.relative, near.depth, far.relative, far.depth, self.color_noise_between_steps
+        ))
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &f32) -> bool {
+    *number == 0.0
+}
+
+/// Noise at one depth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DepthNoise {
+    /// Planar z, in the capture's unit.
+    pub depth: f32,
+    /// Relative standard deviation of depths about as large.
+    pub relative: f32,
 }
 
 /// Samples kept in one span.
@@ -83,6 +119,9 @@ pub struct Report {
     pub rate_disputes: Vec<Vec<u64>>,
     /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
     pub residuals: Vec<Vec<PairResiduals>>,
+    /// How depth would fit far better between cameras than as the capture says, where it would.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub better_reading: Option<DepthReading>,
     /// Samples whose color was found to be blended across a silhouette, and what became of them: of those `found` some
     /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. They are not looked for
     /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered, and those whose neighbors live in
@@ -134,7 +173,13 @@ impl Report {
             .filter_map(|camera| Some((camera.name.as_str(), camera.normals_off_degrees?)));
         let normals = normals::normal_space_warning(&off.collect::<Vec<_>>());
         if let Some(shared) = shared_warning(&self.residuals, self.noise_footprints()) {
-            return normals.into_iter().chain([shared.sentence()]).collect();
+            // Cameras that are noisy beside each other disagree whatever their depth is taken for.
+            let is_noisy = self.cameras.iter().any(|camera| !camera.depth_noise_between.is_empty());
+            let reading = self.better_reading.map(|reading| format!("; {}", reading.sentence()));
+            if reading.is_some() || !is_noisy {
+                let sentence = shared.sentence() + &reading.unwrap_or_default();
+                return normals.into_iter().chain([sentence]).collect();
+            }
         }
         let warnings = calibration_warnings(&self.residuals).into_iter();
         let sentences =
@@ -218,6 +263,27 @@ impl Tally {
         };
         let rate = Rate::resolve(settings.pruning.rate, &capture.cameras);
         Self { report, frames, rate, is_first: true }
+    }
+
+    /// Notes how noisy cameras are beside each other, and, where they are, whether depth fits better if it is read otherwise.
+    pub(crate) fn add_noise_between(&mut self, cameras: &[Camera], layers: &[CameraLayer]) {
+        if layers.iter().any(|layer| layer.noise_between.is_some()) {
+            self.report.better_reading = better_reading(cameras, layers);
+        }
+        for (camera, layer) in self.report.cameras.iter_mut().zip(layers) {
+            let Some(noise) = &layer.noise_between else { continue };
+            let mut is_met = [false; DEPTH_CLASSES];
+            for &inverse_depth in layer.inverse_depth.iter().filter(|inverse_depth| **inverse_depth > 0.0) {
+                is_met[depth_class(inverse_depth)] = true;
+            }
+            let met = (0..DEPTH_CLASSES).rev().filter(|class| is_met[*class]);
+            let of_class =
+                |class| DepthNoise { depth: depth_of_class(class), relative: noise.depth_relative[class] };
+            camera.depth_noise_between = met.map(of_class).collect();
+            let mut steps = noise.color_steps;
+            steps.sort_unstable_by(f32::total_cmp);
+            camera.color_noise_between_steps = steps[steps.len() / 2];
+        }
     }
 
     /// Counts what was decided on the samples of one span.

@@ -13,6 +13,7 @@ use super::frame::FrameInspection;
 use super::pixel_report::{CameraEvidence, ChainLink, PairQuantities, PixelExplanation};
 use crate::capture::Camera;
 use crate::color::steps_from_linear;
+use crate::preprocess::agreement::{VoteCounts, VoteTest};
 use crate::preprocess::layers::{CameraLayer, Rate, ViewingRays, footprint, has_unknown_normal, is_mixed};
 use crate::preprocess::pruning::{Candidate, Rule, Verdict, decide};
 use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
@@ -35,7 +36,10 @@ pub fn explain_pixel(
     let shown = samples_of_point(inspection, &pairs, camera, pixel);
     let is_kept = |other: &Candidate| verdict_of(inspection, other.camera.into(), other.pixel).is_kept();
     let others: Vec<(Candidate, bool)> = shown.iter().map(|other| (*other, is_kept(other))).collect();
-    let verdict = decide(&Candidate::new(layer, camera, pixel), &others, &inspection.settings.pruning);
+    let votes = VoteTest::new(&inspection.settings, layer.level[pixel as usize]);
+    let is_contradicted = votes.contradicts(&pairs, &inspection.layers, camera, pixel);
+    let own = Candidate::new(layer, camera, pixel);
+    let verdict = decide(&own, &others, is_contradicted, &inspection.settings.pruning);
     let mut explanation = PixelExplanation {
         camera,
         x,
@@ -45,6 +49,7 @@ pub fn explain_pixel(
         class: inspection.cameras[camera].class[(x, y)],
         verdict,
         winner: None,
+        votes: VoteCounts::default(),
         evidence: Vec::new(),
         chain: Vec::new(),
     };
@@ -53,6 +58,7 @@ pub fn explain_pixel(
     }
     let sample = ExplainedSample::new(inspection, camera, x, y);
     explanation.point_in_world = sample.point_in_world();
+    explanation.votes = votes.counts(&pairs, &inspection.layers, camera, pixel);
     let limits = limits_of(inspection, layer, pixel as usize);
     explanation.evidence =
         (0..inspection.layers.len()).map(|other| sample.evidence(&pairs, &limits, other)).collect();
@@ -279,6 +285,10 @@ impl<'a> ExplainedSample<'a> {
         let mut evidence = CameraEvidence {
             camera: other,
             outcome,
+            vote: (!own).then(|| {
+                let votes = VoteTest::new(&self.inspection.settings, self.layer.level[self.pixel]);
+                votes.vote(pairs, &self.inspection.layers, (self.camera, self.pixel as u32), other)
+            }),
             position: None,
             pixel: None,
             depth_expected: f64::NAN,

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::preprocess::agreement::{Vote, VoteCounts};
 use crate::preprocess::pruning::Verdict;
 use crate::preprocess::registration::Outcome;
 use crate::preprocess::temporal::PixelClass;
@@ -13,6 +14,8 @@ pub struct CameraEvidence {
     pub camera: usize,
     /// Whether it sees the point; `None` for the camera whose own pixel is explained.
     pub outcome: Option<Outcome>,
+    /// What it says about the sample; `None` for the camera whose own pixel is explained.
+    pub vote: Option<Vote>,
     /// Where the point falls in its picture, pixels; `None` behind the camera. It may lie outside the picture.
     pub position: Option<DVec2>,
     /// The pixel there, `y * width + x`; `None` outside the picture.
@@ -71,6 +74,8 @@ pub struct PixelExplanation {
     pub class: PixelClass,
     /// The verdict, worked out from what the other cameras show and what was decided there.
     pub verdict: Verdict,
+    /// How many other cameras confirm the sample and how many look past it, whether or not the settings ask them.
+    pub votes: VoteCounts,
     /// Index of the camera whose kept sample shows the point; `None` where nothing does.
     pub winner: Option<usize>,
     /// One per camera, in the capture's order; empty where the pixel has no depth.

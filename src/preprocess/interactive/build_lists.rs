@@ -8,10 +8,12 @@ use rayon::prelude::*;
 
 use super::candidate::{Codes, ListedCandidate, NOT_AHEAD, codes, codes_of};
 use super::candidate_lists::{
-    BandCandidates, COUNT, CandidateLists, DISPUTABLE, IS_MIXED, ToleranceRange, most_tolerant,
+    BandCandidates, COUNT, CandidateLists, DISPUTABLE, IS_MIXED, ToleranceRange, least_tolerant,
+    most_tolerant,
 };
 use crate::error::Result;
 use crate::job::Job;
+use crate::preprocess::agreement::{VoteCounts, VoteTest};
 use crate::preprocess::layers::{CameraLayer, Ranks, is_mixed};
 use crate::preprocess::pruning::{
     BAND_ROWS, OtherCamera, Rule, Verdict, is_better, is_dropped_as_mixed, lanes_at, other_cameras,
@@ -20,7 +22,7 @@ use crate::preprocess::pruning::{
 use crate::preprocess::registration::{
     CameraPairs, IN_VIEW, LANES, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface,
 };
-use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
+use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::Settings;
 use crate::simd::{self, VectorLoop};
 
@@ -39,6 +41,7 @@ pub(crate) fn build_lists(
     }
     let range = ToleranceRange::around(&settings.pruning);
     let least = codes(range.least);
+    let votes = VoteTest::new(&least_tolerant(settings), ROOT);
     let settings = most_tolerant(settings);
     let builder = ListBuilder {
         pairs,
@@ -47,6 +50,7 @@ pub(crate) fn build_lists(
         settings: &settings,
         limits: SameSurface::new(&settings),
         negligible_steps: range.least[2] / 2.0,
+        votes,
         may_be_beaten: layers
             .iter()
             .map(|layer| layer.level.iter().map(|_| AtomicBool::new(false)).collect())
@@ -83,7 +87,9 @@ struct ListBuilder<'a> {
     limits: SameSurface,
     /// See [`RequiredTolerances::negligible_steps`].
     negligible_steps: f32,
-    /// Per sample, whether any other camera may have a better one.
+    /// Whether other cameras contradict a sample, at the least tolerances and the least margin.
+    votes: VoteTest,
+    /// Per sample, whether any other camera may have a better one, or enough of them may contradict it.
     may_be_beaten: Vec<Vec<AtomicBool>>,
     /// How many more candidates memory has room for.
     room: AtomicUsize,
@@ -271,7 +277,8 @@ impl ListBuilder<'_> {
                 candidates[index].candidate.other_order = ahead.count() as u8;
             }
         }
-        self.may_be_beaten[camera][pixel].store(any_better, Ordering::Relaxed);
+        let may_be_dropped = any_better || self.may_be_contradicted(camera, pixel);
+        self.may_be_beaten[camera][pixel].store(may_be_dropped, Ordering::Relaxed);
         flags
     }
 
@@ -307,6 +314,17 @@ impl ListBuilder<'_> {
         }
         kept.shrink_to_fit();
         lists.candidates = kept;
+    }
+
+    /// Whether any tolerances and margin that the lists serve let other cameras contradict a sample.
+    fn may_be_contradicted(&self, camera: usize, pixel: usize) -> bool {
+        let level = self.layers[camera].level[pixel];
+        if level == NO_SAMPLE || !self.votes.is_on() {
+            return false;
+        }
+        // Where tolerances are larger, more confirm and fewer look past; that some confirm here says nothing of others.
+        let counts = self.votes.at_level(level).counts(self.pairs, self.layers, camera, pixel as u32);
+        self.votes.is_contradicted(VoteCounts { confirm: 0, ..counts })
     }
 
     fn is_beatable(&self, candidate: Verdict) -> bool {

@@ -14,7 +14,7 @@
 
 use super::candidate::{ListedCandidate, Tolerances, tolerances};
 use crate::preprocess::registration::LANES;
-use crate::settings::{PruningSettings, Settings};
+use crate::settings::{AgreementRule, PruningSettings, Settings};
 
 /// The factor by which a tolerance may change, either way, before the lists have to be built again.
 const RANGE: f32 = 4.0;
@@ -43,6 +43,7 @@ pub(crate) struct ToleranceRange {
     pub(crate) least: Tolerances,
     pub(crate) most: Tolerances,
     overlap: bool,
+    agreement: AgreementRule,
 }
 
 impl ToleranceRange {
@@ -52,6 +53,7 @@ impl ToleranceRange {
             least: tolerances(&scaled(settings, 1.0 / RANGE)),
             most: tolerances(&scaled(settings, RANGE)),
             overlap: settings.overlap,
+            agreement: settings.agreement,
         }
     }
 
@@ -59,7 +61,7 @@ impl ToleranceRange {
     pub(crate) fn serves(&self, settings: &PruningSettings) -> bool {
         let wanted = tolerances(settings);
         let within = (0..3).all(|i| self.least[i] <= wanted[i] && wanted[i] <= self.most[i]);
-        within && self.overlap == settings.overlap
+        within && self.overlap == settings.overlap && self.agreement == settings.agreement
     }
 }
 
@@ -74,6 +76,12 @@ fn scaled(settings: &PruningSettings, factor: f32) -> PruningSettings {
 /// The most tolerant settings that lists around `settings` serve.
 pub(crate) fn most_tolerant(settings: &Settings) -> Settings {
     Settings { pruning: scaled(&settings.pruning, RANGE), ..settings.clone() }
+}
+
+/// The settings that lists around `settings` serve with which other cameras contradict most samples.
+pub(crate) fn least_tolerant(settings: &Settings) -> Settings {
+    let pruning = PruningSettings { agreement_margin: 1, ..scaled(&settings.pruning, 1.0 / RANGE) };
+    Settings { pruning, ..settings.clone() }
 }
 
 /// The candidates of the samples of some rows of one camera.

@@ -8,6 +8,7 @@ use super::candidate::{CandidateValidity, Codes, ListedCandidate, NOT_AHEAD, cod
 use super::candidate_lists::{BandCandidates, COUNT, CandidateLists, DISPUTABLE, IS_MIXED};
 use crate::error::Result;
 use crate::job::Job;
+use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{
     BAND_ROWS, DROPPED, Dispute, KEPT, Rule, Statuses, UNDECIDED, Verdict, may_be_witness, rule_of_kept,
@@ -29,7 +30,8 @@ pub(crate) fn prune(
 ) -> Result<Vec<Vec<Dispute>>> {
     let limits = SameSurface::new(settings).at_level(level);
     let codes = codes(tolerances(&settings.pruning));
-    let context = ReplayContext { lists, pairs, layers, statuses, level, settings, limits, codes };
+    let votes = VoteTest::new(settings, level);
+    let context = ReplayContext { lists, pairs, layers, statuses, level, settings, limits, votes, codes };
     let mut bands: Vec<ReplayBand<'_>> = Vec::new();
     for (camera, (layer, verdicts)) in layers.iter().zip(verdicts).enumerate() {
         let size = (BAND_ROWS * layer.width).max(1);
@@ -68,6 +70,7 @@ struct ReplayContext<'a> {
     level: SpanLevel,
     settings: &'a Settings,
     limits: SameSurface,
+    votes: VoteTest,
     codes: Codes,
 }
 
@@ -157,6 +160,10 @@ impl ReplayContext<'_> {
             band.pending.push(index as u32);
             return (better.verdict, UNDECIDED);
         }
+        let pixel = (band.first + index) as u32;
+        if self.votes.contradicts(self.pairs, self.layers, band.camera, pixel) {
+            return (Verdict::without_witness(Rule::Contradicted), DROPPED);
+        }
         let mut ahead = candidates.iter().take_while(|candidate| candidate.is_better());
         let has_better = ahead.any(|candidate| self.shows(band, index, candidate));
         let rule = rule_of_kept(has_better, best.is_some());
@@ -240,11 +247,17 @@ impl ReplayContext<'_> {
                 .take_while(|candidate| candidate.is_better())
                 .find(|candidate| self.may_be_witness(band, index, candidate))
                 .map(|candidate| candidate.verdict);
-            band.verdicts[index] = next.unwrap_or_else(|| Verdict::without_witness(Rule::Coverage));
-            if next.is_none() {
-                own.store(KEPT, Ordering::Relaxed);
-                return false;
+            if let Some(next) = next {
+                band.verdicts[index] = next;
+                continue;
             }
+            let pixel = (band.first + index) as u32;
+            let is_contradicted = self.votes.contradicts(self.pairs, self.layers, band.camera, pixel);
+            let (rule, status) =
+                if is_contradicted { (Rule::Contradicted, DROPPED) } else { (Rule::Coverage, KEPT) };
+            band.verdicts[index] = Verdict::without_witness(rule);
+            own.store(status, Ordering::Relaxed);
+            return false;
         }
     }
 }

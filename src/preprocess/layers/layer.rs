@@ -1,11 +1,13 @@
 //! One camera at one frame, ready to be registered: every pixel's sample with its normal, footprint and facet.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use half::f16;
 
 use super::packed_sample::{PackedColor, PackedGeometry, Ranks};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
-use crate::preprocess::noise::CameraNoise;
+use crate::preprocess::noise::{CameraNoise, NoiseBetween};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel, SpanSamples};
 
 /// The samples of one camera, row-major planes of the camera's size.
@@ -35,6 +37,8 @@ pub(crate) struct CameraLayer {
     pub(crate) noise_share: Vec<f32>,
     /// Relative quantization step of depth.
     pub(crate) depth_step_relative: f32,
+    /// Noise as other cameras see it; `None` where it was not measured or is too small to matter.
+    pub(crate) noise_between: Option<Arc<NoiseBetween>>,
 }
 
 impl CameraLayer {
@@ -54,6 +58,7 @@ impl CameraLayer {
             noise: CameraNoise::default(),
             noise_share: Vec::new(),
             depth_step_relative: 0.0,
+            noise_between: None,
         }
     }
 
@@ -103,13 +108,14 @@ impl CameraLayer {
         self.inverse_depth.len().checked_div(self.width).unwrap_or(0)
     }
 
-    /// Whether any sample may hold color noise.
+    /// Whether any sample may hold color noise, over time or between cameras.
     pub(crate) fn has_color_noise(&self) -> bool {
-        self.noise_share.iter().any(|share| *share > 0.0)
-            && self.noise.color_steps.iter().any(|steps| *steps > 0.0)
+        let over_time = self.noise_share.iter().any(|share| *share > 0.0)
+            && self.noise.color_steps.iter().any(|steps| *steps > 0.0);
+        over_time || self.noise_between.is_some()
     }
 
-    /// Whether any sample may hold depth noise.
+    /// Whether any sample may hold depth noise over time.
     pub(crate) fn has_depth_noise(&self) -> bool {
         self.noise_share.iter().any(|share| *share > 0.0) && self.noise.depth_relative > 0.0
     }
@@ -117,6 +123,16 @@ impl CameraLayer {
     /// Relative standard deviation of the depth noise left in the sample at `pixel`.
     pub(crate) fn depth_noise(&self, pixel: usize) -> f32 {
         self.noise_share_at(pixel) * self.noise.depth_relative
+    }
+
+    /// Relative standard deviation of the depth of the sample at `pixel` as other cameras see it.
+    pub(crate) fn depth_noise_between(&self, pixel: usize) -> f32 {
+        self.noise_between.as_ref().map_or(0.0, |noise| noise.depth_at(self.inverse_depth[pixel]))
+    }
+
+    /// Standard deviation as other cameras see it of a color channel whose value is `steps`, both 8-bit sRGB steps.
+    pub(crate) fn color_noise_between(&self, steps: f32) -> f32 {
+        self.noise_between.as_ref().map_or(0.0, |noise| noise.color_at(steps))
     }
 
     /// How much of the noise of a single frame is left in the sample at `pixel`.

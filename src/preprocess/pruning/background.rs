@@ -10,10 +10,11 @@ use super::search;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
+use crate::preprocess::agreement::measure_noise_between;
 use crate::preprocess::layers::{CameraLayer, LayerBuilder};
 use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{ROOT, TemporalScan, all_frames};
-use crate::settings::Settings;
+use crate::settings::{AgreementRule, Settings};
 
 /// Static pixels of all cameras with their verdicts.
 pub(crate) struct PrunedBackground {
@@ -50,7 +51,7 @@ impl PrunedBackground {
 /// A layer with normals, and the pixels of its samples, ascending.
 pub(crate) type StaticLayer = (CameraLayer, Vec<u32>);
 
-/// The same with rates, ready to be pruned.
+/// The same with rates and noise between cameras, ready to be pruned.
 pub(crate) fn rated(
     capture: &Capture,
     layers: Vec<StaticLayer>,
@@ -63,7 +64,12 @@ pub(crate) fn rated(
         builder.rate(&mut layer, camera, &pixels);
         Ok(layer)
     });
-    rated.collect()
+    let mut rated: Vec<CameraLayer> = rated.collect::<Result<_>>()?;
+    if settings.pruning.agreement != AgreementRule::Off {
+        let noise = measure_noise_between(&CameraPairs::new(&capture.cameras), &rated, job)?;
+        rated.iter_mut().zip(noise).for_each(|(layer, noise)| layer.noise_between = noise);
+    }
+    Ok(rated)
 }
 
 /// Every camera's static pixels with normals, not rated yet: no pruning threshold touches them.

@@ -1,4 +1,5 @@
-//! The coverage guarantee: a sample is dropped once a candidate is known to be kept, and kept once all are known to be dropped.
+//! The coverage guarantee: a sample is dropped once a candidate is known to be kept; and kept once all are known to be dropped,
+//! unless more cameras look past it than confirm it.
 
 use super::decision::{Candidate, Rule, Verdict, may_be_witness};
 use super::pass::{DROPPED, KEPT, PendingSample, PruningPass, SearchBand, UNDECIDED};
@@ -17,6 +18,9 @@ pub(crate) fn resolve(pass: &PruningPass<'_>, band: &mut SearchBand<'_>) {
         }
         let verdict = band.verdicts[index];
         if verdict.witness_camera == Verdict::NO_CAMERA {
+            if verdict.rule == Rule::Contradicted {
+                pass.set_status(band.camera, band.pixels[index], DROPPED);
+            }
             continue;
         }
         if pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == KEPT {
@@ -42,6 +46,11 @@ fn is_still_pending(pass: &PruningPass<'_>, band: &mut SearchBand<'_>, sample: &
         }
         let others = sample.others.get_or_insert_with(|| all_but_the_best(pass, band.camera, pixel));
         let Some(next) = others.pop() else {
+            if pass.votes.contradicts(pass.pairs, pass.layers, band.camera, pixel) {
+                *verdict = Verdict::without_witness(Rule::Contradicted);
+                pass.set_status(band.camera, pixel, DROPPED);
+                return false;
+            }
             *verdict = Verdict::without_witness(Rule::Coverage);
             pass.set_status(band.camera, pixel, KEPT);
             return false;

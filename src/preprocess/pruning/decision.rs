@@ -1,9 +1,10 @@
-//! The decision on a sample: the eleven rules that keep or drop it, and the conditions that they are made of.
+//! The decision on a sample: the twelve rules that keep or drop it, and the conditions that they are made of.
 //!
 //! ```text
 //! no depth ─▶ NoSample    blended, and all such are dropped ─▶ MixedDropped    pruning is off ─▶ PruningOff
 //! else, of the samples of other cameras that show the same surface point and may be its witness:
 //!     the best of those that are better and kept ─▶ LowerRate, Tie, LaterCamera, MixedYields, UnsureYields
+//!     none, and more cameras look past it than confirm it ─▶ Contradicted
 //!     none ─▶ Coverage, BestRate, OnlyWitness
 //! ```
 //!
@@ -42,6 +43,8 @@ pub enum Rule {
     UnsureYields,
     /// Dropped: the color is blended across a silhouette, and the settings drop all such samples. There is no witness.
     MixedDropped,
+    /// Dropped: more cameras look past the point than confirm it. There is no witness.
+    Contradicted,
 }
 
 /// Whether a sample of `rank` and `camera` is better than another: the smaller rank wins, of equals the earlier camera.
@@ -113,10 +116,11 @@ impl Candidate {
 }
 
 /// The verdict on `sample`, given every sample of another camera that shows its surface point, and for each whether it is
-/// kept.
+/// kept; and whether the other cameras contradict it.
 pub(crate) fn decide(
     sample: &Candidate,
     others: &[(Candidate, bool)],
+    is_contradicted: bool,
     settings: &PruningSettings,
 ) -> Verdict {
     if sample.level == NO_SAMPLE {
@@ -138,13 +142,16 @@ pub(crate) fn decide(
     if let Some((witness, _)) = kept.min_by_key(|(other, _)| *other) {
         return Verdict::dropped_for(settings.method, sample.rank, *witness);
     }
+    if is_contradicted {
+        return Verdict::without_witness(Rule::Contradicted);
+    }
     let is_seen = others.iter().any(|other| may_be_witness(&other));
     Verdict::without_witness(rule_of_kept(better().next().is_some(), is_seen))
 }
 
 impl Rule {
     /// Every rule.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::NoSample,
         Self::OnlyWitness,
         Self::BestRate,
@@ -156,6 +163,7 @@ impl Rule {
         Self::MixedYields,
         Self::UnsureYields,
         Self::MixedDropped,
+        Self::Contradicted,
     ];
 
     /// Name in reports and JSON.
@@ -173,6 +181,7 @@ impl Rule {
             Self::MixedYields => "mixed_yields",
             Self::UnsureYields => "unsure_yields",
             Self::MixedDropped => "mixed_dropped",
+            Self::Contradicted => "contradicted",
         }
     }
 
@@ -195,6 +204,7 @@ impl Rule {
             }
             Self::UnsureYields => "Dropped: its normal is not known, and the witness's is.",
             Self::MixedDropped => "Dropped: its color is blended across a silhouette.",
+            Self::Contradicted => "Dropped: more cameras look past this point than confirm it.",
         }
     }
 

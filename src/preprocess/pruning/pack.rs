@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::decision::Decided;
 use super::pass::KEPT;
+use crate::preprocess::agreement::Consensus;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE};
@@ -59,12 +60,13 @@ impl Masks {
     }
 }
 
-/// The kept samples of one camera over one span; `None` where nothing was kept.
+/// The kept samples of one camera over one span, with their consensus depths where there are any; `None` where nothing was kept.
 pub(crate) fn pack(
     camera: usize,
     span: Span,
     layer: &CameraLayer,
     masks: Masks,
+    consensus: Option<&Consensus<'_>>,
     normals: bool,
 ) -> Option<SampleImage> {
     let count = masks.count();
@@ -92,7 +94,10 @@ pub(crate) fn pack(
                 let pixel = start + left.trailing_zeros() as usize;
                 left &= left - 1;
                 color.push(layer.color[pixel]);
-                inverse_depth.push(layer.inverse_depth[pixel]);
+                let recorded = || layer.inverse_depth[pixel];
+                inverse_depth.push(
+                    consensus.map_or_else(recorded, |consensus| consensus.inverse_depth(camera, pixel)),
+                );
                 if let Some(normal) = &mut normal {
                     normal.push(OctNormal::encode(layer.normal[pixel]));
                 }

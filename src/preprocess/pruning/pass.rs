@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::decision::{Candidate, Dispute, Verdict, may_be_witness};
+use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, SameSurface};
 use crate::preprocess::temporal::SpanLevel;
@@ -38,6 +39,8 @@ pub(crate) struct PruningPass<'a> {
     pub(crate) level: SpanLevel,
     pub(crate) settings: &'a Settings,
     pub(crate) limits: SameSurface,
+    /// Whether other cameras contradict a sample.
+    pub(crate) votes: VoteTest,
     /// Per camera, whether every sample that counts may be a witness, so that single statuses need no look.
     pub(crate) all_may_be_witnesses: Vec<bool>,
     /// Per camera, whether it holds samples of deeper levels than the one that is decided.

@@ -9,8 +9,11 @@
 //!
 //! ```text
 //! candidates of p = samples of other cameras that show p's point and are better than p
-//! p is dropped  ⇔  some candidate is kept
+//! p is dropped  ⇔  some candidate is kept, or else more cameras look past p than confirm it
 //! ```
+//!
+//! A sample that the others contradict is therefore never kept, and represents none. Votes are counted only for samples that would
+//! be kept: all others are dropped anyway, for a witness that is not contradicted.
 //!
 //! Nearly always the best candidate is kept, so that only this one is looked for at first, for sixteen samples at a time. Where
 //! it turns out dropped, all candidates are found and tried in their order. Samples are not compared with a camera that cannot
@@ -29,6 +32,7 @@ use super::decision::{Decided, Dispute, Rule, Verdict, is_dropped_as_mixed, may_
 use super::pass::{BAND_ROWS, DROPPED, KEPT, PruningPass, SearchBand, Statuses, UNDECIDED};
 use crate::error::Result;
 use crate::job::Job;
+use crate::preprocess::agreement::{VoteTest, VotedRun};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, LANES, PixelRun, SameSurface};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
@@ -68,6 +72,7 @@ pub(crate) fn prune(
         level,
         settings,
         limits: SameSurface::new(settings).at_level(level),
+        votes: VoteTest::new(settings, level),
         all_may_be_witnesses: all_may_be_witnesses.collect(),
         has_deeper: layers.par_iter().map(|layer| has_deeper(layer, level)).collect(),
     };
@@ -211,10 +216,14 @@ impl VectorLoop for FindBest<'_, '_> {
                 compare_row(pass, band.camera, &mut undecided, other, &mut compared);
             }
             others.sort_by_key(|other| Reverse(other.improved));
-            for UndecidedRun { nth, lanes, best, .. } in &undecided {
+            for run in &undecided {
+                let UndecidedRun { nth, lanes, best, .. } = run;
+                let contradicted = contradicted_lanes(pass, band.camera, run, &others);
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
                     let pixel = row * layer.width + nth * LANES + lane;
-                    let verdict = if pruning {
+                    let verdict = if contradicted >> lane & 1 == 1 {
+                        Verdict::without_witness(Rule::Contradicted)
+                    } else if pruning {
                         first_verdict(pass, band.camera, pixel, best, lane, &mut band.disputes)
                     } else {
                         verdict_without_pruning(pass, band.camera, pixel)
@@ -226,6 +235,38 @@ impl VectorLoop for FindBest<'_, '_> {
             }
         }
     }
+}
+
+/// Which samples of a run are to be kept but for the other cameras, which contradict them.
+#[inline(always)]
+fn contradicted_lanes(
+    pass: &PruningPass<'_>,
+    camera: usize,
+    run: &UndecidedRun,
+    others: &[OtherCamera<'_>],
+) -> u32 {
+    if !pass.votes.is_on() {
+        return 0;
+    }
+    let layer = &pass.layers[camera];
+    let pixel = run.block.row * layer.width + run.block.column;
+    let is_asked = |lane: &usize| {
+        run.lanes >> lane & 1 == 1
+            && run.best.candidate(*lane).is_none()
+            && pass.status(camera, (pixel + lane) as u32) != DROPPED
+    };
+    let asked = (0..LANES).filter(is_asked).fold(0, |lanes, lane| lanes | 1 << lane);
+    if asked == 0 {
+        return 0;
+    }
+    let mut votes = VotedRun::NONE;
+    for other in others.iter().filter(|other| other.may_see[run.nth]) {
+        let target = &pass.layers[other.camera];
+        pass.votes.add(other.registration, (layer, &run.block), target, asked, &mut votes);
+    }
+    let contradicted =
+        |lane: &usize| asked >> lane & 1 == 1 && pass.votes.is_contradicted(votes.counts(*lane));
+    (0..LANES).filter(contradicted).fold(0, |lanes, lane| lanes | 1 << lane)
 }
 
 /// For each row and each sixteen pixels of it, which of them hold a sample of the level.

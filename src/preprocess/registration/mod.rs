@@ -6,9 +6,10 @@ mod matches;
 mod noise_tolerance;
 mod reproject;
 mod same_surface;
+mod tolerances;
 
 pub(crate) use camera_pairs::CameraPairs;
 pub use matches::Outcome;
-pub(crate) use matches::{IN_VIEW, LANES, RequiredTolerances};
+pub(crate) use matches::{HAS_DEPTH, IN_VIEW, LANES, NEARER, ON_SURFACE, RequiredTolerances};
 pub(crate) use reproject::{PixelRun, Registration, ReprojectedRun, lanes_of};
 pub(crate) use same_surface::SameSurface;

@@ -52,7 +52,9 @@ fn beyond_noise<const N: usize>(
         let [a, b] =
             [block.color[channel][lane], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
         let noise = source.color_noise(pixel, a).hypot(target.color_noise(found as usize, b));
-        (a - b).abs() - sigmas * noise
+        let between = source.color_noise_between(a).hypot(target.color_noise_between(b));
+        let difference = (a - b).abs();
+        if difference <= sigmas * between { 0.0 } else { difference - sigmas * noise }
     };
     of_channel(0).max(of_channel(1)).max(of_channel(2))
 }
@@ -76,6 +78,27 @@ pub(crate) fn granted_depth_noise<const N: usize>(
         }
     }
     granted
+}
+
+/// How far apart noise between cameras puts one surface: as [`granted_depth_noise`], but in place of the tolerance, not on top
+/// of it.
+#[cold]
+#[inline(never)]
+pub(crate) fn depth_noise_between<const N: usize>(
+    (source, block): (&CameraLayer, &PixelRun<N>),
+    (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+    sigmas: f32,
+) -> [f32; N] {
+    let mut between = [0.0; N];
+    for (lane, between) in between.iter_mut().enumerate() {
+        let (w, there) = (block.inverse_depth[lane], found[lane].inverse_depth);
+        if w > 0.0 && there > 0.0 {
+            let pixel = block.row * source.width + block.column + lane;
+            let own = source.depth_noise_between(pixel) * there;
+            *between = sigmas * own.hypot(target.depth_noise_between(carried.pixel[lane] as usize) * w);
+        }
+    }
+    between
 }
 
 /// The same for the samples that the target found and three of their neighbors each, which are as noisy: by corner.

@@ -17,8 +17,11 @@ use super::matches::{
     COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
     RequiredTolerances, SAME, SURROUNDED, SurfaceMatches,
 };
-use super::noise_tolerance::{grant_color_noise, granted_depth_noise, granted_depth_noise_around};
+use super::noise_tolerance::{
+    depth_noise_between, grant_color_noise, granted_depth_noise, granted_depth_noise_around,
+};
 use super::reproject::{Lens, PixelRun, Registration, ReprojectedRun};
+use super::tolerances::{SurfaceTolerances, VisibleLevels};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
@@ -31,60 +34,20 @@ pub(crate) struct SameSurface {
     visible: VisibleLevels,
 }
 
-/// Tolerances of the same-surface test, converted once.
-#[derive(Clone, Copy, Debug)]
-struct SurfaceTolerances {
-    depth_footprints: f32,
-    normal_cosine: f32,
-    color_steps: f32,
-    /// Standard deviations of noise that are granted beside the tolerances.
-    color_sigmas: f32,
-    depth_sigmas: f32,
-    /// Whether the target has to show the surface all around the point.
-    overlap: bool,
-}
-
-/// Samples of deeper levels are invisible.
-#[derive(Clone, Copy, Debug)]
-struct VisibleLevels {
-    deepest: u32,
-    /// Whether the target may have samples of deeper levels.
-    hides_any: bool,
-}
-
-impl VisibleLevels {
-    const ALL: Self = Self { deepest: SpanLevel::MAX as u32, hides_any: true };
-}
-
-/// Two noisy colors of one surface, and two noisy depths, differ by less than this many standard deviations of their difference.
-const SIGMAS: f32 = 3.0;
-
 impl SameSurface {
     /// With the tolerances of `settings`; every sample is visible.
     pub(crate) fn new(settings: &Settings) -> Self {
-        let pruning = &settings.pruning;
-        let tolerances = SurfaceTolerances {
-            depth_footprints: pruning.depth_tolerance,
-            normal_cosine: pruning.normal_tolerance.to_radians().cos(),
-            color_steps: pruning.color_tolerance,
-            color_sigmas: settings.spans.noise * SIGMAS,
-            depth_sigmas: settings.spans.noise * SIGMAS,
-            overlap: pruning.overlap,
-        };
-        Self { tolerances, visible: VisibleLevels::ALL }
+        Self { tolerances: SurfaceTolerances::of(settings), visible: VisibleLevels::ALL }
     }
 
     /// Surfaces are the same up to a distance in footprints, whatever their normals and colors are.
     pub(crate) fn geometry_within(footprints: f32) -> Self {
-        let tolerances = SurfaceTolerances {
-            depth_footprints: footprints,
-            normal_cosine: f32::NEG_INFINITY,
-            color_steps: f32::from(u16::MAX),
-            color_sigmas: 0.0,
-            depth_sigmas: 0.0,
-            overlap: false,
-        };
-        Self { tolerances, visible: VisibleLevels::ALL }
+        Self { tolerances: SurfaceTolerances::of_geometry(footprints), visible: VisibleLevels::ALL }
+    }
+
+    /// As with the tolerances of `settings`, whatever normals and colors are, and at pixels alone.
+    pub(crate) fn geometry_of(settings: &Settings) -> Self {
+        Self { tolerances: SurfaceTolerances::of(settings).geometry_alone(), visible: VisibleLevels::ALL }
     }
 
     /// This test for samples of `level`, which do not see those of deeper levels.
@@ -100,12 +63,35 @@ impl SameSurface {
         if !(source.has_depth_noise() || target.has_depth_noise()) {
             self.tolerances.depth_sigmas = 0.0;
         }
+        if source.noise_between.is_none() && target.noise_between.is_none() {
+            self.tolerances.between_sigmas = 0.0;
+        }
         self
     }
 
     /// This test for a target of which is known whether it has samples of deeper levels.
     pub(crate) fn with_deeper(self, has_deeper: bool) -> Self {
         Self { visible: VisibleLevels { hides_any: has_deeper, ..self.visible }, ..self }
+    }
+
+    /// Whether the target's sample at a pixel lies behind a sample of the source by more than the tolerance, along the target's
+    /// optical axis. `depth` is that of the source's sample in target camera space, times its inverse depth.
+    pub(crate) fn is_behind(
+        &self,
+        registration: &Registration,
+        (source, own): (&CameraLayer, usize),
+        (target, pixel): (&CameraLayer, usize),
+        depth: f32,
+    ) -> bool {
+        let (w, there) = (source.inverse_depth[own], target.inverse_depth[pixel]);
+        let limits = &self.tolerances;
+        let footprint = (registration.source_side * there).max(registration.target.side * w);
+        let noise = |own: f32, found: f32| (own * there).hypot(found * w);
+        let granted = limits.depth_sigmas * noise(source.depth_noise(own), target.depth_noise(pixel));
+        let between =
+            limits.between_sigmas * noise(source.depth_noise_between(own), target.depth_noise_between(pixel));
+        let step = source.depth_step_relative * there + target.depth_step_relative * w + granted;
+        w - depth * there > (limits.depth_footprints * footprint).max(between) + step
     }
 
     /// What the target camera shows of the sample of `source` at pixel `(x, y)`.
@@ -185,6 +171,11 @@ impl SameSurface {
             granted =
                 granted_depth_noise((source, block), (target, reprojected, &found), limits.depth_sigmas);
         }
+        let mut between = [0.0; N];
+        if limits.between_sigmas > 0.0 {
+            between =
+                depth_noise_between((source, block), (target, reprojected, &found), limits.between_sigmas);
+        }
         let mut matches = SurfaceMatches { bits: reprojected.bits, pixel: reprojected.pixel, level: [0; N] };
         let lens = &registration.target;
         let [ax, ay, az] = registration.axes;
@@ -199,15 +190,15 @@ impl SameSurface {
             let footprint = (registration.source_side * there).max(lens.side * w);
             let step = source.depth_step_relative * there + target.depth_step_relative * w + granted[i];
             let both_or_neither_finite = (w == 0.0) == (there == 0.0);
-            let on_surface =
-                (distance.abs() <= limits.depth_footprints * footprint + step) & both_or_neither_finite;
+            let limit = (limits.depth_footprints * footprint).max(between[i]) + step;
+            let on_surface = (distance.abs() <= limit) & both_or_neither_finite;
             let (mx, my, mz) = (block.normal[0][i], block.normal[1][i], block.normal[2][i]);
             let cosine = (ax.x * mx + ay.x * my + az.x * mz) * nx
                 + (ax.y * mx + ay.y * my + az.y * mz) * ny
                 + (ax.z * mx + ay.z * my + az.z * mz) * nz;
             let facing = (block.known[i] == 0) | (cosine >= limits.normal_cosine);
             if MEASURING {
-                required.depth[i] = needed(distance.abs() - step, footprint);
+                required.depth[i] = needed(distance.abs(), step, between[i], footprint);
                 required.turn[i] = if block.known[i] == 0 { 0.0 } else { 1.0 - cosine };
             }
             matches.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
@@ -224,7 +215,7 @@ impl SameSurface {
         );
         self.surround::<N, MEASURING>(
             &registration.target,
-            (target, reprojected, &found),
+            (target, reprojected, &found, &between),
             &mut matches,
             relevant,
             required,
@@ -282,7 +273,12 @@ impl SameSurface {
     fn surround<const N: usize, const MEASURING: bool>(
         &self,
         lens: &Lens,
-        (target, reprojected, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+        (target, reprojected, found, between): (
+            &CameraLayer,
+            &ReprojectedRun<N>,
+            &[PackedGeometry; N],
+            &[f32; N],
+        ),
         matches: &mut SurfaceMatches<N>,
         mut relevant: [u32; N],
         required: &mut RequiredTolerances<N>,
@@ -321,12 +317,17 @@ impl SameSurface {
                 let footprint = lens.side * here.max(there);
                 // Both are rounded, and both are noisy.
                 let step = target.depth_step_relative * (here + there) + granted[corner][i];
-                let limit = limits.depth_footprints * footprint + step;
+                let limit = (limits.depth_footprints * footprint).max(between[i]) + step;
                 if MEASURING {
-                    required.depth[i] = required.depth[i].max(needed(distance.abs() - step, footprint));
+                    let needed = needed(distance.abs(), step, between[i], footprint);
+                    let needed = if (between[i] > 0.0) & (there < 0.0) { 0.0 } else { needed };
+                    required.depth[i] = required.depth[i].max(needed);
                 }
                 let both_or_neither_finite = (here == 0.0) == (there == 0.0);
-                all &= (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
+                // A hole in noisy depth is no seam of the surface.
+                let is_hole = (between[i] > 0.0) & (there < 0.0);
+                let is_on_surface = (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
+                all &= is_hole | is_on_surface;
             }
             matches.bits[i] |= if all { SURROUNDED } else { 0 };
         }
@@ -371,8 +372,9 @@ fn yields<const N: usize>(
     yields
 }
 
-/// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance.
+/// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance, `between` in place
+/// of a smaller tolerance, and `step` on top.
 #[inline(always)]
-fn needed(distance: f32, footprint: f32) -> f32 {
-    if distance <= 0.0 { 0.0 } else { distance / footprint }
+fn needed(distance: f32, step: f32, between: f32, footprint: f32) -> f32 {
+    if distance <= between + step { 0.0 } else { (distance - step) / footprint }
 }

@@ -1,0 +1,15 @@
+//! Agreement between cameras: how noisy they are beside each other, which samples the others contradict, and where most of them
+//! put a surface.
+//!
+//! ```text
+//! layers ─▶ measure: noise between cameras ─▶ votes on each sample: confirms, looks past, cannot tell ─▶ consensus depth
+//! ```
+
+mod consensus;
+mod measure;
+mod votes;
+
+pub(crate) use consensus::Consensus;
+pub(crate) use measure::measure_noise_between;
+pub use votes::{Vote, VoteCounts};
+pub(crate) use votes::{VoteTest, VotedRun};

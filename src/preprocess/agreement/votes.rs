@@ -1,0 +1,257 @@
+//! What other cameras say about a sample: they confirm it, look past it, or cannot tell.
+//!
+//! Purpose: a sample that one camera misread floats before what all others see, and wins wherever the nearest one wins. Cameras
+//! that look past it contradict it.
+//!
+//! Source: support and free-space violations are counted as in P. Merrell et al., *Real-Time Visibility-Based Fusion of Depth
+//! Maps*, ICCV 2007; that a whole neighborhood has to lie behind is the depth quality check of the MPEG immersive video test
+//! model. What differs: who may have missed a thing that is there cannot tell. These are all of them where a thing is one pixel
+//! wide, and cameras that resolve it less than half as well as the sample's own, since thin things slip between pixels; those in whose neighborhood there is anything as near,
+//! which is the thing itself beside its silhouette; and those whose pixels change over time, since their clocks may differ.
+//!
+//! Thresholds are those of [`crate::preprocess::registration`]: footprints, or noise where it exceeds them.
+
+use crate::preprocess::layers::{CameraLayer, PackedGeometry};
+use crate::preprocess::registration::{
+    CameraPairs, HAS_DEPTH, IN_VIEW, NEARER, ON_SURFACE, PixelRun, Registration, ReprojectedRun, SameSurface,
+};
+use crate::preprocess::temporal::{ROOT, SpanLevel};
+use crate::settings::{AgreementRule, PruningMethod, Settings};
+
+/// What one camera says about a sample of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vote {
+    /// It sees the surface where the sample has it, whatever its normal and color.
+    Confirms,
+    /// It sees nothing but what is farther there.
+    LooksPast,
+    /// It does not look there, something is in the way, or it may have missed the surface.
+    CannotTell,
+}
+
+/// How many other cameras vote in which way on a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct VoteCounts {
+    /// Those that confirm it.
+    pub confirm: u32,
+    /// Those that look past it.
+    pub look_past: u32,
+}
+
+impl VoteCounts {
+    /// Whether those that look past the sample outnumber its own camera and those that confirm it by `margin`.
+    #[must_use]
+    pub fn contradict(self, margin: u32) -> bool {
+        self.look_past >= 1 + self.confirm + margin
+    }
+}
+
+/// A pixel of the target may be so many times as large as the sample's own, and whatever the sample shows cannot slip between.
+const RESOLVES: f32 = 2.0;
+
+/// Neighbors in one picture are of one surface while their depths differ by no more than this, or by what noise explains.
+const SURFACE_FOOTPRINTS: f32 = 8.0;
+const SIGMAS: f32 = 3.0;
+
+/// The directions in which a thing may be thin.
+const ACROSS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
+
+/// Asks other cameras about samples.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct VoteTest {
+    limits: SameSurface,
+    level: SpanLevel,
+    margin: u32,
+    is_on: bool,
+}
+
+/// The votes on some pixels of a row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct VotedRun<const N: usize> {
+    confirm: [u32; N],
+    look_past: [u32; N],
+}
+
+impl<const N: usize> VotedRun<N> {
+    /// Nobody was asked.
+    pub(crate) const NONE: Self = Self { confirm: [0; N], look_past: [0; N] };
+
+    pub(crate) fn counts(&self, lane: usize) -> VoteCounts {
+        VoteCounts { confirm: self.confirm[lane], look_past: self.look_past[lane] }
+    }
+}
+
+impl VoteTest {
+    /// With the tolerances of `settings`, for samples of `level`, which do not see those of deeper levels.
+    pub(crate) fn new(settings: &Settings, level: SpanLevel) -> Self {
+        let pruning = &settings.pruning;
+        Self {
+            limits: SameSurface::geometry_of(settings).at_level(level),
+            level,
+            margin: pruning.agreement_margin,
+            is_on: pruning.agreement == AgreementRule::Majority && pruning.method != PruningMethod::Off,
+        }
+    }
+
+    /// This test for samples of `level`.
+    pub(crate) fn at_level(self, level: SpanLevel) -> Self {
+        Self { limits: self.limits.at_level(level), level, ..self }
+    }
+
+    /// Whether anybody is asked.
+    pub(crate) fn is_on(&self) -> bool {
+        self.is_on
+    }
+
+    /// Whether the votes contradict a sample.
+    pub(crate) fn is_contradicted(&self, counts: VoteCounts) -> bool {
+        self.is_on && counts.contradict(self.margin)
+    }
+
+    /// Adds the votes of a camera on the `asked` samples of a block.
+    #[inline(always)]
+    pub(crate) fn add<const N: usize>(
+        &self,
+        registration: &Registration,
+        (source, block): (&CameraLayer, &PixelRun<N>),
+        target: &CameraLayer,
+        asked: u32,
+        votes: &mut VotedRun<N>,
+    ) {
+        let reprojected = registration.reproject(block, target.width);
+        let mut relevant = [0; N];
+        let mut any = 0;
+        for i in 0..N {
+            relevant[i] = (asked >> i & 1) & u32::from(reprojected.bits[i] & IN_VIEW != 0);
+            any |= relevant[i];
+        }
+        if any == 0 {
+            return;
+        }
+        let limits = self.limits.between(source, target);
+        let matches = limits.compare(registration, (source, block), (target, &reprojected), relevant);
+        let mut suspect = 0_u32;
+        for i in 0..N {
+            let bits = matches.bits[i];
+            let sees = (relevant[i] != 0) & (bits & HAS_DEPTH != 0);
+            votes.confirm[i] += u32::from(sees & (bits & ON_SURFACE != 0));
+            let farther = sees & (bits & (ON_SURFACE | NEARER) == 0) & (matches.level[i] == u32::from(ROOT));
+            suspect |= u32::from(farther) << i;
+        }
+        while suspect != 0 {
+            let lane = suspect.trailing_zeros() as usize;
+            suspect &= suspect - 1;
+            let looks_past =
+                self.looks_past(&limits, registration, (source, block), (target, &reprojected), lane);
+            votes.look_past[lane] += u32::from(looks_past);
+        }
+    }
+
+    /// Whether all that the target sees around a point lies behind it, and it would have seen the sample's surface.
+    #[cold]
+    #[inline(never)]
+    fn looks_past<const N: usize>(
+        &self,
+        limits: &SameSurface,
+        registration: &Registration,
+        (source, block): (&CameraLayer, &PixelRun<N>),
+        (target, reprojected): (&CameraLayer, &ReprojectedRun<N>),
+        lane: usize,
+    ) -> bool {
+        let depth = reprojected.point[2][lane];
+        if block.inverse_depth[lane] <= 0.0
+            || registration.target.side * depth > RESOLVES * registration.source_side
+        {
+            return false;
+        }
+        let own = block.row * source.width + block.column + lane;
+        if self.is_thin(source, own, registration.source_side) {
+            return false;
+        }
+        let [x, y] = [reprojected.cell[0][lane] as usize, reprojected.cell[1][lane] as usize];
+        let rows = y.saturating_sub(1)..(y + 2).min(target.height());
+        rows.flat_map(|row| (x.saturating_sub(1)..(x + 2).min(target.width)).map(move |x| (x, row))).all(
+            |(x, y)| {
+                let pixel = y * target.width + x;
+                let level = target.level[pixel];
+                // Samples of deeper levels are not there yet, and those of shorter spans may be late.
+                target.geometry[pixel] == PackedGeometry::ABSENT
+                    || level > self.level
+                    || (level == ROOT
+                        && limits.is_behind(registration, (source, own), (target, pixel), depth))
+            },
+        )
+    }
+
+    /// Whether a sample belongs to a thing one pixel wide in its own picture: what is on both sides of it lies behind, and what is
+    /// beside it elsewhere does not. A sample all by itself is a stray one. `side` is that of a pixel at depth 1.
+    fn is_thin(&self, layer: &CameraLayer, pixel: usize, side: f32) -> bool {
+        let (x, y) = (pixel % layer.width, pixel / layer.width);
+        let here = layer.inverse_depth[pixel];
+        let noise = SIGMAS * std::f32::consts::SQRT_2 * layer.depth_noise_between(pixel);
+        let limit = here * noise.max(SURFACE_FOOTPRINTS * side);
+        let depth_at = |(dx, dy): (isize, isize)| {
+            let x = x.checked_add_signed(dx).filter(|x| *x < layer.width)?;
+            let y = y.checked_add_signed(dy).filter(|y| *y < layer.height())?;
+            let neighbor = y * layer.width + x;
+            let is_there = layer.inverse_depth[neighbor] >= 0.0 && layer.level[neighbor] <= self.level;
+            is_there.then(|| layer.inverse_depth[neighbor])
+        };
+        let is_behind = |toward| depth_at(toward).is_some_and(|there| here - there > limit);
+        let is_beside = |toward| depth_at(toward).is_some_and(|there| (here - there).abs() <= limit);
+        let opposite = |(dx, dy): (isize, isize)| (-dx, -dy);
+        ACROSS.iter().any(|&toward| is_behind(toward) && is_behind(opposite(toward)))
+            && ACROSS.iter().any(|&toward| is_beside(toward) || is_beside(opposite(toward)))
+    }
+
+    /// The votes of all other cameras on the sample of `camera` at `pixel`.
+    pub(crate) fn counts(
+        &self,
+        pairs: &CameraPairs<'_>,
+        layers: &[CameraLayer],
+        camera: usize,
+        pixel: u32,
+    ) -> VoteCounts {
+        let others = (0..layers.len()).filter(|other| *other != camera);
+        let votes = others.map(|other| self.vote(pairs, layers, (camera, pixel), other));
+        votes.fold(VoteCounts::default(), |mut counts, vote| {
+            counts.confirm += u32::from(vote == Vote::Confirms);
+            counts.look_past += u32::from(vote == Vote::LooksPast);
+            counts
+        })
+    }
+
+    /// What camera `other` says about the sample of `camera` at `pixel`.
+    pub(crate) fn vote(
+        &self,
+        pairs: &CameraPairs<'_>,
+        layers: &[CameraLayer],
+        (camera, pixel): (usize, u32),
+        other: usize,
+    ) -> Vote {
+        let (layer, target) = (&layers[camera], &layers[other]);
+        if target.geometry.is_empty() {
+            return Vote::CannotTell;
+        }
+        let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
+        let block = PixelRun::<1>::new(layer, x, y, 1);
+        let mut votes = VotedRun::NONE;
+        self.add(pairs.registration(camera, other), (layer, &block), target, 1, &mut votes);
+        match votes.counts(0) {
+            VoteCounts { confirm: 1, .. } => Vote::Confirms,
+            VoteCounts { look_past: 1, .. } => Vote::LooksPast,
+            _ => Vote::CannotTell,
+        }
+    }
+
+    /// Whether the votes of all other cameras contradict the sample of `camera` at `pixel`.
+    pub(crate) fn contradicts(
+        &self,
+        pairs: &CameraPairs<'_>,
+        layers: &[CameraLayer],
+        camera: usize,
+        pixel: u32,
+    ) -> bool {
+        self.is_on && self.is_contradicted(self.counts(pairs, layers, camera, pixel))
+    }
+}

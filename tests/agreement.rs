@@ -1,0 +1,203 @@
+//! What other cameras contradict is dropped; what they may have missed, hide, or saw at another time is not.
+
+mod scene;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
+use overlook::error::Result;
+use overlook::job::Job;
+use overlook::preprocess::agreement::Vote;
+use overlook::preprocess::inspect::{FrameInspection, explain_pixel};
+use overlook::preprocess::pruning::Rule;
+use overlook::preprocess::{inspect_frame, preprocess, scan};
+use overlook::settings::{AgreementRule, Settings};
+use scene::{Scene, Sphere, arc, camera};
+
+fn inspect(capture: &Capture, frame: usize, settings: &Settings) -> FrameInspection {
+    let scan = scan(capture, settings, &Job::new()).unwrap();
+    inspect_frame(capture, Some(&scan), settings, frame, &Job::new()).unwrap()
+}
+
+fn contradicted(inspection: &FrameInspection, camera: usize) -> Vec<usize> {
+    let verdicts = inspection.cameras[camera].verdict.as_slice().iter().enumerate();
+    verdicts.filter(|(_, verdict)| verdict.rule == Rule::Contradicted).map(|(pixel, _)| pixel).collect()
+}
+
+fn is_any_contradicted(inspection: &FrameInspection) -> bool {
+    (0..inspection.cameras.len()).any(|camera| !contradicted(inspection, camera).is_empty())
+}
+
+#[test]
+fn stray_samples_are_dropped_and_hardly_anything_else() {
+    let clean = Scene::still_life();
+    let scene = Scene { strays: 0.01, ..clean.clone() };
+    let (cameras, settings) = (arc(5, 96), Settings::default());
+    let [recorded, truth] =
+        [&scene, &clean].map(|scene| inspect(&scene.record(cameras.clone(), 1), 0, &settings));
+    let (mut strays, mut kept) = (0, 0);
+    for camera in 0..cameras.len() {
+        let [found, true_depths] =
+            [&recorded, &truth].map(|inspection| inspection.cameras[camera].frame.inverse_depth.as_slice());
+        for pixel in 0..found.len() {
+            let verdict = recorded.cameras[camera].verdict.as_slice()[pixel];
+            let is_stray = found[pixel] != true_depths[pixel];
+            strays += usize::from(is_stray);
+            kept += usize::from(is_stray && verdict.is_kept());
+            assert!(is_stray || verdict.rule != Rule::Contradicted, "camera {camera}, pixel {pixel}");
+        }
+    }
+    assert!(strays > 300, "{strays}");
+    // What lies near to one camera fewer than two others look at.
+    assert!(kept * 2 < strays, "{kept} of {strays}");
+    let mut off = settings;
+    off.pruning.agreement = AgreementRule::Off;
+    assert!(!is_any_contradicted(&inspect(&scene.record(cameras, 1), 0, &off)));
+}
+
+#[test]
+fn what_one_camera_misreads_is_dropped_and_its_pixel_says_who_looks_past() {
+    let scene = Scene { misreading: Some(2), ..Scene::still_life() };
+    let capture = scene.record(arc(5, 64), 1);
+    let inspection = inspect(&capture, 0, &Settings::default());
+    let dropped = contradicted(&inspection, 2);
+    assert!(dropped.len() > 500, "{}", dropped.len());
+    for camera in [0, 1, 3, 4] {
+        assert!(contradicted(&inspection, camera).is_empty(), "camera {camera}");
+    }
+    let explanation = explain_pixel(&inspection, 2, dropped[0] % 64, dropped[0] / 64).unwrap();
+    assert_eq!(explanation.verdict.rule, Rule::Contradicted);
+    assert!(explanation.votes.look_past >= 2 && explanation.votes.confirm == 0);
+    let past = explanation.evidence.iter().filter(|row| row.vote == Some(Vote::LooksPast)).count();
+    assert_eq!(past as u32, explanation.votes.look_past);
+    let report = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().report;
+    assert_eq!(report.pruned["contradicted"], dropped.len() as u64);
+}
+
+#[test]
+fn one_camera_against_another_is_no_majority() {
+    let scene = Scene { misreading: Some(1), ..Scene::still_life() };
+    assert!(!is_any_contradicted(&inspect(&scene.record(arc(2, 64), 1), 0, &Settings::default())));
+}
+
+#[test]
+fn silhouettes_and_things_that_move_are_not_contradicted() {
+    let mut scene = Scene::still_life();
+    let center = |frame: usize| Some(DVec3::new(-1.6 + 0.3 * frame as f64, -0.6, 0.5));
+    scene.spheres.push(Sphere { center: Arc::new(center), radius: 0.3, color: [0.2, 0.3, 0.7] });
+    let capture = scene.record(arc(6, 80), 6);
+    for frame in [0, 3, 5] {
+        assert!(!is_any_contradicted(&inspect(&capture, frame, &Settings::default())), "frame {frame}");
+    }
+}
+
+#[test]
+fn a_thing_that_is_too_thin_for_the_cameras_farther_away_is_not_contradicted() {
+    // Beads of a third of a pixel for the camera close by, and of a tenth for all others.
+    let mut scene = Scene::still_life();
+    for bead in 0..60 {
+        let place = DVec3::new(-0.6 + 0.02 * f64::from(bead), -1.2, 0.5 + 0.003 * f64::from(bead));
+        scene.spheres.push(Sphere::resting(place, 0.004, [0.9, 0.9, 0.1]));
+    }
+    let mut cameras = arc(5, 64);
+    cameras.push(camera("close", DVec3::new(0.0, -2.6, 0.6), DVec3::new(0.0, -1.2, 0.55), 160));
+    let inspection = inspect(&scene.record(cameras, 1), 0, &Settings::default());
+    let close = &inspection.cameras[5];
+    let beads = close.frame.color.as_slice().iter().filter(|color| color[0].to_f32() > 0.85).count();
+    assert!(beads > 20, "{beads}");
+    assert!(contradicted(&inspection, 5).is_empty());
+}
+
+/// The scene as cameras record it of which some are late by so many frames.
+struct Unsynchronized {
+    scene: Scene,
+    cameras: Vec<Camera>,
+    late: [usize; 4],
+}
+
+impl FrameSource for Unsynchronized {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        Ok(self.scene.trace(&self.cameras[camera], frame + self.late[camera], camera))
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        format!("unsynchronized scene, camera {camera}, frame {frame}")
+    }
+}
+
+#[test]
+fn what_cameras_out_of_sync_saw_elsewhere_is_not_contradicted() {
+    let mut scene = Scene::still_life();
+    let center = |frame: usize| Some(DVec3::new(-1.8 + 0.35 * frame as f64, -0.6, 0.5));
+    scene.spheres.push(Sphere { center: Arc::new(center), radius: 0.4, color: [0.2, 0.3, 0.7] });
+    let cameras = arc(4, 80);
+    let capture = Capture::new(
+        CaptureParts {
+            name: "unsynchronized".to_owned(),
+            frame_numbers: (0..8).collect(),
+            up_in_world: DVec3::Z,
+            has_normals: true,
+            antialiased_color: false,
+            warnings: Vec::new(),
+            source: Arc::new(Unsynchronized { scene, cameras: cameras.clone(), late: [0, 1, 2, 1] }),
+            cameras,
+        },
+        256 << 20,
+    );
+    let inspection = inspect(&capture, 4, &Settings::default());
+    for camera in 0..4 {
+        let seen = &inspection.cameras[camera];
+        // What passes outside of where the others ever see it pass is told from nothing.
+        let passing = seen.frame.color.as_slice().iter().filter(|color| color[2].to_f32() > 0.65).count();
+        let dropped = contradicted(&inspection, camera).len();
+        assert!(passing > 100 && dropped * 50 < passing, "camera {camera}: {dropped} of {passing}");
+    }
+}
+
+#[test]
+fn exact_depth_is_not_noisy_between_cameras_and_noisy_depth_is_as_noisy_as_it_is() {
+    let (cameras, job) = (arc(5, 128), Job::new());
+    let report = |scene: &Scene| {
+        preprocess(&scene.record(cameras.clone(), 1), &Settings::default(), &job).unwrap().report
+    };
+    let exact = Scene { normals: false, ..Scene::still_life() };
+    assert!(report(&exact).cameras.iter().all(|camera| camera.depth_noise_between.is_empty()));
+    for sigma in [0.01, 0.02] {
+        let noisy = report(&Scene { depth_noise: sigma, ..exact.clone() });
+        for camera in &noisy.cameras {
+            assert!(!camera.depth_noise_between.is_empty(), "{sigma}");
+            // Farther away the ground is seen at grazing angles.
+            for noise in camera.depth_noise_between.iter().filter(|noise| noise.depth < 8.0) {
+                let ratio = noise.relative / sigma;
+                assert!((0.5..1.6).contains(&ratio), "{sigma}: {noise:?}");
+            }
+        }
+        assert_eq!(noisy.warnings(), Vec::<String>::new(), "noise is no reason to doubt what depth means");
+    }
+}
+
+#[test]
+fn consensus_depth_lies_nearer_to_the_truth_than_what_was_recorded() {
+    let exact = Scene { normals: false, ..Scene::still_life() };
+    let noisy = Scene { depth_noise: 0.02, ..exact.clone() };
+    let cameras = arc(7, 128);
+    let truth = cameras.iter().map(|camera| exact.trace(camera, 0, 0)).collect::<Vec<_>>();
+    let recorded = cameras.iter().enumerate().map(|(seed, camera)| noisy.trace(camera, 0, seed));
+    let recorded = recorded.collect::<Vec<_>>();
+    let kept = preprocess(&noisy.record(cameras, 1), &Settings::default(), &Job::new()).unwrap().samples;
+    let (mut before, mut after) = (0.0, 0.0);
+    for image in &kept.images {
+        let kept_depths = image.inverse_depths();
+        for sample in image.samples() {
+            let of = |frames: &[Frame]| frames[image.camera as usize].inverse_depth[(sample.x, sample.y)];
+            let expected = of(&truth);
+            if expected > 0.0 {
+                let error = |inverse_depth: f32| f64::from((inverse_depth / expected - 1.0).powi(2));
+                before += error(of(&recorded));
+                after += error(kept_depths[sample.index]);
+            }
+        }
+    }
+    assert!(after < 0.6 * before, "squared errors of {after} beside {before}");
+}
