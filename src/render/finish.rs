@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::environment::{Environment, SkySums};
 use super::fill::fill_from;
-use super::free_space::{SeenDepths, mark_holes};
+use super::free_space::{SeenDepths, cameras_to_ask, mark_holes};
 use super::input::{FrameImages, FrameSamples};
 use super::vantage::{Picture, Vantage};
 use crate::error::Result;
@@ -55,40 +55,46 @@ impl Finisher {
         let camera = &vantage.camera;
         let mut environment = None;
         if tests_free_space(settings) {
-            let seen = self.seen_at(samples, vantage.frame)?;
-            mark_holes(picture, &seen.depths, &samples.cameras, camera, settings.depth_tolerance);
+            let seen = self.seen_at(samples, vantage)?;
             environment = seen.environment.as_ref();
+            if environment.is_some() {
+                mark_holes(picture, &seen.depths, &samples.cameras, camera, settings.depth_tolerance);
+            }
         }
         let filling = Instant::now();
         fill_from(picture, camera, settings, environment);
         Ok(filling.elapsed().as_secs_f64() * 1e3)
     }
 
-    /// What cameras saw at a frame.
-    fn seen_at(&mut self, samples: &Arc<SampleSet>, frame: usize) -> Result<&SeenFrame> {
-        let images = FrameImages::at(samples, frame);
+    /// What cameras saw at the frame of a vantage; depths only where there is a sky, and only of the cameras to ask.
+    fn seen_at(&mut self, samples: &Arc<SampleSet>, vantage: &Vantage) -> Result<&SeenFrame> {
+        let images = FrameImages::at(samples, vantage.frame);
         let (background, all) = (images.background().to_vec(), images.all().to_vec());
-        if self.frame.as_ref().is_some_and(|seen| seen.is_of(samples, &all))
-            && let Some(seen) = self.frame.take()
+        let wanted = cameras_to_ask(&samples.cameras, &vantage.camera);
+        let known = self.frame.take().filter(|seen| seen.is_of(samples, &all));
+        if let Some(seen) = known
+            && (seen.environment.is_none() || seen.depths.has(&wanted))
         {
             return Ok(self.frame.insert(seen));
         }
-        let frame = FrameSamples::of(samples, frame, images, None)?;
-        if !self.background.as_ref().is_some_and(|seen| seen.is_of(samples, &background)) {
-            let (depths, sky) = rayon::join(
-                || SeenDepths::new(&frame, frame.background_tiles(), None),
-                || SkySums::new(&frame, frame.background_tiles(), None),
-            );
-            let samples = samples.clone();
-            self.background = Some(SeenFrame { samples, images: background, depths, sky, environment: None });
+        let frame = FrameSamples::of(samples, vantage.frame, images, None)?;
+        let (back, front) = (frame.background_tiles(), frame.foreground_tiles());
+        let known = self.background.take().filter(|seen| seen.is_of(samples, &background));
+        let before = self.background.insert(known.unwrap_or_else(|| SeenFrame {
+            samples: samples.clone(),
+            images: background,
+            depths: SeenDepths::default(),
+            sky: SkySums::new(&frame, back.clone(), None),
+            environment: None,
+        }));
+        let sky = SkySums::new(&frame, front.clone(), Some(&before.sky));
+        let environment = Environment::new(&sky);
+        let mut depths = SeenDepths::default();
+        if environment.is_some() {
+            before.depths.complete(&frame, &back, None, &wanted);
+            depths.complete(&frame, &front, Some(&before.depths), &wanted);
         }
-        let before = self.background.as_ref();
-        let (depths, sky) = rayon::join(
-            || SeenDepths::new(&frame, frame.foreground_tiles(), before.map(|before| &before.depths)),
-            || SkySums::new(&frame, frame.foreground_tiles(), before.map(|before| &before.sky)),
-        );
-        let (samples, environment) = (samples.clone(), Environment::new(&sky));
-        Ok(self.frame.insert(SeenFrame { samples, images: all, depths, sky, environment }))
+        Ok(self.frame.insert(SeenFrame { samples: samples.clone(), images: all, depths, sky, environment }))
     }
 }
 

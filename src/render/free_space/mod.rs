@@ -14,6 +14,7 @@
 //! near the surface); Kutulakos and Seitz, *A Theory of Shape by Space Carving*, IJCV 2000. What differs: no volume is built; lines
 //! of sight are tested where the question arises, against what each camera saw. That a pixel must be enclosed was measured: of
 //! lines of sight through unseen space, nearly all that surfaces enclose ended on a surface, and nearly all others at the sky.
+//! Where no camera saw anything at infinity, no line of sight is tested.
 
 mod hidden;
 mod ray_test;
@@ -21,4 +22,5 @@ mod seen_depth;
 mod surroundings;
 
 pub(crate) use hidden::{HOLE, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, mark_holes};
+pub(crate) use ray_test::cameras_to_ask;
 pub(crate) use seen_depth::SeenDepths;

@@ -1,8 +1,8 @@
 //! Which parts of a line of sight no camera has seen free.
 
-use super::seen_depth::{SeenDepths, UNSEEN, cell_camera};
+use super::seen_depth::{FreeDepths, SeenDepths, UNSEEN, cell_camera};
 use crate::capture::Camera;
-use crate::render::geometry::Projector;
+use crate::render::geometry::{Projector, focal};
 use crate::render::input::{LANES, LaneValues};
 use crate::simd::{joined, whole};
 
@@ -28,32 +28,40 @@ pub(super) enum LineOfSight {
 
 /// Tests lines of sight of the vantage.
 pub(super) struct RayTest<'a> {
-    seen: &'a SeenDepths,
-    views: Vec<CellView>,
+    views: Vec<CellView<'a>>,
 }
 
-/// A camera, nearest to the vantage first: those answer most questions.
-struct CellView {
-    camera: usize,
+/// A camera that is asked.
+struct CellView<'a> {
+    free: &'a FreeDepths,
     cells_from_target: Projector,
     /// Inverse depths below this share of a point's lie behind it.
     behind_ratio: f32,
 }
 
+/// Most cameras that are asked. Those that stand far from the vantage seldom see what the nearest do not.
+const MOST_CAMERAS: usize = 12;
+
+/// The cameras that are asked about the lines of sight of `target`, nearest first: those answer most questions.
+pub(crate) fn cameras_to_ask(cameras: &[Camera], target: &Camera) -> Vec<usize> {
+    let center = target.position_in_world();
+    let mut order: Vec<usize> = (0..cameras.len()).collect();
+    let distance = |camera: usize| (cameras[camera].position_in_world() - center).length();
+    order.sort_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+    order.truncate(MOST_CAMERAS);
+    order
+}
+
 impl<'a> RayTest<'a> {
-    /// For lines of sight of `target`.
+    /// For lines of sight of `target`, of which what `cameras_to_ask` saw must be known.
     pub(super) fn new(seen: &'a SeenDepths, cameras: &[Camera], target: &Camera) -> Self {
-        let center = target.position_in_world();
-        let mut order: Vec<usize> = (0..cameras.len()).collect();
-        let distance = |camera: usize| (cameras[camera].position_in_world() - center).length();
-        order.sort_by(|a, b| distance(*a).total_cmp(&distance(*b)));
         let view = |camera: usize| {
             let cells = cell_camera(&cameras[camera]);
-            let focal = (cells.intrinsics.fx * cells.intrinsics.fy).sqrt() as f32;
             let cells_from_target = Projector::new(target, &cells);
-            CellView { camera, cells_from_target, behind_ratio: 1.0 - BEHIND_FOOTPRINTS / focal }
+            let behind_ratio = 1.0 - BEHIND_FOOTPRINTS / focal(&cells);
+            Some(CellView { free: seen.free_depths(camera)?, cells_from_target, behind_ratio })
         };
-        Self { seen, views: order.into_iter().map(view).collect() }
+        Self { views: cameras_to_ask(cameras, target).into_iter().filter_map(view).collect() }
     }
 
     /// Tests the line of sight of pixel `(x, y)` between the inverse depths `near` and `far`, evenly in inverse depth, which is
@@ -69,7 +77,7 @@ impl<'a> RayTest<'a> {
             }
             let (mut group_free, mut group_blocked) = (0_u32, 0_u32);
             for view in &self.views {
-                let [is_free, is_blocked] = self.look(view, (x, y), &w);
+                let [is_free, is_blocked] = Self::look(view, (x, y), &w);
                 group_free |= is_free;
                 group_blocked |= is_blocked;
                 if group_free == 0xffff {
@@ -88,8 +96,8 @@ impl<'a> RayTest<'a> {
     /// At which of some inverse depths a camera saw the pixel's line of sight free, and at which it saw something in front of it:
     /// one bit each.
     #[inline(always)]
-    fn look(&self, view: &CellView, (x, y): (f32, f32), w: &LaneValues) -> [u32; 2] {
-        let free_depths = self.seen.free_depths(view.camera);
+    fn look(view: &CellView<'_>, (x, y): (f32, f32), w: &LaneValues) -> [u32; 2] {
+        let free_depths = view.free;
         let projector = &view.cells_from_target;
         let (ray, origin) = (projector.ray(x, y), projector.origin);
         let (right, below) = ((free_depths.across - 1) as f32, (free_depths.down - 1) as f32);

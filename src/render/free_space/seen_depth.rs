@@ -9,7 +9,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::capture::Camera;
-use crate::render::geometry::{FootprintReach, Projector, TileBounds, bounds as bounds_in};
+use crate::render::geometry::{FootprintReach, Projector, TileBounds, bounds};
 use crate::render::input::{DenseTile, FrameSamples, FrameTile};
 use crate::samples::TILE;
 use crate::simd::{self, VectorLoop, whole};
@@ -52,10 +52,10 @@ pub(super) struct FreeDepths {
     pub(super) farthest: Vec<f32>,
 }
 
-/// What each camera saw.
-#[derive(Clone, Debug)]
+/// What each camera saw; `None` for cameras that nobody asked about yet.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct SeenDepths {
-    cameras: Vec<SeenCamera>,
+    cameras: Vec<Option<SeenCamera>>,
 }
 
 /// A camera whose pixels are the cells of another.
@@ -70,31 +70,58 @@ pub(super) fn cell_camera(camera: &Camera) -> Camera {
 }
 
 impl SeenDepths {
-    /// What cameras saw according to some tiles of a frame, and to what was seen `before`, if given.
-    pub(crate) fn new(frame: &FrameSamples<'_>, tiles: Range<usize>, before: Option<&Self>) -> Self {
-        let cells: Vec<Camera> = frame.set.cameras.iter().map(cell_camera).collect();
-        let mut seen = before
-            .cloned()
-            .unwrap_or_else(|| Self { cameras: cells.iter().map(SeenCamera::empty).collect() });
-        let share = cells.len().div_ceil(rayon::current_num_threads()).max(1);
-        seen.cameras.par_chunks_mut(share).zip(cells.par_chunks(share)).for_each(|(seen, cells)| {
-            let into_cells =
-                |cells| frame.set.cameras.iter().map(|source| Projector::new(source, cells)).collect();
-            let projectors: Vec<Vec<Projector>> = cells.iter().map(into_cells).collect();
-            let no_reach = FootprintReach { pixels: 0.0, source_pixels: 0.0 };
-            let bounds = cells.iter().zip(&projectors);
-            let bounds =
-                bounds.map(|(cells, from)| bounds_in(frame, tiles.clone(), from, cells, no_reach)).collect();
-            simd::run(CarryTiles { tiles: frame.tiles(tiles.clone()), bounds, projectors, cells, seen });
-        });
-        seen
+    /// Whether it is known what these cameras saw.
+    pub(crate) fn has(&self, wanted: &[usize]) -> bool {
+        wanted.iter().all(|camera| matches!(self.cameras.get(*camera), Some(Some(_))))
     }
 
-    /// How far the lines of sight of a camera are free.
-    #[inline(always)]
-    pub(super) fn free_depths(&self, camera: usize) -> &FreeDepths {
-        &self.cameras[camera].free
+    /// Adds what the wanted cameras saw according to some tiles of a frame, and to what was seen `before`, if given.
+    pub(crate) fn complete(
+        &mut self,
+        frame: &FrameSamples<'_>,
+        tiles: &Range<usize>,
+        before: Option<&Self>,
+        wanted: &[usize],
+    ) {
+        let cameras = &frame.set.cameras;
+        self.cameras.resize_with(cameras.len(), || None);
+        let missing: Vec<usize> =
+            wanted.iter().copied().filter(|camera| self.cameras[*camera].is_none()).collect();
+        let share = missing.len().div_ceil(rayon::current_num_threads()).max(1);
+        let found: Vec<(usize, SeenCamera)> = missing
+            .par_chunks(share)
+            .flat_map_iter(|missing| {
+                let cells: Vec<Camera> =
+                    missing.iter().map(|camera| cell_camera(&cameras[*camera])).collect();
+                let already = |camera: &usize| before.and_then(|before| before.cameras[*camera].clone());
+                let seen = missing.iter().zip(&cells);
+                let mut seen: Vec<SeenCamera> = seen
+                    .map(|(camera, cells)| already(camera).unwrap_or_else(|| SeenCamera::empty(cells)))
+                    .collect();
+                carry(frame, tiles, &cells, &mut seen);
+                missing.iter().copied().zip(seen).collect::<Vec<_>>()
+            })
+            .collect();
+        for (camera, seen) in found {
+            self.cameras[camera] = Some(seen);
+        }
     }
+
+    /// How far the lines of sight of a camera are free; `None` if nobody asked about it.
+    #[inline(always)]
+    pub(super) fn free_depths(&self, camera: usize) -> Option<&FreeDepths> {
+        self.cameras.get(camera)?.as_ref().map(|seen| &seen.free)
+    }
+}
+
+/// Carries tiles into some cameras, whose cells `cells` have as pixels.
+fn carry(frame: &FrameSamples<'_>, tiles: &Range<usize>, cells: &[Camera], seen: &mut [SeenCamera]) {
+    let into_cells = |cells| frame.set.cameras.iter().map(|source| Projector::new(source, cells)).collect();
+    let projectors: Vec<Vec<Projector>> = cells.iter().map(into_cells).collect();
+    let no_reach = FootprintReach { pixels: 0.0, source_pixels: 0.0 };
+    let places = cells.iter().zip(&projectors);
+    let places = places.map(|(cells, from)| bounds(frame, tiles.clone(), from, cells, no_reach)).collect();
+    simd::run(CarryTiles { tiles: frame.tiles(tiles.clone()), bounds: places, projectors, cells, seen });
 }
 
 /// Carries tiles into some cameras.
