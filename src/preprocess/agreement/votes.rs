@@ -62,6 +62,7 @@ pub(crate) struct VoteTest {
     limits: SameSurface,
     level: SpanLevel,
     margin: u32,
+    depth_footprints: f32,
     is_on: bool,
 }
 
@@ -89,6 +90,7 @@ impl VoteTest {
             limits: SameSurface::geometry_of(settings).at_level(level),
             level,
             margin: pruning.agreement_margin,
+            depth_footprints: pruning.depth_tolerance,
             is_on: pruning.agreement == AgreementRule::Majority && pruning.method != PruningMethod::Off,
         }
     }
@@ -96,6 +98,11 @@ impl VoteTest {
     /// This test for samples of `level`.
     pub(crate) fn at_level(self, level: SpanLevel) -> Self {
         Self { limits: self.limits.at_level(level), level, ..self }
+    }
+
+    /// This test where things count as thin only if they stand out by so many footprints.
+    pub(crate) fn thin_beyond(self, depth_footprints: f32) -> Self {
+        Self { depth_footprints, ..self }
     }
 
     /// Whether anybody is asked.
@@ -189,7 +196,8 @@ impl VoteTest {
         let (x, y) = (pixel % layer.width, pixel / layer.width);
         let here = layer.inverse_depth[pixel];
         let noise = SIGMAS * std::f32::consts::SQRT_2 * layer.depth_noise_between(pixel);
-        let limit = here * noise.max(SURFACE_FOOTPRINTS * side);
+        let [apart, together] =
+            [self.depth_footprints, SURFACE_FOOTPRINTS].map(|footprints| here * noise.max(footprints * side));
         let depth_at = |(dx, dy): (isize, isize)| {
             let x = x.checked_add_signed(dx).filter(|x| *x < layer.width)?;
             let y = y.checked_add_signed(dy).filter(|y| *y < layer.height())?;
@@ -197,8 +205,8 @@ impl VoteTest {
             let is_there = layer.inverse_depth[neighbor] >= 0.0 && layer.level[neighbor] <= self.level;
             is_there.then(|| layer.inverse_depth[neighbor])
         };
-        let is_behind = |toward| depth_at(toward).is_some_and(|there| here - there > limit);
-        let is_beside = |toward| depth_at(toward).is_some_and(|there| (here - there).abs() <= limit);
+        let is_behind = |toward| depth_at(toward).is_some_and(|there| here - there > apart);
+        let is_beside = |toward| depth_at(toward).is_some_and(|there| (here - there).abs() <= together);
         let opposite = |(dx, dy): (isize, isize)| (-dx, -dy);
         ACROSS.iter().any(|&toward| is_behind(toward) && is_behind(opposite(toward)))
             && ACROSS.iter().any(|&toward| is_beside(toward) || is_beside(opposite(toward)))

@@ -41,7 +41,9 @@ pub(crate) fn build_lists(
     }
     let range = ToleranceRange::around(&settings.pruning);
     let least = codes(range.least);
-    let votes = VoteTest::new(&least_tolerant(settings), ROOT);
+    // At the largest tolerance the fewest things count as thin.
+    let votes = VoteTest::new(&least_tolerant(settings), ROOT)
+        .thin_beyond(most_tolerant(settings).pruning.depth_tolerance);
     let settings = most_tolerant(settings);
     let builder = ListBuilder {
         pairs,
