@@ -59,7 +59,7 @@ impl SkySums {
                 for column in (0..TILE).filter(|column| dense.row(row)[*column] == 0.0) {
                     let [first, across, down] = rays[tile.camera as usize];
                     let (x, y) = (tile.origin.0 as f32 + column as f32, tile.origin.1 as f32 + row as f32);
-                    let cell = &mut cells[cell_of((first + across * x + down * y).normalize())];
+                    let cell = &mut cells[cell_of((first + across * x + down * y).normalize_or_zero())];
                     let [red, green, blue] = tile.color(tile.rank(column, row));
                     *cell = [cell[0] + red, cell[1] + green, cell[2] + blue, cell[3] + 1.0];
                 }
@@ -127,7 +127,7 @@ impl PixelDirections {
     /// The direction of a pixel's center, of length 1.
     pub(crate) fn at(&self, (x, y): (usize, usize)) -> Vec3 {
         let [first, across, down] = self.0;
-        (first + across * x as f32 + down * y as f32).normalize()
+        (first + across * x as f32 + down * y as f32).normalize_or_zero()
     }
 }
 

@@ -200,8 +200,8 @@ impl SeenCamera {
         let Self { across, nearest, free } = self;
         let corners = free.across;
         for (row, farthest) in free.farthest.chunks_exact_mut(corners).enumerate() {
-            let above = &nearest[row * *across..][..corners + 1];
-            let below = &nearest[(row + 1) * *across..][..corners + 1];
+            let above = &nearest[row * *across..][..=corners];
+            let below = &nearest[(row + 1) * *across..][..=corners];
             for (column, farthest) in farthest.iter_mut().enumerate() {
                 let left = seen_at(above[column]).min(seen_at(below[column]));
                 let right = seen_at(above[column + 1]).min(seen_at(below[column + 1]));
