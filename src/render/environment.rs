@@ -22,9 +22,6 @@ const FINEST: usize = 64;
 /// Of the eight cells around a direction half touch the sphere, on average: the others are always empty.
 const TOUCHING: f32 = 0.5;
 
-/// The grid whose cells around a direction tell whether the sky was seen there: within some four degrees.
-const NEARBY: usize = 1;
-
 /// Interpolation ends when less than this share is open.
 const MAX_OPEN_SHARE: f32 = 1.0 / 256.0;
 
@@ -81,13 +78,6 @@ impl Environment {
             levels.push(coarser);
         }
         Some(Self { levels })
-    }
-
-    /// Whether samples at infinity were found around a direction of length 1.
-    pub(crate) fn is_seen(&self, direction: Vec3) -> bool {
-        let mut count = 0.0;
-        for_cells_around(direction, FINEST >> NEARBY, |cell, _| count += self.levels[NEARBY][cell][3]);
-        count > 0.0
     }
 
     /// The color in a direction of length 1, linear Rec.709.

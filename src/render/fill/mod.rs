@@ -57,7 +57,15 @@ pub(super) fn fill_from(
         return;
     }
     if let Some(environment) = environment {
-        fill_sky(picture, target, environment);
+        fill_sky(picture, target, environment, |depths, pixel| depths[pixel] == SKY_HOLE);
+        let is_open = |depth: &f32| *depth == OPEN_HOLE;
+        if picture.inverse_depth.as_slice().iter().any(is_open) {
+            let rays = rays_over(picture, |depth| depth != OPEN_HOLE);
+            fill_sky(picture, target, environment, |depths, pixel| {
+                depths[pixel] == OPEN_HOLE
+                    && is_mostly_beside_sky(&rays, depths, (pixel % width, pixel / width))
+            });
+        }
     }
     let depths = picture.inverse_depth.as_slice();
     let is_open = |depth: &f32| *depth < 0.0;
@@ -96,8 +104,7 @@ struct FillSources {
 impl FillSources {
     /// The pixels of a picture whose inverse depth `counts`.
     fn new(picture: &Picture, tolerance: SurfaceTolerance, counts: impl Fn(f32) -> bool + Sync) -> Self {
-        let depths = picture.inverse_depth.as_slice().par_iter().with_min_len(4096);
-        let sources: Vec<u32> = depths.map(|depth| if counts(*depth) { 0 } else { NO_IMAGE }).collect();
+        let sources = sources_where(picture, counts);
         let (pyramid, rays) = rayon::join(
             || Pyramid::pull(picture, &sources, tolerance),
             || HoleRays::cast(&sources, picture.image.size()),
@@ -106,23 +113,41 @@ impl FillSources {
     }
 }
 
-/// Fills the holes that show the sky: those with free lines of sight, and of those that nothing encloses, the ones around whose
-/// direction some camera saw the sky.
-fn fill_sky(picture: &mut Picture, target: &Camera, environment: &Environment) {
+/// [`NO_IMAGE`] for each pixel of a picture unless its inverse depth `counts`.
+fn sources_where(picture: &Picture, counts: impl Fn(f32) -> bool + Sync) -> Vec<u32> {
+    let depths = picture.inverse_depth.as_slice().par_iter().with_min_len(4096);
+    depths.map(|depth| if counts(*depth) { 0 } else { NO_IMAGE }).collect()
+}
+
+/// Rays from every pixel whose inverse depth does not `stop` them.
+fn rays_over(picture: &Picture, stops: impl Fn(f32) -> bool + Sync) -> HoleRays {
+    HoleRays::cast(&sources_where(picture, stops), picture.image.size())
+}
+
+/// Whether a pixel sees the sky across its hole in at least half of the directions in which it sees anything.
+fn is_mostly_beside_sky(rays: &HoleRays, depths: &[f32], pixel: (usize, usize)) -> bool {
+    let seen = rays.neighbors(pixel);
+    let found = || (0..8).filter(|direction| seen.distance_px[*direction].is_finite());
+    let sky = found().filter(|direction| depths[seen.pixel[*direction]] == 0.0).count();
+    2 * sky >= found().count()
+}
+
+/// Fills the holes for which `shows_sky` holds, given the inverse depths of the picture and the index of the pixel.
+fn fill_sky(
+    picture: &mut Picture,
+    target: &Camera,
+    environment: &Environment,
+    shows_sky: impl Fn(&[f32], usize) -> bool + Sync,
+) {
     let width = picture.image.width();
     let directions = PixelDirections::new(target);
-    let colors = picture.color.as_mut_slice().par_chunks_mut(width);
-    let rows = colors.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width)).enumerate();
-    rows.for_each(|(y, (colors, inverse_depths))| {
-        for (x, (color, inverse_depth)) in colors.iter_mut().zip(inverse_depths).enumerate() {
-            let shows_sky = match *inverse_depth {
-                SKY_HOLE => true,
-                OPEN_HOLE => environment.is_seen(directions.at((x, y))),
-                _ => false,
-            };
-            if shows_sky {
-                (*color, *inverse_depth) = (environment.color(directions.at((x, y))), 0.0);
-            }
-        }
-    });
+    let depths = picture.inverse_depth.as_slice();
+    let pixels = (0..depths.len()).into_par_iter().with_min_len(4096);
+    let color_of = |pixel| environment.color(directions.at((pixel % width, pixel / width)));
+    let filled: Vec<(usize, [f32; 3])> =
+        pixels.filter(|pixel| shows_sky(depths, *pixel)).map(|pixel| (pixel, color_of(pixel))).collect();
+    for (pixel, color) in filled {
+        picture.color.as_mut_slice()[pixel] = color;
+        picture.inverse_depth.as_mut_slice()[pixel] = 0.0;
+    }
 }
