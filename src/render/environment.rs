@@ -53,7 +53,7 @@ impl SkySums {
             cells.resize(FINEST * FINEST * FINEST, [0.0; 4]);
             dense.unpack(tile);
             for row in 0..TILE {
-                for column in (0..TILE).filter(|column| dense.row(row)[*column] == 0.0) {
+                for column in (0..TILE).filter(|column| is_clean_sky(&dense, *column, row)) {
                     let [first, across, down] = rays[tile.camera as usize];
                     let (x, y) = (tile.origin.0 as f32 + column as f32, tile.origin.1 as f32 + row as f32);
                     let cell = &mut cells[cell_of((first + across * x + down * y).normalize_or_zero())];
@@ -119,6 +119,13 @@ impl PixelDirections {
         let [first, across, down] = self.0;
         (first + across * x as f32 + down * y as f32).normalize_or_zero()
     }
+}
+
+/// Whether a pixel of a tile holds a sample at infinity with no surface beside it in the tile: its color is not blended with one.
+fn is_clean_sky(tile: &DenseTile, column: usize, row: usize) -> bool {
+    let columns = column.saturating_sub(1)..(column + 2).min(TILE);
+    let mut around = (row.saturating_sub(1)..(row + 2).min(TILE)).map(|row| &tile.row(row)[columns.clone()]);
+    tile.row(row)[column] == 0.0 && around.all(|samples| samples.iter().all(|w| *w <= 0.0))
 }
 
 /// The cell of the finest grid that a direction of length 1 lies in.
