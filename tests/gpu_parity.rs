@@ -3,6 +3,8 @@
 //! Where the machine has no adapter, not even a software one, each test says so and passes; with `OVERLOOK_REQUIRE_GPU=1` it
 //! fails instead, so that a check that is meant to run them cannot pass without.
 
+#[path = "scene/boxes.rs"]
+mod boxes;
 #[path = "scene/moving.rs"]
 mod moving;
 mod scene;
@@ -11,6 +13,7 @@ mod skip;
 
 use std::sync::Arc;
 
+use boxes::{Blocks, block, eye};
 use glam::DVec3;
 use moving::moving_capture;
 use overlook::capture::{Camera, Capture};
@@ -265,6 +268,33 @@ fn what_was_moved_by_a_pixel_does_not_pass_for_the_same_picture() {
         let (gpu, _) = on_gpu(&mut gpu, &samples, &moved, 2, *kernel);
         let found = Difference::between(&cpu, &gpu);
         assert!(!agree(&found) && found.image > DIFFERING && found.depth > DIFFERING, "{kernel}: {found:?}");
+    }
+}
+
+#[test]
+fn the_sky_that_no_camera_has_seen_through_a_surface_is_left_out_as_on_the_cpu() {
+    let Some(mut gpu) = gpu() else { return };
+    // A deep shaft, into which all cameras look from beside it.
+    let (z, color) = ([4.0, 8.0], [0.75, 0.125, 0.0625]);
+    let blocks = vec![
+        block([-0.9, 0.9], [-0.9, -0.25], z, color),
+        block([-0.9, 0.9], [0.25, 0.9], z, color),
+        block([-0.9, -0.25], [-0.25, 0.25], z, color),
+        block([0.25, 0.9], [-0.25, 0.25], z, color),
+    ];
+    let scene = Blocks { blocks, sky: |_| [0.125, 0.25, 0.75] };
+    let cameras = [(-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)].map(|(x, y)| eye(x, y, 96));
+    let samples = samples(&scene.record(&cameras, 1));
+    for kernel in [Kernel::Surfel, Kernel::Gather] {
+        let vantage = Vantage { camera: eye(0.02, 0.01, 96), frame: 0 };
+        let all = RenderSettings { free_space: false, ..settings(kernel) };
+        let (all, _) = CpuRenderer::new().render(&samples, &vantage, &all, &Job::new()).unwrap();
+        let (cpu, _) = on_cpu(&samples, &vantage.camera, 0, kernel);
+        let (gpu, stats) = on_gpu(&mut gpu, &samples, &vantage.camera, 0, kernel);
+        assert!(cpu.holes() > all.holes() + 30, "{kernel}: there must be something to find");
+        let found = Difference::between(&cpu, &gpu);
+        assert!(agree(&found) && found.worst <= worst_color(kernel), "{kernel}: {found:?}");
+        assert_eq!(stats.holes, gpu.holes());
     }
 }
 

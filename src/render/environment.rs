@@ -165,3 +165,103 @@ fn for_cells_around(direction: Vec3, side: usize, mut visit: impl FnMut(usize, f
         visit((z * side + y) * side + x, a * b * c);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The environment of samples with these directions and colors.
+    fn environment(samples: impl Iterator<Item = (Vec3, [f32; 3])>) -> Environment {
+        let mut cells = vec![[0.0; 4]; FINEST * FINEST * FINEST];
+        for (direction, [red, green, blue]) in samples {
+            let cell = &mut cells[cell_of(direction)];
+            *cell = [cell[0] + red, cell[1] + green, cell[2] + blue, cell[3] + 1.0];
+        }
+        Environment::new(&SkySums { cells }).unwrap()
+    }
+
+    /// Directions all over the sphere, evenly.
+    fn directions(count: usize) -> impl Iterator<Item = Vec3> {
+        (0..count).map(move |nth| {
+            let z = 1.0 - (2 * nth + 1) as f32 / count as f32;
+            let around = nth as f32 * 2.399_963_2;
+            let radius = (1.0 - z * z).sqrt();
+            Vec3::new(radius * around.cos(), radius * around.sin(), z)
+        })
+    }
+
+    /// A color that changes smoothly with direction.
+    fn smooth(direction: Vec3) -> [f32; 3] {
+        (0.5 + 0.3 * direction).to_array()
+    }
+
+    fn difference(a: [f32; 3], b: [f32; 3]) -> f32 {
+        (0..3).map(|channel| (a[channel] - b[channel]).abs()).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn a_patch_of_one_color_goes_on_in_all_directions() {
+        let color = [0.25, 0.5, 0.75];
+        for toward in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, 0.8), Vec3::ONE.normalize_or_zero()] {
+            let patch = directions(20_000).filter(|direction| direction.dot(toward) > 0.97);
+            let sky = environment(patch.map(|direction| (direction, color)));
+            for direction in directions(2000).chain([toward, -toward, Vec3::X, Vec3::NEG_X, Vec3::Z]) {
+                let found = sky.color(direction);
+                assert!(difference(found, color) < 1e-5, "{direction}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_sky_is_seen_in_a_patch_and_close_around_it_alone() {
+        let toward = Vec3::new(0.0, 0.6, 0.8);
+        let patch_angle = 0.6_f32;
+        let patch = directions(40_000).filter(|direction| direction.dot(toward) > patch_angle.cos());
+        let sky = environment(patch.map(|direction| (direction, [1.0; 3])));
+        for direction in directions(5000) {
+            let angle = direction.dot(toward).clamp(-1.0, 1.0).acos();
+            if angle < patch_angle {
+                assert!(sky.is_seen(direction), "{angle} of {patch_angle}");
+            } else if angle > patch_angle + 0.2 {
+                assert!(!sky.is_seen(direction), "{angle} of {patch_angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_sky_that_was_seen_everywhere_comes_back() {
+        let sky = environment(directions(200_000).map(|direction| (direction, smooth(direction))));
+        for direction in directions(3000).chain([Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE.normalize_or_zero()]) {
+            let off = difference(sky.color(direction), smooth(direction));
+            // A cell is 1/32 wide, and of those around a direction only some hold samples.
+            assert!(off < 0.3 / 32.0, "{direction}: off by {off}");
+        }
+    }
+
+    #[test]
+    fn no_seam_runs_along_the_axes_and_the_edges_of_a_cube() {
+        // Seen on one side alone, so that coarse grids are used as well.
+        let seen = directions(40_000).filter(|direction| direction.x + 0.3 * direction.z > 0.4);
+        let sky = environment(seen.map(|direction| (direction, smooth(direction))));
+        let step = 1e-4;
+        let corners =
+            [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(1.0, 1.0, 0.0), Vec3::new(0.0, 1.0, -1.0), Vec3::ONE];
+        let mut worst = 0.0_f32;
+        for middle in corners {
+            for across in [Vec3::X, Vec3::Y, Vec3::Z] {
+                for nth in -40..40 {
+                    let at = |nth: i32| {
+                        (middle.normalize_or_zero() + across * (nth as f32 * step)).normalize_or_zero()
+                    };
+                    worst = worst.max(difference(sky.color(at(nth)), sky.color(at(nth + 1))));
+                }
+            }
+        }
+        assert!(worst < 2e-3, "a step of {worst} within {step} radians");
+    }
+
+    #[test]
+    fn without_samples_there_is_no_environment() {
+        assert!(Environment::new(&SkySums { cells: Vec::new() }).is_none());
+    }
+}

@@ -53,16 +53,17 @@ impl Finisher {
         settings: &RenderSettings,
     ) -> Result<f64> {
         let camera = &vantage.camera;
-        let mut environment = None;
+        let (mut environment, mut blended) = (None, Vec::new());
         if tests_free_space(settings) {
             let seen = self.seen_at(samples, vantage)?;
             environment = seen.environment.as_ref();
             if environment.is_some() {
-                mark_holes(picture, &seen.depths, &samples.cameras, camera, settings.depth_tolerance);
+                let (depths, cameras) = (&seen.depths, &samples.cameras);
+                blended = mark_holes(picture, depths, cameras, camera, settings.depth_tolerance);
             }
         }
         let filling = Instant::now();
-        fill_from(picture, camera, settings, environment);
+        fill_from(picture, camera, settings, environment, &blended);
         Ok(filling.elapsed().as_secs_f64() * 1e3)
     }
 

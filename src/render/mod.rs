@@ -3,7 +3,7 @@
 //! ```text
 //! SampleSet ─ input ─▶ tiles of the frame ─ geometry: cull ─▶ bands ─ splat: surface ─▶ keys ─ splat: blend ─▶ sums
 //!                                                                                        │                      │
-//!      Picture ◀─ fill ◀─ resolve ◀─ gather: color of each surface point ◀─ silhouette ──┴──────────────────────┘
+//!      Picture ◀─ fill ◀─ free_space ◀─ resolve ◀─ gather: color of surface points ◀─ silhouette ──┴────────────┘
 //! ```
 //!
 //! The *surface* stage finds the nearest sample of every pixel. What follows depends on the kernel: `point` shows that

@@ -41,7 +41,10 @@ const STAGES: [(&str, &[&str]); 8] = [
             "diagnostics",
         ],
     ),
-    ("render", &["input", "geometry", "splat", "gather", "resolve", "fill", "output", "gpu", "film"]),
+    (
+        "render",
+        &["input", "geometry", "splat", "free_space", "gather", "resolve", "fill", "output", "gpu", "film"],
+    ),
     ("app", &["model", "work", "control", "views", "panels"]),
     ("capture", &["exr", "transforms"]),
     ("demo", &["tracer", "scenes"]),

@@ -37,15 +37,17 @@ use surface::{SurfaceTolerance, WeightedMean, surface_behind};
 /// Fills the holes of `picture` as the settings demand. Sets color and inverse depth, which is then 0 or more; [`Picture::image`]
 /// stays [`NO_IMAGE`]. A picture without any sample is left as it is.
 pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
-    fill_from(picture, target, settings, None);
+    fill_from(picture, target, settings, None, &[]);
 }
 
-/// As [`fill`], but with the sky where holes show it.
+/// As [`fill`], but with the sky where holes show it. Where they hide a surface, colors of pixels that may be `blended` with the
+/// sky are not used.
 pub(super) fn fill_from(
     picture: &mut Picture,
     target: &Camera,
     settings: &RenderSettings,
     environment: Option<&Environment>,
+    blended: &[usize],
 ) {
     let (width, height) = picture.image.size();
     let image = picture.image.as_slice();
@@ -72,9 +74,10 @@ pub(super) fn fill_from(
     // Where a surface is hidden, the sky is not among what the hole is filled from.
     let hides_surface = |depth: &f32| *depth < HOLE;
     let tolerance = SurfaceTolerance::new(target, settings);
-    let all = depths.iter().any(is_open).then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0));
+    let all =
+        depths.iter().any(is_open).then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[]));
     let surfaces = depths.iter().any(hides_surface);
-    let surfaces = surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0));
+    let surfaces = surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0, blended));
     let fill_row = |(y, row): (usize, &[f32])| -> Vec<(usize, WeightedMean)> {
         let fill_pixel = |x: usize| {
             let sources = if hides_surface(&row[x]) { surfaces.as_ref() } else { all.as_ref() }?;
@@ -102,9 +105,21 @@ struct FillSources {
 }
 
 impl FillSources {
-    /// The pixels of a picture whose inverse depth `counts`.
-    fn new(picture: &Picture, tolerance: SurfaceTolerance, counts: impl Fn(f32) -> bool + Sync) -> Self {
-        let sources = sources_where(picture, counts);
+    /// The pixels of a picture whose inverse depth `counts`, without some, if any others are left.
+    fn new(
+        picture: &Picture,
+        tolerance: SurfaceTolerance,
+        counts: impl Fn(f32) -> bool + Sync,
+        without: &[usize],
+    ) -> Self {
+        let mut sources = sources_where(picture, counts);
+        let left_out: Vec<usize> =
+            without.iter().copied().filter(|pixel| sources[*pixel] != NO_IMAGE).collect();
+        if sources.iter().filter(|source| **source != NO_IMAGE).count() > left_out.len() {
+            for pixel in left_out {
+                sources[pixel] = NO_IMAGE;
+            }
+        }
         let (pyramid, rays) = rayon::join(
             || Pyramid::pull(picture, &sources, tolerance),
             || HoleRays::cast(&sources, picture.image.size()),

@@ -15,10 +15,10 @@ pub(crate) const HOLE: f32 = -1.0;
 
 /// The inverse depth of a hole that shows either the sky or what hides it, whose line of sight passes space that no camera has seen
 /// free and that nearer surfaces do not enclose.
-pub(crate) const OPEN_HOLE: f32 = f32::MIN;
+pub(crate) const OPEN_HOLE: f32 = f32::MIN / 2.0;
 
 /// The inverse depth of a hole whose line of sight cameras have seen free: it shows the sky.
-pub(crate) const SKY_HOLE: f32 = f32::NEG_INFINITY;
+pub(crate) const SKY_HOLE: f32 = f32::MIN;
 
 /// A pixel that shows its sample.
 const SHOWN: f32 = 1.0;
@@ -43,13 +43,15 @@ pub(crate) fn hidden_surface_limit(hole: f32) -> f32 {
 /// Turns pixels into holes that nearer surfaces enclose and whose line of sight passes space that no camera has seen free, and
 /// marks all holes: their inverse depths become [`HOLE`], [`OPEN_HOLE`], [`SKY_HOLE`], or `−1 − w` where the surface that is hidden
 /// is no farther than inverse depth `w`.
+///
+/// Returns the shown pixels whose colors may still be blended with those of samples that are no longer shown, ascending.
 pub(crate) fn mark_holes(
     picture: &mut Picture,
     seen: &SeenDepths,
     cameras: &[Camera],
     target: &Camera,
     depth_tolerance: f32,
-) {
+) -> Vec<usize> {
     let tolerance = 1.0 + (depth_tolerance + 1.0) / focal(target);
     let width = picture.image.width();
     let test = RayTest::new(seen, cameras, target);
@@ -67,10 +69,14 @@ pub(crate) fn mark_holes(
     let rims: Vec<_> = (0..marks.len())
         .into_par_iter()
         .with_min_len(4096)
-        .filter_map(|pixel| unblended(picture, &marks, pixel, tolerance))
+        .filter_map(|pixel| Some((pixel, unblended(picture, &marks, pixel, tolerance)?)))
         .collect();
+    let mut blended = Vec::new();
     for (pixel, color) in rims {
-        picture.color.as_mut_slice()[pixel] = color;
+        match color {
+            Some(color) => picture.color.as_mut_slice()[pixel] = color,
+            None => blended.push(pixel),
+        }
     }
     let color = picture.color.as_mut_slice().par_chunks_mut(width);
     let planes = color.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
@@ -80,6 +86,7 @@ pub(crate) fn mark_holes(
             (color[x], inverse_depth[x], image[x]) = ([0.0; 3], *mark, NO_IMAGE);
         }
     });
+    blended
 }
 
 /// Tests the lines of sight of the pixels in a row of squares that nearer surfaces may enclose.
@@ -186,8 +193,9 @@ fn mark_of_open_hole(test: &RayTest<'_>, surroundings: &Surroundings, (x, y): (u
 }
 
 /// The color of a shown pixel beside one that was turned into a hole, whose sample may have been blended into it: the mean of the
-/// same surface beside it. `None` for all other pixels, and where the surface is not shown farther from the hole.
-fn unblended(picture: &Picture, marks: &[f32], pixel: usize, tolerance: f32) -> Option<(usize, [f32; 3])> {
+/// same surface beside it, `Some(None)` where the surface is not shown farther from the hole. `None` for all other pixels.
+#[expect(clippy::option_option, reason = "there is no such pixel, and there is no such color")]
+fn unblended(picture: &Picture, marks: &[f32], pixel: usize, tolerance: f32) -> Option<Option<[f32; 3]>> {
     let (width, height) = picture.image.size();
     let (images, depths) = (picture.image.as_slice(), picture.inverse_depth.as_slice());
     let around = |pixel: usize| {
@@ -209,5 +217,22 @@ fn unblended(picture: &Picture, marks: &[f32], pixel: usize, tolerance: f32) -> 
             count += 1.0;
         }
     }
-    (count > 0.0).then(|| (pixel, sum.map(|sum| sum / count)))
+    Some((count > 0.0).then(|| sum.map(|sum| sum / count)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mark_tells_how_far_the_hidden_surface_may_be() {
+        for hidden_until in [0.0_f32, 0.003, 0.25, 1.0, 40.0] {
+            let mark = HOLE - hidden_until;
+            assert!(mark <= HOLE && mark > OPEN_HOLE);
+            assert!((hidden_surface_limit(mark) - hidden_until).abs() < 1e-6 * (1.0 + hidden_until));
+        }
+        for unlimited in [HOLE, OPEN_HOLE, SKY_HOLE, 0.0, 0.5] {
+            assert_eq!(hidden_surface_limit(unlimited), 0.0, "{unlimited}");
+        }
+    }
 }

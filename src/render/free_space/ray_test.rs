@@ -137,3 +137,44 @@ fn end_of_longest_run(bits: u64) -> u32 {
     }
     end
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_of_several_runs_is_found_and_the_first_of_equal_ones() {
+        assert_eq!(end_of_longest_run(0), 0);
+        assert_eq!(end_of_longest_run(0b1), 1);
+        assert_eq!(end_of_longest_run(0b0111_0011), 7);
+        assert_eq!(end_of_longest_run(0b0110_0011), 2);
+        assert_eq!(end_of_longest_run(u64::MAX), 64);
+        assert_eq!(end_of_longest_run(u64::MAX << 1), 64);
+        assert_eq!(end_of_longest_run(1 << 63), 64);
+        assert_eq!(end_of_longest_run(u64::MAX >> 1), 63);
+        assert_eq!(end_of_longest_run(0xffff_0000_0fff_ffff), 28);
+    }
+
+    #[test]
+    fn the_end_of_the_longest_run_is_that_of_a_plain_search() {
+        let plain = |bits: u64| {
+            let (mut longest, mut end, mut length) = (0, 0, 0);
+            for bit in 0..64 {
+                length = if bits >> bit & 1 == 1 { length + 1 } else { 0 };
+                if length > longest {
+                    (longest, end) = (length, bit + 1);
+                }
+            }
+            end
+        };
+        let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
+        for _ in 0..2000 {
+            bits ^= bits << 13;
+            bits ^= bits >> 7;
+            bits ^= bits << 17;
+            for bits in [bits, bits | bits << 1, bits & bits << 3, !(bits & bits >> 5)] {
+                assert_eq!(end_of_longest_run(bits), plain(bits), "{bits:b}");
+            }
+        }
+    }
+}

@@ -97,10 +97,12 @@ impl Surroundings {
     /// Whether surfaces in enough of the squares around a square may enclose one of its pixels.
     #[inline(always)]
     pub(super) fn may_enclose(&self, column: usize, row: usize) -> bool {
-        let down = self.squares.len() / self.squares_across;
+        // The last squares may reach out of the picture, where anything may be.
+        let full = |with_border: usize| (with_border - 2 * REACH) / SQUARE;
+        let (columns, rows) = (full(self.across), full(self.w.len() / self.across));
         let has_surface = |right: isize, below: isize| {
             let (column, row) = (column.wrapping_add_signed(right), row.wrapping_add_signed(below));
-            let inside = column < self.squares_across && row < down;
+            let inside = column < columns && row < rows;
             !inside || self.squares[row * self.squares_across + column].nearest > 0.0
         };
         let leads_to_surface = |&(right, below): &(isize, isize)| {
@@ -171,4 +173,110 @@ fn joined_around(squares: &[DepthRange], across: usize, square: usize) -> DepthR
     let rows = span(row, down).map(|row| &squares[row * across..][..across]);
     let around = rows.flat_map(|squares| &squares[span(column, across)]);
     around.fold(DepthRange::NONE, |all, square| all.joined(*square))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Grid;
+    use crate::render::vantage::NO_IMAGE;
+
+    /// A picture of surfaces, sky and holes in patches: the `scarce`r, the fewer surfaces.
+    fn patches(size: (usize, usize), patch: usize, scarce: u32, seed: u32) -> Picture {
+        let depth = |x: usize, y: usize| {
+            let (column, row) = (x / patch, y / patch);
+            let mut mixed = (column as u32).wrapping_mul(0x9e37_79b1)
+                ^ (row as u32).wrapping_mul(0x85eb_ca77)
+                ^ seed.wrapping_mul(0xc2b2_ae3d);
+            mixed = (mixed ^ mixed >> 15).wrapping_mul(0x2c1b_3c6d);
+            mixed = (mixed ^ mixed >> 12).wrapping_mul(0x297a_2d39);
+            mixed ^= mixed >> 15;
+            match mixed % scarce {
+                0 => 1.0,
+                1 => 0.3,
+                2 => 0.1,
+                3 => -1.0,
+                _ => 0.0,
+            }
+        };
+        Picture {
+            color: Grid::filled(size.0, size.1, [0.0; 3]),
+            inverse_depth: Grid::from_fn(size.0, size.1, depth),
+            image: Grid::from_fn(size.0, size.1, |x, y| if depth(x, y) < 0.0 { NO_IMAGE } else { 0 }),
+        }
+    }
+
+    /// Whether a nearer surface, or the edge of the picture, lies in enough directions, by stepping over the picture itself.
+    fn plainly_enclosed(picture: &Picture, (x, y): (usize, usize), enough: usize) -> bool {
+        let own = picture.inverse_depth[(x, y)].max(0.0);
+        let leads_to_nearer = |(right, below): (isize, isize)| {
+            (1..=REACH as isize).any(|step| {
+                let at = (x.wrapping_add_signed(step * right), y.wrapping_add_signed(step * below));
+                picture.inverse_depth.get(at.0, at.1).is_none_or(|w| *w > 2.0 * own)
+            })
+        };
+        DIRECTIONS.into_iter().filter(|direction| leads_to_nearer(*direction)).count() >= enough
+    }
+
+    #[test]
+    fn no_square_is_passed_over_that_holds_a_pixel_which_may_be_enclosed() {
+        let (mut may, mut passed_over) = (0, 0);
+        for seed in 0..12 {
+            for (patch, scarce) in [(3, 40), (5, 30), (9, 12), (16, 6), (40, 5)] {
+                let (width, height) = (131 + seed as usize, 90);
+                let picture = patches((width, height), patch, scarce, seed);
+                let surroundings = Surroundings::new(&picture);
+                for y in 0..height {
+                    for x in 0..width {
+                        let (at, square) = (surroundings.at((x, y)), (x / SQUARE, y / SQUARE));
+                        let found = surroundings.may_be_enclosed(at);
+                        assert_eq!(found, plainly_enclosed(&picture, (x, y), ENOUGH_TO_TEST));
+                        assert!(
+                            !found || surroundings.may_enclose(square.0, square.1),
+                            "({x}, {y}), seed {seed}"
+                        );
+                        let is_enclosed = surroundings.is_enclosed(at, |_| true);
+                        assert_eq!(is_enclosed, plainly_enclosed(&picture, (x, y), ENOUGH));
+                        may += usize::from(found);
+                        passed_over += usize::from(!surroundings.may_enclose(square.0, square.1));
+                    }
+                }
+            }
+        }
+        // Both happen, so that neither answer goes untested.
+        assert!(may > 10_000 && passed_over > 10_000, "{may} may be enclosed, {passed_over} passed over");
+    }
+
+    #[test]
+    fn a_pixel_is_not_enclosed_over_pixels_that_are_seen_free() {
+        // A ring of surface around 9×9 pixels of sky.
+        let mut picture = patches((40, 40), 1, u32::MAX, 0);
+        for y in 0..40_usize {
+            for x in 0..40_usize {
+                let from_middle = x.abs_diff(20).max(y.abs_diff(20));
+                picture.inverse_depth[(x, y)] = if from_middle == 5 { 1.0 } else { 0.0 };
+            }
+        }
+        let surroundings = Surroundings::new(&picture);
+        let middle = surroundings.at((20, 20));
+        assert!(surroundings.is_enclosed(middle, |_| true));
+        let (left, right) = (surroundings.at((18, 20)), surroundings.at((22, 20)));
+        assert!(surroundings.is_enclosed(middle, |there| there != left));
+        assert!(!surroundings.is_enclosed(middle, |there| there != left && there != right));
+        // The ring itself is enclosed by nothing.
+        assert!(!surroundings.is_enclosed(surroundings.at((15, 20)), |_| true));
+    }
+
+    #[test]
+    fn the_range_around_a_pixel_counts_surfaces_but_neither_sky_nor_holes() {
+        let mut picture = patches((100, 100), 1, u32::MAX, 0);
+        picture.inverse_depth = Grid::filled(100, 100, 0.0);
+        picture.inverse_depth[(40, 40)] = -1.0;
+        assert_eq!(Surroundings::new(&picture).range_at((50, 50)), DepthRange::NONE);
+        picture.inverse_depth[(50, 52)] = 0.5;
+        picture.inverse_depth[(70, 30)] = 0.25;
+        picture.inverse_depth[(99, 99)] = 2.0;
+        let range = Surroundings::new(&picture).range_at((50, 50));
+        assert_eq!(range, DepthRange { nearest: 0.5, farthest: 0.25 });
+    }
 }
