@@ -38,8 +38,11 @@ fn live_picture(window: &mut Window) -> image::RgbaImage {
     image::imageops::crop_imm(&whole, x, y, width, height).to_image()
 }
 
-/// Has the GPU paint, which leaves holes, and steps until a picture in motion is shown.
+/// Has the GPU paint, which leaves holes and tests no lines of sight, and steps until a picture in motion is shown.
 fn set_in_motion(window: &mut Window) {
+    window.get_by_label("Render free space").scroll_to_me();
+    window.run_steps(3);
+    click(window, "Render free space");
     window.get_by_label("Render fill").scroll_to_me();
     window.run_steps(3);
     pick(window, "Render fill", "None");

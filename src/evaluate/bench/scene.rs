@@ -33,10 +33,10 @@ const FOREGROUND_SHARE: f64 = 0.1;
 /// Distance of the two vantages, m: too small to change the picture, enough that no cache serves both.
 const SIDE_STEP_M: f64 = 1e-6;
 
-/// The default settings of rendering, but for holes: filling them takes the same time after every kernel, so that measured kernels
-/// leave them.
+/// The default settings of rendering, but for holes: finding and filling them takes the same time after every kernel, so that
+/// measured kernels leave them.
 pub(crate) fn without_filling() -> RenderSettings {
-    RenderSettings { fill: Fill::None, ..RenderSettings::default() }
+    RenderSettings { fill: Fill::None, free_space: false, ..RenderSettings::default() }
 }
 
 /// Seeded input for every stage.
