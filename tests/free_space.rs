@@ -362,8 +362,8 @@ fn a_hole_before_the_sky_shows_it_even_where_nothing_around_the_hole_does() {
             let is_blue = |pixel: &&usize| differs(picture.color.as_slice()[**pixel], BLUE) < 1e-3;
             sky.iter().filter(is_blue).count()
         });
-        // Footprints widen the box, which is magnified five times, by up to two rows.
-        assert!(on * 10 > sky.len() * 9, "{kernel}: {on} of {}", sky.len());
+        // Footprints widen the box, which is magnified five times, by up to two rows; beside it lines of sight are hidden.
+        assert!(on * 20 > sky.len() * 17, "{kernel}: {on} of {}", sky.len());
         assert_eq!(off, 0, "{kernel}: the comparison shows nothing");
     }
 }
