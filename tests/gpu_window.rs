@@ -134,14 +134,15 @@ fn what_cannot_be_shown_from_the_adapter_comes_through_memory() {
     let Some(shared) = window_device() else { return };
     let (samples, vantage) = (samples(), vantage());
     let mut renderer = Renderer::sharing(Some(shared));
-    let mut is_on_adapter = |backend, fill| {
-        let settings = RenderSettings { backend, fill, ..RenderSettings::default() };
+    let mut is_on_adapter = |backend, fill, free_space| {
+        let settings = RenderSettings { backend, fill, free_space, ..RenderSettings::default() };
         let (shown, _) = renderer.show(&samples, &vantage, &settings, &HOLES, &Job::new()).unwrap();
         matches!(shown, WindowPicture::OnAdapter(_))
     };
-    assert!(is_on_adapter(Backend::Gpu, Fill::None));
-    assert!(!is_on_adapter(Backend::Gpu, Fill::PushPull));
-    assert!(!is_on_adapter(Backend::Cpu, Fill::None));
+    assert!(is_on_adapter(Backend::Gpu, Fill::None, false));
+    assert!(!is_on_adapter(Backend::Gpu, Fill::PushPull, false));
+    assert!(!is_on_adapter(Backend::Gpu, Fill::None, true));
+    assert!(!is_on_adapter(Backend::Cpu, Fill::None, false));
     let mut apart = Renderer::new();
     let settings = RenderSettings { backend: Backend::Gpu, ..RenderSettings::default() };
     let (shown, _) = apart.show(&samples, &vantage, &settings, &HOLES, &Job::new()).unwrap();

@@ -182,8 +182,9 @@ impl Renderer {
         }
     }
 
-    /// Paints for a window in motion: on the window's own device without a copy if the GPU paints there and the settings leave
-    /// holes, which only the CPU fills; else as [`Renderer::render`]. Never supersampled, because the next picture follows at once.
+    /// Paints for a window in motion: on the window's own device without a copy if the GPU paints there and the settings neither fill
+    /// holes nor test lines of sight, which only the CPU does; else as [`Renderer::render`]. Never supersampled, because the next
+    /// picture follows at once.
     ///
     /// # Errors
     /// As [`Renderer::render`].
