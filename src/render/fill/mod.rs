@@ -49,7 +49,7 @@ pub(super) fn fill_from(
     environment: Option<&Environment>,
     blended: &[usize],
 ) {
-    let (width, height) = picture.image.size();
+    let width = picture.image.width();
     let image = picture.image.as_slice();
     let is_hole = |image: &u32| *image == NO_IMAGE;
     let nothing_to_do = settings.fill == Fill::None
@@ -88,7 +88,6 @@ pub(super) fn fill_from(
         (0..width).filter(|x| is_open(&row[*x])).filter_map(fill_pixel).collect()
     };
     let filled: Vec<_> = depths.par_chunks(width).enumerate().map(fill_row).collect();
-    debug_assert_eq!(filled.len(), height);
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
     let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
     rows.zip(filled).for_each(|((colors, inverse_depths), filled)| {
