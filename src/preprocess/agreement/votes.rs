@@ -5,9 +5,11 @@
 //!
 //! Source: support and free-space violations are counted as in P. Merrell et al., *Real-Time Visibility-Based Fusion of Depth
 //! Maps*, ICCV 2007; that a whole neighborhood has to lie behind is the depth quality check of the MPEG immersive video test
-//! model. What differs: who may have missed a thing that is there cannot tell. These are all of them where a thing is one pixel
-//! wide, and cameras that resolve it less than half as well as the sample's own, since thin things slip between pixels; those in whose neighborhood there is anything as near,
-//! which is the thing itself beside its silhouette; and those whose pixels change over time, since their clocks may differ.
+//! model. What differs: a camera that may have missed a thing cannot tell. That holds for
+//! - all cameras where the thing is one pixel wide, and cameras that resolve it less than half as well as the sample's own: thin
+//!   things slip between pixels;
+//! - cameras that see anything as near in the 3×3 pixels: it is the thing itself beside its silhouette;
+//! - cameras whose pixels change over time: their clocks may differ.
 //!
 //! Thresholds are those of [`crate::preprocess::registration`]: footprints, or noise where it exceeds them.
 

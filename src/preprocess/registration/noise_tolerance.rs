@@ -59,6 +59,27 @@ fn beyond_noise<const N: usize>(
     of_channel(0).max(of_channel(1)).max(of_channel(2))
 }
 
+/// How far `noise`, relative standard deviations of depth at pixels of both cameras, may put the points of a block off the surfaces
+/// that the target found.
+#[inline(always)]
+fn off_surfaces<const N: usize>(
+    (source, block): (&CameraLayer, &PixelRun<N>),
+    (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+    sigmas: f32,
+    noise: impl Fn(&CameraLayer, usize) -> f32,
+) -> [f32; N] {
+    let mut off = [0.0; N];
+    for (lane, off) in off.iter_mut().enumerate() {
+        let (w, there) = (block.inverse_depth[lane], found[lane].inverse_depth);
+        if w > 0.0 && there > 0.0 {
+            let pixel = block.row * source.width + block.column + lane;
+            let own = noise(source, pixel) * there;
+            *off = sigmas * own.hypot(noise(target, carried.pixel[lane] as usize) * w);
+        }
+    }
+    off
+}
+
 /// By how much the noise of both cameras may move the points of a block off the surfaces that the target found: for each its
 /// distance along the ray, times both inverse depths as in the [comparison](super::same_surface).
 #[cold]
@@ -68,16 +89,7 @@ pub(crate) fn granted_depth_noise<const N: usize>(
     (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
     sigmas: f32,
 ) -> [f32; N] {
-    let mut granted = [0.0; N];
-    for (lane, granted) in granted.iter_mut().enumerate() {
-        let (w, there) = (block.inverse_depth[lane], found[lane].inverse_depth);
-        if w > 0.0 && there > 0.0 {
-            let pixel = block.row * source.width + block.column + lane;
-            let own = source.depth_noise(pixel) * there;
-            *granted = sigmas * own.hypot(target.depth_noise(carried.pixel[lane] as usize) * w);
-        }
-    }
-    granted
+    off_surfaces((source, block), (target, carried, found), sigmas, CameraLayer::depth_noise)
 }
 
 /// How far apart noise between cameras puts one surface: as [`granted_depth_noise`], but in place of the tolerance, not on top
@@ -89,16 +101,7 @@ pub(crate) fn depth_noise_between<const N: usize>(
     (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
     sigmas: f32,
 ) -> [f32; N] {
-    let mut between = [0.0; N];
-    for (lane, between) in between.iter_mut().enumerate() {
-        let (w, there) = (block.inverse_depth[lane], found[lane].inverse_depth);
-        if w > 0.0 && there > 0.0 {
-            let pixel = block.row * source.width + block.column + lane;
-            let own = source.depth_noise_between(pixel) * there;
-            *between = sigmas * own.hypot(target.depth_noise_between(carried.pixel[lane] as usize) * w);
-        }
-    }
-    between
+    off_surfaces((source, block), (target, carried, found), sigmas, CameraLayer::depth_noise_between)
 }
 
 /// The same for the samples that the target found and three of their neighbors each, which are as noisy: by corner.
