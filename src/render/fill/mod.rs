@@ -60,9 +60,9 @@ pub(super) fn fill_from(
     }
     if let Some(environment) = environment {
         fill_sky(picture, target, environment, |depths, pixel| depths[pixel] == SKY_HOLE);
-        let is_open = |depth: &f32| *depth == OPEN_HOLE;
-        if picture.inverse_depth.as_slice().iter().any(is_open) {
-            let rays = rays_over(picture, |depth| depth != OPEN_HOLE);
+        if picture.inverse_depth.as_slice().contains(&OPEN_HOLE) {
+            let stops = sources_where(picture, |depth| depth != OPEN_HOLE);
+            let rays = HoleRays::cast(&stops, picture.image.size());
             fill_sky(picture, target, environment, |depths, pixel| {
                 depths[pixel] == OPEN_HOLE
                     && is_mostly_beside_sky(&rays, depths, (pixel % width, pixel / width))
@@ -70,12 +70,14 @@ pub(super) fn fill_from(
         }
     }
     let depths = picture.inverse_depth.as_slice();
-    let is_open = |depth: &f32| *depth < 0.0;
+    let is_unfilled = |depth: &f32| *depth < 0.0;
     // Where a surface is hidden, the sky is not among what the hole is filled from.
     let hides_surface = |depth: &f32| *depth < HOLE;
     let tolerance = SurfaceTolerance::new(target, settings);
-    let all =
-        depths.iter().any(is_open).then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[]));
+    let all = depths
+        .iter()
+        .any(is_unfilled)
+        .then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[]));
     let surfaces = depths.iter().any(hides_surface);
     let surfaces = surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0, blended));
     let fill_row = |(y, row): (usize, &[f32])| -> Vec<(usize, WeightedMean)> {
@@ -85,7 +87,7 @@ pub(super) fn fill_from(
             let surface = surface_behind(picture, &sources.rays, (x, y), limit, tolerance);
             Some((x, sources.pyramid.push((x, y), surface.as_ref(), tolerance)?))
         };
-        (0..width).filter(|x| is_open(&row[*x])).filter_map(fill_pixel).collect()
+        (0..width).filter(|x| is_unfilled(&row[*x])).filter_map(fill_pixel).collect()
     };
     let filled: Vec<_> = depths.par_chunks(width).enumerate().map(fill_row).collect();
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
@@ -131,11 +133,6 @@ impl FillSources {
 fn sources_where(picture: &Picture, counts: impl Fn(f32) -> bool + Sync) -> Vec<u32> {
     let depths = picture.inverse_depth.as_slice().par_iter().with_min_len(4096);
     depths.map(|depth| if counts(*depth) { 0 } else { NO_IMAGE }).collect()
-}
-
-/// Rays from every pixel whose inverse depth does not `stop` them.
-fn rays_over(picture: &Picture, stops: impl Fn(f32) -> bool + Sync) -> HoleRays {
-    HoleRays::cast(&sources_where(picture, stops), picture.image.size())
 }
 
 /// Whether a pixel sees the sky across its hole in at least half of the directions in which it sees anything.

@@ -13,8 +13,8 @@ use crate::simd::{self, VectorLoop};
 /// The inverse depth of a hole that may show anything.
 pub(crate) const HOLE: f32 = -1.0;
 
-/// The inverse depth of a hole that shows either the sky or what hides it, whose line of sight passes space that no camera has seen
-/// free and that nearer surfaces do not enclose.
+/// The inverse depth of a hole whose line of sight passes space that no camera has seen free, and that nearer surfaces do not
+/// enclose: it shows the sky or a surface.
 pub(crate) const OPEN_HOLE: f32 = f32::MIN / 2.0;
 
 /// The inverse depth of a hole whose line of sight cameras have seen free: it shows the sky.
