@@ -201,3 +201,34 @@ fn consensus_depth_lies_nearer_to_the_truth_than_what_was_recorded() {
     }
     assert!(after < 0.6 * before, "squared errors of {after} beside {before}");
 }
+
+/// Squared errors of the kept colors of noisy cameras, as they were recorded and as they were kept.
+fn color_errors(depth_noise: f32) -> [f32; 2] {
+    let exact = Scene { normals: false, ..Scene::still_life() };
+    let noisy = Scene { depth_noise, color_noise: 0.05, ..exact.clone() };
+    let cameras = arc(7, 128);
+    let truth = cameras.iter().map(|camera| exact.trace(camera, 0, 0)).collect::<Vec<_>>();
+    let recorded = cameras.iter().enumerate().map(|(seed, camera)| noisy.trace(camera, 0, seed));
+    let recorded = recorded.collect::<Vec<_>>();
+    let kept = preprocess(&noisy.record(cameras, 1), &Settings::default(), &Job::new()).unwrap().samples;
+    let mut errors = [0.0; 2];
+    for image in &kept.images {
+        for sample in image.samples() {
+            let of = |frames: &[Frame]| frames[image.camera as usize].color[(sample.x, sample.y)];
+            for (error, color) in errors.iter_mut().zip([of(&recorded), image.color[sample.index]]) {
+                for channel in 0..3 {
+                    *error += (color[channel].to_f32() - of(&truth)[channel].to_f32()).powi(2);
+                }
+            }
+        }
+    }
+    errors
+}
+
+#[test]
+fn cameras_whose_depth_is_noisy_average_their_colors_and_others_keep_them_as_recorded() {
+    let [recorded, kept] = color_errors(0.02);
+    assert!(kept < 0.6 * recorded, "squared errors of {kept} beside {recorded}");
+    let [recorded, kept] = color_errors(0.0);
+    assert!(kept == recorded, "squared errors of {kept} beside {recorded}");
+}

@@ -1,8 +1,8 @@
 //! Agreement between cameras: how noisy they are beside each other, which samples the others contradict, and where most of them
-//! put a surface.
+//! put a surface, of which color.
 //!
 //! ```text
-//! layers ─▶ measure: noise between cameras ─▶ votes on each sample: confirms, looks past, cannot tell ─▶ consensus depth
+//! layers ─▶ measure: noise between cameras ─▶ votes on each sample: confirms, looks past, cannot tell ─▶ consensus
 //! ```
 
 mod consensus;

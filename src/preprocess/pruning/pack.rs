@@ -60,7 +60,7 @@ impl Masks {
     }
 }
 
-/// The kept samples of one camera over one span, with their consensus depths where there are any; `None` where nothing was kept.
+/// The kept samples of one camera over one span, with what the cameras agree on where there is any; `None` where nothing was kept.
 pub(crate) fn pack(
     camera: usize,
     span: Span,
@@ -93,11 +93,10 @@ pub(crate) fn pack(
             while left != 0 {
                 let pixel = start + left.trailing_zeros() as usize;
                 left &= left - 1;
-                color.push(layer.color[pixel]);
-                let recorded = || layer.inverse_depth[pixel];
-                inverse_depth.push(
-                    consensus.map_or_else(recorded, |consensus| consensus.inverse_depth(camera, pixel)),
-                );
+                let recorded = || (layer.color[pixel], layer.inverse_depth[pixel]);
+                let sample = consensus.map_or_else(recorded, |consensus| consensus.sample(camera, pixel));
+                color.push(sample.0);
+                inverse_depth.push(sample.1);
                 if let Some(normal) = &mut normal {
                     normal.push(OctNormal::encode(layer.normal[pixel]));
                 }
