@@ -1,7 +1,7 @@
 // The gather stage: the color of each surface of a pixel, looked up in the cameras.
-// Twins: src/render/gather/interpolate.rs, `SurfacePoints::add_colors`, `GatherScratch::gather`.
+// Twins: src/render/gather/interpolate.rs, src/render/gather/subpixels.rs, `SurfacePoints::add_colors`, `GatherScratch::gather`.
 //
-// One workgroup a block of 16×16 pixels, one thread a pixel.
+// One workgroup a block of 16×16 pixels of the z-buffer, one thread a pixel of the picture.
 
 // Where less than this share of a pixel is covered by interpolated samples, the nearest sample's own color is mixed in …
 const MIN_COVERAGE: f32 = 0.25;
@@ -83,12 +83,12 @@ fn color_in(camera: u32, at: vec2<f32>, w: f32) -> ViewColor {
         return found;
     }
     // Where the picture is coarser than the camera's, one look-up would alias fine detail. One sub-pixel is the pixel itself.
-    let rate = views[camera].source_from_target.focal_ratio * reprojected.distance_ratio;
+    let rate = rate_of(camera, reprojected.distance_ratio);
     let count = clamp(ceil(rate / SUBPIXEL_WIDTH), 1.0, MAX_SUBPIXELS);
     let per_subpixel = 1.0 / count;
     for (var nth = 0u; nth < u32(count * count); nth++) {
         let sub = vec2<f32>(f32(nth % u32(count)), f32(nth / u32(count)));
-        let sub_at = at + (sub + 0.5) * per_subpixel - 0.5;
+        let sub_at = at + ((sub + 0.5) * per_subpixel - 0.5) * f32(stage.subpixels);
         let sub_reprojected = reproject(camera, sub_at, w);
         if sub_reprojected.inside {
             let part = interpolated(camera, sub_reprojected, sub_at, w);
@@ -100,10 +100,9 @@ fn color_in(camera: u32, at: vec2<f32>, w: f32) -> ViewColor {
     return ViewColor(found.sum * share, found.coverage * share);
 }
 
-// The color of the surface of `key` in pixel `at`, from the cameras of the patch, the best first; in a pruned set the camera of
+// The color of the surface of `key` at inverse depth `w` in pixel `at`, from the cameras of the patch, the best first; in a pruned set the camera of
 // the nearest sample, which kept it, comes before them.
-fn surface_color(key: vec2<u32>, at: vec2<f32>) -> vec3<f32> {
-    let w = inverse_depth_of(key.y);
+fn surface_color(key: vec2<u32>, at: vec2<f32>, w: f32) -> vec3<f32> {
     let pruned = stage.pruned != 0u;
     let full_coverage = select(FULL_COVERAGE, FULL_COVERAGE_PRUNED, pruned);
     let sample_camera = pieces[piece_of(~key.x >> 8u)].camera;
@@ -132,14 +131,111 @@ fn surface_color(key: vec2<u32>, at: vec2<f32>) -> vec3<f32> {
     return sum.xyz / sum.w;
 }
 
+// A surface that some sub-pixels of a pixel show. Sums over these, weighted by their shares.
+struct SharedSurface {
+    // Key of the sub-pixel that was found first.
+    key: vec2<u32>,
+    share: f32,
+    at: vec2<f32>,
+    w: f32,
+}
+
+// The surfaces of one pixel, a nearer and a farther one for each sub-pixel at most, and the sub-pixels that show any.
+const MOST_SURFACES: u32 = 8u;
+struct PixelParts {
+    surfaces: array<SharedSurface, MOST_SURFACES>,
+    count: u32,
+    shown: u32,
+}
+
+// The surfaces of the pixel of the picture whose first sub-pixel this is, joined where they are the same.
+fn parts_of(first: vec2<u32>) -> PixelParts {
+    var parts: PixelParts;
+    for (var nth = 0u; nth < stage.subpixels * stage.subpixels; nth++) {
+        let pixel = first + vec2<u32>(nth % stage.subpixels, nth / stage.subpixels);
+        let found = read_surfaces(pixel);
+        if found.near.y == 0u {
+            continue;
+        }
+        parts.shown++;
+        for (var side = 0u; side < 2u; side++) {
+            let key = select(found.near, found.far, side == 1u);
+            let share = select(found.share, 1.0 - found.share, side == 1u);
+            if key.y == 0u || share <= 0.0 {
+                continue;
+            }
+            let w = inverse_depth_of(key.y);
+            var same = 0u;
+            for (; same < parts.count; same++) {
+                let known = inverse_depth_of(parts.surfaces[same].key.y);
+                if min(known, w) >= max(known, w) * stage.surface_ratio {
+                    break;
+                }
+            }
+            if same == parts.count {
+                parts.surfaces[same].key = key;
+                parts.count++;
+            }
+            parts.surfaces[same].share += share;
+            parts.surfaces[same].at += share * vec2<f32>(pixel);
+            parts.surfaces[same].w += share * w;
+        }
+    }
+    return parts;
+}
+
+// Paints the pixel of the picture whose first sub-pixel this is.
+fn paint(first: vec2<u32>) {
+    let parts = parts_of(first);
+    let all = f32(parts.shown);
+    var farthest = bitcast<f32>(0x7f800000u);
+    for (var nth = 0u; nth < parts.count; nth++) {
+        farthest = min(farthest, parts.surfaces[nth].w / parts.surfaces[nth].share);
+    }
+    // What lies in front of the farthest surface.
+    var before = 0.0;
+    for (var nth = 0u; nth < parts.count; nth++) {
+        let surface = parts.surfaces[nth];
+        before += select(0.0, surface.share, surface.w / surface.share > farthest);
+    }
+    let has_front = parts.count > 1u && 2.0 * before >= all;
+    var color = vec3<f32>(0.0);
+    var front = vec3<f32>(0.0);
+    var shown_key = vec2<u32>(0u);
+    var shown_w = -1.0;
+    var largest = 0.0;
+    // At least half of the sub-pixels must show a sample.
+    if 2u * parts.shown >= stage.subpixels * stage.subpixels {
+        for (var nth = 0u; nth < parts.count; nth++) {
+            let surface = parts.surfaces[nth];
+            let w = surface.w / surface.share;
+            let found = surface_color(surface.key, surface.at / surface.share, w);
+            let is_front = has_front && w > farthest;
+            color += surface.share / all * found;
+            if is_front {
+                front += surface.share / before * found;
+            }
+            if surface.share > largest && (is_front || !has_front) {
+                largest = surface.share;
+                shown_key = surface.key;
+                shown_w = w;
+            }
+        }
+    }
+    let place = first / stage.subpixels;
+    let pixel = place.y * (stage.width / stage.subpixels) + place.x;
+    set_pixel(pixel, shown_key, shown_w, color);
+    if stage.with_fronts == 1u {
+        set_front(pixel, front, select(-1.0, farthest, has_front && shown_key.y != 0u));
+    }
+}
+
 @compute @workgroup_size(16, 16)
-fn gather(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_id) local: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let pixel = group.xy * TILE + local.xy;
-    let at = vec2<f32>(pixel);
+fn gather(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    // The first threads take one pixel of the picture each, so that those that have none are idle together.
+    let side = TILE / stage.subpixels;
+    let local = vec2<u32>(thread % side, thread / side) * stage.subpixels;
+    let first = group.xy * TILE + local;
     // Pixels of the background among its own samples; then those near a visible foreground, among all.
     for (var layer = 0u; layer < 2u; layer++) {
         let both = layer == 1u;
@@ -147,20 +243,8 @@ fn gather(
             break;
         }
         load_patch(group.xy, thread, both);
-        if is_painted(pixel, local.xy, both) {
-            let surfaces = read_surfaces(pixel.y * stage.width + pixel.x);
-            var color = vec3<f32>(0.0);
-            // One loop for both surfaces, so that compilers that inline everything have half as much to inline.
-            for (var side = 0u; side < 2u; side++) {
-                let key = select(surfaces.near, surfaces.far, side == 1u);
-                let share = select(surfaces.share, 1.0 - surfaces.share, side == 1u);
-                if key.y != 0u && share > 0.0 {
-                    color += share * surface_color(key, at);
-                }
-            }
-            let shows_far = surfaces.far.y != 0u && surfaces.share < 0.5;
-            let key = select(surfaces.near, surfaces.far, shows_far);
-            set_pixel(pixel.y * stage.width + pixel.x, key, color);
+        if thread < side * side && is_painted(first, local, both) {
+            paint(first);
         }
     }
 }

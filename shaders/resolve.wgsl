@@ -56,5 +56,5 @@ fn resolve(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
             color = color_of(~key.x);
         }
     }
-    set_pixel(pixel, key, color);
+    set_pixel(pixel, key, inverse_depth_of(key.y), color);
 }

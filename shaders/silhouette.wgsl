@@ -1,11 +1,12 @@
 // The silhouette stage: the surfaces of pixels at steps in depth, by the votes of all cameras.
 // Twins: src/render/gather/silhouette.rs, src/render/gather/visibility_votes.rs.
 //
-// One workgroup a block of 16×16 pixels, one thread a pixel.
+// One workgroup a block of 16×16 pixels of the z-buffer, one thread a pixel.
 
 // See the twin.
-const SHARE_OFFSET: f32 = 0.15;
-const SHARE_GAIN: f32 = 1.2;
+const OWN_SHARE: vec2<f32> = vec2<f32>(0.15, 1.2);
+const SUBPIXEL_SHARE: vec2<f32> = vec2<f32>(0.1, 1.6);
+const LEAST_SHARE: f32 = 1.0 / 256.0;
 // The weight of samples that show nothing, beside agreeing ones: half of it counts for the surface and half against it.
 const UNKNOWN_WEIGHT: f32 = 0.5;
 // A surface is extrapolated beyond its edge if its inverse depth changes by at most this many tolerances a pixel.
@@ -81,7 +82,9 @@ fn share_of(at: vec2<f32>, w: f32) -> f32 {
         }
     }
     if total > MIN_VOTES * max_weight {
-        return clamp(SHARE_OFFSET + SHARE_GAIN * agree / total, 0.0, 1.0);
+        let by = select(OWN_SHARE, SUBPIXEL_SHARE, stage.subpixels == 2u);
+        let share = by.x + by.y * agree / total;
+        return select(select(share, 1.0, share > 1.0 - LEAST_SHARE), 0.0, share < LEAST_SHARE);
     }
     return -1.0;
 }
@@ -138,15 +141,18 @@ fn farther(own_w: f32, pixel: vec2<i32>) -> Behind {
     return behind;
 }
 
-// The nearest surface in front of `own_w` that two opposite neighbors show; 0 if there is none.
+// The nearest surface in front of `own_w` that two opposite neighbors show; 0 if there is none. Cracks are as wide as a pixel of
+// the picture: where that has two sub-pixels, one of the neighbors may lie two steps away.
 fn crack(own_w: f32, pixel: vec2<i32>) -> vec2<u32> {
     var steps =
         array<vec2<i32>, 4>(vec2<i32>(1, 0), vec2<i32>(0, 1), vec2<i32>(1, 1), vec2<i32>(1, -1));
     var nearest = -1.0;
     var found = vec2<u32>(0u);
-    for (var i = 0u; i < 4u; i++) {
-        let a = key_at(pixel, steps[i]);
-        let b = key_at(pixel, -steps[i]);
+    let widths = select(1u, 3u, stage.subpixels == 2u);
+    for (var i = 0u; i < 4u * widths; i++) {
+        let step = steps[i % 4u];
+        let a = key_at(pixel, step * select(1, 2, i / 4u == 2u));
+        let b = key_at(pixel, -step * select(1, 2, i / 4u == 1u));
         let wa = inverse_depth_of(a.y);
         let wb = inverse_depth_of(b.y);
         let mean = 0.5 * (wa + wb);
@@ -222,7 +228,7 @@ fn silhouette(
         load_patch(group.xy, thread, both);
         if is_painted(pixel, local.xy, both) {
             let surfaces = decide(vec2<i32>(local.xy), vec2<f32>(pixel));
-            write_surfaces(pixel.y * stage.width + pixel.x, surfaces);
+            write_surfaces(pixel, surfaces);
         }
     }
 }

@@ -25,11 +25,12 @@ type Surface = ([f32; 3], f32);
 
 /// A picture with the given color and inverse depth in each pixel, or a hole.
 fn picture(width: usize, height: usize, pixel: impl Fn(usize, usize) -> Option<Surface>) -> Picture {
-    Picture {
-        color: Grid::from_fn(width, height, |x, y| pixel(x, y).map_or([0.0; 3], |surface| surface.0)),
-        inverse_depth: Grid::from_fn(width, height, |x, y| pixel(x, y).map_or(-1.0, |surface| surface.1)),
-        image: Grid::from_fn(width, height, |x, y| if pixel(x, y).is_some() { 3 } else { NO_IMAGE }),
-    }
+    let mut picture = Picture::empty(width, height);
+    picture.color = Grid::from_fn(width, height, |x, y| pixel(x, y).map_or([0.0; 3], |surface| surface.0));
+    picture.inverse_depth =
+        Grid::from_fn(width, height, |x, y| pixel(x, y).map_or(-1.0, |surface| surface.1));
+    picture.image = Grid::from_fn(width, height, |x, y| if pixel(x, y).is_some() { 3 } else { NO_IMAGE });
+    picture
 }
 
 fn target(width: usize, height: usize) -> Camera {

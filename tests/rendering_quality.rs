@@ -282,3 +282,39 @@ fn colors_outside_of_the_gamut_are_kept_by_every_kernel() {
         assert!(middle.iter().all(|channel| (-3.0..-2.0).contains(channel)), "{kernel}: {middle:?}");
     }
 }
+
+#[test]
+fn silhouettes_show_both_sides_in_the_share_that_each_covers() {
+    let scene = Scene { color_rays: 4, ..Scene::still_life() };
+    let capture = scene.record(arc(5, 96), 1);
+    let vantage = camera("between", DVec3::new(0.35, -4.9, 2.5), DVec3::new(0.3, 0.2, 0.3), 96);
+    let truth = scene.record(vec![vantage.clone()], 1).frame(0, 0).unwrap();
+    // Pixels beside a step in the truth's depth.
+    let beside_step = |x: usize, y: usize| {
+        let depths = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(|at| truth.inverse_depth[at]);
+        let (near, far) = depths.iter().fold((0.0_f32, f32::INFINITY), |(a, b), w| (a.max(*w), b.min(*w)));
+        far < 0.9 * near
+    };
+    let error = |method, antialias| {
+        let settings = RenderSettings { antialias, ..RenderSettings::default() };
+        let seen = Vantage { camera: vantage.clone(), frame: 0 };
+        let samples = samples(&capture, method);
+        let picture = CpuRenderer::new().render(&samples, &seen, &settings, &Job::new()).unwrap().0;
+        let (mut sum, mut count) = (0.0_f32, 0);
+        for y in 0..95 {
+            for x in (0..95).filter(|x| beside_step(*x, y)) {
+                for channel in 0..3 {
+                    let off = picture.color[(x, y)][channel] - truth.color[(x, y)][channel].to_f32();
+                    sum += off * off;
+                }
+                count += 1;
+            }
+        }
+        assert!(count > 100, "{count} pixels at edges");
+        sum / count as f32
+    };
+    for method in [PruningMethod::Off, PruningMethod::HighestRate] {
+        let (blended, decided) = (error(method, true), error(method, false));
+        assert!(blended < 0.85 * decided, "after {method}: {blended} instead of {decided}");
+    }
+}

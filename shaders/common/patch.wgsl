@@ -68,17 +68,19 @@ fn rank_camera(nth: u32) {
 var<workgroup> foreground_rows: array<atomic<u32>, SIDE>;
 var<workgroup> has_foreground: u32;
 
-// Whether a foreground sample is visible within RING pixels of a pixel of the block; only there are samples of the foreground
-// read.
+// Whether a foreground sample is visible within RING pixels of a pixel of the block, or of another that shares its pixel of the
+// picture; only there are samples of the foreground read.
 fn is_near_foreground(pixel: vec2<u32>) -> bool {
+    let first = pixel / stage.subpixels * stage.subpixels;
+    let reach = 2u * u32(RING) + stage.subpixels;
     var near = 0u;
-    for (var row = 0u; row <= 2u * u32(RING); row++) {
-        near |= atomicLoad(&foreground_rows[pixel.y + row]);
+    for (var row = 0u; row < reach; row++) {
+        near |= atomicLoad(&foreground_rows[first.y + row]);
     }
-    return extractBits(near, pixel.x, 2u * u32(RING) + 1u) != 0u;
+    return extractBits(near, first.x, reach) != 0u;
 }
 
-// Whether a pixel of the picture, `local` in its block, is painted among the samples of both layers, or of the background alone.
+// Whether a pixel of the z-buffer, `local` in its block, is painted among the samples of both layers, or of the background alone.
 fn is_painted(pixel: vec2<u32>, local: vec2<u32>, both: bool) -> bool {
     return pixel.x < stage.width && pixel.y < stage.height && is_near_foreground(local) == both;
 }
@@ -148,19 +150,26 @@ struct PixelSurfaces {
     share: f32,
 }
 
-// Between the silhouette stage and the gather stage the picture's words hold the surfaces of each pixel.
-fn write_surfaces(pixel: u32, surfaces: PixelSurfaces) {
-    let pixels = stage.width * stage.height;
-    picture[3u * pixel] = surfaces.near.x;
-    picture[3u * pixel + 1u] = surfaces.near.y;
-    picture[3u * pixel + 2u] = surfaces.far.x;
-    picture[3u * pixels + pixel] = surfaces.far.y;
-    picture[4u * pixels + pixel] = bitcast<u32>(surfaces.share);
+// Words of the surfaces of a pixel of the z-buffer.
+const SURFACE_WORDS: u32 = 5u;
+
+// Where they begin: behind the words of the picture.
+fn surfaces_at(pixel: vec2<u32>) -> u32 {
+    return picture_words() * picture_pixels() + SURFACE_WORDS * (pixel.y * stage.width + pixel.x);
 }
 
-fn read_surfaces(pixel: u32) -> PixelSurfaces {
-    let pixels = stage.width * stage.height;
-    let near = vec2<u32>(picture[3u * pixel], picture[3u * pixel + 1u]);
-    let far = vec2<u32>(picture[3u * pixel + 2u], picture[3u * pixels + pixel]);
-    return PixelSurfaces(near, far, bitcast<f32>(picture[4u * pixels + pixel]));
+fn write_surfaces(pixel: vec2<u32>, surfaces: PixelSurfaces) {
+    let at = surfaces_at(pixel);
+    picture[at] = surfaces.near.x;
+    picture[at + 1u] = surfaces.near.y;
+    picture[at + 2u] = surfaces.far.x;
+    picture[at + 3u] = surfaces.far.y;
+    picture[at + 4u] = bitcast<u32>(surfaces.share);
+}
+
+fn read_surfaces(pixel: vec2<u32>) -> PixelSurfaces {
+    let at = surfaces_at(pixel);
+    let near = vec2<u32>(picture[at], picture[at + 1u]);
+    let far = vec2<u32>(picture[at + 2u], picture[at + 3u]);
+    return PixelSurfaces(near, far, bitcast<f32>(picture[at + 4u]));
 }

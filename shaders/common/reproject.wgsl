@@ -32,12 +32,17 @@ fn bilinear(between: vec2<f32>) -> array<f32, 4> {
     return array<f32, 4>(back.x * back.y, between.x * back.y, back.x * between.y, between.x * between.y);
 }
 
+// Recorded pixels of a camera along a pixel of the picture.
+fn rate_of(camera: u32, distance_ratio: f32) -> f32 {
+    return views[camera].source_from_target.focal_ratio * distance_ratio * f32(stage.subpixels);
+}
+
 // The weight of a camera: the squared sampling rate, up to USEFUL_RATE, times the cosine between its line of sight and the
 // vantage's.
 fn weight_of(camera: u32, distance_ratio: f32, at: vec2<f32>, w: f32) -> f32 {
     let line = stage.first_ray + stage.ray_across * at.x + stage.ray_down * at.y;
     let sight = line + views[camera].offset_in_world * w;
     let cosine = dot(line, sight) / sqrt(dot(line, line) * dot(sight, sight));
-    let rate = min(views[camera].source_from_target.focal_ratio * distance_ratio, USEFUL_RATE);
+    let rate = min(rate_of(camera, distance_ratio), USEFUL_RATE);
     return rate * rate * max(cosine, 0.01);
 }

@@ -4,7 +4,7 @@
 // A key takes two words, the lower half first: [u32::MAX − slot, core | nearness]; both are 0 where there is nothing.
 
 struct Stage {
-    // Size of the picture, pixels.
+    // Size of the z-buffer, pixels.
     width: u32,
     height: u32,
     // See KERNEL_*.
@@ -18,7 +18,7 @@ struct Stage {
     piece_count: u32,
     // Inverse depths from this share of the nearest one on belong to the same surface.
     surface_ratio: f32,
-    // World-space ray of the center of the picture's first pixel, and its growth by column and row.
+    // World-space ray of the center of the z-buffer's first pixel, and its growth by column and row.
     first_ray: vec3<f32>,
     // Tiles of the background.
     background_tiles: u32,
@@ -30,8 +30,10 @@ struct Stage {
     all_tiles: u32,
     // 1 if redundant samples were pruned.
     pruned: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // Pixels of the z-buffer along each side of a pixel of the picture: 1, or 2 for the gather kernel.
+    subpixels: u32,
+    // 1 if pictures tell what pixels show in front of their farthest surface.
+    with_fronts: u32,
     padding_2: u32,
 }
 
@@ -41,6 +43,16 @@ const KERNEL_POINT: u32 = 0u;
 const KERNEL_BLOCK: u32 = 1u;
 const KERNEL_SURFEL: u32 = 2u;
 const KERNEL_GATHER: u32 = 3u;
+
+// Pixels of the picture.
+fn picture_pixels() -> u32 {
+    return (stage.width / stage.subpixels) * (stage.height / stage.subpixels);
+}
+
+// Words of a pixel of the picture.
+fn picture_words() -> u32 {
+    return 5u + 4u * stage.with_fronts;
+}
 
 // Workgroups in a row of a dispatch; further ones go into further rows, as one dimension holds 65535 at most.
 const GROUPS_ACROSS: u32 = 32768u;

@@ -9,13 +9,14 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::finish::{Finisher, changes_pictures};
+use super::finish::{Finisher, changes_pictures, wants_fronts};
 use super::gather::{RING, ScratchPool, SourceViews};
 use super::geometry::{FootprintReach, MAX_STRETCH, TileBounds, bands, bounds};
 use super::input::{BackgroundKey, CellTable, FrameImages, FrameSamples, TileIndex};
 use super::resolve::{BlockSet, PaintedLayer, ResolveInput, resolve};
 use super::splat::{BLEND_REACH, StageInput, blend, surface};
-use super::vantage::{NO_IMAGE, Picture, RenderStats, Vantage};
+use super::supersample::{finer, subpixels};
+use super::vantage::{NO_FRONT, NO_IMAGE, Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
@@ -60,12 +61,21 @@ struct CachedPicture {
 /// What one picture is painted from.
 struct PictureInput<'a> {
     stage: StageInput<'a>,
+    /// The vantage's camera, with as many pixels as the z-buffer.
     target: &'a Camera,
+    /// Pixels of the z-buffer along each side of a pixel of the picture.
+    subpixels: usize,
     settings: &'a RenderSettings,
     scratches: &'a ScratchPool,
 }
 
 impl PictureInput<'_> {
+    /// Columns and rows of the picture.
+    fn picture_size(&self) -> (usize, usize) {
+        let (width, height) = self.target.intrinsics.size();
+        (width / self.subpixels, height / self.subpixels)
+    }
+
     fn bounds(&self, tiles: Range<usize>) -> Vec<TileBounds> {
         let reach = match self.stage.kernel {
             Kernel::Point => FootprintReach { pixels: 0.0, source_pixels: 0.0 },
@@ -100,7 +110,8 @@ impl PictureInput<'_> {
     ) -> Result<()> {
         self.scratches.forget();
         let (frame, cells) = (self.stage.frame, cache.cells.as_ref());
-        let views = |table| SourceViews::new(frame, table, self.target, self.settings.depth_tolerance);
+        let (target, tolerance) = (self.target, self.settings.depth_tolerance);
+        let views = |table| SourceViews::new(frame, table, target, tolerance, self.subpixels);
         // Pixels without foreground are copied from the background's picture, if that exists already.
         let behind = cells.filter(|_| background_picture.is_none()).map(|cells| views(cells.clone()));
         let all = cells.filter(|_| foreground.is_some());
@@ -113,6 +124,7 @@ impl PictureInput<'_> {
             background_picture,
             views: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
             scratches: self.scratches,
+            subpixels: self.subpixels,
         };
         resolve(&input, which, picture)
     }
@@ -146,6 +158,8 @@ impl CpuRenderer {
             images: images.background().to_vec(),
             camera: vantage.camera.clone(),
             settings: settings.clone(),
+            subpixels: subpixels(samples, vantage, settings),
+            with_fronts: wants_fronts(samples, images.all(), settings),
         };
         let reused = cache
             .as_mut()
@@ -153,8 +167,10 @@ impl CpuRenderer {
             .map(|cache| std::mem::take(&mut cache.tile_index));
         let background_reused = reused.is_some();
         let frame = FrameSamples::of(samples, vantage.frame, images, reused)?;
-        let stage = StageInput::new(&frame, &vantage.camera, settings, job);
-        let input = PictureInput { stage, target: &vantage.camera, settings, scratches: &self.scratches };
+        let subpixels = key.subpixels;
+        let target = finer(&vantage.camera, subpixels);
+        let stage = StageInput::new(&frame, &target, settings, job);
+        let input = PictureInput { stage, target: &target, subpixels, settings, scratches: &self.scratches };
         let mut cache = match cache {
             Some(cache) if background_reused => paint_foreground(&input, cache)?,
             cache => paint_all(&input, key, cache)?,
@@ -235,8 +251,9 @@ fn paint_all(
         touched,
     };
     let mut picture = picture
-        .filter(|picture| picture.color.size() == (width, height))
-        .unwrap_or_else(|| Picture::empty(width, height));
+        .filter(|picture| picture.color.size() == input.picture_size())
+        .unwrap_or_else(|| Picture::empty(input.picture_size().0, input.picture_size().1));
+    picture.fronts.resize(if cache.key.with_fronts { picture.image.len() } else { 0 }, NO_FRONT);
     let front = (!frame.foreground_tiles().is_empty()).then_some(&cache.foreground);
     input.resolve(&cache, front, None, &BlockSet::all(width, height), &mut picture)?;
     let (holes, touched) = (picture.holes(), cache.touched.clone());
@@ -271,8 +288,9 @@ fn paint_foreground(input: &PictureInput<'_>, mut cache: VantageCache) -> Result
     painted.touched.join(&touched);
     let picture = Arc::make_mut(&mut painted.picture);
     input.resolve(&cache, Some(&cache.foreground), Some(&background_picture), &painted.touched, picture)?;
+    let shape = (input.picture_size().0, input.subpixels);
     let holes_in =
-        |picture: &Picture| touched.count(width, picture.image.as_slice(), |image| *image == NO_IMAGE);
+        |picture: &Picture| touched.count(shape, picture.image.as_slice(), |image| *image == NO_IMAGE);
     painted.holes = background_holes - holes_in(&background_picture) + holes_in(picture);
     painted.touched = touched.clone();
     cache.pictures.insert(0, painted);

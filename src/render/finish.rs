@@ -34,6 +34,13 @@ pub(super) fn tests_free_space(settings: &RenderSettings) -> bool {
     settings.free_space && matches!(settings.kernel, Kernel::Gather | Kernel::Surfel)
 }
 
+/// Whether pictures of some images of samples have to tell what pixels show in front of their farthest surface: where lines of
+/// sight are tested, which is where there are samples at infinity.
+pub(super) fn wants_fronts(samples: &SampleSet, images: &[usize], settings: &RenderSettings) -> bool {
+    let has_sky = |image: &usize| samples.images[*image].depth.tiles().iter().any(|tile| tile.farthest == 0);
+    settings.kernel == Kernel::Gather && tests_free_space(settings) && images.iter().any(has_sky)
+}
+
 /// Whether painted pictures are changed with these settings.
 pub(super) fn changes_pictures(settings: &RenderSettings) -> bool {
     tests_free_space(settings) || settings.fill != Fill::None
@@ -62,6 +69,7 @@ impl Finisher {
                 blended = mark_holes(picture, depths, cameras, camera, settings.depth_tolerance);
             }
         }
+        picture.fronts = Vec::new();
         let filling = Instant::now();
         fill_from(picture, camera, settings, environment, &blended);
         Ok(filling.elapsed().as_secs_f64() * 1e3)

@@ -163,7 +163,8 @@ impl Renderer {
         if factor == 1 {
             return self.paint(&Request { samples, vantage, settings, job });
         }
-        let finer = finer(vantage, factor);
+        let finer = Vantage { camera: finer(&vantage.camera, factor), ..vantage.clone() };
+        let settings = &RenderSettings { antialias: false, ..settings.clone() };
         let (picture, stats) = self.paint(&Request { samples, vantage: &finer, settings, job })?;
         let picture = averaged(&picture, factor);
         let milliseconds = started.elapsed().as_secs_f64() * 1e3;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::geometry::Projector;
 use super::vantage::{NO_IMAGE, Picture, Vantage};
-use crate::capture::Intrinsics;
+use crate::capture::{Camera, Intrinsics};
 use crate::grid::Grid;
 use crate::samples::{DepthTile, SampleImage, SampleSet, SampleTile, TILE};
 use crate::settings::{Kernel, RenderSettings};
@@ -23,6 +23,9 @@ const TARGET_RATE: f32 = 1.5;
 
 /// Most columns and rows of the finer picture to a pixel. Gathering averages over the rest.
 const MAX_FACTOR: usize = 4;
+
+/// From this many recorded pixels along a pixel on, silhouettes are found on a z-buffer twice as fine as the picture.
+const LEAST_REFINED_RATE: f32 = 0.65;
 
 /// Most pixels of the finer picture: a picture of 1280×720 at three times its size.
 const MAX_FINER_PIXELS: usize = 1 << 23;
@@ -45,6 +48,14 @@ pub(crate) fn supersampling_factor(
     }
     let affordable = (MAX_FINER_PIXELS as f64 / pixels as f64).sqrt() as usize;
     ((rate / TARGET_RATE).ceil() as usize).clamp(1, MAX_FACTOR.min(affordable))
+}
+
+/// Pixels of the z-buffer along each side of a pixel of the picture: 2 for the gather kernel, unless the picture is much finer
+/// than what was recorded, where silhouettes are interpolated anyway, or so large that it takes too long.
+pub(crate) fn subpixels(samples: &SampleSet, vantage: &Vantage, settings: &RenderSettings) -> usize {
+    let pixels = vantage.camera.intrinsics.pixel_count();
+    let refines = settings.antialias && settings.kernel == Kernel::Gather && pixels <= MAX_FINER_PIXELS / 4;
+    if refines && typical_rate(samples, vantage) >= LEAST_REFINED_RATE { 2 } else { 1 }
 }
 
 /// Recorded pixels along a pixel, the median over the picture; 0 if it shows nothing.
@@ -87,10 +98,10 @@ fn rates<'a>(
     image.tiles.iter().zip(image.depth.tiles()).filter_map(rate)
 }
 
-/// The same vantage at `factor` times the width and height.
-pub(crate) fn finer(vantage: &Vantage, factor: usize) -> Vantage {
-    let mut finer = vantage.clone();
-    let Intrinsics { width, height, fx, fy, cx, cy } = &mut finer.camera.intrinsics;
+/// The same camera at `factor` times the width and height.
+pub(crate) fn finer(camera: &Camera, factor: usize) -> Camera {
+    let mut finer = camera.clone();
+    let Intrinsics { width, height, fx, fy, cx, cy } = &mut finer.intrinsics;
     for side in [width, height] {
         *side *= factor as u32;
     }
@@ -131,6 +142,7 @@ pub(crate) fn averaged(finer: &Picture, factor: usize) -> Picture {
         color: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.0).collect()),
         inverse_depth: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.1).collect()),
         image: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.2).collect()),
+        fronts: Vec::new(),
     }
 }
 

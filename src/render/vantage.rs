@@ -72,16 +72,26 @@ pub struct Picture {
     pub inverse_depth: Grid<f32>,
     /// Index in `SampleSet::images` of the image whose sample is nearest; [`NO_IMAGE`] in holes, filled or not.
     pub image: Grid<u32>,
+    /// For pixels that show more than one surface, most of them nearer than the farthest: the color without the farthest one, and
+    /// its inverse depth. Negative inverse depths elsewhere; empty unless lines of sight are to be tested.
+    pub(crate) fronts: Vec<FrontColor>,
 }
+
+/// Red, green and blue of what a pixel shows in front of its farthest surface, linear Rec.709, and the inverse depth of that one.
+pub(crate) type FrontColor = [f32; 4];
+
+/// Of a pixel that shows one surface.
+pub(crate) const NO_FRONT: FrontColor = [0.0, 0.0, 0.0, -1.0];
 
 impl Picture {
     /// A picture of holes.
     #[must_use]
-    pub(crate) fn empty(width: usize, height: usize) -> Self {
+    pub fn empty(width: usize, height: usize) -> Self {
         Self {
             color: Grid::filled(width, height, [0.0; 3]),
             inverse_depth: Grid::filled(width, height, -1.0),
             image: Grid::filled(width, height, NO_IMAGE),
+            fronts: Vec::new(),
         }
     }
 

@@ -120,7 +120,8 @@ section! {
         free_space: bool = true, "", ValueKind::Switch;
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
         depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
-        /// Whether a picture that is coarser than what was recorded is painted finer and averaged, by kernels that interpolate.
+        /// Whether a picture that is coarser than what was recorded is painted finer and averaged, by kernels that interpolate, and
+        /// silhouettes are found at half a pixel by `gather`.
         antialias: bool = true, "", ValueKind::Switch;
         /// What paints.
         backend: Backend = Backend::Auto, "", ValueKind::Choice(Backend::NAMES);

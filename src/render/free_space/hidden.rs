@@ -7,8 +7,8 @@ use super::seen_depth::SeenDepths;
 use super::surroundings::{REACH, SQUARE, Surroundings};
 use crate::capture::Camera;
 use crate::render::geometry::focal;
-use crate::render::vantage::{NO_IMAGE, Picture};
-use crate::simd::{self, VectorLoop};
+use crate::render::vantage::{FrontColor, NO_IMAGE, Picture};
+use crate::simd::{self, VectorLoop, mask};
 
 /// The inverse depth of a hole that may show anything.
 pub(crate) const HOLE: f32 = -1.0;
@@ -58,18 +58,20 @@ pub(crate) fn mark_holes(
     let surroundings = Surroundings::new(picture);
     let mut hidden_until = vec![NOT_HIDDEN; picture.image.len()];
     hidden_until.par_chunks_mut(width * SQUARE).enumerate().for_each(|(row, hidden_until)| {
-        simd::run(TestSquares { test: &test, surroundings: &surroundings, width, row, hidden_until });
+        let (test, surroundings, fronts) = (&test, &surroundings, &picture.fronts);
+        simd::run(TestSquares { test, surroundings, fronts, width, row, hidden_until });
     });
     let images = picture.image.as_slice();
     let mut marks = vec![SHOWN; picture.image.len()];
     marks.par_chunks_mut(width * SQUARE).enumerate().for_each(|(row, marks)| {
         let (test, surroundings, hidden_until) = (&test, &surroundings, &hidden_until);
-        simd::run(MarkSquares { test, surroundings, hidden_until, images, width, row, marks });
+        let fronts = &picture.fronts;
+        simd::run(MarkSquares { test, surroundings, fronts, hidden_until, images, width, row, marks });
     });
-    let rims: Vec<_> = (0..marks.len())
+    show_fronts(picture, &mut marks);
+    let rims: Vec<_> = beside_turned(picture.image.as_slice(), &marks, width)
         .into_par_iter()
-        .with_min_len(4096)
-        .filter_map(|pixel| Some((pixel, unblended(picture, &marks, pixel, tolerance)?)))
+        .map(|pixel| (pixel, unblended(picture, &marks, pixel, tolerance)))
         .collect();
     let mut blended = Vec::new();
     for (pixel, color) in rims {
@@ -89,10 +91,29 @@ pub(crate) fn mark_holes(
     blended
 }
 
+/// The inverse depth of the farthest surface that a pixel shows, of which most shows `w`.
+#[inline(always)]
+fn farthest_shown(fronts: &[FrontColor], pixel: usize, w: f32) -> f32 {
+    fronts.get(pixel).map_or(w, |front| if front[3] >= 0.0 { front[3] } else { w })
+}
+
+/// Shows only what is in front where a pixel's farthest surface is hidden, instead of a hole.
+fn show_fronts(picture: &mut Picture, marks: &mut [f32]) {
+    let colors = picture.color.as_mut_slice().par_iter_mut().with_min_len(4096);
+    colors.zip(&picture.fronts).zip(marks).for_each(|((color, front), mark)| {
+        if *mark != SHOWN && front[3] >= 0.0 {
+            *color = [front[0], front[1], front[2]];
+            *mark = SHOWN;
+        }
+    });
+}
+
 /// Tests the lines of sight of the pixels in a row of squares that nearer surfaces may enclose.
 struct TestSquares<'a> {
     test: &'a RayTest<'a>,
     surroundings: &'a Surroundings,
+    /// As in a picture.
+    fronts: &'a [FrontColor],
     width: usize,
     row: usize,
     /// Inverse depth at which the hidden part of each line of sight ends; else [`NOT_HIDDEN`].
@@ -104,18 +125,31 @@ impl VectorLoop for TestSquares<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { test, surroundings, width, row, hidden_until } = self;
+        let Self { test, surroundings, fronts, width, row, hidden_until } = self;
         for column in (0..width.div_ceil(SQUARE)).filter(|column| surroundings.may_enclose(*column, row)) {
             let range = surroundings.range_at((column * SQUARE, row * SQUARE));
             for (below, line) in hidden_until.chunks_mut(width).enumerate() {
                 let y = row * SQUARE + below;
-                for x in column * SQUARE..((column + 1) * SQUARE).min(width) {
-                    let at = surroundings.at((x, y));
-                    let far = (surroundings.w[at] * BEFORE_SHOWN).max(range.farthest * BEYOND_FARTHEST);
-                    if range.nearest > far
-                        && surroundings.may_be_enclosed(at)
-                        && let LineOfSight::Hidden(end) = test.test((x as f32, y as f32), range.nearest, far)
-                    {
+                let left = column * SQUARE;
+                let at = surroundings.at((left, y));
+                let mut shown = [0.0; SQUARE];
+                for (nth, w) in shown.iter_mut().enumerate().take(width - left) {
+                    *w = farthest_shown(fronts, y * width + left + nth, surroundings.w[at + nth]);
+                }
+                let is_tested = |i: usize| {
+                    left + i < width
+                        && range.nearest > (shown[i] * BEFORE_SHOWN).max(range.farthest * BEYOND_FARTHEST)
+                };
+                let mut tested = mask(is_tested);
+                if tested != 0 {
+                    tested &= surroundings.may_be_enclosed(at, &shown);
+                }
+                while tested != 0 {
+                    let i = tested.trailing_zeros() as usize % SQUARE;
+                    tested &= tested - 1;
+                    let (x, far) =
+                        (left + i, (shown[i] * BEFORE_SHOWN).max(range.farthest * BEYOND_FARTHEST));
+                    if let LineOfSight::Hidden(end) = test.test((x as f32, y as f32), range.nearest, far) {
                         line[x] = end;
                     }
                 }
@@ -128,6 +162,8 @@ impl VectorLoop for TestSquares<'_> {
 struct MarkSquares<'a> {
     test: &'a RayTest<'a>,
     surroundings: &'a Surroundings,
+    /// As in a picture.
+    fronts: &'a [FrontColor],
     /// As in [`TestSquares`], of the whole picture.
     hidden_until: &'a [f32],
     /// The images of the whole picture.
@@ -142,7 +178,7 @@ impl VectorLoop for MarkSquares<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { test, surroundings, hidden_until, images, width, row, marks } = self;
+        let Self { test, surroundings, fronts, hidden_until, images, width, row, marks } = self;
         let (top, first) = (row * SQUARE, row * SQUARE * width);
         let is_hidden = |there: usize| {
             // Only positions that lie in the picture are asked for: beyond it every surface is nearer.
@@ -152,7 +188,8 @@ impl VectorLoop for MarkSquares<'_> {
         for (pixel, mark) in marks.iter_mut().enumerate() {
             let hidden_until = hidden_until[first + pixel];
             let at = surroundings.at((pixel % width, top + pixel / width));
-            if hidden_until >= 0.0 && surroundings.is_enclosed(at, is_hidden) {
+            let w = farthest_shown(fronts, first + pixel, surroundings.w[at]);
+            if hidden_until >= 0.0 && surroundings.is_enclosed(at, w, is_hidden) {
                 *mark = HOLE - hidden_until;
             }
         }
@@ -192,32 +229,51 @@ fn mark_of_open_hole(test: &RayTest<'_>, surroundings: &Surroundings, (x, y): (u
     }
 }
 
+/// Whether a pixel that a sample reached was turned into a hole.
+#[inline(always)]
+fn was_turned(images: &[u32], marks: &[f32], pixel: usize) -> bool {
+    images[pixel] != NO_IMAGE && marks[pixel] != SHOWN
+}
+
+/// The pixels around one, itself among them, as far as they lie in the picture.
+#[inline(always)]
+fn around(pixel: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (pixel % width, pixel / width);
+    let rows = y.saturating_sub(1)..(y + 2).min(height);
+    rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x))
+}
+
+/// The shown pixels beside those that were turned into holes, ascending.
+fn beside_turned(images: &[u32], marks: &[f32], width: usize) -> Vec<usize> {
+    let height = marks.len() / width;
+    let turned = (0..marks.len()).into_par_iter().with_min_len(4096);
+    let turned = turned.filter(|pixel| was_turned(images, marks, *pixel));
+    let mut beside: Vec<usize> = turned
+        .flat_map_iter(|pixel| {
+            around(pixel, width, height).filter(|there| images[*there] != NO_IMAGE && marks[*there] == SHOWN)
+        })
+        .collect();
+    beside.par_sort_unstable();
+    beside.dedup();
+    beside
+}
+
 /// The color of a shown pixel beside one that was turned into a hole, whose sample may have been blended into it: the mean of the
-/// same surface beside it, `Some(None)` where the surface is not shown farther from the hole. `None` for all other pixels.
-#[expect(clippy::option_option, reason = "there is no such pixel, and there is no such color")]
-fn unblended(picture: &Picture, marks: &[f32], pixel: usize, tolerance: f32) -> Option<Option<[f32; 3]>> {
+/// same surface beside it, `None` where the surface is not shown farther from the hole.
+fn unblended(picture: &Picture, marks: &[f32], pixel: usize, tolerance: f32) -> Option<[f32; 3]> {
     let (width, height) = picture.image.size();
     let (images, depths) = (picture.image.as_slice(), picture.inverse_depth.as_slice());
-    let around = |pixel: usize| {
-        let (x, y) = (pixel % width, pixel / width);
-        let rows = y.saturating_sub(1)..(y + 2).min(height);
-        rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x))
-    };
-    let was_turned = |pixel: usize| images[pixel] != NO_IMAGE && marks[pixel] != SHOWN;
-    let is_rim = |pixel: usize| around(pixel).any(was_turned);
-    if images[pixel] == NO_IMAGE || marks[pixel] != SHOWN || !is_rim(pixel) {
-        return None;
-    }
+    let is_rim = |pixel: usize| around(pixel, width, height).any(|there| was_turned(images, marks, there));
     let own = depths[pixel];
     let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for there in around(pixel) {
+    for there in around(pixel, width, height) {
         let is_same = depths[there].max(own) <= depths[there].min(own) * tolerance;
         if is_same && images[there] != NO_IMAGE && marks[there] == SHOWN && !is_rim(there) {
             (0..3).for_each(|channel| sum[channel] += picture.color.as_slice()[there][channel]);
             count += 1.0;
         }
     }
-    Some((count > 0.0).then(|| sum.map(|sum| sum / count)))
+    (count > 0.0).then(|| sum.map(|sum| sum / count))
 }
 
 #[cfg(test)]

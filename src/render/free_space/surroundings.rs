@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::render::vantage::Picture;
+use crate::simd::mask;
 
 /// How far is looked for a nearer surface, pixels.
 pub(super) const REACH: usize = 16;
@@ -67,7 +68,8 @@ impl Surroundings {
     pub(super) fn new(picture: &Picture) -> Self {
         let (width, height) = picture.image.size();
         let across = width + 2 * REACH;
-        let mut w = vec![OUTSIDE; across * (height + 2 * REACH)];
+        // As many more at the end as are read at once.
+        let mut w = vec![OUTSIDE; across * (height + 2 * REACH) + SQUARE];
         let rows =
             w.par_chunks_mut(across).skip(REACH).zip(picture.inverse_depth.as_slice().par_chunks(width));
         rows.for_each(|(row, from)| {
@@ -111,23 +113,41 @@ impl Surroundings {
         DIRECTIONS.iter().filter(|direction| leads_to_surface(direction)).count() >= ENOUGH_TO_TEST
     }
 
-    /// Whether lines of sight have to be tested at a position: enough directions lead to a nearer surface, or out of the picture.
+    /// Whether lines of sight have to be tested at [`SQUARE`] positions from one on, which show something at inverse depths `w`:
+    /// enough directions lead to a nearer surface, or out of the picture. A mask of positions.
     #[inline(always)]
-    pub(super) fn may_be_enclosed(&self, at: usize) -> bool {
-        self.leads_to_nearer(at, ENOUGH_TO_TEST, |_| true)
+    pub(super) fn may_be_enclosed(&self, at: usize, w: &[f32; SQUARE]) -> u32 {
+        let mut found = [0_u32; SQUARE];
+        for (right, down) in DIRECTIONS {
+            let stride = down * self.across as isize + right;
+            let (mut nearest, mut there) = ([0.0_f32; SQUARE], at);
+            for _ in 0..REACH {
+                there = there.wrapping_add_signed(stride);
+                let Some(row) = self.w.get(there..).and_then(|row| row.first_chunk::<SQUARE>()) else {
+                    break;
+                };
+                for i in 0..SQUARE {
+                    nearest[i] = nearest[i].max(row[i]);
+                }
+            }
+            for i in 0..SQUARE {
+                found[i] += u32::from(nearest[i] > w[i] * NEARER);
+            }
+        }
+        mask(|i| found[i] >= ENOUGH_TO_TEST as u32)
     }
 
-    /// Whether a position is enclosed: enough directions lead to a nearer surface, or out of the picture, over pixels whose lines of
+    /// Whether a position that shows something at inverse depth `w` is enclosed: enough directions lead to a nearer surface, or out of the picture, over pixels whose lines of
     /// sight are `hidden`.
     #[inline(always)]
-    pub(super) fn is_enclosed(&self, at: usize, hidden: impl Fn(usize) -> bool) -> bool {
-        self.leads_to_nearer(at, ENOUGH, hidden)
+    pub(super) fn is_enclosed(&self, at: usize, w: f32, hidden: impl Fn(usize) -> bool) -> bool {
+        self.leads_to_nearer(at, w, ENOUGH, hidden)
     }
 
     /// Whether `enough` directions lead from a position over pixels that `passes` holds for to a nearer surface.
     #[inline(always)]
-    fn leads_to_nearer(&self, at: usize, enough: usize, passes: impl Fn(usize) -> bool) -> bool {
-        let limit = self.w[at] * NEARER;
+    fn leads_to_nearer(&self, at: usize, w: f32, enough: usize, passes: impl Fn(usize) -> bool) -> bool {
+        let limit = w * NEARER;
         let mut missing = 0;
         for (right, down) in DIRECTIONS {
             let stride = down * self.across as isize + right;
@@ -203,6 +223,7 @@ mod tests {
             color: Grid::filled(size.0, size.1, [0.0; 3]),
             inverse_depth: Grid::from_fn(size.0, size.1, depth),
             image: Grid::from_fn(size.0, size.1, |x, y| if depth(x, y) < 0.0 { NO_IMAGE } else { 0 }),
+            fronts: Vec::new(),
         }
     }
 
@@ -229,13 +250,13 @@ mod tests {
                 for y in 0..height {
                     for x in 0..width {
                         let (at, square) = (surroundings.at((x, y)), (x / SQUARE, y / SQUARE));
-                        let found = surroundings.may_be_enclosed(at);
+                        let found = surroundings.may_be_enclosed(at, &[surroundings.w[at]; SQUARE]) & 1 == 1;
                         assert_eq!(found, plainly_enclosed(&picture, (x, y), ENOUGH_TO_TEST));
                         assert!(
                             !found || surroundings.may_enclose(square.0, square.1),
                             "({x}, {y}), seed {seed}"
                         );
-                        let is_enclosed = surroundings.is_enclosed(at, |_| true);
+                        let is_enclosed = surroundings.is_enclosed(at, surroundings.w[at], |_| true);
                         assert_eq!(is_enclosed, plainly_enclosed(&picture, (x, y), ENOUGH));
                         may += usize::from(found);
                         passed_over += usize::from(!surroundings.may_enclose(square.0, square.1));
@@ -259,12 +280,13 @@ mod tests {
         }
         let surroundings = Surroundings::new(&picture);
         let middle = surroundings.at((20, 20));
-        assert!(surroundings.is_enclosed(middle, |_| true));
+        let w = surroundings.w[middle];
+        assert!(surroundings.is_enclosed(middle, w, |_| true));
         let (left, right) = (surroundings.at((18, 20)), surroundings.at((22, 20)));
-        assert!(surroundings.is_enclosed(middle, |there| there != left));
-        assert!(!surroundings.is_enclosed(middle, |there| there != left && there != right));
+        assert!(surroundings.is_enclosed(middle, w, |there| there != left));
+        assert!(!surroundings.is_enclosed(middle, w, |there| there != left && there != right));
         // The ring itself is enclosed by nothing.
-        assert!(!surroundings.is_enclosed(surroundings.at((15, 20)), |_| true));
+        assert!(!surroundings.is_enclosed(surroundings.at((15, 20)), 1.0, |_| true));
     }
 
     #[test]

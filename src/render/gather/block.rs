@@ -3,13 +3,14 @@
 
 use super::interpolate::find_colors;
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
+use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
 use super::surface_points::{StripPixel, SurfacePoints};
 use super::target::{BLOCK, PictureRows};
 use super::view_weights::SourceViews;
 use super::visibility_votes::{VotedPoints, Votes, vote};
 use crate::render::input::{FrameSamples, TileCaches};
 use crate::render::splat::{inverse_depth_of, slot_of};
-use crate::render::vantage::NO_IMAGE;
+use crate::render::vantage::{NO_FRONT, NO_IMAGE};
 
 /// Tiles are prefetched for this many cameras, the best ones: most points read no more.
 const PREFETCHED_CAMERAS: usize = 3;
@@ -74,6 +75,7 @@ impl GatherScratch {
         views.rank(center, w, &mut self.cameras, &mut self.weights);
         self.prefetch(views, nth, w);
         let (columns, row_count) = rows.extent(patch.left);
+        let subpixels = rows.subpixels;
         let mut which = *which;
         for (row, which) in which.iter_mut().enumerate() {
             *which &= if row < row_count { (u32::MAX >> (32 - columns)) as u16 } else { 0 };
@@ -82,11 +84,16 @@ impl GatherScratch {
         for (edges, which) in edges.iter_mut().zip(&which) {
             *edges &= which;
         }
-        self.list_edge_pixels(&edges[..row_count]);
+        self.list_edge_pixels(&edges[..row_count], subpixels);
         vote(views, &self.voted_points, &self.cameras, &mut self.caches[nth], &mut self.votes);
-        self.set_surfaces(frame, &edges, &which, rows);
+        if subpixels == 1 {
+            self.set_surfaces(frame, &edges, &which, rows);
+        } else {
+            let decided = DecidedEdges { edges, pixels: &self.edge_pixels, votes: &self.votes };
+            set_surfaces_of_pairs(&self.patch, frame, decided, &which, rows, &mut self.points);
+        }
         find_colors(views, &mut self.points, &self.cameras, &mut self.caches[nth]);
-        self.points.add_colors(rows.color, |key| frame.color_of(slot_of(key)));
+        self.points.add_colors(rows.color, rows.fronts, |key| frame.color_of(slot_of(key)));
     }
 
     /// Prefetches the tiles that the next block will read from the cameras that count most for this one, at inverse depth `w`.
@@ -102,23 +109,29 @@ impl GatherScratch {
         }
     }
 
-    /// Lists the pixels at steps in depth, a mask of columns per row, and the points that cameras vote on.
+    /// Lists the pixels at steps in depth, a mask of columns per row, and the points that cameras vote on; those that share a pixel
+    /// of the picture one after another.
     #[inline(always)]
-    fn list_edge_pixels(&mut self, edges: &[u16]) {
+    fn list_edge_pixels(&mut self, edges: &[u16], subpixels: usize) {
         let patch = &self.patch;
         self.edge_pixels.clear();
         self.voted_points.clear();
-        for (row, &edges) in edges.iter().enumerate() {
-            let mut left = edges;
+        for (nth, edges) in edges.chunks(subpixels).enumerate() {
+            let mut left = edges.iter().fold(0, |all, row| all | row);
             while left != 0 {
-                let column = left.trailing_zeros() as usize % BLOCK;
-                left &= left - 1;
-                let edge_pixel = patch.edge_pixel(column, row);
-                if let Some(key) = edge_pixel.voted_key() {
-                    let (x, y) = ((patch.left + column) as f32, (patch.top + row) as f32);
-                    self.voted_points.push(x, y, inverse_depth_of(key));
+                let first = left.trailing_zeros() as usize % BLOCK / subpixels * subpixels;
+                left &= !(((1 << subpixels) - 1) << first);
+                for (row, edges) in edges.iter().enumerate() {
+                    for column in (first..first + subpixels).filter(|column| edges >> column & 1 == 1) {
+                        let row = nth * subpixels + row;
+                        let edge_pixel = patch.edge_pixel(column, row);
+                        if let Some(key) = edge_pixel.voted_key() {
+                            let (x, y) = ((patch.left + column) as f32, (patch.top + row) as f32);
+                            self.voted_points.push(x, y, inverse_depth_of(key));
+                        }
+                        self.edge_pixels.push(edge_pixel);
+                    }
                 }
-                self.edge_pixels.push(edge_pixel);
             }
         }
     }
@@ -154,6 +167,9 @@ impl GatherScratch {
                     (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
                 }
                 colors.fill([0.0; 3]);
+                if let Some(fronts) = rows.fronts.get_mut(start..start + columns) {
+                    fronts.fill(NO_FRONT);
+                }
                 self.points.push_row(keys, &cameras, first, depths);
                 continue;
             }
@@ -161,30 +177,40 @@ impl GatherScratch {
                 colors[column] = [0.0; 3];
                 let pixel =
                     StripPixel { x: (patch.left + column) as f32, at: (start + column) as u32, ..first };
-                let mut push = |key, share| {
-                    self.points.push(key, frame.camera_of(slot_of(key)), pixel, share);
+                let mut front = NO_FRONT;
+                let mut push = |key, shares| {
+                    let own = frame.camera_of(slot_of(key));
+                    self.points.push((key, inverse_depth_of(key)), own, pixel, shares);
                 };
                 let mut key = patch.keys[row + RING][column + RING];
                 if edges[row] >> column & 1 == 1 {
                     let Some(edge_pixel) = edge_pixels.next() else { continue };
                     let votes = edge_pixel.voted_key().and_then(|_| votes.next().copied());
-                    key = match edge_pixel.decide(votes.unwrap_or_default()) {
+                    key = match edge_pixel.decide(votes.unwrap_or_default(), 1) {
                         PixelSurfaces::Hole => 0,
                         PixelSurfaces::One(key) => {
-                            push(key, 1.0);
+                            push(key, (1.0, 0.0));
                             key
                         }
                         PixelSurfaces::Two { near, far, share } => {
-                            for (key, share) in [(near, share), (far, 1.0 - share)] {
+                            let has_front = share >= 0.5 && share < 1.0;
+                            if has_front {
+                                front[3] = inverse_depth_of(far);
+                            }
+                            let front_share = if has_front { 1.0 } else { 0.0 };
+                            for (key, share, front) in [(near, share, front_share), (far, 1.0 - share, 0.0)] {
                                 if share > 0.0 {
-                                    push(key, share);
+                                    push(key, (share, front));
                                 }
                             }
                             if share >= 0.5 { near } else { far }
                         }
                     };
                 } else if key != 0 {
-                    push(key, 1.0);
+                    push(key, (1.0, 0.0));
+                }
+                if let Some(place) = rows.fronts.get_mut(start + column) {
+                    *place = front;
                 }
                 depths[column] = inverse_depth_of(key);
                 images[column] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };

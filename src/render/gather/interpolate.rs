@@ -128,7 +128,7 @@ fn colors_in(
     let mut left = which & reprojected.inside;
     let mut counts = [1.0; LANES];
     for i in 0..LANES {
-        let rate = view.source_from_target.focal_ratio * reprojected.distance_ratio[i];
+        let rate = views.rate(view, reprojected.distance_ratio[i]);
         // Where the picture is coarser than the camera's, one look-up would alias fine detail.
         let count = (rate / SUBPIXEL_WIDTH).ceil().min(MAX_SUBPIXELS);
         counts[i] = if rate <= SUBPIXEL_WIDTH { 1.0 } else { count };
@@ -145,8 +145,8 @@ fn colors_in(
             if count > 1.0 {
                 let (across, down) = ((sub.0 + 0.5) * per_subpixel, (sub.1 + 0.5) * per_subpixel);
                 for i in 0..LANES {
-                    moved.x[i] = points.x[i] + across - 0.5;
-                    moved.y[i] = points.y[i] + down - 0.5;
+                    moved.x[i] = points.x[i] + (across - 0.5) * views.subpixels;
+                    moved.y[i] = points.y[i] + (down - 0.5) * views.subpixels;
                 }
                 reprojected = ReprojectedPoints::new(&views.lookup, view, &moved);
             }

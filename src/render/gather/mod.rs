@@ -15,6 +15,7 @@ mod interpolate;
 mod reproject;
 mod scratch_pool;
 mod silhouette;
+mod subpixels;
 mod surface_points;
 mod target;
 mod view_weights;

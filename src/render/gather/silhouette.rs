@@ -15,13 +15,37 @@ use super::visibility_votes::Votes;
 use crate::render::splat::{CORE, inverse_depth_of, key, nearness, slot_of};
 use crate::simd::joined;
 
-/// A pixel is the nearer surface's by `SHARE_OFFSET + SHARE_GAIN · s` for a supporting share `s`. Fitted once to how often the
+/// A pixel is the nearer surface's by an offset and a gain of a supporting share: 0.15 + 1.2 · s. Fitted once to how often the
 /// nearer surface was truly there, on a rendered capture: shares understate it, as samples beside an edge agree less exactly.
-const SHARE_OFFSET: f32 = 0.15;
-const SHARE_GAIN: f32 = 1.2;
+const OWN_SHARE: (f32, f32) = (0.15, 1.2);
+
+/// The same for a sub-pixel, half as wide as a pixel, over which the share changes half as much. From 9/16 on, which is the share at
+/// a quarter of a pixel from a sample beside a convex corner, it is all the nearer surface's: a camera's own picture stays.
+const SUBPIXEL_SHARE: (f32, f32) = (0.1, 1.6);
+
+/// Shares of less than this are none: rounding alone must not blend.
+const LEAST_SHARE: f32 = 1.0 / 256.0;
+
+/// A share that is none or all where it is nearly that.
+#[inline(always)]
+fn snapped(share: f32) -> f32 {
+    if share < LEAST_SHARE {
+        0.0
+    } else if share > 1.0 - LEAST_SHARE {
+        1.0
+    } else {
+        share
+    }
+}
 
 /// A surface is extrapolated beyond its edge if its inverse depth changes by at most this many tolerances a pixel.
 const MAX_SLOPE: f32 = 8.0;
+
+/// Directions in which two opposite neighbors are looked for.
+const CRACK_DIRECTIONS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
+
+/// Steps to them; the first alone where pixels have no sub-pixels.
+const CRACK_STEPS: [(isize, isize); 3] = [(1, 1), (1, 2), (2, 1)];
 
 /// Votes that sum to less than this share of the largest camera weight decide nothing.
 const MIN_VOTES: f32 = 0.02;
@@ -59,11 +83,13 @@ impl EdgePixel {
         }
     }
 
-    /// The surfaces of the pixel, by the votes on [`EdgePixel::voted_key`].
+    /// The surfaces of the pixel, by the votes on [`EdgePixel::voted_key`]; it is one of so many along a side of a pixel of the
+    /// picture.
     #[inline(always)]
-    pub(super) fn decide(&self, votes: Votes) -> PixelSurfaces {
+    pub(super) fn decide(&self, votes: Votes, subpixels: usize) -> PixelSurfaces {
+        let (offset, gain) = if subpixels == 2 { SUBPIXEL_SHARE } else { OWN_SHARE };
         let decides = votes.total > MIN_VOTES * votes.max_weight;
-        let share = decides.then(|| (SHARE_OFFSET + SHARE_GAIN * votes.agree / votes.total).clamp(0.0, 1.0));
+        let share = decides.then(|| snapped(offset + gain * votes.agree / votes.total));
         let blend = |near, far, share| match far {
             0 if share < 0.5 => PixelSurfaces::Hole,
             0 => PixelSurfaces::One(near),
@@ -102,12 +128,14 @@ pub(crate) struct Patch {
     pub(crate) top: usize,
     /// Inverse depths from this share of the nearest one on belong to the same surface.
     pub(crate) surface_ratio: f32,
+    /// Pixels of the z-buffer along each side of a pixel of the picture.
+    pub(crate) subpixels: usize,
 }
 
 impl Patch {
     /// A patch of holes.
     pub(super) fn empty() -> Self {
-        Self { keys: [[0; SIDE]; SIDE], left: 0, top: 0, surface_ratio: 1.0 }
+        Self { keys: [[0; SIDE]; SIDE], left: 0, top: 0, surface_ratio: 1.0, subpixels: 1 }
     }
 
     #[inline(always)]
@@ -115,32 +143,55 @@ impl Patch {
         core_of(self.keys[(y + RING).wrapping_add_signed(dy)][(x + RING).wrapping_add_signed(dx)])
     }
 
-    /// For every pixel of the block whether there is more than one surface, or none, in the 3×3 pixels around it: a mask of
-    /// columns per row.
+    /// For every pixel of the block whether something is to be decided about it: it shows no core sample, a farther surface or a hole
+    /// is beside it, or a crack may run over it. A mask of columns per row.
     #[inline(always)]
     pub(super) fn edges(&self) -> [u16; BLOCK] {
-        let (mut far, mut near) = ([[0.0_f32; BLOCK]; SIDE], [[0.0_f32; BLOCK]; SIDE]);
+        let (mut w, mut far) = ([[0.0_f32; SIDE]; SIDE], [[0.0_f32; BLOCK]; SIDE]);
         for (row, keys) in self.keys.iter().enumerate() {
-            let mut w = [0.0_f32; SIDE];
+            let w = &mut w[row];
             for x in 0..SIDE {
                 w[x] = inverse_depth_of(core_of(keys[x]));
             }
             for x in 0..BLOCK {
                 far[row][x] = w[x + 1].min(w[x + 2]).min(w[x + 3]);
-                near[row][x] = w[x + 1].max(w[x + 2]).max(w[x + 3]);
             }
         }
         let mut edges = [0; BLOCK];
         for y in 0..BLOCK {
-            let mut bits = [0_u32; BLOCK];
+            let (mut bits, mut near) = ([0_u32; BLOCK], [0.0_f32; BLOCK]);
             for x in 0..BLOCK {
+                let own = w[y + RING][x + RING];
                 let far = far[y + 1][x].min(far[y + 2][x]).min(far[y + 3][x]);
-                let near = near[y + 1][x].max(near[y + 2][x]).max(near[y + 3][x]);
-                bits[x] = u32::from(far < near * self.surface_ratio) << x;
+                bits[x] = u32::from((far < own * self.surface_ratio) | (own < 0.0)) << x;
+            }
+            // In front of a crack lie two opposite neighbors, of which the farther one is near enough.
+            let flat = w.as_flattened();
+            let middle = (y + RING) * SIDE + RING;
+            for (ahead, back) in &CRACK_STEPS[..self.crack_widths()] {
+                for (dx, dy) in CRACK_DIRECTIONS {
+                    let step = dx + dy * SIDE as isize;
+                    let a = flat[middle.wrapping_add_signed(ahead * step)..].first_chunk::<BLOCK>();
+                    let b = flat[middle.wrapping_add_signed(-back * step)..].first_chunk::<BLOCK>();
+                    let (Some(a), Some(b)) = (a, b) else { continue };
+                    for x in 0..BLOCK {
+                        near[x] = near[x].max(a[x].min(b[x]));
+                    }
+                }
+            }
+            for x in 0..BLOCK {
+                bits[x] |= u32::from(w[y + RING][x + RING] < near[x] * self.surface_ratio) << x;
             }
             edges[y] = joined(&bits) as u16;
         }
         edges
+    }
+
+    /// How many of [`CRACK_STEPS`] are looked at. Cracks are as wide as a pixel of the picture: where that has two sub-pixels, one of
+    /// the neighbors may lie two steps away.
+    #[inline(always)]
+    fn crack_widths(&self) -> usize {
+        if self.subpixels == 2 { CRACK_STEPS.len() } else { 1 }
     }
 
     /// What is to be decided about pixel `(x, y)` of the block.
@@ -200,8 +251,10 @@ impl Patch {
     #[inline(always)]
     fn crack(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
         let mut nearest: Option<(f32, u64)> = None;
-        for (dx, dy) in [(1, 0), (0, 1), (1, 1), (1, -1)] {
-            let (a, b) = (self.key(x, y, (dx, dy)), self.key(x, y, (-dx, -dy)));
+        let steps = CRACK_STEPS[..self.crack_widths()].iter();
+        let steps = steps.flat_map(|steps| CRACK_DIRECTIONS.map(|direction| (direction, *steps)));
+        for ((dx, dy), (ahead, back)) in steps {
+            let (a, b) = (self.key(x, y, (ahead * dx, ahead * dy)), self.key(x, y, (-back * dx, -back * dy)));
             let (wa, wb) = (inverse_depth_of(a), inverse_depth_of(b));
             let mean = 0.5 * (wa + wb);
             let alike = a != 0 && b != 0 && wa.min(wb) >= wa.max(wb) * self.surface_ratio;

@@ -3,6 +3,7 @@
 use super::target::BLOCK;
 use crate::render::input::LANES;
 use crate::render::splat::inverse_depth_of;
+use crate::render::vantage::FrontColor;
 use crate::simd::mask;
 
 /// Where less than this share of a pixel is covered by interpolated samples, the nearest sample's own color is mixed in.
@@ -14,7 +15,7 @@ const OWN_SHARE: f32 = 0.2;
 /// Most surface points of a block: two in each pixel.
 pub(super) const MOST: usize = 2 * BLOCK * BLOCK;
 
-/// A pixel: column and row in the picture, and its position in the strip.
+/// A place in a pixel: column and row in the z-buffer, and the pixel's position in the strip of the picture.
 #[derive(Clone, Copy)]
 pub(super) struct StripPixel {
     pub(super) x: f32,
@@ -38,6 +39,8 @@ pub(super) struct SurfacePoints {
     own: [u16; MOST],
     /// Share of the pixel that shows the point.
     share: [f32; MOST],
+    /// Share of what the pixel shows in front of its farthest surface.
+    front_share: [f32; MOST],
     /// The pixels, as positions in the strip.
     pixel: [u32; MOST],
     /// Red, green and blue, weighted by `weight`.
@@ -60,6 +63,7 @@ impl SurfacePoints {
             key: [0; MOST],
             own: [0; MOST],
             share: zero,
+            front_share: zero,
             pixel: [0; MOST],
             color: [zero; 3],
             weight: zero,
@@ -81,17 +85,25 @@ impl SurfacePoints {
         self.coverage[..count].fill(0.0);
     }
 
-    /// Adds the surface of a key, a sample of camera `own`, which takes `share` of a pixel.
+    /// Adds the surface of a key, a sample of camera `own`, at inverse depth `w`, which takes `share` of a pixel, and `front_share` of what
+    /// it shows in front of its farthest surface.
     #[inline(always)]
-    pub(super) fn push(&mut self, key: u64, own: u16, pixel: StripPixel, share: f32) {
+    pub(super) fn push(
+        &mut self,
+        (key, w): (u64, f32),
+        own: u16,
+        pixel: StripPixel,
+        (share, front_share): (f32, f32),
+    ) {
         let at = self.count % MOST;
         self.count = at + 1;
         self.x[at] = pixel.x;
         self.y[at] = pixel.y;
-        self.w[at] = inverse_depth_of(key);
+        self.w[at] = w;
         self.key[at] = key;
         self.own[at] = own;
         self.share[at] = share;
+        self.front_share[at] = front_share;
         self.pixel[at] = pixel.at;
     }
 
@@ -120,13 +132,19 @@ impl SurfacePoints {
         self.key[at..at + BLOCK].copy_from_slice(keys);
         self.own[at..at + BLOCK].copy_from_slice(cameras);
         self.share[at..at + BLOCK].fill(1.0);
+        self.front_share[at..at + BLOCK].fill(0.0);
         self.pixel[at..at + BLOCK].copy_from_slice(&pixels);
     }
 
     /// Adds the color of each point to its pixel, by its share. Where coverage is low, the color of the nearest sample, which
     /// `own_color` gives by its key, is mixed in.
     #[inline(always)]
-    pub(super) fn add_colors(&self, pixels: &mut [[f32; 3]], own_color: impl Fn(u64) -> [f32; 3]) {
+    pub(super) fn add_colors(
+        &self,
+        pixels: &mut [[f32; 3]],
+        fronts: &mut [FrontColor],
+        own_color: impl Fn(u64) -> [f32; 3],
+    ) {
         for at in (0..self.count).map(|at| at % MOST) {
             let mut sum = [0, 1, 2].map(|channel: usize| self.color[channel][at]);
             let (mut weight, coverage) = (self.weight[at], self.coverage[at]);
@@ -142,6 +160,11 @@ impl SurfacePoints {
             }
             let pixel = &mut pixels[self.pixel[at] as usize];
             (0..3).for_each(|channel| pixel[channel] += self.share[at] * (sum[channel] / weight));
+            if self.front_share[at] > 0.0
+                && let Some(front) = fronts.get_mut(self.pixel[at] as usize)
+            {
+                (0..3).for_each(|channel| front[channel] += self.front_share[at] * (sum[channel] / weight));
+            }
         }
     }
 

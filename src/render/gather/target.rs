@@ -1,34 +1,38 @@
-//! What the gather stage writes to: blocks of 16×16 pixels in rows of the picture.
+//! What the gather stage writes to: rows of the picture, a block of 16×16 pixels of its z-buffer after another.
 
 use crate::render::input::FrameSamples;
 use crate::render::splat::{inverse_depth_of, slot_of};
-use crate::render::vantage::NO_IMAGE;
+use crate::render::vantage::{FrontColor, NO_IMAGE};
 use crate::samples::TILE;
 
-/// Columns and rows of the blocks of the picture that share a list of cameras.
+/// Columns and rows of the blocks of the z-buffer that share a list of cameras.
 pub(crate) const BLOCK: usize = TILE;
 
-/// Column and row of the first pixel of a block.
+/// Column and row of the first pixel of a block, in the z-buffer.
 #[derive(Clone, Copy)]
 pub(crate) struct BlockOrigin {
     pub(crate) left: usize,
     pub(crate) top: usize,
 }
 
-/// A row of blocks: up to sixteen pixel rows of the three planes of a picture.
+/// A row of blocks: the rows of the three planes of a picture that it covers.
 pub(crate) struct PictureRows<'a> {
     /// Columns of the picture.
     pub(crate) width: usize,
+    /// Pixels of the z-buffer along each side of a pixel of the picture: 1 or 2.
+    pub(crate) subpixels: usize,
     pub(crate) color: &'a mut [[f32; 3]],
     pub(crate) inverse_depth: &'a mut [f32],
     pub(crate) image: &'a mut [u32],
+    /// Empty unless it is wanted.
+    pub(crate) fronts: &'a mut [FrontColor],
 }
 
 impl PictureRows<'_> {
-    /// Columns and rows of a block that lie in the picture.
+    /// Columns and rows of a block that lie in the picture, in pixels of the z-buffer.
     #[inline(always)]
     pub(crate) fn extent(&self, left: usize) -> (usize, usize) {
-        (BLOCK.min(self.width - left), self.image.len() / self.width)
+        (BLOCK.min(self.width * self.subpixels - left), self.image.len() / self.width * self.subpixels)
     }
 
     /// Sets a pixel, given by its position in these rows, to the sample of a key, or to a hole where the key is 0.

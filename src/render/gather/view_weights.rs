@@ -41,17 +41,21 @@ pub(crate) struct SourceViews<'a> {
     pub(super) pruned: bool,
     /// [`FULL_COVERAGE`] or [`FULL_COVERAGE_PRUNED`].
     pub(super) full_coverage: f32,
+    /// Pixels of the z-buffer along each side of a pixel of the picture, for whose size rates are measured.
+    pub(super) subpixels: f32,
     /// World-space ray of the first pixel's center, and its growth by column and row.
     rays_in_world: [Vec3; 3],
 }
 
 impl<'a> SourceViews<'a> {
-    /// Over the tiles of a table; `depth_tolerance` in footprints.
+    /// Over the tiles of a table; `depth_tolerance` in footprints, and `subpixels` of the target along each side of a pixel of the
+    /// picture.
     pub(crate) fn new(
         frame: &'a FrameSamples<'a>,
         table: CellTable,
         target: &Camera,
         depth_tolerance: f32,
+        subpixels: usize,
     ) -> Self {
         let center = target.position_in_world();
         let view = |(camera, source): (usize, &Camera)| SourceView {
@@ -67,8 +71,17 @@ impl<'a> SourceViews<'a> {
             full_coverage: if pruned { FULL_COVERAGE_PRUNED } else { FULL_COVERAGE },
             lookup: Lookup { table, frame },
             views: frame.set.cameras.iter().enumerate().map(view).collect(),
+            subpixels: subpixels as f32,
             rays_in_world: rays_in_world(target, 0.5),
         }
+    }
+
+    /// Recorded pixels of a camera along a pixel of the picture, for a point at a ratio of distances as in [`ReprojectedPoints`].
+    ///
+    /// [`ReprojectedPoints`]: super::reproject::ReprojectedPoints
+    #[inline(always)]
+    pub(super) fn rate(&self, view: &SourceView, distance_ratio: f32) -> f32 {
+        view.source_from_target.focal_ratio * distance_ratio * self.subpixels
     }
 
     /// Sorts cameras by their weight for the surface at inverse depth `w` in pixel `(x, y)`, largest first.
@@ -125,7 +138,7 @@ impl<'a> SourceViews<'a> {
         let ray = first + across * x + down * y;
         let sight = ray + view.offset_in_world * w;
         let cosine = ray.dot(sight) / (ray.length_squared() * sight.length_squared()).sqrt();
-        let rate = (view.source_from_target.focal_ratio * distance_ratio).min(USEFUL_RATE);
+        let rate = self.rate(view, distance_ratio).min(USEFUL_RATE);
         rate * rate * cosine.max(0.01)
     }
 }

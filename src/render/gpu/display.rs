@@ -78,11 +78,12 @@ impl Display {
         mut encoder: wgpu::CommandEncoder,
         pattern: &HolePattern,
     ) -> Result<(ScreenTexture, u64)> {
-        let texture = self.free_texture(context, target.width, target.height);
+        let (width, height) = target.picture_size();
+        let texture = self.free_texture(context, width, height);
         let color = |[r, g, b]: [u8; 3]| [r, g, b, u8::MAX].map(|channel| f32::from(channel) / 255.0);
         let numbers = GpuDisplay {
-            width: target.width as u32,
-            height: target.height as u32,
+            width: width as u32,
+            height: height as u32,
             stripe: pattern.stripe.max(1),
             padding: 0,
             hole: color(pattern.colors[0]),
@@ -103,7 +104,7 @@ impl Display {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         let groups = |pixels: usize| pixels.div_ceil(GROUP) as u32;
-        pass.dispatch_workgroups(groups(target.width), groups(target.height), 1);
+        pass.dispatch_workgroups(groups(width), groups(height), 1);
         drop(pass);
         encoder.copy_buffer_to_buffer(&holes, 0, &readback, 0, 4);
         context.queue.submit([encoder.finish()]);

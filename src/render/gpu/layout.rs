@@ -25,8 +25,8 @@ pub(super) struct GpuStage {
     pub(super) ray_down: [f32; 3],
     pub(super) all_tiles: u32,
     pub(super) pruned: u32,
-    pub(super) padding_0: u32,
-    pub(super) padding_1: u32,
+    pub(super) subpixels: u32,
+    pub(super) with_fronts: u32,
     pub(super) padding_2: u32,
 }
 
@@ -112,6 +112,12 @@ pub(super) const KEY_WORDS: u64 = 2;
 /// Words of a pixel of the picture: color, inverse depth, image.
 pub(super) const PICTURE_WORDS: u64 = 5;
 
+/// Words of what a pixel shows in front of its farthest surface, where pictures tell it.
+pub(super) const FRONT_WORDS: u64 = 4;
+
+/// Words of the surfaces of a pixel of the z-buffer, which the gather stage reads: two keys, and the share of the nearer one.
+pub(super) const SURFACE_WORDS: u64 = 5;
+
 /// Most cameras of the gather stage, as `CAMERA_WORDS` in `patch.wgsl` times 32.
 pub(super) const MAX_CAMERAS: usize = 1024;
 
@@ -161,7 +167,7 @@ mod tests {
         assert_same_layout! {
             &module, "Stage", GpuStage,
             width, height, kernel, step, first_tile, tile_count, piece_count, surface_ratio, first_ray,
-            background_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, padding_0, padding_1, padding_2
+            background_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, subpixels, with_fronts, padding_2
         }
         assert_same_layout! {
             &module, "View", GpuView,

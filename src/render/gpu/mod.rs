@@ -32,8 +32,9 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::finish::{Finisher, changes_pictures};
+use super::finish::{Finisher, changes_pictures, wants_fronts};
 use super::input::{BackgroundKey, FrameSamples};
+use super::supersample::{finer, subpixels};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
@@ -42,6 +43,7 @@ use crate::samples::SampleSet;
 use crate::settings::{Kernel, RenderSettings};
 use context::Context;
 use display::Display;
+use layout::{FRONT_WORDS, PICTURE_WORDS, SURFACE_WORDS};
 use memory::SampleMemory;
 use pipelines::Pipelines;
 use recorder::Recorder;
@@ -225,13 +227,18 @@ impl GpuRenderer {
             images: frame.images[..frame.background_images].to_vec(),
             camera: vantage.camera.clone(),
             settings: settings.clone(),
+            subpixels: subpixels_on(&self.context, samples, vantage, settings),
+            with_fronts: wants_fronts(samples, &frame.images, settings),
         };
+        let (subpixels, with_fronts) = (key.subpixels, key.with_fronts);
         let reused = self.background.take().as_ref().is_some_and(|background| background.matches(&key));
         let Self { context, pipelines, memory, target, .. } = self;
         let context = &*context;
         let result = context.guarded(|| {
-            let target = target_for(target, context, pipelines, &vantage.camera, settings)?;
-            let input = SceneInput { frame: &frame, camera: &vantage.camera, settings };
+            let camera = &finer(&vantage.camera, subpixels);
+            let target =
+                target_for(target, context, pipelines, (camera, subpixels, with_fronts), settings.kernel)?;
+            let input = SceneInput { frame: &frame, camera, subpixels, with_fronts, settings };
             let scene = SceneBindings::new(context, pipelines, memory, target, input)?;
             job.check()?;
             let mut encoder =
@@ -263,17 +270,32 @@ fn target_for<'a>(
     target: &'a mut Option<GpuTarget>,
     context: &Context,
     pipelines: &Pipelines,
-    camera: &Camera,
-    settings: &RenderSettings,
+    (camera, subpixels, with_fronts): (&Camera, usize, bool),
+    kernel: Kernel,
 ) -> Result<&'a GpuTarget> {
     let size = camera.intrinsics.size();
-    let blends = matches!(settings.kernel, Kernel::Block | Kernel::Surfel);
-    let fits = |target: &GpuTarget| (target.width, target.height) == size && target.blends == blends;
+    let fits = |target: &GpuTarget| {
+        (target.width, target.height) == size
+            && (target.subpixels, target.with_fronts, target.kernel) == (subpixels, with_fronts, kernel)
+    };
     let found = match target.take().filter(fits) {
         Some(found) => found,
-        None => GpuTarget::new(context, pipelines, size, blends)?,
+        None => GpuTarget::new(context, pipelines, size, (subpixels, with_fronts), kernel)?,
     };
     Ok(target.insert(found))
+}
+
+/// As [`subpixels`], but 1 where the adapter has no buffer large enough for more.
+fn subpixels_on(
+    context: &Context,
+    samples: &SampleSet,
+    vantage: &Vantage,
+    settings: &RenderSettings,
+) -> usize {
+    let wanted = subpixels(samples, vantage, settings);
+    let pixels = (vantage.camera.intrinsics.pixel_count() * wanted * wanted) as u64;
+    let fits = 4 * (PICTURE_WORDS + FRONT_WORDS + SURFACE_WORDS) * pixels <= context.max_binding();
+    if fits { wanted } else { 1 }
 }
 
 /// An adapter for a test; `None`, with a message, if the machine has none, and a failure if `OVERLOOK_REQUIRE_GPU` demands one.

@@ -28,7 +28,7 @@ impl Recorder<'_> {
             dispatch(&mut pass, tiles);
         }
         drop(pass);
-        if self.target.blends {
+        if self.target.blends() {
             self.encoder.clear_buffer(&buffers.sums, 0, None);
             let mut pass = compute_pass(self.encoder, "blend");
             pass.set_pipeline(&self.pipelines.blend);
@@ -56,7 +56,7 @@ impl Recorder<'_> {
             pass.set_pipeline(&self.pipelines.resolve);
             pass.set_bind_group(0, &self.scene.group, &stage);
             pass.set_bind_group(1, &self.target.resolve_group, &[]);
-            dispatch(&mut pass, self.target.pixels().div_ceil(256) as u32);
+            dispatch(&mut pass, (self.target.width * self.target.height).div_ceil(256) as u32);
         }
     }
 }

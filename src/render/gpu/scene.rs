@@ -35,7 +35,12 @@ pub(super) struct SceneBindings {
 #[derive(Clone, Copy)]
 pub(super) struct SceneInput<'a> {
     pub(super) frame: &'a FrameSamples<'a>,
+    /// The vantage's camera, with as many pixels as the z-buffer.
     pub(super) camera: &'a Camera,
+    /// Pixels of the z-buffer along each side of a pixel of the picture.
+    pub(super) subpixels: usize,
+    /// Whether the picture tells what pixels show in front of their farthest surface.
+    pub(super) with_fronts: bool,
     pub(super) settings: &'a RenderSettings,
 }
 
@@ -48,7 +53,7 @@ impl SceneBindings {
         target: &GpuTarget,
         input: SceneInput<'_>,
     ) -> Result<Self> {
-        let SceneInput { frame, camera, settings } = input;
+        let SceneInput { frame, camera, settings, .. } = input;
         let cameras = &frame.set.cameras;
         if settings.kernel == Kernel::Gather && cameras.len() > MAX_CAMERAS {
             let (count, most) = (cameras.len(), MAX_CAMERAS);
@@ -98,7 +103,7 @@ impl SceneBindings {
 
 /// The stages of both layers, for both passes, each at its offset.
 fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
-    let SceneInput { frame, camera, settings } = input;
+    let SceneInput { frame, camera, subpixels, with_fronts, settings } = input;
     let (width, height) = camera.intrinsics.size();
     let [first_ray, ray_across, ray_down] = rays_in_world(camera, 0.5).map(|ray| ray.to_array());
     let mut stages = Vec::new();
@@ -120,6 +125,8 @@ fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
                 ray_down,
                 all_tiles: frame.tile_count() as u32,
                 pruned: u32::from(frame.is_pruned()),
+                subpixels: subpixels as u32,
+                with_fronts: u32::from(with_fronts),
                 ..GpuStage::zeroed()
             };
             stages.extend_from_slice(bytemuck::bytes_of(&stage));

@@ -1,11 +1,12 @@
 //! The buffers of a picture: two layers, the resolved picture, and a buffer that the CPU can read.
 
 use super::context::Context;
-use super::layout::{KEY_WORDS, PICTURE_WORDS, SUM_WORDS};
+use super::layout::{FRONT_WORDS, KEY_WORDS, PICTURE_WORDS, SUM_WORDS, SURFACE_WORDS};
 use super::pipelines::{Pipelines, bind};
 use crate::error::Result;
 use crate::grid::Grid;
-use crate::render::vantage::Picture;
+use crate::render::vantage::{FrontColor, Picture};
+use crate::settings::Kernel;
 use wgpu::BufferUsages as Usage;
 
 /// The keys and sums of a layer.
@@ -33,9 +34,15 @@ impl PaintedImages {
 /// The buffers of a picture.
 #[derive(Debug)]
 pub(super) struct GpuTarget {
+    /// Columns of the z-buffer.
     pub(super) width: usize,
+    /// Rows of the z-buffer.
     pub(super) height: usize,
-    pub(super) blends: bool,
+    /// Pixels of the z-buffer along each side of a pixel of the picture.
+    pub(super) subpixels: usize,
+    pub(super) kernel: Kernel,
+    /// Whether the picture tells what pixels show in front of their farthest surface.
+    pub(super) with_fronts: bool,
     /// Background and foreground.
     pub(super) layers: [PaintedImages; 2],
     pub(super) picture: wgpu::Buffer,
@@ -44,28 +51,38 @@ pub(super) struct GpuTarget {
 }
 
 impl GpuTarget {
-    /// Buffers for a picture of this size, with sums where the kernel blends.
+    /// Buffers for a z-buffer of this size, of which each pixel of the picture has `subpixels` along its sides.
     pub(super) fn new(
         context: &Context,
         pipelines: &Pipelines,
         (width, height): (usize, usize),
-        blends: bool,
+        (subpixels, with_fronts): (usize, bool),
+        kernel: Kernel,
     ) -> Result<Self> {
         let pixels = (width * height) as u64;
+        let blends = matches!(kernel, Kernel::Block | Kernel::Surfel);
         let layer = || PaintedImages::new(context, pipelines, pixels, blends);
         let layers = [layer()?, layer()?];
-        let bytes = 4 * PICTURE_WORDS * pixels;
-        let picture = context.buffer("picture", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
+        let words = PICTURE_WORDS + if with_fronts { FRONT_WORDS } else { 0 };
+        let bytes = 4 * words * pixels / (subpixels * subpixels) as u64;
+        // The gather stage finds the surfaces of all pixels of the z-buffer behind the picture.
+        let surfaces = if kernel == Kernel::Gather { 4 * SURFACE_WORDS * pixels } else { 0 };
+        let picture = context.buffer("picture", bytes + surfaces, Usage::STORAGE | Usage::COPY_SRC)?;
         let readback = context.buffer("readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;
         let buffers = [&layers[0].keys, &layers[0].sums, &layers[1].keys, &layers[1].sums, &picture];
         let resources = buffers.map(wgpu::Buffer::as_entire_binding);
         let resolve_group = bind(&context.device, &pipelines.resolve_layout, resources);
-        Ok(Self { width, height, blends, layers, picture, resolve_group, readback })
+        Ok(Self { width, height, subpixels, kernel, with_fronts, layers, picture, resolve_group, readback })
     }
 
-    /// Pixels of the picture.
-    pub(super) fn pixels(&self) -> usize {
-        self.width * self.height
+    /// Whether the kernel blends the samples of a surface.
+    pub(super) fn blends(&self) -> bool {
+        matches!(self.kernel, Kernel::Block | Kernel::Surfel)
+    }
+
+    /// Columns and rows of the picture.
+    pub(super) fn picture_size(&self) -> (usize, usize) {
+        (self.width / self.subpixels, self.height / self.subpixels)
     }
 
     /// Records a copy of the picture to where the CPU can read it.
@@ -75,15 +92,19 @@ impl GpuTarget {
 
     /// Waits for the picture and reads it.
     pub(super) fn read(&self, context: &Context) -> Result<Picture> {
-        let pixels = self.pixels();
+        let (width, height) = self.picture_size();
+        let pixels = width * height;
         read_words(context, &self.readback, |words| {
-            let (color, rest) = words[..5 * pixels].split_at(3 * pixels);
-            let (depth, image) = rest.split_at(pixels);
+            let (color, rest) = words.split_at(3 * pixels);
+            let (depth, rest) = rest.split_at(pixels);
+            let (image, fronts) = rest.split_at(pixels);
+            let fronts: &[FrontColor] = bytemuck::cast_slice(fronts);
             let color: &[[f32; 3]] = bytemuck::cast_slice(color);
             Picture {
-                color: Grid::from_vec(self.width, self.height, color.to_vec()),
-                inverse_depth: Grid::from_vec(self.width, self.height, bytemuck::cast_slice(depth).to_vec()),
-                image: Grid::from_vec(self.width, self.height, image.to_vec()),
+                color: Grid::from_vec(width, height, color.to_vec()),
+                inverse_depth: Grid::from_vec(width, height, bytemuck::cast_slice(depth).to_vec()),
+                image: Grid::from_vec(width, height, image.to_vec()),
+                fronts: if self.with_fronts { fronts[..pixels].to_vec() } else { Vec::new() },
             }
         })
     }

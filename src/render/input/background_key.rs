@@ -14,6 +14,10 @@ pub(crate) struct BackgroundKey {
     pub(crate) images: Vec<usize>,
     pub(crate) camera: Camera,
     pub(crate) settings: RenderSettings,
+    /// Pixels of the z-buffer along each side of a pixel of the picture.
+    pub(crate) subpixels: usize,
+    /// Whether pictures tell what pixels show in front of their farthest surface.
+    pub(crate) with_fronts: bool,
 }
 
 impl BackgroundKey {
@@ -24,5 +28,6 @@ impl BackgroundKey {
                 || self.samples.shares(&other.samples, &other.images))
             && self.camera == other.camera
             && self.settings == other.settings
+            && (self.subpixels, self.with_fronts) == (other.subpixels, other.with_fronts)
     }
 }

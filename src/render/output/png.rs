@@ -44,6 +44,7 @@ mod tests {
             color: Grid::filled(3, 1, [1.0, 0.0, 0.25]),
             inverse_depth: Grid::from_vec(3, 1, vec![1.0, -1.0, 0.0]),
             image: Grid::from_vec(3, 1, vec![0, NO_IMAGE, NO_IMAGE]),
+            fronts: Vec::new(),
         };
         let png = png_of(&picture);
         assert_eq!([0, 1, 2].map(|x| png[(x, 0)].0[3]), [255, 0, 255]);

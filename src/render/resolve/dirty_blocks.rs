@@ -1,4 +1,4 @@
-//! Blocks of 16×16 pixels of the picture: what is repainted when a foreground moves over a still background.
+//! Blocks of 16×16 pixels of the z-buffer: what is repainted when a foreground moves over a still background.
 
 use std::ops::Range;
 
@@ -15,13 +15,13 @@ pub(crate) struct BlockSet {
 }
 
 impl BlockSet {
-    /// None of the blocks of a picture.
+    /// None of the blocks of a z-buffer.
     pub(crate) fn none(width: usize, height: usize) -> Self {
         let across = width.div_ceil(BLOCK);
         Self { across, marked: vec![false; across * height.div_ceil(BLOCK)] }
     }
 
-    /// None of the blocks of the same picture.
+    /// None of the blocks of the same z-buffer.
     pub(crate) fn emptied(&self) -> Self {
         Self { across: self.across, marked: vec![false; self.marked.len()] }
     }
@@ -46,36 +46,43 @@ impl BlockSet {
         }
     }
 
-    /// Adds the blocks of another set of the same picture.
+    /// Adds the blocks of another set of the same z-buffer.
     pub(crate) fn join(&mut self, other: &Self) {
         self.marked.iter_mut().zip(&other.marked).for_each(|(mine, theirs)| *mine |= *theirs);
     }
 
-    /// Sets the pixels of the blocks, in a buffer of `width` columns.
+    /// Sets the pixels of the blocks, in a layer of the z-buffer, `width` columns wide.
     pub(crate) fn clear<T: Copy + Send + Sync>(&self, width: usize, buffer: &mut [T], value: T) {
         buffer.par_chunks_mut(BLOCK * width).enumerate().for_each(|(row, strip)| {
-            for columns in self.columns(row, width) {
+            for columns in self.columns(row, width, BLOCK) {
                 strip.chunks_mut(width).for_each(|pixels| pixels[columns.clone()].fill(value));
             }
         });
     }
 
-    /// Pixels of the blocks for which `is` holds, in a plane of `width` columns.
-    pub(crate) fn count<T: Sync>(&self, width: usize, plane: &[T], is: impl Fn(&T) -> bool + Sync) -> u64 {
-        let strips = plane.par_chunks(BLOCK * width).enumerate();
+    /// Pixels of the blocks for which `is` holds, in a plane of the picture, `width` columns wide, of whose pixels each has
+    /// `subpixels` of the z-buffer along its sides.
+    pub(crate) fn count<T: Sync>(
+        &self,
+        (width, subpixels): (usize, usize),
+        plane: &[T],
+        is: impl Fn(&T) -> bool + Sync,
+    ) -> u64 {
+        let side = BLOCK / subpixels;
+        let strips = plane.par_chunks(side * width).enumerate();
         let count_in = |pixels: &[T]| pixels.iter().map(|pixel| u64::from(is(pixel))).sum::<u64>();
         let counts = strips.map(|(row, strip)| {
-            let blocks = self.columns(row, width);
+            let blocks = self.columns(row, width, side);
             let rows = blocks.flat_map(|columns| strip.chunks(width).map(move |row| &row[columns.clone()]));
             rows.map(count_in).sum::<u64>()
         });
         counts.sum()
     }
 
-    /// Columns of pixels of each block of a row that is in the set.
-    fn columns(&self, row: usize, width: usize) -> impl Iterator<Item = Range<usize>> {
+    /// Columns of pixels of each block of a row that is in the set, where a block is `side` pixels wide.
+    fn columns(&self, row: usize, width: usize, side: usize) -> impl Iterator<Item = Range<usize>> {
         let columns = (0..self.across).filter(move |column| self.contains(*column, row));
-        columns.map(move |column| column * BLOCK..((column + 1) * BLOCK).min(width))
+        columns.map(move |column| column * side..((column + 1) * side).min(width))
     }
 
     /// Whether a block is in the set.

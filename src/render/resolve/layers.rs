@@ -23,6 +23,9 @@ impl PaintedLayer {
     }
 }
 
+/// Every other column of a block, from the first on.
+const EVEN_COLUMNS: u16 = 0x5555;
+
 fn clear<T: Copy + Send + Sync>(buffer: &mut Vec<T>, length: usize, value: T) {
     buffer.truncate(length);
     buffer.par_chunks_mut(1 << 16).for_each(|part| part.fill(value));
@@ -40,15 +43,18 @@ pub(crate) struct ResolveInput<'a> {
     /// For the gather kernel: the cameras' samples of the background, and those of both layers.
     pub(crate) views: Option<[&'a SourceViews<'a>; 2]>,
     pub(crate) scratches: &'a ScratchPool,
+    /// Pixels of the z-buffer along each side of a pixel of the picture: 1, or 2 for the gather kernel.
+    pub(crate) subpixels: usize,
 }
 
 impl ResolveInput<'_> {
-    /// Rows of the picture.
+    /// Rows of the z-buffer.
     pub(super) fn height(&self) -> usize {
         self.background.keys.len() / self.stage.width
     }
 
-    /// The pixels of a block within [`RING`] pixels of a visible foreground sample: a mask of columns per row.
+    /// The pixels of a block within [`RING`] pixels of a visible foreground sample, and those that share a pixel of the picture with
+    /// one: a mask of columns per row.
     #[inline(always)]
     pub(super) fn near_foreground(&self, block: BlockOrigin, foreground: &PaintedLayer) -> [u16; BLOCK] {
         let mut seen = [0_u32; SIDE];
@@ -72,6 +78,13 @@ impl ResolveInput<'_> {
         }
         for (row, near) in near.iter_mut().enumerate() {
             *near = seen[row..=row + 2 * RING].iter().fold(0, |near, seen| near | seen) as u16;
+        }
+        if self.subpixels == 2 {
+            for rows in near.as_chunks_mut::<2>().0 {
+                let either = rows[0] | rows[1];
+                let pairs = (either | either >> 1) & EVEN_COLUMNS;
+                rows.fill(pairs | pairs << 1);
+            }
         }
         near
     }
@@ -113,7 +126,8 @@ impl ResolveInput<'_> {
     /// Loads a block and its ring: the nearer keys of the background and of a foreground.
     #[inline(always)]
     pub(super) fn load(&self, block: BlockOrigin, foreground: Option<&PaintedLayer>, patch: &mut Patch) {
-        (patch.left, patch.top, patch.surface_ratio) = (block.left, block.top, self.stage.surface_ratio);
+        (patch.left, patch.top) = (block.left, block.top);
+        (patch.surface_ratio, patch.subpixels) = (self.stage.surface_ratio, self.subpixels);
         let mut border = [0; SIDE];
         for (row, keys) in patch.keys.iter_mut().enumerate() {
             *keys = *self.patch_row(&self.background.keys, block, row, &mut border);

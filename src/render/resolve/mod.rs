@@ -15,7 +15,7 @@ pub(crate) use layers::{PaintedLayer, ResolveInput};
 use rayon::prelude::*;
 
 use super::gather::{BLOCK, GatherScratch, PictureRows};
-use super::vantage::Picture;
+use super::vantage::{FrontColor, Picture};
 use crate::error::Result;
 use crate::settings::Kernel;
 use crate::simd::{self, VectorLoop};
@@ -31,21 +31,33 @@ pub(crate) fn resolve(input: &ResolveInput<'_>, which: &BlockSet, picture: &mut 
     // Neighboring blocks read the same tiles of the cameras, those below as well as those beside.
     let is_tall = input.views.is_some() && input.height() >= TALL * BLOCK * 4 * rayon::current_num_threads();
     let tall = if is_tall { TALL } else { 1 };
-    let strip = tall * BLOCK * width;
+    let (width, rows) = (width / input.subpixels, BLOCK / input.subpixels);
+    let strip = tall * rows * width;
+    // As many chunks as of the other planes, if this one is empty.
+    let mut fronts: Vec<&mut [FrontColor]> = picture.fronts.chunks_mut(strip).collect();
+    fronts.resize_with(picture.image.len().div_ceil(strip), Default::default);
     let color = picture.color.as_mut_slice().par_chunks_mut(strip);
     let depth = picture.inverse_depth.as_mut_slice().par_chunks_mut(strip);
     let image = picture.image.as_mut_slice().par_chunks_mut(strip);
     let cameras = input.stage.frame.set.cameras.len();
-    color.zip(depth).zip(image).enumerate().try_for_each_init(
+    color.zip(depth).zip(image).zip(fronts).enumerate().try_for_each_init(
         || input.scratches.borrow(cameras),
-        |scratch, (nth, ((color, inverse_depth), image))| {
+        |scratch, (nth, (((color, inverse_depth), image), fronts))| {
             input.stage.job.check()?;
-            let row = BLOCK * width;
+            let row = rows * width;
             let rows = color.chunks_mut(row).zip(inverse_depth.chunks_mut(row)).zip(image.chunks_mut(row));
+            let mut fronts = fronts.chunks_mut(row);
             let strips = rows.enumerate().map(|(below, ((color, inverse_depth), image))| Strip {
                 input,
                 row: nth * tall + below,
-                rows: PictureRows { width, color, inverse_depth, image },
+                rows: PictureRows {
+                    width,
+                    subpixels: input.subpixels,
+                    color,
+                    inverse_depth,
+                    image,
+                    fronts: fronts.next().unwrap_or_default(),
+                },
             });
             simd::run(StripGroup { input, which, scratch: scratch.get(cameras), strips: strips.collect() });
             Ok(())

@@ -46,14 +46,19 @@ impl Strip<'_> {
     #[inline(always)]
     pub(super) fn copy(&mut self, block: BlockOrigin, from: &Picture) {
         let (columns, rows) = self.rows.extent(block.left);
-        let width = self.rows.width;
+        let (width, subpixels) = (self.rows.width, self.rows.subpixels);
+        let [left, top, columns, rows] =
+            [block.left, block.top, columns, rows].map(|pixels| pixels / subpixels);
         for row in 0..rows {
-            let to = row * width + block.left..row * width + block.left + columns;
-            let start = (block.top + row) * width + block.left;
+            let to = row * width + left..row * width + left + columns;
+            let start = (top + row) * width + left;
             let source = start..start + columns;
             put(&mut self.rows.color[to.clone()], &from.color.as_slice()[source.clone()]);
             put(&mut self.rows.inverse_depth[to.clone()], &from.inverse_depth.as_slice()[source.clone()]);
-            put(&mut self.rows.image[to], &from.image.as_slice()[source]);
+            put(&mut self.rows.image[to.clone()], &from.image.as_slice()[source.clone()]);
+            if !self.rows.fronts.is_empty() {
+                put(&mut self.rows.fronts[to], &from.fronts[source]);
+            }
         }
     }
 

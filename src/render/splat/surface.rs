@@ -48,7 +48,7 @@ struct BandSurface<'a, S> {
 
 /// The keys of a band, and new keys to raise them to.
 struct KeyUpdates<'a> {
-    /// Pixels of the band that sixteen samples touch: their first, second, third and fourth ones; or, for samples that touch a
+    /// Pixels of the band that sixteen samples touch, the first of each sample, the second and so on; or, for samples that touch a
     /// single pixel, one for each row of a tile.
     pixels: [[u32; TILE]; TILE],
     /// The new keys; the larger of old and new stays, so 0 changes nothing.
@@ -243,9 +243,12 @@ impl Splat for PlaneSplat {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
         let slopes = slopes(row.tile, row.nth, row.per_footprint);
         let found = footprints(row.projector, projected, w, &slopes);
-        // First and last column and row whose centers the footprint covers: one or two unless it is large.
+        // First and last column and row whose centers the footprint covers: up to three unless it is large.
         let mut edges = [[0.0_f32; TILE]; 4];
-        let (mut large, mut columns, mut rows) = ([0_u32; TILE], [0_u32; TILE], [0_u32; TILE]);
+        let mut large = [0_u32; TILE];
+        // The samples that cover a first, a second and a third column and row.
+        let (mut columns, mut rows) =
+            ([[u32::MAX; TILE], [0; TILE], [0; TILE]], [[u32::MAX; TILE], [0; TILE], [0; TILE]]);
         for i in 0..TILE {
             let (half_width, half_height) = (found.half_width[i].max(0.5), found.half_height[i].max(0.5));
             let seen = (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
@@ -253,23 +256,28 @@ impl Splat for PlaneSplat {
             edges[1][i] = (projected.u[i] + half_width - 0.5).floor();
             edges[2][i] = (projected.v[i] - half_height - 0.5).ceil();
             edges[3][i] = (projected.v[i] + half_height - 0.5).floor();
-            let wide = (edges[1][i] > edges[0][i] + 1.0) | (edges[3][i] > edges[2][i] + 1.0);
+            let wide = (edges[1][i] > edges[0][i] + 2.0) | (edges[3][i] > edges[2][i] + 2.0);
             large[i] = u32::from(wide & seen) << i;
-            columns[i] = u32::from((edges[0][i] != edges[1][i]) & seen) << i;
-            rows[i] = u32::from((edges[2][i] != edges[3][i]) & seen) << i;
+            columns[1][i] = u32::from((edges[1][i] > edges[0][i]) & seen & !wide) << i;
+            columns[2][i] = u32::from((edges[1][i] > edges[0][i] + 1.0) & seen & !wide) << i;
+            rows[1][i] = u32::from((edges[3][i] > edges[2][i]) & seen & !wide) << i;
+            rows[2][i] = u32::from((edges[3][i] > edges[2][i] + 1.0) & seen & !wide) << i;
         }
-        let (mut large, columns, rows) = (joined(&large), joined(&columns), joined(&rows));
-        // Most footprints cover one column and one row alone.
-        let further = [u32::MAX, columns, rows, columns & rows];
-        let mut touched = [0_u32; 4];
-        for corner in (0..4_usize).filter(|corner| further[*corner] != 0) {
-            let (columns, rows) = (&edges[corner & 1], &edges[2 + (corner >> 1)]);
+        let mut large = joined(&large);
+        let (columns, rows) = (columns.map(|columns| joined(&columns)), rows.map(|rows| joined(&rows)));
+        let mut touched = [0_u32; 9];
+        for corner in 0..9_usize {
+            let (right, below) = (corner % 3, corner / 3);
+            let further = columns[right] & rows[below];
+            if further == 0 {
+                continue;
+            }
             for i in 0..TILE {
-                let (x, y) = (columns[i], rows[i]);
+                let (x, y) = (edges[0][i] + right as f32, edges[2][i] + below as f32);
                 let (pixel, inside) = self.pixels.pixel(x, y, i);
                 let PlaneAt { inverse_depth: depth, is_core: covered, .. } =
                     found.plane_at(projected, i, (x, y), 1.0);
-                let is_further = further[corner] >> i & 1 == 1;
+                let is_further = further >> i & 1 == 1;
                 let seen = inside & covered & is_further & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 raised.pixels[corner][i] = pixel;
                 raised.new[corner][i] = if seen { key(nearness(depth, CORE), slots | i as u32) } else { 0 };
@@ -277,7 +285,7 @@ impl Splat for PlaneSplat {
             }
         }
         raised.raise_all(0);
-        (1..4).for_each(|corner| raised.raise_some(corner, touched[corner]));
+        (1..9).for_each(|corner| raised.raise_some(corner, touched[corner]));
         while large != 0 {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;

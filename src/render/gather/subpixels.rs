@@ -1,0 +1,250 @@
+//! Pixels of the picture that four pixels of the z-buffer share.
+//!
+//! Purpose: along silhouettes a pixel shows each surface in the share that it covers. The z-buffer is twice as fine as the picture;
+//! the surfaces of the four sub-pixels of a pixel are decided one by one, and joined where they are the same.
+//!
+//! Source: supersampling of visibility apart from shading, as multisample antialiasing does (Akeley, *RealityEngine Graphics*,
+//! SIGGRAPH 1993). What differs: a surface is looked up once, in the middle of the sub-pixels that show it, at their mean depth.
+
+use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING};
+use super::surface_points::{StripPixel, SurfacePoints};
+use super::target::{BLOCK, PictureRows};
+use super::visibility_votes::Votes;
+use crate::render::input::FrameSamples;
+use crate::render::splat::{inverse_depth_of, slot_of};
+use crate::render::vantage::{FrontColor, NO_FRONT, NO_IMAGE};
+
+/// The sub-pixels of a pixel, from its first column and row.
+const SUBPIXELS: [(usize, usize); 4] = [(0, 0), (1, 0), (0, 1), (1, 1)];
+
+/// A pixel shows samples if at least this many of its sub-pixels do; it is a hole otherwise.
+const LEAST_SHOWN: usize = 2;
+
+/// Most surfaces of a pixel: a nearer and a farther one in each sub-pixel.
+const MOST_SURFACES: usize = 2 * SUBPIXELS.len();
+
+/// The pixels of a block that lie at steps in depth, and what is known of them.
+pub(super) struct DecidedEdges<'a> {
+    /// Which they are: a mask of columns per row.
+    pub(super) edges: [u16; BLOCK],
+    /// In the order of the pixels of the picture, and of the sub-pixels of each.
+    pub(super) pixels: &'a [EdgePixel],
+    /// The votes on those of `pixels` that are voted on.
+    pub(super) votes: &'a [Votes],
+}
+
+/// A surface that some sub-pixels of a pixel show. Sums over these, weighted by their shares.
+#[derive(Clone, Copy, Default)]
+struct SharedSurface {
+    /// Key of the sub-pixel that was found first.
+    key: u64,
+    share: f32,
+    x: f32,
+    y: f32,
+    w: f32,
+}
+
+/// The surfaces of one pixel.
+#[derive(Default)]
+struct PixelParts {
+    surfaces: [SharedSurface; MOST_SURFACES],
+    count: usize,
+    /// Sub-pixels that show a sample.
+    shown: usize,
+}
+
+impl PixelParts {
+    /// Adds what the sub-pixel at column `x` and row `y` of the z-buffer shows.
+    #[inline(always)]
+    fn add(&mut self, surfaces: PixelSurfaces, (x, y): (f32, f32), surface_ratio: f32) {
+        let parts = match surfaces {
+            PixelSurfaces::Hole => return,
+            PixelSurfaces::One(key) => [(key, 1.0), (key, 0.0)],
+            PixelSurfaces::Two { near, far, share } => [(near, share), (far, 1.0 - share)],
+        };
+        self.shown += 1;
+        for (key, share) in parts.into_iter().filter(|(_, share)| *share > 0.0) {
+            let w = inverse_depth_of(key);
+            let is_same = |surface: &SharedSurface| {
+                let first = inverse_depth_of(surface.key);
+                first.min(w) >= first.max(w) * surface_ratio
+            };
+            let known = self.surfaces[..self.count].iter().position(is_same);
+            let nth = known.unwrap_or(self.count) % MOST_SURFACES;
+            if known.is_none() {
+                self.count = nth + 1;
+                self.surfaces[nth].key = key;
+            }
+            let surface = &mut self.surfaces[nth];
+            surface.share += share;
+            surface.x += share * x;
+            surface.y += share * y;
+            surface.w += share * w;
+        }
+    }
+}
+
+/// Sets depth and image of the pixels of `which`, and lists their surface points. `which` is a mask of columns of the z-buffer per
+/// row, in which the sub-pixels of a pixel are all set or none.
+#[inline(always)]
+pub(super) fn set_surfaces_of_pairs(
+    patch: &Patch,
+    frame: &FrameSamples<'_>,
+    decided: DecidedEdges<'_>,
+    which: &[u16; BLOCK],
+    rows: &mut PictureRows<'_>,
+    points: &mut SurfacePoints,
+) {
+    let DecidedEdges { edges, pixels, votes } = decided;
+    let (mut edge_pixels, mut votes) = (pixels.iter(), votes.iter());
+    let columns = BLOCK.min(2 * rows.width - patch.left);
+    points.clear();
+    for row in (0..BLOCK).step_by(2).filter(|row| which[*row] != 0) {
+        let y = (patch.top + row) as f32;
+        for column in (0..columns).step_by(2).filter(|column| which[row] >> column & 1 == 1) {
+            let at = row / 2 * rows.width + (patch.left + column) / 2;
+            let x = (patch.left + column) as f32;
+            rows.color[at] = [0.0; 3];
+            if (edges[row] | edges[row + 1]) >> column & 3 == 0 {
+                let first = &patch.keys[row + RING][column + RING..];
+                let second = &patch.keys[row + 1 + RING][column + RING..];
+                let sum = inverse_depth_of(first[0])
+                    + inverse_depth_of(first[1])
+                    + inverse_depth_of(second[0])
+                    + inverse_depth_of(second[1]);
+                let (key, w) = (first[0], 0.25 * sum);
+                let pixel = StripPixel { x: x + 0.5, y: y + 0.5, at: at as u32 };
+                points.push((key, w), frame.camera_of(slot_of(key)), pixel, (1.0, 0.0));
+                rows.inverse_depth[at] = w;
+                if let Some(front) = rows.fronts.get_mut(at) {
+                    *front = NO_FRONT;
+                }
+                rows.image[at] = frame.image_of(slot_of(key));
+                continue;
+            }
+            let mut parts = PixelParts::default();
+            for (right, below) in SUBPIXELS {
+                let (column, row) = (column + right, row + below);
+                let surfaces = if edges[row] >> column & 1 == 1 {
+                    let Some(edge_pixel) = edge_pixels.next() else { continue };
+                    let votes = edge_pixel.voted_key().and_then(|_| votes.next().copied());
+                    edge_pixel.decide(votes.unwrap_or_default(), 2)
+                } else {
+                    PixelSurfaces::One(patch.keys[row + RING][column + RING])
+                };
+                parts.add(surfaces, (x + right as f32, y + below as f32), patch.surface_ratio);
+            }
+            let ResolvedPixel { inverse_depth, image, front } = push_parts(&parts, frame, at, points);
+            rows.inverse_depth[at] = inverse_depth;
+            rows.image[at] = image;
+            if let Some(place) = rows.fronts.get_mut(at) {
+                *place = front;
+            }
+        }
+    }
+}
+
+/// What a pixel shows, apart from colors.
+struct ResolvedPixel {
+    /// Of the surface that takes most of it.
+    inverse_depth: f32,
+    image: u32,
+    /// Without a color yet.
+    front: FrontColor,
+}
+
+/// Lists the surfaces of a pixel, unless it is a hole.
+#[inline(always)]
+fn push_parts(
+    parts: &PixelParts,
+    frame: &FrameSamples<'_>,
+    at: usize,
+    points: &mut SurfacePoints,
+) -> ResolvedPixel {
+    let mut pixel = ResolvedPixel { inverse_depth: inverse_depth_of(0), image: NO_IMAGE, front: NO_FRONT };
+    if parts.shown < LEAST_SHOWN {
+        return pixel;
+    }
+    let surfaces = &parts.surfaces[..parts.count];
+    let all = parts.shown as f32;
+    let farthest = surfaces.iter().fold(f32::INFINITY, |least, surface| least.min(surface.w / surface.share));
+    let is_farthest = |surface: &SharedSurface| surface.w / surface.share <= farthest;
+    let before: f32 =
+        surfaces.iter().filter(|surface| !is_farthest(surface)).map(|surface| surface.share).sum();
+    let has_front = parts.count > 1 && 2.0 * before >= all;
+    if has_front {
+        pixel.front[3] = farthest;
+    }
+    let mut largest = 0.0;
+    for surface in surfaces {
+        let mean = 1.0 / surface.share;
+        let w = surface.w * mean;
+        let place = StripPixel { x: surface.x * mean, y: surface.y * mean, at: at as u32 };
+        let own = frame.camera_of(slot_of(surface.key));
+        let is_front = has_front && !is_farthest(surface);
+        let front_share = if is_front { surface.share / before } else { 0.0 };
+        points.push((surface.key, w), own, place, (surface.share / all, front_share));
+        if surface.share > largest && (is_front || !has_front) {
+            largest = surface.share;
+            (pixel.inverse_depth, pixel.image) = (w, frame.image_of(slot_of(surface.key)));
+        }
+    }
+    pixel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::splat::{CORE, key, nearness};
+
+    const RATIO: f32 = 0.99;
+
+    fn sample(w: f32) -> u64 {
+        key(nearness(w, CORE), 1)
+    }
+
+    /// The surfaces of a pixel whose sub-pixels show this.
+    fn parts(shown: [PixelSurfaces; 4]) -> PixelParts {
+        let mut parts = PixelParts::default();
+        for ((right, below), surfaces) in SUBPIXELS.into_iter().zip(shown) {
+            parts.add(surfaces, (right as f32, below as f32), RATIO);
+        }
+        parts
+    }
+
+    fn found(parts: &PixelParts) -> Vec<(f32, [f32; 2], f32)> {
+        let of = |part: &SharedSurface| {
+            (part.share, [part.x, part.y].map(|sum| sum / part.share), part.w / part.share)
+        };
+        parts.surfaces[..parts.count].iter().map(of).collect()
+    }
+
+    #[test]
+    fn sub_pixels_of_one_surface_are_looked_up_once_in_their_middle() {
+        let one = |w| PixelSurfaces::One(sample(w));
+        let same = parts([one(1.0), one(1.004), one(1.0), one(1.004)]);
+        assert_eq!((same.shown, same.count), (4, 1));
+        let [(share, at, w)] = found(&same)[..] else { panic!("one surface") };
+        assert!(share == 4.0 && at == [0.5, 0.5] && (w - 1.002).abs() < 1e-6, "{share} {at:?} {w}");
+        let both = parts([one(1.0), one(0.5), one(1.0), one(0.5)]);
+        assert_eq!(found(&both), [(2.0, [0.0, 0.5], 1.0), (2.0, [1.0, 0.5], 0.5)]);
+    }
+
+    #[test]
+    fn a_sub_pixel_that_shows_two_surfaces_counts_for_both_by_its_share() {
+        let (near, far) = (sample(1.0), sample(0.5));
+        let blend = PixelSurfaces::Two { near, far, share: 0.25 };
+        let one = PixelSurfaces::One(near);
+        let mixed = parts([one, one, blend, PixelSurfaces::Hole]);
+        assert_eq!((mixed.shown, mixed.count), (3, 2));
+        let shares: Vec<f32> = found(&mixed).iter().map(|(share, ..)| *share).collect();
+        assert_eq!(shares, [2.25, 0.75]);
+    }
+
+    #[test]
+    fn the_sky_is_a_surface_of_its_own() {
+        let (near, sky) = (PixelSurfaces::One(sample(0.01)), PixelSurfaces::One(sample(0.0)));
+        assert_eq!(parts([sky, sky, near, sky]).count, 2);
+        assert_eq!(parts([sky; 4]).count, 1);
+    }
+}
