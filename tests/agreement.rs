@@ -8,7 +8,7 @@ use glam::DVec3;
 use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook::error::Result;
 use overlook::job::Job;
-use overlook::preprocess::agreement::Vote;
+use overlook::preprocess::agreement::{SampleAgreement, Vote};
 use overlook::preprocess::inspect::{FrameInspection, explain_pixel};
 use overlook::preprocess::pruning::Rule;
 use overlook::preprocess::{inspect_frame, preprocess, scan};
@@ -71,6 +71,21 @@ fn what_one_camera_misreads_is_dropped_and_its_pixel_says_who_looks_past() {
     assert!(explanation.votes.look_past >= 2 && explanation.votes.confirm == 0);
     let past = explanation.evidence.iter().filter(|row| row.vote == Some(Vote::LooksPast)).count();
     assert_eq!(past as u32, explanation.votes.look_past);
+    // What is contradicted is dropped, for a witness or for that alone; most of the rest is confirmed.
+    let agreement = inspection.agreement(2);
+    for (pixel, found) in agreement.as_slice().iter().enumerate() {
+        let verdict = inspection.cameras[2].verdict.as_slice()[pixel];
+        assert!(*found != Some(SampleAgreement::Contradicted) || !verdict.is_kept(), "pixel {pixel}");
+        assert!(verdict.rule != Rule::Contradicted || *found == Some(SampleAgreement::Contradicted));
+        let votes = explain_pixel(&inspection, 2, pixel % 64, pixel / 64).unwrap().votes;
+        let expected = (verdict.rule != Rule::NoSample).then(|| SampleAgreement::of(votes, 1));
+        assert_eq!(*found, expected, "pixel {pixel}");
+    }
+    let confirmed = |camera| {
+        let agreement = inspection.agreement(camera);
+        agreement.as_slice().iter().filter(|found| **found == Some(SampleAgreement::Confirmed)).count()
+    };
+    assert!(confirmed(3) > 64 * 64 / 2, "{}", confirmed(3));
     let report = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().report;
     assert_eq!(report.pruned["contradicted"], dropped.len() as u64);
 }

@@ -5,10 +5,11 @@ use super::pixel::Probed;
 use super::scene::OpenScene;
 use super::text;
 use crate::capture::Camera;
-use crate::preprocess::agreement::VoteCounts;
+use crate::preprocess::agreement::{Vote, VoteCounts};
 use crate::preprocess::inspect::{CameraEvidence, ChainLink};
 use crate::preprocess::pruning::{Rule, Verdict};
 use crate::preprocess::registration::Outcome;
+use crate::settings::{AgreementRule, PruningSettings};
 
 /// A verdict as a sentence that names the witness and where it is.
 pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
@@ -59,15 +60,29 @@ pub(crate) fn votes(counts: VoteCounts) -> Option<String> {
     (confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}."))
 }
 
+/// The rule by which votes drop a sample, with the settings it goes by.
+pub(crate) fn rule_of_votes(pruning: &PruningSettings) -> String {
+    let margin = pruning.agreement_margin;
+    let cameras = if margin == 1 { "1 camera".to_owned() } else { format!("{margin} cameras") };
+    let rule = format!(
+        "A sample that no kept one represents is dropped where the cameras that look past it outnumber its own and those that \
+         confirm it by {cameras} (agreement margin)."
+    );
+    match pruning.agreement {
+        AgreementRule::Majority => rule,
+        AgreementRule::Off => format!("Agreement is off, so that nothing follows. By majority: {rule}"),
+    }
+}
+
 /// Column and row of a pixel index.
 pub(crate) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
     let width = camera.intrinsics.width.max(1);
     (pixel % width, pixel / width)
 }
 
-/// Whether a camera sees the point, and the rule behind that; `None` is the camera of the pixel.
-pub(crate) fn sees(outcome: Option<Outcome>) -> (&'static str, &'static str) {
-    match outcome {
+/// Whether a camera sees the point, and the rule behind that.
+pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
+    match row.outcome {
         None => ("its own pixel", "The pixel that is argued about."),
         Some(Outcome::Same(_)) => (
             "sees it",
@@ -83,9 +98,14 @@ pub(crate) fn sees(outcome: Option<Outcome>) -> (&'static str, &'static str) {
         Some(Outcome::Occluded) => {
             ("hidden from it", "The camera recorded something nearer where the point falls.")
         }
-        Some(Outcome::SeesPast) => {
-            ("looks past it", "The camera recorded something farther where the point falls.")
-        }
+        Some(Outcome::SeesPast) if row.vote == Some(Vote::LooksPast) => (
+            "looks past it",
+            "All that the camera recorded around the point is farther: it contradicts the sample.",
+        ),
+        Some(Outcome::SeesPast) => (
+            "sees farther",
+            "The camera recorded something farther where the point falls, but may have missed the surface: that contradicts nothing.",
+        ),
         Some(Outcome::NormalDiffers) => {
             ("other normal", "The depth agrees, but the surfaces face different ways.")
         }
@@ -193,7 +213,7 @@ pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
 
 fn line(cameras: &[Camera], row: &CameraEvidence) -> String {
     let name = cameras.get(row.camera).map_or("", |camera| &camera.name);
-    let mut cells = vec![name.to_owned(), sees(row.outcome).0.to_owned()];
+    let mut cells = vec![name.to_owned(), sees(row).0.to_owned()];
     cells.extend(
         [row.depth_expected, row.depth_found, row.plane_distance_footprints, row.incidence_degrees]
             .map(number),
@@ -279,6 +299,24 @@ mod tests {
         assert_eq!(told(1, 0).unwrap(), "1 camera confirms it, none looks past it.");
         assert_eq!(told(0, 3).unwrap(), "No other camera confirms it, 3 cameras look past it.");
         assert_eq!(told(2, 1).unwrap(), "2 cameras confirm it, 1 camera looks past it.");
+    }
+
+    #[test]
+    fn a_camera_that_may_have_missed_a_surface_is_not_said_to_look_past_it() {
+        let sees_with = |vote| sees(&CameraEvidence { vote, ..row(Some(Outcome::SeesPast)) });
+        assert_eq!(sees_with(Some(Vote::LooksPast)).0, "looks past it");
+        let (words, why) = sees_with(Some(Vote::CannotTell));
+        assert!(words == "sees farther" && why.ends_with("that contradicts nothing."));
+    }
+
+    #[test]
+    fn the_rule_of_votes_names_its_margin_and_says_where_it_is_off() {
+        let mut pruning = PruningSettings::default();
+        assert!(rule_of_votes(&pruning).contains("by 1 camera (agreement margin)"));
+        pruning.agreement_margin = 2;
+        pruning.agreement = AgreementRule::Off;
+        let told = rule_of_votes(&pruning);
+        assert!(told.starts_with("Agreement is off") && told.contains("by 2 cameras"), "{told}");
     }
 
     #[test]

@@ -94,7 +94,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
         ui.add(Label::new(RichText::new(sentence).color(color)).wrap());
         if let Some(votes) = words::votes(explanation.votes) {
-            note(ui, votes);
+            note(ui, votes).on_hover_text(words::rule_of_votes(&state.settings.pruning));
         }
         if explanation.chain.len() > 1 {
             let chain = words::chain(&scene.cameras, &explanation.chain);
@@ -213,7 +213,7 @@ fn row_ui(
     });
     let tolerance = &state.settings.pruning;
     let same = words::is_same_point(row);
-    let (sees, why) = words::sees(row.outcome);
+    let (sees, why) = words::sees(row);
     ui.label(RichText::new(sees).color(if same { tokens.text } else { tokens.text_weak })).on_hover_text(why);
     let cell = |ui: &mut Ui, text: String, over: bool| {
         let color = if over { tokens.warning } else { tokens.text };
