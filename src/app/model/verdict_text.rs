@@ -22,7 +22,7 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
         Rule::LowerRate => format!("Dropped: {name} samples this point more densely, at {x}, {y}."),
         Rule::Tie => format!("Dropped: {name} samples it as densely and comes first, at {x}, {y}."),
         Rule::LaterCamera => format!("Dropped: {name} shows this point and comes first, at {x}, {y}."),
-        Rule::MixedYields => format!("Dropped: blended at a silhouette; {name} is clean, at {x}, {y}."),
+        Rule::MixedYields => format!("Dropped: mixed at a silhouette; {name} is clean, at {x}, {y}."),
         Rule::UnsureYields => format!("Dropped: no normal is known here; {name} knows it, at {x}, {y}."),
         rule => format!("{} Witness: {name} at {x}, {y}.", rule.sentence()),
     }
@@ -44,9 +44,14 @@ pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     }
 }
 
-/// How many other cameras confirm a sample and how many look past it; `None` where none does either.
-pub(crate) fn votes(counts: VoteCounts) -> Option<String> {
+/// How many other cameras confirm a sample and how many look past it, and whether it flies; `None` where none does anything.
+pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
     let VoteCounts { confirm, look_past } = counts;
+    let flying = if is_flying {
+        " It flies between foreground and background: its own camera looks past it, too."
+    } else {
+        ""
+    };
     let confirming = match confirm {
         0 => "No other camera confirms it".to_owned(),
         1 => "1 camera confirms it".to_owned(),
@@ -57,7 +62,7 @@ pub(crate) fn votes(counts: VoteCounts) -> Option<String> {
         1 => "1 camera looks past it".to_owned(),
         _ => format!("{look_past} cameras look past it"),
     };
-    (confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}."))
+    (is_flying || confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}.{flying}"))
 }
 
 /// The rule by which votes drop a sample, with the settings it goes by.
@@ -131,7 +136,7 @@ pub(crate) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
 /// What became of a camera's own pixel, and for what it yields to others however dense it is; `None` outside its picture.
 pub(crate) fn there(cameras: &[Camera], row: &CameraEvidence) -> Option<String> {
     let mut words = fate(cameras, row.verdict?);
-    for (yields, why) in [(row.is_blended, ", blended"), (row.is_unsure, ", no normal")] {
+    for (yields, why) in [(row.is_mixed, ", mixed"), (row.is_unsure, ", no normal")] {
         if yields {
             words.push_str(why);
         }
@@ -187,7 +192,7 @@ pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
     if let Some(explanation) = &probed.explanation {
         lines.push(format!("Frame {}", explanation.frame + 1));
         lines.push(verdict(cameras, explanation.verdict));
-        lines.extend(votes(explanation.votes));
+        lines.extend(votes(explanation.votes, explanation.is_flying));
         if explanation.chain.len() > 1 {
             lines.push(format!("Chain: {}", chain(cameras, &explanation.chain)));
         }
@@ -270,7 +275,7 @@ mod tests {
             color_difference_steps: 3.0,
             paper_r: 1.25,
             footprint_r: 1.5,
-            is_blended: false,
+            is_mixed: false,
             is_unsure: false,
             vote: None,
             verdict: Some(Verdict::without_witness(Rule::BestRate)),
@@ -287,18 +292,20 @@ mod tests {
 
     #[test]
     fn a_denser_sample_that_yields_says_why() {
-        let blended = CameraEvidence { is_blended: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
-        assert_eq!(there(&[], &blended).unwrap(), "kept, blended, no normal");
+        let mixed = CameraEvidence { is_mixed: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
+        assert_eq!(there(&[], &mixed).unwrap(), "kept, mixed, no normal");
         assert_eq!(there(&[], &row(None)).unwrap(), "kept");
     }
 
     #[test]
     fn votes_are_told_where_any_camera_has_one() {
-        let told = |confirm, look_past| votes(VoteCounts { confirm, look_past });
+        let told = |confirm, look_past| votes(VoteCounts { confirm, look_past }, false);
         assert_eq!(told(0, 0), None);
         assert_eq!(told(1, 0).unwrap(), "1 camera confirms it, none looks past it.");
         assert_eq!(told(0, 3).unwrap(), "No other camera confirms it, 3 cameras look past it.");
         assert_eq!(told(2, 1).unwrap(), "2 cameras confirm it, 1 camera looks past it.");
+        let flying = votes(VoteCounts::default(), true).unwrap();
+        assert!(flying.starts_with("No other camera confirms it") && flying.contains("It flies"), "{flying}");
     }
 
     #[test]

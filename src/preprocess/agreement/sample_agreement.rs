@@ -14,10 +14,10 @@ pub enum SampleAgreement {
 }
 
 impl SampleAgreement {
-    /// What `counts` come to where a sample is contradicted by a margin of so many cameras.
+    /// What `counts` come to where a sample, flying or not, is contradicted by a margin of so many cameras.
     #[must_use]
-    pub fn of(counts: VoteCounts, margin: u32) -> Self {
-        if counts.contradict(margin) {
+    pub fn of(counts: VoteCounts, margin: u32, is_flying: bool) -> Self {
+        if counts.contradict(margin, is_flying) {
             Self::Contradicted
         } else if counts.confirm > 0 {
             Self::Confirmed
@@ -33,12 +33,18 @@ mod tests {
 
     #[test]
     fn one_camera_confirms_a_sample_and_one_more_than_its_own_and_the_confirming_ones_contradict_it() {
-        let of = |confirm, look_past, margin| SampleAgreement::of(VoteCounts { confirm, look_past }, margin);
+        let of = |confirm, look_past, margin| {
+            SampleAgreement::of(VoteCounts { confirm, look_past }, margin, false)
+        };
         assert_eq!(of(0, 0, 1), SampleAgreement::Alone);
         assert_eq!(of(0, 1, 1), SampleAgreement::Alone);
         assert_eq!(of(0, 2, 1), SampleAgreement::Contradicted);
         assert_eq!(of(1, 2, 1), SampleAgreement::Confirmed);
         assert_eq!(of(1, 3, 1), SampleAgreement::Contradicted);
         assert_eq!(of(0, 2, 2), SampleAgreement::Alone);
+        let flying = |confirm, look_past| SampleAgreement::of(VoteCounts { confirm, look_past }, 1, true);
+        assert_eq!(flying(0, 0), SampleAgreement::Contradicted, "its own camera looks past it");
+        assert_eq!(flying(1, 0), SampleAgreement::Confirmed);
+        assert_eq!(flying(1, 1), SampleAgreement::Contradicted);
     }
 }

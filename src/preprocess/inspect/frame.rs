@@ -117,7 +117,11 @@ impl FrameInspection {
                         votes.add(registration, (layer, &block), target, asked, &mut voted);
                     }
                     for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
-                        found[column + lane] = Some(SampleAgreement::of(voted.counts(lane), margin));
+                        found[column + lane] = Some(SampleAgreement::of(
+                            voted.counts(lane),
+                            margin,
+                            layer.packed_colors[row * width + column + lane].is_flying(),
+                        ));
                     }
                 }
             }
