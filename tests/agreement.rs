@@ -7,12 +7,13 @@ use std::sync::Arc;
 use glam::DVec3;
 use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook::error::Result;
+use overlook::evaluate::stress::Disturbance;
 use overlook::job::Job;
-use overlook::preprocess::agreement::Vote;
+use overlook::preprocess::agreement::{SampleAgreement, Vote};
 use overlook::preprocess::inspect::{FrameInspection, explain_pixel};
 use overlook::preprocess::pruning::Rule;
 use overlook::preprocess::{inspect_frame, preprocess, scan};
-use overlook::settings::{AgreementRule, Settings};
+use overlook::settings::{AgreementRule, MixedPixels, Settings};
 use scene::{Scene, Sphere, arc, camera};
 
 fn inspect(capture: &Capture, frame: usize, settings: &Settings) -> FrameInspection {
@@ -71,8 +72,57 @@ fn what_one_camera_misreads_is_dropped_and_its_pixel_says_who_looks_past() {
     assert!(explanation.votes.look_past >= 2 && explanation.votes.confirm == 0);
     let past = explanation.evidence.iter().filter(|row| row.vote == Some(Vote::LooksPast)).count();
     assert_eq!(past as u32, explanation.votes.look_past);
+    // What is contradicted is dropped, for a witness or for that alone; most of the rest is confirmed.
+    let agreement = inspection.agreement(2);
+    for (pixel, found) in agreement.as_slice().iter().enumerate() {
+        let verdict = inspection.cameras[2].verdict.as_slice()[pixel];
+        assert!(*found != Some(SampleAgreement::Contradicted) || !verdict.is_kept(), "pixel {pixel}");
+        assert!(verdict.rule != Rule::Contradicted || *found == Some(SampleAgreement::Contradicted));
+        let votes = explain_pixel(&inspection, 2, pixel % 64, pixel / 64).unwrap().votes;
+        let expected = (verdict.rule != Rule::NoSample).then(|| SampleAgreement::of(votes, 1, false));
+        assert_eq!(*found, expected, "pixel {pixel}");
+    }
+    let confirmed = |camera| {
+        let agreement = inspection.agreement(camera);
+        agreement.as_slice().iter().filter(|found| **found == Some(SampleAgreement::Confirmed)).count()
+    };
+    assert!(confirmed(3) > 64 * 64 / 2, "{}", confirmed(3));
     let report = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().report;
     assert_eq!(report.pruned["contradicted"], dropped.len() as u64);
+}
+
+#[test]
+fn most_flying_pixels_are_dropped_and_hardly_any_true_sample() {
+    // A ball before a wall, which is the side of a ball as large as a hill.
+    let ball = Sphere::resting(DVec3::new(0.0, 0.0, 0.6), 0.6, [0.7, 0.2, 0.1]);
+    let wall = Sphere::resting(DVec3::new(0.0, 60.0, 0.0), 50.0, [0.4, 0.4, 0.5]);
+    let scene = Scene { spheres: vec![ball, wall], normals: true, ..Scene::default() };
+    let clean = scene.record(arc(5, 96), 1);
+    let flying = Disturbance::FlyingPixels.apply(&clean, 30.0).unwrap().capture;
+    let with = |mixed_pixels| {
+        let mut settings = Settings::default();
+        settings.pruning.mixed_pixels = mixed_pixels;
+        inspect(&flying, 0, &settings)
+    };
+    let [kept, yielding] = [MixedPixels::Keep, MixedPixels::Yield].map(with);
+    let (mut planted, mut kept_before, mut kept_after, mut lost) = (0, 0, 0, 0);
+    for camera in 0..5 {
+        let truth = clean.frame(camera, 0).unwrap();
+        for (pixel, verdict) in yielding.cameras[camera].verdict.as_slice().iter().enumerate() {
+            let recorded = yielding.cameras[camera].frame.inverse_depth.as_slice()[pixel];
+            let true_depth = truth.inverse_depth.as_slice()[pixel];
+            let is_true = recorded == true_depth;
+            // On slopes seen at a grazing angle samples fly no farther than their neighbors are.
+            let is_far_off = (recorded - true_depth).abs() > 0.15 * recorded.max(true_depth);
+            let before = kept.cameras[camera].verdict.as_slice()[pixel];
+            planted += usize::from(is_far_off);
+            kept_before += usize::from(is_far_off && before.is_kept());
+            kept_after += usize::from(is_far_off && verdict.is_kept());
+            lost += usize::from(is_true && verdict.rule == Rule::Contradicted);
+        }
+    }
+    assert!(planted > 150 && kept_after * 2 < kept_before, "of {planted}: {kept_before}, {kept_after}");
+    assert!(lost * 100 < planted * 4, "{lost} true samples beside {planted}");
 }
 
 #[test]

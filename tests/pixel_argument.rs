@@ -41,7 +41,7 @@ fn cases() -> [(Capture, Settings); 2] {
 
 /// Whose samples yield to whose, however dense: clean ones last.
 fn class(row: &CameraEvidence) -> (bool, bool) {
-    (row.is_blended, row.is_unsure)
+    (row.is_mixed, row.is_unsure)
 }
 
 /// The arguments of every fifth pixel of every camera.
@@ -86,12 +86,12 @@ fn hold_against_winners(capture: &Capture, settings: &Settings, by_rule: &mut BT
         assert_eq!(row.outcome, Some(Outcome::Same(witness.pixel)));
         assert!(row.plane_distance_footprints <= f64::from(settings.pruning.depth_tolerance) * 1.001 + 1e-3);
         let own = &argument.evidence[argument.camera];
-        assert!(own.is_blended || row.color_difference_steps <= color_limit, "{row:?}");
+        assert!(own.is_mixed || row.color_difference_steps <= color_limit, "{row:?}");
         *by_rule.entry(argument.verdict.rule).or_default() += 1;
         match argument.verdict.rule {
             Rule::LowerRate => assert!(class(row) == class(own) && row.paper_r > 1.0, "{argument:?}"),
             Rule::Tie => assert_eq!(class(row), class(own)),
-            Rule::MixedYields => assert!(own.is_blended && !row.is_blended, "{argument:?}"),
+            Rule::MixedYields => assert!(own.is_mixed && !row.is_mixed, "{argument:?}"),
             Rule::UnsureYields => assert!(own.is_unsure && !row.is_unsure, "{argument:?}"),
             rule => panic!("{rule:?} has a witness"),
         }

@@ -7,7 +7,9 @@
 
 use egui::Color32;
 
+use crate::app::theme::Tokens;
 use crate::color::steps_from_linear;
+use crate::preprocess::agreement::SampleAgreement;
 
 const VIRIDIS: [u32; 9] =
     [0x44_0154, 0x47_2c7a, 0x3b_518b, 0x2c_718e, 0x21_908d, 0x27_ad81, 0x5c_c863, 0xaa_dc32, 0xfd_e725];
@@ -64,6 +66,12 @@ pub(crate) fn mix(under: Color32, over: Color32, opacity: f32) -> Color32 {
         channel(under.g(), over.g()),
         channel(under.b(), over.b()),
     )
+}
+
+/// A color of a picture under the color of how its sample stands among the other cameras: what is right stays readable.
+pub(crate) fn agreeing(own: Color32, agreement: SampleAgreement, tokens: &Tokens) -> Color32 {
+    let opacity = if agreement == SampleAgreement::Contradicted { 0.85 } else { 0.6 };
+    mix(dimmed(own, 0.9), tokens.of_agreement(agreement), opacity)
 }
 
 /// `color` as a gray of its lightness, at `strength` of its brightness.

@@ -7,6 +7,8 @@ use egui::{
     Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, Style, TextStyle, Theme, Vec2, Visuals,
 };
 
+use crate::preprocess::agreement::SampleAgreement;
+
 const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
@@ -52,6 +54,12 @@ pub(crate) struct Tokens {
     pub lasting: Color32,
     /// Samples of one frame.
     pub moving: Color32,
+    /// Samples that other cameras confirm.
+    pub confirmed: Color32,
+    /// Samples that more cameras look past than confirm.
+    pub contradicted: Color32,
+    /// Samples that nobody confirms or contradicts.
+    pub alone: Color32,
     /// Pixels without depth.
     pub invalid: Color32,
     /// Behind text that lies on a picture.
@@ -82,6 +90,9 @@ const DARK: Tokens = Tokens {
     static_over_time: rgb(0x3a_7fc4),
     lasting: rgb(0x35_b592),
     moving: rgb(0xf0_a030),
+    confirmed: rgb(0x3a_7fc4),
+    contradicted: rgb(0xe2_4a2c),
+    alone: rgb(0xe9_d648),
     invalid: rgb(0x55_5a61),
     scrim: Color32::from_rgba_premultiplied(6, 8, 10, 190),
     on_scrim: rgb(0xf2_f5f8),
@@ -108,6 +119,9 @@ const LIGHT: Tokens = Tokens {
     static_over_time: rgb(0x2f_72b5),
     lasting: rgb(0x12_9273),
     moving: rgb(0xd9_8200),
+    confirmed: rgb(0x2f_72b5),
+    contradicted: rgb(0xc4_3412),
+    alone: rgb(0xcf_b400),
     invalid: rgb(0x8b_9199),
     scrim: Color32::from_rgba_premultiplied(6, 8, 10, 180),
     on_scrim: rgb(0xf7_f9fb),
@@ -122,6 +136,15 @@ impl Tokens {
     /// The tokens of the theme that `ui` is drawn in.
     pub(crate) fn in_ui(ui: &egui::Ui) -> &'static Self {
         Self::of(ui.visuals().dark_mode)
+    }
+
+    /// The color of samples that stand like this among the other cameras.
+    pub(crate) fn of_agreement(&self, agreement: SampleAgreement) -> Color32 {
+        match agreement {
+            SampleAgreement::Confirmed => self.confirmed,
+            SampleAgreement::Contradicted => self.contradicted,
+            SampleAgreement::Alone => self.alone,
+        }
     }
 
     /// The color of samples that are stored for `length` of all `frames`.

@@ -27,7 +27,7 @@ pub mod temporal;
 
 pub use prepared_scan::PreparedScan;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -255,6 +255,7 @@ pub fn inspect_frame(
         samples: Arc::new(sample_set(capture, settings, images)),
         layers: complete.layers.clone(),
         settings: settings.clone(),
+        agreement: Arc::new(vec![OnceLock::new(); capture.cameras.len()]),
     })
 }
 

@@ -61,11 +61,11 @@ choice! {
 }
 
 choice! {
-    /// What happens to samples whose color is blended across a silhouette.
+    /// What happens to samples whose color is blended across a silhouette, or whose depth lies in the air between its sides.
     pub enum MixedPixels {
         /// They are samples like any other.
         Keep = "keep",
-        /// They lose against clean samples of the same surface, whatever the rates.
+        /// They lose against clean samples of the same surface, whatever the rates; those in the air their own camera looks past.
         Yield = "yield",
         /// They are removed before anything else.
         Drop = "drop",

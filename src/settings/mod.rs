@@ -83,7 +83,8 @@ section! {
         /// Whether a sample is dropped only where its witness's camera shows the surface on all four pixels around the
         /// point: what is left then overlaps by a pixel at seams and silhouettes, and can be interpolated there.
         overlap: bool = true, "", ValueKind::Switch;
-        /// What happens to samples whose color is blended across a silhouette.
+        /// What happens to samples whose color is blended across a silhouette, or, where other cameras are asked, whose depth lies in the
+        /// air between its sides.
         mixed_pixels: MixedPixels = MixedPixels::Yield, "", ValueKind::Choice(MixedPixels::NAMES);
         /// What becomes of samples that other cameras look past. Where cameras are asked, noise between them is measured, and
         /// granted where it exceeds the tolerances.

@@ -82,6 +82,33 @@ fn views_open_from_the_menu_and_the_layout_is_reset() {
 }
 
 #[test]
+fn both_views_show_which_samples_others_confirm_and_a_store_says_that_it_does_not_know() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    assert!(!shows(&window, "confirmed") && !shows(&window, "contradicted"));
+    choose(&mut window, "Source shows", "Agreement");
+    settle(&mut window);
+    // Each with its share.
+    for name in ["confirmed ", "contradicted ", "alone "] {
+        assert!(shows(&window, name), "{name}");
+    }
+    choose(&mut window, "Source shows", "Picture");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::P);
+    window.run_steps(2);
+    window.get_by_label("Command").type_text("live view shows: agreement");
+    window.run_steps(2);
+    window.key_press(Key::Enter);
+    settle(&mut window);
+    for name in ["confirmed", "contradicted", "alone"] {
+        assert!(window.query_by_label(name).is_some(), "{name}");
+    }
+    let path = save_store(&mut window, folder.path());
+    open_store(&mut window, &path);
+    assert!(shows(&window, "A store does not say who agrees"));
+}
+
+#[test]
 fn the_pixel_stays_while_time_passes_and_overlays_change() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);

@@ -189,11 +189,11 @@ fn the_live_view_orbits_jumps_and_comes_home() {
 fn every_overlay_and_coloring_can_be_chosen() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    for overlay in ["Who won", "Sampling", "Motion", "Tiles", "Depth", "Normals", "Picture"] {
+    for overlay in ["Who won", "Agreement", "Sampling", "Motion", "Tiles", "Depth", "Normals", "Picture"] {
         choose(&mut window, "Source shows", overlay);
         settle(&mut window);
     }
-    for coloring in ["Camera", "Motion", "Sampling", "Picture"] {
+    for coloring in ["Camera", "Agreement", "Motion", "Sampling", "Picture"] {
         choose(&mut window, "Live view shows", coloring);
         settle(&mut window);
     }

@@ -175,7 +175,8 @@ impl State {
 
     /// Whether playback needs no verdicts: the live view shows the whole capture's samples, and the source view the bare picture.
     pub(crate) fn skips_verdicts(&self) -> bool {
-        self.timeline.playing && self.current_whole().is_some() && !self.source.overlay.needs_verdicts()
+        let needed = self.source.overlay.needs_verdicts() || self.live.color_by == ColorBy::Agreement;
+        self.timeline.playing && self.current_whole().is_some() && !needed
     }
 
     /// How the live view shows holes: where the settings do not fill them, there is nothing but hatching.

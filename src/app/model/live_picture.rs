@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use egui::ColorImage;
 
-use super::source_picture::MOTION;
+use super::source_picture::{AGREEMENT, MOTION};
+use crate::preprocess::inspect::FrameInspection;
 use crate::render::gpu::ScreenTexture;
 use crate::render::{Painter, Picture, RenderStats, Vantage};
 use crate::samples::SampleSet;
@@ -16,15 +17,17 @@ use crate::store::playback::Playback;
 pub(crate) enum ColorBy {
     Picture,
     Camera,
+    Agreement,
     Span,
     SamplingRate,
 }
 
 impl ColorBy {
     /// Every choice in the order of the menu: its name, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 5] = [
         (Self::Picture, "Picture", "The scene as the kept samples show it."),
         (Self::Camera, "Camera", "Each pixel in the color of the camera whose sample it shows."),
+        (Self::Agreement, "Agreement", AGREEMENT),
         (Self::Span, "Motion", MOTION),
         (
             Self::SamplingRate,
@@ -72,6 +75,8 @@ pub(crate) struct LiveKey {
     pub vantage: Vantage,
     pub settings: RenderSettings,
     pub color_by: ColorBy,
+    /// What was found at the frame, where colors tell of agreement; `None` while it is worked out, and for stores.
+    pub inspection: Option<Arc<FrameInspection>>,
     pub holes: HoleDisplay,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
@@ -95,6 +100,7 @@ impl PartialEq for LiveKey {
             && self.vantage == other.vantage
             && self.settings == other.settings
             && self.color_by == other.color_by
+            && self.inspection.as_ref().map(Arc::as_ptr) == other.inspection.as_ref().map(Arc::as_ptr)
             && self.holes == other.holes
             && self.dark == other.dark
             && self.in_motion == other.in_motion

@@ -16,6 +16,7 @@ pub(crate) enum Overlay {
     Normals,
     SamplingRatio,
     WhoWon,
+    Agreement,
     RateDisputes,
     Split,
     Tiles,
@@ -28,7 +29,7 @@ impl Overlay {
     }
 
     /// Every choice in the order of the menu: its name, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 8] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 9] = [
         (Self::Color, "Picture", "The picture as the camera recorded it."),
         (
             Self::WhoWon,
@@ -40,6 +41,7 @@ impl Overlay {
             "Sampling",
             "How densely this camera samples each point against another: purple where this one is denser, orange where the other is.",
         ),
+        (Self::Agreement, "Agreement", AGREEMENT),
         (
             Self::RateDisputes,
             "Rates",
@@ -59,6 +61,9 @@ impl Overlay {
 /// What either view's *Motion* shows.
 pub(crate) const MOTION: &str = "For how long samples are stored: once for all frames, once for several frames where they hold that long, or for this \
      frame alone.";
+
+/// What either view's *Agreement* shows.
+pub(crate) const AGREEMENT: &str = "What the other cameras say of each sample: whether one confirms it, more look past it than confirm it, or nobody else can tell.";
 
 /// What a left picture was made from; a picture with an equal key is the same picture.
 #[derive(Clone)]
@@ -119,6 +124,8 @@ pub(crate) enum Legend {
         foreground: u64,
         invalid: u64,
     },
+    /// Pixels by what the other cameras say of them.
+    Agreement { confirmed: u64, contradicted: u64, alone: u64, invalid: u64 },
     /// Kept share of each tile, 0 to 1.
     Tiles(Grid<f32>),
 }

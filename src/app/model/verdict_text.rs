@@ -5,10 +5,11 @@ use super::pixel::Probed;
 use super::scene::OpenScene;
 use super::text;
 use crate::capture::Camera;
-use crate::preprocess::agreement::VoteCounts;
+use crate::preprocess::agreement::{Vote, VoteCounts};
 use crate::preprocess::inspect::{CameraEvidence, ChainLink};
 use crate::preprocess::pruning::{Rule, Verdict};
 use crate::preprocess::registration::Outcome;
+use crate::settings::{AgreementRule, PruningSettings};
 
 /// A verdict as a sentence that names the witness and where it is.
 pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
@@ -21,7 +22,7 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
         Rule::LowerRate => format!("Dropped: {name} samples this point more densely, at {x}, {y}."),
         Rule::Tie => format!("Dropped: {name} samples it as densely and comes first, at {x}, {y}."),
         Rule::LaterCamera => format!("Dropped: {name} shows this point and comes first, at {x}, {y}."),
-        Rule::MixedYields => format!("Dropped: blended at a silhouette; {name} is clean, at {x}, {y}."),
+        Rule::MixedYields => format!("Dropped: mixed at a silhouette; {name} is clean, at {x}, {y}."),
         Rule::UnsureYields => format!("Dropped: no normal is known here; {name} knows it, at {x}, {y}."),
         rule => format!("{} Witness: {name} at {x}, {y}.", rule.sentence()),
     }
@@ -43,9 +44,14 @@ pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     }
 }
 
-/// How many other cameras confirm a sample and how many look past it; `None` where none does either.
-pub(crate) fn votes(counts: VoteCounts) -> Option<String> {
+/// How many other cameras confirm a sample and how many look past it, and whether it flies; `None` where none does anything.
+pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
     let VoteCounts { confirm, look_past } = counts;
+    let flying = if is_flying {
+        " It flies between foreground and background: its own camera looks past it, too."
+    } else {
+        ""
+    };
     let confirming = match confirm {
         0 => "No other camera confirms it".to_owned(),
         1 => "1 camera confirms it".to_owned(),
@@ -56,7 +62,21 @@ pub(crate) fn votes(counts: VoteCounts) -> Option<String> {
         1 => "1 camera looks past it".to_owned(),
         _ => format!("{look_past} cameras look past it"),
     };
-    (confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}."))
+    (is_flying || confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}.{flying}"))
+}
+
+/// The rule by which votes drop a sample, with the settings it goes by.
+pub(crate) fn rule_of_votes(pruning: &PruningSettings) -> String {
+    let margin = pruning.agreement_margin;
+    let cameras = if margin == 1 { "1 camera".to_owned() } else { format!("{margin} cameras") };
+    let rule = format!(
+        "A sample that no kept one represents is dropped where the cameras that look past it outnumber its own and those that \
+         confirm it by {cameras} (agreement margin)."
+    );
+    match pruning.agreement {
+        AgreementRule::Majority => rule,
+        AgreementRule::Off => format!("Agreement is off, so that nothing follows. By majority: {rule}"),
+    }
 }
 
 /// Column and row of a pixel index.
@@ -65,9 +85,9 @@ pub(crate) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
     (pixel % width, pixel / width)
 }
 
-/// Whether a camera sees the point, and the rule behind that; `None` is the camera of the pixel.
-pub(crate) fn sees(outcome: Option<Outcome>) -> (&'static str, &'static str) {
-    match outcome {
+/// Whether a camera sees the point, and the rule behind that.
+pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
+    match row.outcome {
         None => ("its own pixel", "The pixel that is argued about."),
         Some(Outcome::Same(_)) => (
             "sees it",
@@ -83,9 +103,14 @@ pub(crate) fn sees(outcome: Option<Outcome>) -> (&'static str, &'static str) {
         Some(Outcome::Occluded) => {
             ("hidden from it", "The camera recorded something nearer where the point falls.")
         }
-        Some(Outcome::SeesPast) => {
-            ("looks past it", "The camera recorded something farther where the point falls.")
-        }
+        Some(Outcome::SeesPast) if row.vote == Some(Vote::LooksPast) => (
+            "looks past it",
+            "All that the camera recorded around the point is farther: it contradicts the sample.",
+        ),
+        Some(Outcome::SeesPast) => (
+            "sees farther",
+            "The camera recorded something farther where the point falls, but may have missed the surface: that contradicts nothing.",
+        ),
         Some(Outcome::NormalDiffers) => {
             ("other normal", "The depth agrees, but the surfaces face different ways.")
         }
@@ -111,7 +136,7 @@ pub(crate) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
 /// What became of a camera's own pixel, and for what it yields to others however dense it is; `None` outside its picture.
 pub(crate) fn there(cameras: &[Camera], row: &CameraEvidence) -> Option<String> {
     let mut words = fate(cameras, row.verdict?);
-    for (yields, why) in [(row.is_blended, ", blended"), (row.is_unsure, ", no normal")] {
+    for (yields, why) in [(row.is_mixed, ", mixed"), (row.is_unsure, ", no normal")] {
         if yields {
             words.push_str(why);
         }
@@ -167,7 +192,7 @@ pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
     if let Some(explanation) = &probed.explanation {
         lines.push(format!("Frame {}", explanation.frame + 1));
         lines.push(verdict(cameras, explanation.verdict));
-        lines.extend(votes(explanation.votes));
+        lines.extend(votes(explanation.votes, explanation.is_flying));
         if explanation.chain.len() > 1 {
             lines.push(format!("Chain: {}", chain(cameras, &explanation.chain)));
         }
@@ -193,7 +218,7 @@ pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
 
 fn line(cameras: &[Camera], row: &CameraEvidence) -> String {
     let name = cameras.get(row.camera).map_or("", |camera| &camera.name);
-    let mut cells = vec![name.to_owned(), sees(row.outcome).0.to_owned()];
+    let mut cells = vec![name.to_owned(), sees(row).0.to_owned()];
     cells.extend(
         [row.depth_expected, row.depth_found, row.plane_distance_footprints, row.incidence_degrees]
             .map(number),
@@ -250,7 +275,7 @@ mod tests {
             color_difference_steps: 3.0,
             paper_r: 1.25,
             footprint_r: 1.5,
-            is_blended: false,
+            is_mixed: false,
             is_unsure: false,
             vote: None,
             verdict: Some(Verdict::without_witness(Rule::BestRate)),
@@ -267,18 +292,38 @@ mod tests {
 
     #[test]
     fn a_denser_sample_that_yields_says_why() {
-        let blended = CameraEvidence { is_blended: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
-        assert_eq!(there(&[], &blended).unwrap(), "kept, blended, no normal");
+        let mixed = CameraEvidence { is_mixed: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
+        assert_eq!(there(&[], &mixed).unwrap(), "kept, mixed, no normal");
         assert_eq!(there(&[], &row(None)).unwrap(), "kept");
     }
 
     #[test]
     fn votes_are_told_where_any_camera_has_one() {
-        let told = |confirm, look_past| votes(VoteCounts { confirm, look_past });
+        let told = |confirm, look_past| votes(VoteCounts { confirm, look_past }, false);
         assert_eq!(told(0, 0), None);
         assert_eq!(told(1, 0).unwrap(), "1 camera confirms it, none looks past it.");
         assert_eq!(told(0, 3).unwrap(), "No other camera confirms it, 3 cameras look past it.");
         assert_eq!(told(2, 1).unwrap(), "2 cameras confirm it, 1 camera looks past it.");
+        let flying = votes(VoteCounts::default(), true).unwrap();
+        assert!(flying.starts_with("No other camera confirms it") && flying.contains("It flies"), "{flying}");
+    }
+
+    #[test]
+    fn a_camera_that_may_have_missed_a_surface_is_not_said_to_look_past_it() {
+        let sees_with = |vote| sees(&CameraEvidence { vote, ..row(Some(Outcome::SeesPast)) });
+        assert_eq!(sees_with(Some(Vote::LooksPast)).0, "looks past it");
+        let (words, why) = sees_with(Some(Vote::CannotTell));
+        assert!(words == "sees farther" && why.ends_with("that contradicts nothing."));
+    }
+
+    #[test]
+    fn the_rule_of_votes_names_its_margin_and_says_where_it_is_off() {
+        let mut pruning = PruningSettings::default();
+        assert!(rule_of_votes(&pruning).contains("by 1 camera (agreement margin)"));
+        pruning.agreement_margin = 2;
+        pruning.agreement = AgreementRule::Off;
+        let told = rule_of_votes(&pruning);
+        assert!(told.starts_with("Agreement is off") && told.contains("by 2 cameras"), "{told}");
     }
 
     #[test]

@@ -71,15 +71,18 @@ fn rule_words(rule: &str) -> (String, &'static str) {
         "tie" => ("Seen equally well", "Equal rates: the earlier camera's sample stays."),
         "later_camera" => ("Seen by an earlier camera", "First camera wins, whatever the sampling rate."),
         "mixed_yields" => {
-            ("Blended at a silhouette", "The color is blended, and a clean sample shows the point.")
+            ("Mixed at a silhouette", "Color or depth is of both sides, and a clean sample shows the point.")
         }
         "unsure_yields" => {
             ("Normal unknown", "The normal is not known here, and a sample that knows it shows the point.")
         }
-        "mixed_dropped" => ("Blended, dropped", "The color is blended and the settings drop such samples."),
-        "contradicted" => {
-            ("Contradicted", "More cameras look past the point than confirm it: one camera misread it.")
+        "mixed_dropped" => {
+            ("Mixed, dropped", "Color or depth is of both sides, and the settings drop such samples.")
         }
+        "contradicted" => (
+            "Contradicted",
+            "More cameras look past the point than confirm it: one camera misread it, or it flies between foreground and background.",
+        ),
         "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),
         other => return (model::words(other), ""),
     };

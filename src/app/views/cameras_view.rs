@@ -85,7 +85,7 @@ fn card_ui(
     let says = probed
         .and_then(|probed| probed.explanation.as_ref())
         .and_then(|explanation| explanation.evidence.get(index))
-        .map(|row| words::sees(row.outcome).0);
+        .map(|row| words::sees(row).0);
     let second = says.map_or_else(|| kept.clone(), |says| format!("{kept}, {says}"));
     line(
         11.0,

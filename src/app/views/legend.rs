@@ -7,6 +7,7 @@ use crate::app::model::{self, ColorBy, HoleDisplay, Legend, Overlay, RATIO_RANGE
 use crate::app::theme::Tokens;
 use crate::app::widgets::note;
 use crate::grid::Grid;
+use crate::preprocess::agreement::SampleAgreement;
 use crate::samples::TILE;
 
 /// Height of a line of legend.
@@ -46,6 +47,16 @@ pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
                 swatch_ui(ui, tokens.invalid, &format!("no depth {}", model::percent(*invalid, total)));
             }
         }
+        Legend::Agreement { confirmed, contradicted, alone, invalid } => {
+            let total = confirmed + contradicted + alone + invalid;
+            let shares = [*confirmed, *contradicted, *alone].map(|count| model::percent(count, total));
+            for ((found, name, help), share) in AGREEMENTS.into_iter().zip(shares) {
+                swatch_ui(ui, tokens.of_agreement(found), &format!("{name} {share}")).on_hover_text(help);
+            }
+            if *invalid > 0 {
+                swatch_ui(ui, tokens.invalid, &format!("no depth {}", model::percent(*invalid, total)));
+            }
+        }
         Legend::Winners { kept, lost_to, dropped } => {
             let total = kept + dropped + lost_to.iter().sum::<u64>();
             let label = RichText::new(format!("kept {}", model::percent(*kept, total)));
@@ -60,6 +71,26 @@ pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
         }
     });
 }
+
+/// How samples stand among the other cameras: names, and what they mean.
+const AGREEMENTS: [(SampleAgreement, &str, &str); 3] = [
+    (
+        SampleAgreement::Confirmed,
+        "confirmed",
+        "Another camera sees the surface where this one has it, and no majority looks past it.",
+    ),
+    (
+        SampleAgreement::Contradicted,
+        "contradicted",
+        "More cameras see through to what lies behind than see this surface, its own camera among them. \
+         With agreement by majority such samples are dropped.",
+    ),
+    (
+        SampleAgreement::Alone,
+        "alone",
+        "Nobody else can tell: no other camera confirms it, and too few look past it to contradict it.",
+    ),
+];
 
 /// For how long samples are stored, in the colors of both views.
 fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
@@ -94,6 +125,14 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
                     .map(|(index, camera)| (camera_color(index), camera.name.clone()))
                     .collect();
                 swatches_ui(ui, &entries, HOLE_WIDTH);
+            }
+            ColorBy::Agreement if state.has_capture() => {
+                for (found, name, help) in AGREEMENTS {
+                    swatch_ui(ui, tokens.of_agreement(found), name).on_hover_text(help);
+                }
+            }
+            ColorBy::Agreement => {
+                note(ui, "A store does not say who agrees; open its capture for that.");
             }
             ColorBy::Span => {
                 for (color, name) in spans(tokens) {

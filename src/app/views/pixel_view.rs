@@ -35,7 +35,7 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Color", "Largest difference of a color channel, in 8-bit steps."),
     (
         "There",
-        "What became of that camera's own pixel. One that is blended at a silhouette, or whose normal is not known, yields to others \
+        "What became of that camera's own pixel. One that is mixed of both sides of a silhouette, or whose normal is not known, yields to others \
          however dense it is.",
     ),
 ];
@@ -93,8 +93,8 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         let sentence = words::verdict(&scene.cameras, explanation.verdict);
         let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
         ui.add(Label::new(RichText::new(sentence).color(color)).wrap());
-        if let Some(votes) = words::votes(explanation.votes) {
-            note(ui, votes);
+        if let Some(votes) = words::votes(explanation.votes, explanation.is_flying) {
+            note(ui, votes).on_hover_text(words::rule_of_votes(&state.settings.pruning));
         }
         if explanation.chain.len() > 1 {
             let chain = words::chain(&scene.cameras, &explanation.chain);
@@ -213,7 +213,7 @@ fn row_ui(
     });
     let tolerance = &state.settings.pruning;
     let same = words::is_same_point(row);
-    let (sees, why) = words::sees(row.outcome);
+    let (sees, why) = words::sees(row);
     ui.label(RichText::new(sees).color(if same { tokens.text } else { tokens.text_weak })).on_hover_text(why);
     let cell = |ui: &mut Ui, text: String, over: bool| {
         let color = if over { tokens.warning } else { tokens.text };

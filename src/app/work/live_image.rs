@@ -5,15 +5,16 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage};
 use glam::DVec2;
 
-use crate::app::colormap::{camera as camera_color, dimmed, diverging, mix};
+use crate::app::colormap::{agreeing, camera as camera_color, dimmed, diverging, mix};
 use crate::app::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE};
 use crate::app::theme::Tokens;
 use crate::color::srgb8_from_linear;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
+use crate::preprocess::agreement::SampleAgreement;
 use crate::render::gpu::HolePattern;
-use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, WindowPicture};
+use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, WindowPicture, output};
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 
@@ -86,6 +87,7 @@ fn shown(
 fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let tokens = Tokens::of(key.dark);
     let stripe = key.stripe();
+    let agreement = LiveAgreement::of(key);
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
         let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
@@ -106,6 +108,10 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
         match key.color_by {
             ColorBy::Picture => own,
             ColorBy::Camera => mix(dimmed(own, DIMMED), camera_color(source.camera as usize), 0.7),
+            ColorBy::Agreement => match agreement.at(key, picture, (x, y)) {
+                Some(found) => agreeing(own, found, tokens),
+                None => dimmed(own, DIMMED),
+            },
             ColorBy::Span => {
                 let frames = key.samples.frame_numbers.len();
                 let share = if source.span.len() >= frames { 0.55 } else { 0.7 };
@@ -118,6 +124,55 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
             }
         }
     })
+}
+
+/// How the samples of each camera stand among the others; `None` for cameras of which the picture shows nothing.
+struct LiveAgreement {
+    of_camera: Vec<Option<Arc<Grid<Option<SampleAgreement>>>>>,
+}
+
+/// What is farther off than this share of its depth in the camera's own picture is another surface, and has to be looked for.
+const NEARLY: f64 = 0.01;
+
+impl LiveAgreement {
+    fn of(key: &LiveKey) -> Self {
+        let inspection = key.inspection.as_ref().filter(|_| key.color_by == ColorBy::Agreement);
+        let of_camera = inspection.map_or_else(Vec::new, |inspection| {
+            let shown = |camera| key.samples.images.iter().any(|image| image.camera as usize == camera);
+            let of_camera = |camera| shown(camera).then(|| inspection.agreement(camera));
+            (0..inspection.cameras.len()).map(of_camera).collect()
+        });
+        Self { of_camera }
+    }
+
+    /// How the sample that a pixel shows stands; `None` where that is not known.
+    fn at(&self, key: &LiveKey, picture: &Picture, (x, y): (usize, usize)) -> Option<SampleAgreement> {
+        let inspection = key.inspection.as_ref()?;
+        let camera = key.samples.images[picture.image[(x, y)] as usize].camera as usize;
+        let agreement = self.of_camera.get(camera)?.as_ref()?;
+        let there = recorded_at(key, picture, (x, y)).filter(|(place, depth)| {
+            let recorded = inspection.cameras[camera].frame.inverse_depth.get(place[0], place[1]);
+            recorded.is_some_and(|recorded| (f64::from(*recorded) * depth - 1.0).abs() < NEARLY)
+        });
+        let [x, y] = match there {
+            Some((place, _)) => place,
+            None => {
+                output::pick(&key.samples, &key.vantage, picture, x, y).map(|picked| [picked.x, picked.y])?
+            }
+        };
+        *agreement.get(x, y)?
+    }
+}
+
+/// Where the camera whose sample a pixel shows has the point, column and row, and at which planar depth; `None` at infinity and
+/// outside its picture.
+fn recorded_at(key: &LiveKey, picture: &Picture, (x, y): (usize, usize)) -> Option<([usize; 2], f64)> {
+    let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);
+    let image = &key.samples.images[picture.image[(x, y)] as usize];
+    let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+    let point = (inverse_depth > 0.0).then(|| key.vantage.camera.unproject(pixel, 1.0 / inverse_depth))?;
+    let (at, depth) = key.samples.cameras[image.camera as usize].project(point)?;
+    (at.x >= 0.0 && at.y >= 0.0).then_some(([at.x as usize, at.y as usize], depth))
 }
 
 /// log₂ of the distance between samples over the distance between the view's pixels, both across the line of sight.
@@ -162,6 +217,7 @@ mod tests {
             vantage: Vantage { camera: camera(distance), frame: 0 },
             settings: RenderSettings::default(),
             color_by: ColorBy::Picture,
+            inspection: None,
             holes: HoleDisplay::Filled,
             dark: true,
             in_motion: false,

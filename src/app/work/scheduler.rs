@@ -206,6 +206,10 @@ impl Scheduler {
             vantage,
             settings: state.settings.render.clone(),
             color_by: state.live.color_by,
+            inspection: state
+                .inspection_here()
+                .filter(|_| state.live.color_by == ColorBy::Agreement)
+                .cloned(),
             holes: state.live.holes,
             dark: state.dark,
             in_motion,

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
-use crate::app::colormap::{camera as camera_color, dimmed, diverging, mix, recorded, sequential};
+use crate::app::colormap::{agreeing, camera as camera_color, dimmed, diverging, mix, recorded, sequential};
 use crate::app::model::{Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture};
 use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::error::Result;
 use crate::grid::Grid;
+use crate::preprocess::agreement::SampleAgreement;
 use crate::preprocess::inspect::CameraInspection;
 use crate::preprocess::pruning::Verdict;
 use crate::preprocess::temporal::PixelClass;
@@ -43,6 +44,7 @@ fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
         (Overlay::Normals, Some(camera)) => (normals(&camera.normal_in_world, tokens), Legend::Plain),
         (Overlay::SamplingRatio, Some(_)) => (sampling_ratio(key, &picture), Legend::Ratio),
         (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens),
+        (Overlay::Agreement, Some(_)) => agreement(key, &picture, tokens),
         (Overlay::RateDisputes, Some(camera)) => rate_disputes(camera, &picture),
         (Overlay::Split, Some(camera)) => split(camera, &picture, tokens),
         (Overlay::Tiles, Some(camera)) => tiles(camera, &picture),
@@ -120,6 +122,32 @@ fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) 
         mix(dimmed(own, 0.8), camera_color(winner), 0.72)
     });
     (pixels, Legend::Winners { kept, lost_to, dropped })
+}
+
+fn agreement(key: &SourceKey, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
+    match &key.inspection {
+        Some(inspection) => agreement_picture(&inspection.agreement(key.camera), picture, tokens),
+        None => (picture.clone(), Legend::Plain),
+    }
+}
+
+fn agreement_picture(
+    agreement: &Grid<Option<SampleAgreement>>,
+    picture: &Grid<Color32>,
+    tokens: &Tokens,
+) -> (Grid<Color32>, Legend) {
+    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| match agreement[(x, y)] {
+        None => tokens.invalid,
+        Some(found) => agreeing(picture[(x, y)], found, tokens),
+    });
+    let count = |wanted| agreement.as_slice().iter().filter(|found| **found == wanted).count() as u64;
+    let legend = Legend::Agreement {
+        confirmed: count(Some(SampleAgreement::Confirmed)),
+        contradicted: count(Some(SampleAgreement::Contradicted)),
+        alone: count(Some(SampleAgreement::Alone)),
+        invalid: count(None),
+    };
+    (pixels, legend)
 }
 
 /// Counts one more pixel for a camera.
@@ -244,6 +272,25 @@ mod tests {
         let (pixels, legend) = rate_disputes(&camera, &picture);
         assert_eq!(legend, Legend::RateDisputes { agreed: 384, won_by: vec![0, 128] });
         assert_ne!(pixels[(0, 0)], pixels[(20, 0)]);
+    }
+
+    #[test]
+    fn what_others_confirm_what_they_contradict_and_what_is_alone_is_told_apart_and_counted() {
+        let found = [
+            Some(SampleAgreement::Confirmed),
+            Some(SampleAgreement::Contradicted),
+            Some(SampleAgreement::Alone),
+            None,
+        ];
+        let agreement = Grid::from_fn(32, 16, |x, _| found[x / 8]);
+        let (_, picture) = camera();
+        for dark in [true, false] {
+            let (pixels, legend) = agreement_picture(&agreement, &picture, Tokens::of(dark));
+            let counts = Legend::Agreement { confirmed: 128, contradicted: 128, alone: 128, invalid: 128 };
+            assert_eq!(legend, counts);
+            let colors: std::collections::HashSet<_> = pixels.as_slice().iter().collect();
+            assert_eq!(colors.len(), 4);
+        }
     }
 
     #[test]

@@ -139,7 +139,7 @@ impl PreprocessArgs {
             output::count(disputes)
         );
         for (outcome, samples) in result.report.mixed_pixels.iter().filter(|(_, samples)| **samples > 0) {
-            let _ = writeln!(text, "  blended across a silhouette, {outcome}: {}", output::count(*samples));
+            let _ = writeln!(text, "  mixed across a silhouette, {outcome}: {}", output::count(*samples));
         }
         for camera in &result.report.cameras {
             let _ = writeln!(text, "  {}", measured(camera));

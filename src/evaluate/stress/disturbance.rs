@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
+use super::depth_sensor::{depth_holes, flying_pixels, median_inverse_depth, misread, sensor_noise};
 use super::light::{LightChange, Lighting};
 use super::recording_edits::{
     EditedFrames, FrameKey, antialias, color_noise, depth_float, depth_noise, depth_steps, expose, narrow,
@@ -52,13 +53,23 @@ pub enum Disturbance {
     Specular,
     /// A light goes round the scene once. Drawn in the picture, without shadows.
     MovingLight,
+    /// Depth is off by the noise of a sensor: it grows with the square of the depth and is shared by pixels next to each other.
+    SensorNoise,
+    /// Pixels at depth steps are put in the air between the foreground and the background.
+    FlyingPixels,
+    /// One camera misreads what lies in the middle of its picture: half of it too near, half too far, as panes and mirrors do.
+    MisreadSurface,
+    /// Depth is missing in squares of 12×12 pixels.
+    DepthHoles,
+    /// Noise, flying pixels, a misread surface and holes, each at the dial's share of its largest, and no normals.
+    CheapSensor,
 }
 
 /// A disturbance, its name for files, legends and the command line, the unit of its dial, and the values of the dial: the
 /// undisturbed one first, the worst last.
 type DisturbanceRow = (Disturbance, &'static str, &'static str, &'static [f64]);
 
-const TABLE: [DisturbanceRow; 17] = [
+const TABLE: [DisturbanceRow; 22] = [
     (Disturbance::DepthNoise, "depth noise", "% of depth", &[0.0, 0.1, 0.3, 1.0, 3.0]),
     (Disturbance::DepthSteps, "depth quantization", "bits", &[24.0, 12.0, 10.0, 8.0, 6.0]),
     (Disturbance::DepthFloat, "half-float depth", "bits of mantissa", &[23.0, 10.0, 7.0, 5.0]),
@@ -76,6 +87,11 @@ const TABLE: [DisturbanceRow; 17] = [
     (Disturbance::NarrowFrusta, "frusta part", "% of the width", &[100.0, 80.0, 60.0, 40.0]),
     (Disturbance::Specular, "specular surface", "× white", &[0.0, 0.1, 0.3, 1.0]),
     (Disturbance::MovingLight, "moving light", "× light", &[0.0, 0.1, 0.3, 1.0]),
+    (Disturbance::SensorNoise, "sensor noise", "% at median depth", &[0.0, 0.3, 1.0, 3.0]),
+    (Disturbance::FlyingPixels, "flying pixels", "% of edge pixels", &[0.0, 10.0, 30.0, 100.0]),
+    (Disturbance::MisreadSurface, "misread surface", "% of the width", &[0.0, 20.0, 40.0, 80.0]),
+    (Disturbance::DepthHoles, "holes in depth", "% of pixels", &[0.0, 10.0, 30.0, 60.0]),
+    (Disturbance::CheapSensor, "cheap sensor", "% of each", &[0.0, 10.0, 30.0, 100.0]),
 ];
 
 impl Disturbance {
@@ -101,6 +117,11 @@ impl Disturbance {
     #[must_use]
     pub fn unit(self) -> &'static str {
         TABLE[self as usize].2
+    }
+
+    /// The last value of the dial.
+    fn largest(self) -> f64 {
+        TABLE[self as usize].3.last().copied().unwrap_or_default()
     }
 
     /// Values of the dial, the undisturbed one first, the worst last. As many cameras stay as the truth needs.
@@ -182,7 +203,38 @@ impl Disturbance {
             Self::GrazingViews => inserted(capture, Inserted::panel(capture, dial)?),
             Self::Specular => relit(capture, Lighting::new(capture, LightChange::Specular, amount)),
             Self::MovingLight => relit(capture, Lighting::new(capture, LightChange::Moving, amount)),
+            Self::SensorNoise
+            | Self::FlyingPixels
+            | Self::MisreadSurface
+            | Self::DepthHoles
+            | Self::CheapSensor => self.sensed(capture, dial)?,
         })
+    }
+
+    /// The capture as a depth sensor records it with this one fault, or with all of them.
+    fn sensed(self, capture: &Capture, dial: f64) -> Result<Recorded> {
+        let median = median_inverse_depth(capture)?;
+        let middle = capture.cameras.len() / 2;
+        let amount = |fault: Self| match self {
+            Self::CheapSensor => 0.0001 * dial * fault.largest(),
+            _ if self == fault => 0.01 * dial,
+            _ => 0.0,
+        };
+        let [noise, flying, misread_part, holes] =
+            [Self::SensorNoise, Self::FlyingPixels, Self::MisreadSurface, Self::DepthHoles].map(amount);
+        let without_normals = self == Self::CheapSensor && dial > 0.0;
+        let source = EditedFrames::new(capture, move |frame, at| {
+            if without_normals {
+                frame.normal_in_world = None;
+            }
+            if at.camera == middle {
+                misread(frame, misread_part);
+            }
+            flying_pixels(frame, flying as f32, at);
+            sensor_noise(frame, noise as f32 * median, at);
+            depth_holes(frame, holes as f32, at);
+        });
+        Ok(recorded(capture, source, |parts| parts.has_normals &= !without_normals))
     }
 }
 

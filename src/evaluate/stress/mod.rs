@@ -8,6 +8,7 @@
 //! nothing, over the views scored at both. There are no points for a value at which no camera sees any true pixel, or for a
 //! disturbance that cannot change the capture.
 
+mod depth_sensor;
 mod disturbance;
 mod light;
 mod recording_edits;

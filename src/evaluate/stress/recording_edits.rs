@@ -48,21 +48,26 @@ impl FrameSource for EditedFrames {
 }
 
 /// Random numbers that depend on camera, frame and pixel alone: noise is the same in every run.
-struct PixelRandom {
+pub(super) struct PixelRandom {
     stream: u64,
 }
 
 impl PixelRandom {
-    fn of(at: FrameKey) -> Self {
+    pub(super) fn of(at: FrameKey) -> Self {
         Self { stream: mix(mix(at.camera as u64) ^ at.frame as u64) }
     }
 
-    /// Two independent standard normal numbers (George Box and Mervin Muller, 1958).
-    fn gaussian_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
+    /// Two independent numbers between 0 and 1, the ends left out. Numbers of another `salt` are independent of these.
+    pub(super) fn uniform_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
         let bits = mix(self.stream ^ mix(pixel as u64 ^ (salt << 48)));
-        let uniform = |bits: u64| ((bits & 0xff_ffff) as f32 + 0.5) / (1 << 24) as f32;
-        let radius = (-2.0 * uniform(bits).ln()).sqrt();
-        let (sin, cos) = (std::f32::consts::TAU * uniform(bits >> 32)).sin_cos();
+        [bits, bits >> 32].map(|bits| ((bits & 0xff_ffff) as f32 + 0.5) / (1 << 24) as f32)
+    }
+
+    /// Two independent standard normal numbers (George Box and Mervin Muller, 1958).
+    pub(super) fn gaussian_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
+        let [share, turn] = self.uniform_pair(pixel, salt);
+        let radius = (-2.0 * share.ln()).sqrt();
+        let (sin, cos) = (std::f32::consts::TAU * turn).sin_cos();
         [radius * cos, radius * sin]
     }
 }
@@ -133,7 +138,7 @@ pub(super) fn expose(frame: &mut Frame, stops: f32, camera: usize) {
 }
 
 /// Neighbors whose depths differ by more than this share have a silhouette between them.
-const SILHOUETTE: f32 = 0.03;
+pub(super) const SILHOUETTE: f32 = 0.03;
 
 /// Mixes the colors of pixels near a silhouette with a Gaussian of the given radius; depth stays as it is.
 pub(super) fn antialias(frame: &mut Frame, radius_px: f32) {

@@ -5,7 +5,8 @@ use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::trial::{Thinning, Trial};
 use crate::settings::{
-    Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels, ValueKind,
+    AgreementRule, Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels,
+    ValueKind,
 };
 
 /// One trial of a plan.
@@ -59,6 +60,7 @@ pub fn paper(base: &Settings) -> Settings {
     settings.pruning.across_spans = false;
     settings.pruning.overlap = false;
     settings.pruning.mixed_pixels = MixedPixels::Keep;
+    settings.pruning.agreement = AgreementRule::Off;
     settings.render.kernel = Kernel::Block;
     settings.render.fill = Fill::None;
     settings

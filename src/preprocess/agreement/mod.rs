@@ -7,9 +7,11 @@
 
 mod consensus;
 mod measure;
+mod sample_agreement;
 mod votes;
 
 pub(crate) use consensus::Consensus;
 pub(crate) use measure::measure_noise_between;
+pub use sample_agreement::SampleAgreement;
 pub use votes::{Vote, VoteCounts};
 pub(crate) use votes::{VoteTest, VotedRun};

@@ -11,6 +11,8 @@
 //! - cameras that see anything as near in the 3×3 pixels: it is the thing itself beside its silhouette;
 //! - cameras whose pixels change over time: their clocks may differ.
 //!
+//! And a flying pixel's own camera counts as one that looks past it.
+//!
 //! Thresholds are those of [`crate::preprocess::registration`]: footprints, or noise where it exceeds them.
 
 use crate::preprocess::layers::{CameraLayer, PackedGeometry};
@@ -41,10 +43,13 @@ pub struct VoteCounts {
 }
 
 impl VoteCounts {
-    /// Whether those that look past the sample outnumber its own camera and those that confirm it by `margin`.
+    /// Whether the cameras that look past the sample outnumber those that confirm it by `margin`. Its own camera is one of these;
+    /// but one that saw a flying pixel saw what is before and what is behind it, and counts among those that look past it.
     #[must_use]
-    pub fn contradict(self, margin: u32) -> bool {
-        self.look_past >= 1 + self.confirm + margin
+    pub fn contradict(self, margin: u32, is_flying: bool) -> bool {
+        let (confirm, look_past) =
+            (self.confirm + u32::from(!is_flying), self.look_past + u32::from(is_flying));
+        look_past >= confirm + margin
     }
 }
 
@@ -112,9 +117,9 @@ impl VoteTest {
         self.is_on
     }
 
-    /// Whether the votes contradict a sample.
-    pub(crate) fn is_contradicted(&self, counts: VoteCounts) -> bool {
-        self.is_on && counts.contradict(self.margin)
+    /// Whether the votes contradict a sample, which flies or does not.
+    pub(crate) fn is_contradicted(&self, counts: VoteCounts, is_flying: bool) -> bool {
+        self.is_on && counts.contradict(self.margin, is_flying)
     }
 
     /// Adds the votes of a camera on the `asked` samples of a block.
@@ -262,6 +267,7 @@ impl VoteTest {
         camera: usize,
         pixel: u32,
     ) -> bool {
-        self.is_on && self.is_contradicted(self.counts(pairs, layers, camera, pixel))
+        let is_flying = layers[camera].packed_colors[pixel as usize].is_flying();
+        self.is_on && self.is_contradicted(self.counts(pairs, layers, camera, pixel), is_flying)
     }
 }

@@ -122,10 +122,10 @@ pub struct Report {
     /// How depth would fit far better between cameras than as the capture says, where it would.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub better_reading: Option<DepthReading>,
-    /// Samples whose color was found to be blended across a silhouette, and what became of them: of those `found` some
-    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are blended as well, or `kept`. They are not looked for
-    /// where mixed pixels are kept, the first camera wins or the capture's color is not filtered, and those whose neighbors live in
-    /// shorter spans go unseen.
+    /// Mixed pixels, whose color is blended across a silhouette or whose depth lies between its sides, and what became of them: of
+    /// those `found` some `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or
+    /// `kept`. They are not looked for where mixed pixels are kept or the first camera wins, blended ones only where the capture's
+    /// color is filtered, flying ones only where other cameras are asked, and those whose neighbors live in shorter spans go unseen.
     pub mixed_pixels: BTreeMap<String, u64>,
     /// All input pixels as 8-bit color and 32-bit depth.
     pub bytes_raw: u64,

@@ -1,15 +1,16 @@
 //! Everything preprocessing knows about one frame, for display: classes, rates, verdicts, witnesses.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
 use crate::capture::Frame;
 use crate::grid::Grid;
+use crate::preprocess::agreement::{SampleAgreement, VoteTest, VotedRun};
 use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::pruning::{Dispute, Verdict};
-use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
-use crate::preprocess::temporal::{PixelClass, SpanLevel};
+use crate::preprocess::pruning::{Dispute, Verdict, lanes_at};
+use crate::preprocess::registration::{CameraPairs, LANES, Outcome, PixelRun, SameSurface};
+use crate::preprocess::temporal::{PixelClass, ROOT, SpanLevel};
 use crate::samples::{SampleSet, Span};
 use crate::settings::Settings;
 
@@ -40,6 +41,9 @@ impl CameraInspection {
     }
 }
 
+/// How each pixel of a camera stands among the others; `None` where it has no depth.
+type AgreementGrid = Grid<Option<SampleAgreement>>;
+
 /// All cameras at one frame.
 #[derive(Clone, Debug)]
 pub struct FrameInspection {
@@ -53,6 +57,8 @@ pub struct FrameInspection {
     pub samples: Arc<SampleSet>,
     pub(crate) layers: Arc<Vec<CameraLayer>>,
     pub(crate) settings: Settings,
+    /// Per camera, once it was asked for.
+    pub(crate) agreement: Arc<Vec<OnceLock<Arc<AgreementGrid>>>>,
 }
 
 impl FrameInspection {
@@ -79,6 +85,49 @@ impl FrameInspection {
             })
             .collect();
         Grid::from_vec(width, height, values)
+    }
+
+    /// How the sample of every pixel of `camera` stands among the other cameras, whether or not the settings drop what is
+    /// contradicted; `None` where there is no depth. It is worked out once.
+    #[must_use]
+    pub fn agreement(&self, camera: usize) -> Arc<Grid<Option<SampleAgreement>>> {
+        self.agreement[camera].get_or_init(|| Arc::new(self.asked_about(camera))).clone()
+    }
+
+    /// Asks all other cameras about every sample of `camera`.
+    fn asked_about(&self, camera: usize) -> AgreementGrid {
+        let pairs = CameraPairs::new(&self.samples.cameras);
+        let votes = VoteTest::new(&self.settings, ROOT);
+        let (layer, margin) = (&self.layers[camera], self.settings.pruning.agreement_margin);
+        let (width, height) = (layer.width, layer.height());
+        let others = || (0..self.layers.len()).filter(|&other| other != camera);
+        let of_row = |row: usize| {
+            let mut found = vec![None; width];
+            for column in (0..width).step_by(LANES) {
+                for level in 0..self.path.len() as SpanLevel {
+                    let asked = lanes_at(layer, (column, row), |at| at == level);
+                    if asked == 0 {
+                        continue;
+                    }
+                    let block = PixelRun::<LANES>::new(layer, column, row, asked);
+                    let (votes, mut voted) = (votes.at_level(level), VotedRun::NONE);
+                    for other in others().filter(|&other| !self.layers[other].geometry.is_empty()) {
+                        let target = &self.layers[other];
+                        let registration = pairs.registration(camera, other);
+                        votes.add(registration, (layer, &block), target, asked, &mut voted);
+                    }
+                    for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
+                        found[column + lane] = Some(SampleAgreement::of(
+                            voted.counts(lane),
+                            margin,
+                            layer.packed_colors[row * width + column + lane].is_flying(),
+                        ));
+                    }
+                }
+            }
+            found
+        };
+        Grid::from_vec(width, height, (0..height).into_par_iter().flat_map_iter(of_row).collect())
     }
 
     /// `log₂ r` of the pixel against camera `other`, negative where the pixel is denser; NaN unless both show the same surface point.

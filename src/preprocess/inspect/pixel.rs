@@ -50,6 +50,7 @@ pub fn explain_pixel(
         verdict,
         winner: None,
         votes: VoteCounts::default(),
+        is_flying: layer.packed_colors[pixel as usize].is_flying(),
         evidence: Vec::new(),
         chain: Vec::new(),
     };
@@ -71,14 +72,13 @@ pub fn explain_pixel(
     Some(explanation)
 }
 
-/// The same-surface test of a sample: it is compared with others of its level and of longer spans.
+/// The same-surface test of a sample, with others of its level and of longer spans.
 fn limits_of(inspection: &FrameInspection, layer: &CameraLayer, pixel: usize) -> SameSurface {
     SameSurface::new(&inspection.settings).at_level(layer.level[pixel])
 }
 
 fn verdict_of(inspection: &FrameInspection, camera: usize, pixel: u32) -> Verdict {
-    let width = inspection.layers[camera].width;
-    inspection.cameras[camera].verdict[(pixel as usize % width, pixel as usize / width)]
+    inspection.cameras[camera].verdict.as_slice()[pixel as usize]
 }
 
 fn chain(inspection: &FrameInspection, pairs: &CameraPairs<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
@@ -300,7 +300,7 @@ impl<'a> ExplainedSample<'a> {
             color_difference_steps: f64::NAN,
             paper_r: f64::NAN,
             footprint_r: f64::NAN,
-            is_blended: false,
+            is_mixed: false,
             is_unsure: false,
             verdict: None,
         };
@@ -325,7 +325,7 @@ impl<'a> ExplainedSample<'a> {
         }
         evidence.depth_found = 1.0 / f64::from(inverse_depth);
         let rank = layer.ranks[pixel].rank;
-        (evidence.is_blended, evidence.is_unsure) = (is_mixed(rank), has_unknown_normal(rank));
+        (evidence.is_mixed, evidence.is_unsure) = (is_mixed(rank), has_unknown_normal(rank));
         if let Some((distance, footprint)) = self.plane_distance(target, layer, &found, (x, y, pixel)) {
             evidence.plane_distance_footprints = distance;
             evidence.footprint = footprint;

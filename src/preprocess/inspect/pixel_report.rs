@@ -38,8 +38,8 @@ pub struct CameraEvidence {
     pub paper_r: f64,
     /// The same by footprints, which know focal length and resolution: their longest sides where these decide, else their areas.
     pub footprint_r: f64,
-    /// Whether the sample found there is blended across a silhouette, so that it yields to clean ones, however dense.
-    pub is_blended: bool,
+    /// Whether the sample found there is a mixed pixel, so that it yields to clean ones, however dense.
+    pub is_mixed: bool,
     /// Whether the normal found there is not known, so that the sample yields to those whose is.
     pub is_unsure: bool,
     /// What became of the pixel found there; `None` outside the picture.
@@ -76,6 +76,8 @@ pub struct PixelExplanation {
     pub verdict: Verdict,
     /// How many other cameras confirm the sample and how many look past it, whether or not the settings ask them.
     pub votes: VoteCounts,
+    /// Whether it is a flying pixel, in the air between foreground and background: then its own camera looks past it, too.
+    pub is_flying: bool,
     /// Index of the camera whose kept sample shows the point; `None` where nothing does.
     pub winner: Option<usize>,
     /// One per camera, in the capture's order; empty where the pixel has no depth.

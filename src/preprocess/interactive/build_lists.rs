@@ -326,7 +326,8 @@ impl ListBuilder<'_> {
         }
         // Where tolerances are larger, more confirm and fewer look past; that some confirm here says nothing of others.
         let counts = self.votes.at_level(level).counts(self.pairs, self.layers, camera, pixel as u32);
-        self.votes.is_contradicted(VoteCounts { confirm: 0, ..counts })
+        let is_flying = self.layers[camera].packed_colors[pixel].is_flying();
+        self.votes.is_contradicted(VoteCounts { confirm: 0, ..counts }, is_flying)
     }
 
     fn is_beatable(&self, candidate: Verdict) -> bool {

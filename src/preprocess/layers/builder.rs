@@ -3,13 +3,14 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::blended_pixels::BlendedTest;
+use super::flying_pixels::FlyingTest;
 use super::layer::CameraLayer;
-use super::mixed_pixels::MixedTest;
 use super::packed_sample::{MIXED, PackedColor, PackedGeometry, Ranks, UNKNOWN_NORMAL};
 use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
 use crate::capture::Camera;
 use crate::preprocess::normals::{DepthView, MIN_CONFIDENCE, estimate_at};
-use crate::settings::{MixedPixels, NormalSource, PruningMethod, Settings};
+use crate::settings::{AgreementRule, MixedPixels, NormalSource, PruningMethod, Settings};
 
 /// Fewer pixels are not worth a task of their own.
 const MIN_PIXELS: usize = 1024;
@@ -59,13 +60,16 @@ impl<'a> LayerBuilder<'a> {
         let pruning = &self.settings.pruning;
         let edge = self.settings.normals.edge;
         let is_first_camera = pruning.method == PruningMethod::FirstCamera;
-        // The first camera's samples yield to none, blended or not.
+        // The first camera's samples yield to none, mixed or not.
         let detects = match pruning.mixed_pixels {
-            MixedPixels::Drop => self.antialiased,
-            MixedPixels::Yield => self.antialiased && !is_first_camera,
+            MixedPixels::Drop => true,
+            MixedPixels::Yield => !is_first_camera,
             MixedPixels::Keep => false,
         };
-        let mixed = detects.then(|| MixedTest::new(layer, camera, edge));
+        let blended = (detects && self.antialiased).then(|| BlendedTest::new(layer, camera, edge));
+        // Other cameras decide what becomes of a flying pixel.
+        let asks = pruning.agreement != AgreementRule::Off;
+        let flying = (detects && asks).then(|| FlyingTest::new(layer, camera, edge));
         let rated = |&pixel: &u32| {
             let pixel = pixel as usize;
             let (x, y) = (pixel % width, pixel / width);
@@ -73,7 +77,8 @@ impl<'a> LayerBuilder<'a> {
             let ray = rays.at(x, y);
             let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
             let own = of(self.rate);
-            let mixed = mixed.as_ref().is_some_and(|mixed| mixed.is_mixed(x, y));
+            let is_flying = flying.as_ref().is_some_and(|test| test.is_flying(x, y));
+            let mixed = is_flying || blended.as_ref().is_some_and(|test| test.is_blended(x, y));
             let ranks = [own, of(self.rate.other())].map(|footprint| {
                 let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
                 let unsure = if unsure { UNKNOWN_NORMAL } else { 0 };
@@ -87,7 +92,8 @@ impl<'a> LayerBuilder<'a> {
                 own,
                 ranks,
                 facet,
-                PackedColor::new(layer.level[pixel], layer.color[pixel], normal != Vec3::ZERO),
+                PackedColor::new(layer.level[pixel], layer.color[pixel], normal != Vec3::ZERO)
+                    .flying(is_flying),
             )
         };
         let rated: Vec<(f32, Ranks, PackedGeometry, PackedColor)> =

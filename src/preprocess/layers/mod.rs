@@ -1,8 +1,9 @@
 //! Layers: one camera at one frame with everything that a comparison needs.
 
+mod blended_pixels;
 mod builder;
+mod flying_pixels;
 mod layer;
-mod mixed_pixels;
 mod packed_sample;
 mod sampling_rate;
 

@@ -14,13 +14,13 @@ use crate::preprocess::temporal::SpanLevel;
 /// Steps of the colors in a [`PackedColor`] per 8-bit sRGB step.
 pub(crate) const COLOR_STEPS: f32 = 32.0;
 
-/// Set in the rank of a sample whose color is blended across a silhouette, where such samples yield to all others.
+/// Set in the rank of a mixed pixel, whose color or depth is of two surfaces, where such samples yield to all others.
 pub(super) const MIXED: u32 = 1 << 31;
 
 /// Set in the rank of a sample on a surface whose normal is not known: it yields to all whose normal is.
 pub(super) const UNKNOWN_NORMAL: u32 = 1 << 30;
 
-/// Whether a rank is that of a sample whose color is blended across a silhouette, and which yields to all others.
+/// Whether a rank is that of a mixed pixel, which yields to all others.
 #[inline(always)]
 pub(crate) fn is_mixed(rank: u32) -> bool {
     rank & MIXED != 0
@@ -35,13 +35,16 @@ pub(crate) fn has_unknown_normal(rank: u32) -> bool {
 /// Set where the normal is known.
 const NORMAL_KNOWN: u32 = 1 << 31;
 
+/// Set where the sample lies in the air between the foreground and the background.
+const FLYING: u32 = 1 << 30;
+
 /// Where the level begins.
 const LEVEL_SHIFT: u32 = 16;
 
 /// How well a sample was sampled: smaller wins.
 ///
 /// ```text
-/// [ blended color: 1 bit | unknown normal: 1 bit | footprint: 30 bits ]     u32::MAX where there is no sample
+/// [ mixed pixel: 1 bit | unknown normal: 1 bit | footprint: 30 bits ]     u32::MAX where there is no sample
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]
@@ -120,6 +123,17 @@ impl PackedColor {
         self.blue_level_known >> LEVEL_SHIFT & 0xff
     }
 
+    /// The same of a sample that flies or does not.
+    pub(super) fn flying(self, is_flying: bool) -> Self {
+        let flying = if is_flying { FLYING } else { 0 };
+        Self { blue_level_known: self.blue_level_known & !FLYING | flying, ..self }
+    }
+
+    /// Whether the sample lies in the air between the foreground and the background, and the settings ask for such samples.
+    pub(crate) fn is_flying(self) -> bool {
+        self.blue_level_known & FLYING != 0
+    }
+
     /// Whether the normal is known.
     #[inline(always)]
     pub(crate) fn has_normal(self) -> bool {
@@ -144,6 +158,10 @@ mod tests {
             assert!(look.has_normal() && look.level() == 3);
         }
         assert!(!PackedColor::new(3, [f16::ONE; 3], false).has_normal());
+        let clean = PackedColor::new(3, [f16::ONE; 3], true);
+        let flying = clean.flying(true);
+        assert!(flying.is_flying() && flying.level() == 3 && flying.has_normal() && !clean.is_flying());
+        assert_eq!((flying.color(), flying.flying(false)), (clean.color(), clean));
         assert_eq!(PackedColor::new(3, [f16::MAX; 3], true).color(), [65535; 3]);
         assert_eq!(PackedGeometry::new(0.5, Vec3::ZERO).normal_in_camera, [0.0, 0.0, 1.0]);
     }

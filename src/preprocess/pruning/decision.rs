@@ -1,7 +1,7 @@
 //! The decision on a sample: the twelve rules that keep or drop it, and the conditions that they are made of.
 //!
 //! ```text
-//! no depth ─▶ NoSample    blended, and all such are dropped ─▶ MixedDropped    pruning is off ─▶ PruningOff
+//! no depth ─▶ NoSample    mixed, and all such are dropped ─▶ MixedDropped    pruning is off ─▶ PruningOff
 //! else, of the samples of other cameras that show the same surface point and may be its witness:
 //!     the best of those that are better and kept ─▶ LowerRate, Tie, LaterCamera, MixedYields, UnsureYields
 //!     none, and more cameras look past it than confirm it ─▶ Contradicted
@@ -37,13 +37,15 @@ pub enum Rule {
     Tie,
     /// Dropped: the first camera wins, and the witness belongs to an earlier one.
     LaterCamera,
-    /// Dropped: the color is blended across a silhouette, and the witness's is not.
+    /// Dropped: it is a mixed pixel, whose color is blended across a silhouette or whose depth is of neither side, and the witness
+    /// is not.
     MixedYields,
     /// Dropped: the normal is unknown, so that the rate is a guess, and the witness's is known.
     UnsureYields,
-    /// Dropped: the color is blended across a silhouette, and the settings drop all such samples. There is no witness.
+    /// Dropped: it is a mixed pixel, and the settings drop all such samples. There is no witness.
     MixedDropped,
-    /// Dropped: more cameras look past the point than confirm it. There is no witness.
+    /// Dropped: more cameras look past the point than confirm it; its own confirms it, but looks past it if the sample flies. There is
+    /// no witness.
     Contradicted,
 }
 
@@ -60,7 +62,7 @@ pub(crate) fn may_be_witness(is_own_level: bool, is_kept: bool, across_spans: bo
     is_own_level | (is_kept & across_spans)
 }
 
-/// Whether a sample is dropped before anything is compared, because its color is blended.
+/// Whether a sample is dropped before anything is compared, because it is a mixed pixel.
 #[inline(always)]
 pub(crate) fn is_dropped_as_mixed(mixed_pixels: MixedPixels, rank: u32) -> bool {
     mixed_pixels == MixedPixels::Drop && is_mixed(rank)
@@ -200,10 +202,10 @@ impl Rule {
             Self::Tie => "Dropped: equal rates, and the witness belongs to an earlier camera.",
             Self::LaterCamera => "Dropped: an earlier camera shows this point.",
             Self::MixedYields => {
-                "Dropped: its color is blended across a silhouette, and the witness is clean."
+                "Dropped: its color or depth is mixed across a silhouette, and the witness is clean."
             }
             Self::UnsureYields => "Dropped: its normal is not known, and the witness's is.",
-            Self::MixedDropped => "Dropped: its color is blended across a silhouette.",
+            Self::MixedDropped => "Dropped: its color or depth is mixed across a silhouette.",
             Self::Contradicted => "Dropped: more cameras look past this point than confirm it.",
         }
     }
@@ -264,7 +266,7 @@ pub(crate) struct Decided {
     pub(crate) verdicts: Vec<Verdict>,
     /// Where the other rate model names another camera as the best-sampled, by pixel.
     pub(crate) disputes: Vec<Dispute>,
-    /// Samples whose color was found to be blended across a silhouette.
+    /// Mixed pixels that were found.
     pub(crate) mixed: u64,
     /// How many of them are kept.
     pub(crate) mixed_kept: u64,

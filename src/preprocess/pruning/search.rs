@@ -264,8 +264,10 @@ fn contradicted_lanes(
         let target = &pass.layers[other.camera];
         pass.votes.add(other.registration, (layer, &run.block), target, asked, &mut votes);
     }
-    let contradicted =
-        |lane: &usize| asked >> lane & 1 == 1 && pass.votes.is_contradicted(votes.counts(*lane));
+    let contradicted = |lane: &usize| {
+        let is_flying = || layer.packed_colors[pixel + lane].is_flying();
+        asked >> lane & 1 == 1 && pass.votes.is_contradicted(votes.counts(*lane), is_flying())
+    };
     (0..LANES).filter(contradicted).fold(0, |lanes, lane| lanes | 1 << lane)
 }
 

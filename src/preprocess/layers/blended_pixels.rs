@@ -1,4 +1,4 @@
-//! Mixed pixels: silhouette pixels whose color is blended from both sides while their depth belongs to one.
+//! Blended pixels: silhouette pixels whose color is mixed of both sides while their depth belongs to one.
 //!
 //! Purpose: an anti-aliased silhouette carries a color that belongs to no surface; left alone it is painted as a bright or
 //! dark fringe wherever it lands. Source: none in the paper, which reports that anti-aliased input looked worse (§4).
@@ -16,19 +16,19 @@ use crate::color;
 /// The two sides must differ by this much, 8-bit sRGB steps, for blending to show.
 const MIN_CONTRAST_STEPS: f32 = 12.0;
 
-/// Share of the other side's color from which a pixel counts as mixed.
+/// Share of the other side's color from which a pixel counts as blended.
 const MIN_SHARE: f32 = 0.12;
 
 /// How far the color may lie off the line between the two sides, as a share of their distance.
 const MAX_OFF_LINE: f32 = 0.35;
 
-/// Tells mixed pixels of a layer.
-pub(super) struct MixedTest<'a> {
+/// Tells blended pixels of a layer.
+pub(super) struct BlendedTest<'a> {
     layer: &'a CameraLayer,
     edge_relative: f32,
 }
 
-impl<'a> MixedTest<'a> {
+impl<'a> BlendedTest<'a> {
     /// For a layer of `camera`. A step in depth of more than `edge_footprints` parts two surfaces.
     pub(super) fn new(layer: &'a CameraLayer, camera: &Camera, edge_footprints: f32) -> Self {
         let k = camera.intrinsics;
@@ -36,8 +36,8 @@ impl<'a> MixedTest<'a> {
     }
 
     /// Whether pixel `(x, y)` is blended with one of its neighbors.
-    pub(super) fn is_mixed(&self, x: usize, y: usize) -> bool {
-        DIRECTIONS.iter().any(|&toward| self.is_blended(x, y, toward))
+    pub(super) fn is_blended(&self, x: usize, y: usize) -> bool {
+        DIRECTIONS.iter().any(|&toward| self.is_blended_toward(x, y, toward))
     }
 
     /// The pixel `steps` steps from `(x, y)` in a direction; `None` outside the picture.
@@ -53,7 +53,7 @@ impl<'a> MixedTest<'a> {
     }
 
     /// Whether the pixel is blended with its neighbor in that direction; the opposite neighbor shows its own color.
-    fn is_blended(&self, x: usize, y: usize, toward: (isize, isize)) -> bool {
+    fn is_blended_toward(&self, x: usize, y: usize, toward: (isize, isize)) -> bool {
         let here = y * self.layer.width + x;
         let (Some(other), Some(own)) = (self.pixel(x, y, toward, 1), self.pixel(x, y, toward, -1)) else {
             return false;
@@ -109,8 +109,8 @@ mod tests {
                 layer.color[i] = [f16::from_f32(linear); 3];
             }
         }
-        let test = MixedTest::new(&layer, &camera, 1.0);
-        let found: Vec<usize> = (0..24).filter(|pixel| test.is_mixed(pixel % 8, pixel / 8)).collect();
+        let test = BlendedTest::new(&layer, &camera, 1.0);
+        let found: Vec<usize> = (0..24).filter(|pixel| test.is_blended(pixel % 8, pixel / 8)).collect();
         assert_eq!(found, [8 + 3]);
     }
 }
