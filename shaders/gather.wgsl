@@ -168,7 +168,8 @@ fn parts_of(first: vec2<u32>) -> PixelParts {
             var same = 0u;
             for (; same < parts.count; same++) {
                 let known = inverse_depth_of(parts.surfaces[same].key.y);
-                if min(known, w) >= max(known, w) * stage.surface_ratio {
+                // One sample is one surface, however slanted.
+                if parts.surfaces[same].key.x == key.x || min(known, w) >= max(known, w) * stage.surface_ratio {
                     break;
                 }
             }

@@ -6,6 +6,7 @@
 // See the twin.
 const OWN_SHARE: vec2<f32> = vec2<f32>(0.15, 1.2);
 const SUBPIXEL_SHARE: vec2<f32> = vec2<f32>(0.1, 1.6);
+const SUBPIXEL_CRACK_SHARE: vec2<f32> = vec2<f32>(-1.3, 4.1);
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 // The weight of samples that show nothing, beside agreeing ones: half of it counts for the surface and half against it.
 const UNKNOWN_WEIGHT: f32 = 0.5;
@@ -68,7 +69,7 @@ fn key_at(pixel: vec2<i32>, step: vec2<i32>) -> vec2<u32> {
 }
 
 // The share of the pixel that the votes give to the surface at inverse depth `w`; negative if there are too few votes.
-fn share_of(at: vec2<f32>, w: f32) -> f32 {
+fn share_of(at: vec2<f32>, w: f32, is_crack: bool) -> f32 {
     var agree = 0.0;
     var total = 0.0;
     var max_weight = 0.0;
@@ -82,7 +83,8 @@ fn share_of(at: vec2<f32>, w: f32) -> f32 {
         }
     }
     if total > MIN_VOTES * max_weight {
-        let by = select(OWN_SHARE, SUBPIXEL_SHARE, stage.subpixels == 2u);
+        let of_subpixel = select(SUBPIXEL_SHARE, SUBPIXEL_CRACK_SHARE, is_crack);
+        let by = select(OWN_SHARE, of_subpixel, stage.subpixels == 2u);
         let share = by.x + by.y * agree / total;
         return select(select(share, 1.0, share > 1.0 - LEAST_SHARE), 0.0, share < LEAST_SHARE);
     }
@@ -195,7 +197,7 @@ fn decide(pixel: vec2<i32>, at: vec2<f32>) -> PixelSurfaces {
         near = own;
         far = behind.key;
     }
-    var share = share_of(at, inverse_depth_of(near.y));
+    var share = share_of(at, inverse_depth_of(near.y), is_crack);
     if share < 0.0 {
         if !is_crack {
             return only_own;

@@ -248,10 +248,9 @@ fn pictures_of_any_size_and_from_inside_of_things_are_painted_as_on_the_cpu() {
             // In a picture of few pixels a single one is a large share.
             let pixels = cpu.image.as_slice().len() as f64;
             let few = |share: f64| share * pixels <= (DIFFERING * pixels).max(2.0);
-            let agrees = few(found.image)
-                && few(found.depth)
-                && few(found.color)
-                && found.worst <= worst_color(*kernel);
+            // Of the four sub-pixels of such a pixel one may show another surface.
+            let worst = if *kernel == Kernel::Gather { 0.25 } else { worst_color(*kernel) };
+            let agrees = few(found.image) && few(found.depth) && few(found.color) && found.worst <= worst;
             assert!(agrees, "{kernel} from {}: {found:?}", camera.name);
         }
     }

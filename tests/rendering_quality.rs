@@ -315,6 +315,6 @@ fn silhouettes_show_both_sides_in_the_share_that_each_covers() {
     };
     for method in [PruningMethod::Off, PruningMethod::HighestRate] {
         let (blended, decided) = (error(method, true), error(method, false));
-        assert!(blended < 0.85 * decided, "after {method}: {blended} instead of {decided}");
+        assert!(blended < 0.9 * decided, "after {method}: {blended} instead of {decided}");
     }
 }

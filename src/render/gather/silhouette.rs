@@ -23,6 +23,9 @@ const OWN_SHARE: (f32, f32) = (0.15, 1.2);
 /// a quarter of a pixel from a sample beside a convex corner, it is all the nearer surface's: a camera's own picture stays.
 const SUBPIXEL_SHARE: (f32, f32) = (0.1, 1.6);
 
+/// The same for a crack at a sub-pixel, which is closed if more than half of what is around it shows the nearer surface.
+const SUBPIXEL_CRACK_SHARE: (f32, f32) = (-1.3, 4.1);
+
 /// Shares of less than this are none: rounding alone must not blend.
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 
@@ -87,7 +90,11 @@ impl EdgePixel {
     /// picture.
     #[inline(always)]
     pub(super) fn decide(&self, votes: Votes, subpixels: usize) -> PixelSurfaces {
-        let (offset, gain) = if subpixels == 2 { SUBPIXEL_SHARE } else { OWN_SHARE };
+        let (offset, gain) = match self {
+            _ if subpixels == 1 => OWN_SHARE,
+            Self::Crack { .. } => SUBPIXEL_CRACK_SHARE,
+            _ => SUBPIXEL_SHARE,
+        };
         let decides = votes.total > MIN_VOTES * votes.max_weight;
         let share = decides.then(|| snapped(offset + gain * votes.agree / votes.total));
         let blend = |near, far, share| match far {

@@ -67,7 +67,8 @@ impl PixelParts {
             let w = inverse_depth_of(key);
             let is_same = |surface: &SharedSurface| {
                 let first = inverse_depth_of(surface.key);
-                first.min(w) >= first.max(w) * surface_ratio
+                // One sample is one surface, however slanted.
+                slot_of(surface.key) == slot_of(key) || first.min(w) >= first.max(w) * surface_ratio
             };
             let known = self.surfaces[..self.count].iter().position(is_same);
             let nth = known.unwrap_or(self.count) % MOST_SURFACES;
@@ -200,7 +201,7 @@ mod tests {
     const RATIO: f32 = 0.99;
 
     fn sample(w: f32) -> u64 {
-        key(nearness(w, CORE), 1)
+        key(nearness(w, CORE), w.to_bits())
     }
 
     /// The surfaces of a pixel whose sub-pixels show this.
