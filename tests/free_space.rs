@@ -275,7 +275,7 @@ fn changed_in_own_picture(
         off.image.as_slice()[pixel] != NO_IMAGE && (found - w).abs() <= 0.05 * w
     };
     let error = |picture: &Picture, pixel: usize| {
-        differs(picture.color.as_slice()[pixel], frame.color.as_slice()[pixel].map(|part| part.to_f32()))
+        differs(picture.color.as_slice()[pixel], frame.color.as_slice()[pixel].map(half::f16::to_f32))
     };
     let is_worse = |pixel: &usize| {
         let shows_more = error(&on, *pixel) > error(&off, *pixel) + 1e-6;

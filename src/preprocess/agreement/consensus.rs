@@ -139,7 +139,7 @@ impl<'a> Consensus<'a> {
         let limit = SIGMAS * (own * own + variance).sqrt();
         // Inverse depth is linear over a plane, so that interpolating it is exact, however slanted the plane is.
         let mut interpolated = 0.0;
-        for (at, weight) in there.corners {
+        for (at, weight) in there.pixels {
             let inverse_depth = self.inverse_depth_at(other, at?)?;
             if there.farther(inverse_depth).abs() > ACROSS * limit {
                 return None;
@@ -158,7 +158,7 @@ impl<'a> Consensus<'a> {
         let its_noise = if its_noise > 0.0 { its_noise } else { noise };
         let limit = (COLOR_SIGMAS * noise.hypot(its_noise)).max(LEAST_FOOTPRINTS * there.side);
         let mut color = ColorSum::default();
-        for (at, weight) in there.corners {
+        for (at, weight) in there.pixels {
             if let Some(at) = at
                 && let Some(inverse_depth) = self.inverse_depth_at(other, at)
                 && there.farther(inverse_depth).abs() <= limit
@@ -187,7 +187,7 @@ impl<'a> Consensus<'a> {
 /// Where a sample lies among the pixels of another camera.
 struct Corners {
     /// Column and row of the 2×2 pixels around it, `None` beside the picture, and their bilinear weights.
-    corners: [(Option<[usize; 2]>, f32); 4],
+    pixels: [(Option<[usize; 2]>, f32); 4],
     /// Its depth there.
     expected: f32,
     /// The size of the camera's pixels on it, relative to its own.
@@ -216,7 +216,7 @@ impl Corners {
         };
         let coarseness = registration.target.side * expected * inverse_depth / registration.source_side;
         let side = registration.target.side;
-        Self { corners: [0, 1, 2, 3].map(corner), expected, coarseness, side }
+        Self { pixels: [0, 1, 2, 3].map(corner), expected, coarseness, side }
     }
 
     /// How much farther than the sample another surface lies, relative to its depth.

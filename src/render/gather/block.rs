@@ -193,7 +193,7 @@ impl GatherScratch {
                             key
                         }
                         PixelSurfaces::Two { near, far, share } => {
-                            let has_front = share >= 0.5 && share < 1.0;
+                            let has_front = (0.5..1.0).contains(&share);
                             if has_front {
                                 front[3] = inverse_depth_of(far);
                             }

@@ -3,7 +3,7 @@
 //! Purpose: along silhouettes a pixel shows each surface in the share that it covers. The z-buffer is twice as fine as the picture;
 //! the surfaces of the four sub-pixels of a pixel are decided one by one, and joined where they are the same.
 //!
-//! Source: supersampling of visibility apart from shading, as multisample antialiasing does (Akeley, *RealityEngine Graphics*,
+//! Source: supersampling of visibility apart from shading, as multisample antialiasing does (Akeley, *`RealityEngine` Graphics*,
 //! SIGGRAPH 1993). What differs: a surface is looked up once, in the middle of the sub-pixels that show it, at their mean depth.
 
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING};
@@ -24,6 +24,7 @@ const LEAST_SHOWN: usize = 2;
 const MOST_SURFACES: usize = 2 * SUBPIXELS.len();
 
 /// The pixels of a block that lie at steps in depth, and what is known of them.
+#[derive(Clone, Copy)]
 pub(super) struct DecidedEdges<'a> {
     /// Which they are: a mask of columns per row.
     pub(super) edges: [u16; BLOCK],
@@ -103,10 +104,10 @@ pub(super) fn set_surfaces_of_pairs(
     for row in (0..BLOCK).step_by(2).filter(|row| which[*row] != 0) {
         let y = (patch.top + row) as f32;
         for column in (0..columns).step_by(2).filter(|column| which[row] >> column & 1 == 1) {
-            let at = row / 2 * rows.width + (patch.left + column) / 2;
+            let at = row / 2 * rows.width + patch.left / 2 + column / 2;
             let x = (patch.left + column) as f32;
             rows.color[at] = [0.0; 3];
-            if (edges[row] | edges[row + 1]) >> column & 3 == 0 {
+            if (edges[row] | edges[row + 1]) & 3 << column == 0 {
                 let first = &patch.keys[row + RING][column + RING..];
                 let second = &patch.keys[row + 1 + RING][column + RING..];
                 let sum = inverse_depth_of(first[0])
