@@ -1,10 +1,11 @@
 //! The gather stage: surface first, color second.
 //!
 //! The surface stage says at which depth the surface lies in each pixel. [`block`] decides what each pixel of a block shows; at
-//! steps in depth the cameras vote on it ([`silhouette`], [`visibility_votes`]), for each of four sub-pixels ([`subpixels`]). [`interpolate`] then carries each surface point
-//! back into the cameras ([`reproject`]) and interpolates its color among their samples: bilinearly over the 2×2 samples around
-//! it, as far as they lie on the same surface, averaged over cameras by sampling rate and viewing angle ([`view_weights`]). Each
-//! camera first corrects the depth by its own samples, so that noise and small misalignments between cameras blur nothing.
+//! steps in depth the cameras vote on it ([`silhouette`], [`visibility_votes`]), for each of four sub-pixels ([`subpixels`]).
+//! [`interpolate`] then carries each surface point back into the cameras ([`reproject`]) and interpolates its color among their
+//! samples: bilinearly over the 2×2 samples around it, as far as they lie on the same surface, averaged over cameras by sampling
+//! rate and viewing angle ([`view_weights`]). Each camera first corrects the depth by its own samples, so that noise and small
+//! misalignments between cameras blur nothing.
 //!
 //! Source: backward warping with per-view weights is that of Buehler et al., *Unstructured Lumigraph Rendering*, SIGGRAPH
 //! 2001, §4 (angle and resolution penalties). What differs: the proxy is the z-buffer of the samples themselves, weights are
