@@ -31,7 +31,7 @@ pub enum Start {
     Demo(DemoSpec),
     /// A built-in scene that starts to move once all about it is known, unless the person at the window takes over before.
     Welcome(DemoSpec),
-    /// A capture folder, a `transforms.json` or a store.
+    /// A capture (a folder, or a file that it is known by) or a store.
     Path(PathBuf),
 }
 

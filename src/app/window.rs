@@ -81,7 +81,7 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         );
         return;
     }
-    let text = "Open a folder of EXR frames with its transforms.json, or a store that was saved before. \
+    let text = "Open the folder of a capture as its program or app wrote it, or a store that was saved before. \
                 You can also drop it on this window.";
     empty_ui(ui, ICON_FOLDER_OPEN, "Nothing is open", text, |ui| {
         for (name, command) in [

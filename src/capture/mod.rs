@@ -1,23 +1,30 @@
 //! What was recorded: static cameras and their frames of color, depth and normals.
 //!
 //! ```text
-//! transforms.json ─ manifest ─┐
-//! *.exr ─────────── exr ──────┼─ Capture ─ frame(camera, frame) ─ preprocess
-//! demo scene ────── demo ─────┘     (lazy, decoded in parallel, bounded cache)
+//! any path ─ open ─ readers ─ manifest ─┐
+//! *.exr ───────────────────── exr ──────┼─ Capture ─ frame(camera, frame) ─ preprocess
+//! demo scene ──────────────── demo ─────┘     (lazy, decoded in parallel, bounded cache)
 //! ```
 //!
+//! [`open()`] is the one door: it says what a folder or file is. A reader for each source makes a manifest of it (`readers`), and
+//! `transforms` makes cameras and frames of that.
 //! Importers convert to the program's conventions (see the crate page); nothing behind this module does.
 
 mod camera;
 pub mod exr;
 mod frame;
 mod frame_cache;
+mod open;
+mod readers;
+mod recording;
 pub mod transforms;
 
 pub(crate) use camera::is_believable_size;
 pub use camera::{Camera, Intrinsics};
 pub use frame::{Frame, INVALID_INVERSE_DEPTH};
 pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
+pub use open::{Source, open};
+pub use readers::{Description, Skipped};
 
 use std::sync::Arc;
 

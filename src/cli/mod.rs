@@ -45,7 +45,7 @@ struct Cli {
     #[command(subcommand)]
     command: Option<CliCommand>,
 
-    /// What the window opens: a capture (a folder or its transforms.json) or a store.
+    /// What the window opens: a capture (a folder, or the file in it that names its pictures) or a store.
     path: Option<PathBuf>,
 
     /// Threads to work with [default: one per core].

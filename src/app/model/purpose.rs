@@ -40,7 +40,7 @@ impl Purpose {
     /// The title of the dialog that asks for the path.
     pub(crate) fn title(self) -> &'static str {
         match self {
-            Self::OpenFile => "Open a store or a transforms.json",
+            Self::OpenFile => "Open a store, or a file that a capture is known by",
             Self::OpenFolder => "Open a capture folder",
             Self::SaveStore => "Save the store",
             Self::SaveSettings => "Save the settings",

@@ -24,7 +24,9 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
     let Some(typed) = &state.typed_path else { return };
     let purpose = typed.purpose;
     let (action, hint) = match purpose {
-        Purpose::OpenFile | Purpose::OpenFolder => ("Open", "folder, transforms.json or .ovl file"),
+        Purpose::OpenFile | Purpose::OpenFolder => {
+            ("Open", "folder of a capture, transforms.json or .ovl file")
+        }
         Purpose::SaveStore => ("Save", ".ovl file"),
         Purpose::SaveSettings => ("Save", ".toml file"),
         Purpose::SavePicture => ("Save", ".png file"),

@@ -118,7 +118,7 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
     match purpose {
         Purpose::OpenFolder | Purpose::ExportPictures => dialog.pick_folder(),
         Purpose::OpenFile => dialog
-            .add_filter("Stores and captures", &["ovl", "json"])
+            .add_filter("Stores and captures", &["ovl", "json", "txt", "bin", "log"])
             .add_filter("All files", &["*"])
             .pick_file(),
         Purpose::LoadSettings => dialog.add_filter("Settings", &["toml"]).pick_file(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::requests::OpenRequest;
 use crate::app::model::{Message, OpenScene, Origin, median_depth};
-use crate::capture::{Capture, TruthView, transforms};
+use crate::capture::{self, Capture, TruthView, transforms};
 use crate::demo::Demo;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -38,12 +38,7 @@ fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Mes
         let playback = Playback::new(store::file::Store::open(&path)?, store::playback::DEFAULT_CACHE_BYTES);
         return Ok(Message::Opened(Arc::new(OpenScene::of_store(path, playback, job)?)));
     }
-    let named_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    if path.is_file() && !named_json {
-        let what = "is neither a store nor a transforms.json; open one of those, or the folder of a capture";
-        return Err(Error::unsupported(path.display(), what));
-    }
-    let capture = transforms::open(&path, settings)?;
+    let capture = capture::open(&path, settings)?;
     job.check()?;
     let truth = transforms::truth_beside(&path).map_or_else(
         || Ok(Vec::new()),

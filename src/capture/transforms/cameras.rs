@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
-use super::manifest::{Keys, Manifest, PictureEntry};
+use super::manifest::{Keys, Manifest, Origin, PictureEntry};
 use super::same_camera::refuse_motion;
 use super::{frame_numbers, header_probe, pose};
 use crate::capture::camera::Camera;
@@ -56,8 +56,8 @@ impl PlacedEntry {
 }
 
 /// All entries in the manifest's order, each with camera and frame.
-pub(super) fn entries(manifest: &Manifest, path: &Path) -> Result<Vec<PlacedEntry>> {
-    let folder = path.parent().unwrap_or(Path::new(""));
+pub(super) fn entries(manifest: &Manifest, origin: &Origin) -> Result<Vec<PlacedEntry>> {
+    let Origin { path, folder } = origin;
     let keys: Vec<Keys> = manifest.frames.iter().map(|entry| entry.keys.clone().or(&manifest.keys)).collect();
     let poses: Vec<DAffine3> = manifest
         .frames
@@ -144,7 +144,8 @@ impl CameraFiles {
     ///
     /// # Errors
     /// `Invalid` for a camera without one of the frames, or with one twice; `Unsupported` for one that moves.
-    pub(super) fn group(manifest: &Manifest, path: &Path) -> Result<Self> {
+    pub(super) fn group(manifest: &Manifest, origin: &Origin) -> Result<Self> {
+        let path = &origin.path;
         let mut warnings = Vec::new();
         let is_ranked = frame_numbers::are_ranked(manifest);
         if is_ranked {
@@ -155,7 +156,7 @@ impl CameraFiles {
         }
         let mut order: Vec<String> = Vec::new();
         let mut by_camera: BTreeMap<String, BTreeMap<i64, PlacedEntry>> = BTreeMap::new();
-        let entries = entries(manifest, path)?;
+        let entries = entries(manifest, origin)?;
         if entries.iter().all(|entry| entry.keys.frame.or(entry.keys.time).is_none()) {
             let names: Vec<String> = entries.iter().map(|entry| entry.camera_name.clone()).collect();
             frame_numbers::refuse_gaps(&manifest.frames, &names, path)?;
@@ -267,8 +268,8 @@ mod tests {
             })
             .collect();
         let manifest = json!({ "frames": frames }).to_string();
-        let path = Path::new("transforms.json");
-        CameraFiles::group(&Manifest::from_json(manifest.as_bytes(), "transforms.json")?, path)
+        let origin = Origin::of_file(Path::new("transforms.json"));
+        CameraFiles::group(&Manifest::from_json(manifest.as_bytes(), "transforms.json")?, &origin)
     }
 
     fn names(recording: &CameraFiles) -> Vec<&str> {

@@ -245,23 +245,27 @@ fn extended(path: &Path) -> Vec<PathBuf> {
     PICTURE_EXTENSIONS.map(with).to_vec()
 }
 
-/// Every place that pictures of a capture or of views are read from, whether or not there is a file.
+/// Every place that pictures of a manifest are read from, whether or not there is a file.
 ///
 /// # Errors
 /// `Io` and `Invalid` where the manifest cannot be read.
 pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
     let path = manifest_path(path);
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let manifest = Manifest::read(&path)?;
+    Ok(places_of(&manifest, path.parent().unwrap_or(Path::new(""))))
+}
+
+/// Every place that the pictures of a manifest are read from, whose paths are relative to `folder`.
+pub(crate) fn places_of(manifest: &Manifest, folder: &Path) -> Vec<PathBuf> {
     let mut pictures = Vec::new();
-    for entry in &Manifest::read(&path)?.frames {
-        let named = [Some(&entry.file_path), entry.depth_file_path.as_ref(), entry.normal_file_path.as_ref()];
-        let spellings = named.into_iter().flatten().flat_map(|name| [name.clone(), name.replace('\\', "/")]);
+    for entry in &manifest.frames {
+        let spellings = entry.paths().flat_map(|name| [name.clone(), name.replace('\\', "/")]);
         for picture in spellings.map(|name| folder.join(name)) {
             pictures.extend(extended(&picture));
             pictures.push(picture);
         }
     }
-    Ok(pictures)
+    pictures
 }
 
 /// The format of a file, by its extension.

@@ -1,6 +1,6 @@
 //! Keys of a manifest that describe a lens other than a pinhole, by the names that several programs give them.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// Coefficients of radial and tangential distortion.
@@ -27,9 +27,9 @@ const CAMERA_TYPE: &str = "camera_type";
 const NO_PINHOLES: [&str; 5] = ["ortho", "fisheye", "pano", "equirect", "spher"];
 
 /// The keys of lenses that are given. They are read so that a bent picture is refused, and never written.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Map<String, Value>")]
-pub(super) struct LensKeys(Map<String, Value>);
+pub(crate) struct LensKeys(Map<String, Value>);
 
 impl From<Map<String, Value>> for LensKeys {
     /// Leaves out all other keys, and those whose value is null.

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::lens::LensKeys;
@@ -43,74 +43,101 @@ fn camera_name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Opti
 }
 
 /// Keys of the whole file or of one entry; an entry's wins.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(super) struct Keys {
+pub(crate) struct Keys {
     /// Name of the camera.
     #[serde(deserialize_with = "camera_name")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<String>,
     /// Number of the frame, where there is no `frame`. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
     /// The same by its other name; always a number of a frame, also where the times of a capture are fractions.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<f64>,
     /// Horizontal focal length, pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_x: Option<f64>,
     /// Vertical focal length, pixels; where missing, as `fl_x` but for pixels that are not square by the picture's header.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_y: Option<f64>,
     /// Principal point, pixels from the left edge; the middle where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub cx: Option<f64>,
     /// Principal point, pixels from the top edge; the middle where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub cy: Option<f64>,
     /// Columns; from the picture where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub w: Option<f64>,
     /// Rows; from the picture where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub h: Option<f64>,
     /// Horizontal angle of view, radians, where there is no `fl_x`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_x: Option<f64>,
     /// Vertical angle of view, radians, where there is no `fl_y`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_y: Option<f64>,
     /// `PINHOLE`, or a model that is one where its distortion is 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_model: Option<String>,
     /// What else is said of the lens.
     #[serde(flatten)]
     pub lens: LensKeys,
     /// World units of the poses per unit of the scene they were made from.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub applied_scale: Option<f64>,
     /// See [`DepthKind`](crate::capture::exr::DepthKind).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_kind: Option<String>,
     /// Full name of the depth channel.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_channel: Option<String>,
     /// Layer of the normal channels.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_channel: Option<String>,
     /// Layer that all channels belong to.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
     /// The depth that means "nothing hit".
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_miss_value: Option<f64>,
     /// World units per unit of the depth files; 0.001 for PNG and 1 for EXR where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_unit_scale_factor: Option<f64>,
     /// instant-ngp's word for `depth_unit_scale_factor`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub integer_depth_scale: Option<f64>,
     /// Distance of the near plane.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub near_clip: Option<f64>,
     /// Planar z from which on nothing was hit.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub far_clip: Option<f64>,
     /// `world`, `camera`, or null where normals are not to be read.
     #[serde(deserialize_with = "present")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_space: Option<NormalSpaceName>,
     /// Whether color is filtered across silhouettes.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub antialiased_color: Option<bool>,
     /// Where pixel centers lie in the units of `cx`: 0.5 (our convention), or 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_center_offset: Option<f64>,
     /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub color_space: Option<String>,
     /// Up in world space.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
 }
 
 /// The value of `normal_space`. Null is not the same as a missing key: the file's would stand then.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub(super) enum NormalSpaceName {
+pub(crate) enum NormalSpaceName {
     /// A name, `world` or `camera`.
     Text(String),
     /// No normals are to be read.
@@ -135,7 +162,7 @@ impl Keys {
 
     /// These keys, and where they are missing the file's. Where a thing can be said in several ways (the lens by focal lengths and
     /// angles, the frame by number and time), these keys have one of them and none of the file's counts.
-    pub(super) fn or(mut self, file: &Self) -> Self {
+    pub(crate) fn or(mut self, file: &Self) -> Self {
         let mut file = file.clone();
         let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y];
         if own.iter().any(Option::is_some) {
@@ -155,19 +182,38 @@ impl Keys {
     }
 }
 
+/// Where a manifest comes from.
+#[derive(Clone, Debug)]
+pub(crate) struct Origin {
+    /// The file that says which pictures there are and where they were taken, for messages.
+    pub path: PathBuf,
+    /// The folder that the paths in it are relative to.
+    pub folder: PathBuf,
+}
+
+impl Origin {
+    /// A manifest whose paths are relative to its own folder.
+    pub(crate) fn of_file(path: &Path) -> Self {
+        Self { path: path.to_path_buf(), folder: path.parent().unwrap_or(Path::new("")).to_path_buf() }
+    }
+}
+
 /// One picture of one camera.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-pub(super) struct PictureEntry {
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct PictureEntry {
     /// The picture, relative to the manifest.
     pub file_path: String,
     /// The depth, where it is in a file of its own.
     #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_file_path: Option<String>,
     /// instant-ngp's word for `depth_file_path`, which it is read as.
     #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_path: Option<String>,
     /// The normals, where they are in a file of their own.
     #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_file_path: Option<String>,
     /// Camera to world, row-major, OpenGL axes; 4 rows or 3.
     pub transform_matrix: Vec<Vec<f64>>,
@@ -176,9 +222,23 @@ pub(super) struct PictureEntry {
     pub keys: Keys,
 }
 
+impl PictureEntry {
+    /// The files that it names.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &String> {
+        let more = [&self.depth_file_path, &self.depth_path, &self.normal_file_path];
+        std::iter::once(&self.file_path).chain(more.into_iter().flatten())
+    }
+
+    /// The files that it names, to be changed.
+    pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
+        let more = [&mut self.depth_file_path, &mut self.depth_path, &mut self.normal_file_path];
+        std::iter::once(&mut self.file_path).chain(more.into_iter().flatten())
+    }
+}
+
 /// A whole manifest. Keys it does not know are passed over, as nerfstudio writes many.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-pub(super) struct Manifest {
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Manifest {
     /// Keys of all entries.
     #[serde(flatten)]
     pub keys: Keys,
@@ -191,7 +251,7 @@ impl Manifest {
     ///
     /// # Errors
     /// `Io` where it cannot be read, `Invalid` where it is missing, for broken JSON, a missing key, or no entries.
-    pub(super) fn read(path: &Path) -> Result<Self> {
+    pub(crate) fn read(path: &Path) -> Result<Self> {
         if !path.exists() {
             return Err(Error::invalid(
                 path.display(),
@@ -210,8 +270,16 @@ impl Manifest {
         Self::from_json(&bytes, &path.display().to_string())
     }
 
+    /// The manifest as JSON that [`Manifest::from_json`] reads.
+    ///
+    /// # Errors
+    /// `Invalid` for numbers that JSON cannot hold.
+    pub(crate) fn to_json(&self, place: &str) -> Result<Vec<u8>> {
+        serde_json::to_vec_pretty(self).map_err(|error| Error::invalid(place, error.to_string()))
+    }
+
     /// Reads a manifest from JSON; `place` is named in errors.
-    pub(super) fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
+    pub(crate) fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
         // Editors of Windows put a byte-order mark before UTF-8.
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         let mut manifest: Self = serde_json::from_slice(bytes).map_err(|error| {

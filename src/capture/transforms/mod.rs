@@ -25,7 +25,9 @@ mod source;
 mod write;
 
 pub use files::picture_places;
-pub(crate) use manifest::{MANIFEST_NAME, manifest_path, truth_beside};
+pub(crate) use files::places_of;
+pub(crate) use manifest::{Keys, MANIFEST_NAME, Manifest, Origin, PictureEntry, manifest_path, truth_beside};
+pub(crate) use pose::opengl_matrix;
 pub(crate) use write::picture_name;
 pub use write::write_capture;
 
@@ -40,7 +42,6 @@ use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use cameras::CameraFiles;
 use load::NeededPlanes;
-use manifest::{Keys, Manifest};
 use source::FileSource;
 
 /// Opens a capture: a `transforms.json`, or a folder that holds one.
@@ -52,8 +53,20 @@ use source::FileSource;
 /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
 pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     let path = manifest_path(path);
-    let manifest = Manifest::read(&path)?;
-    let mut recording = CameraFiles::group(&manifest, &path)?;
+    capture_of(&Manifest::read(&path)?, &Origin::of_file(&path), settings)
+}
+
+/// The capture that a manifest describes, wherever the manifest comes from. Its name is that of the folder.
+///
+/// # Errors
+/// As [`open`].
+pub(crate) fn capture_of(
+    manifest: &Manifest,
+    origin: &Origin,
+    settings: &CaptureSettings,
+) -> Result<Capture> {
+    let path = &origin.path;
+    let mut recording = CameraFiles::group(manifest, origin)?;
     recording.check_files_exist()?;
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &mut warnings)?;
@@ -61,12 +74,12 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     let keys = || recording.entries.iter().flatten().map(|entry| &entry.keys);
     warnings.extend(unknown_color_spaces(keys()));
     warnings.extend(scaled_poses(keys()));
-    let up_in_world = up_in_world(keys(), &path)?;
+    let up_in_world = up_in_world(keys(), path)?;
     // Renderers filter color unless they were told not to.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
     Ok(Capture::new(
         CaptureParts {
-            name: capture_name(&path),
+            name: capture_name(origin),
             cameras: recording.cameras.clone(),
             frame_numbers: recording.frame_numbers.clone(),
             up_in_world,
@@ -99,7 +112,7 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
     let path = manifest_path(path);
     let manifest = Manifest::read(&path)?;
     frame_numbers::refuse_times(&manifest, &path, frames_are_ranked)?;
-    let places = cameras::entries(&manifest, &path)?;
+    let places = cameras::entries(&manifest, &Origin::of_file(&path))?;
     let mut known = Vec::new();
     places
         .into_iter()
@@ -115,10 +128,11 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
         .collect()
 }
 
-/// The name of the folder that the manifest lies in, or of the manifest itself at the root.
-fn capture_name(manifest: &Path) -> String {
-    let absolute = std::path::absolute(manifest).unwrap_or_else(|_| manifest.to_path_buf());
-    let folder = absolute.parent().and_then(Path::file_name).or(absolute.file_stem());
+/// The name of the capture's folder, or of the manifest itself at the root.
+fn capture_name(origin: &Origin) -> String {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let (folder, path) = (absolute(&origin.folder.join(".")), absolute(&origin.path));
+    let folder = folder.file_name().or(path.file_stem());
     folder.map_or_else(|| "capture".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 

@@ -54,7 +54,7 @@ pub(super) fn world_from_camera(rows: &[Vec<f64>], place: &str) -> Result<DAffin
 }
 
 /// The manifest's matrix of a camera, camera-to-world with OpenGL's axes.
-pub(super) fn opengl_matrix(world_from_camera: &DAffine3) -> Vec<Vec<f64>> {
+pub(crate) fn opengl_matrix(world_from_camera: &DAffine3) -> Vec<Vec<f64>> {
     let matrix = world_from_camera.matrix3 * DMat3::from_diagonal(FLIP_Y_AND_Z);
     let eye = world_from_camera.translation;
     let mut rows: Vec<Vec<f64>> = (0..3)

@@ -14,7 +14,7 @@ use crate::settings::Settings;
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// The capture: a folder or its transforms.json.
+    /// The capture: a folder, or the file in it that names its pictures.
     capture: PathBuf,
     /// Vantages whose truth is known [default: the capture's novel/transforms.json].
     #[arg(long, value_name = "TRANSFORMS", conflicts_with = "hold_out")]

@@ -6,16 +6,21 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use crate::capture::{Camera, transforms};
+use crate::capture::{Camera, Description, Source};
 use crate::cli::output::{self, CommandError, Sizes};
+use crate::error::Error;
 use crate::preprocess::diagnostics::Report;
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::file::{Provenance, Store};
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// A capture (a folder or its transforms.json) or a store.
+    /// A capture (a folder, or a file in it that names its pictures) or a store.
     path: PathBuf,
+    /// Write the manifest that the capture amounts to, to be corrected by hand [default file: transforms.json in its folder].
+    #[arg(long, value_name = "FILE")]
+    #[expect(clippy::option_option, reason = "without, with, and with a file")]
+    write_manifest: Option<Option<PathBuf>>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -44,6 +49,7 @@ enum Contents {
     Capture {
         pixels: u64,
         normals: bool,
+        reading: Description,
         warnings: Vec<String>,
     },
     Store {
@@ -61,8 +67,40 @@ enum Contents {
 
 impl InfoArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        let info = if Store::is_store(&self.path)? { of_store(&self.path)? } else { of_capture(&self.path)? };
+        let info = if Store::is_store(&self.path)? {
+            if self.write_manifest.is_some() {
+                let what = "is a store; a manifest can be written of a capture";
+                return Err(Error::invalid(self.path.display(), what).into());
+            }
+            of_store(&self.path)?
+        } else {
+            self.of_capture()?
+        };
         if self.json { output::print_json(&info) } else { output::print(&info.text(&self.path)) }
+    }
+}
+
+impl InfoArgs {
+    fn of_capture(&self) -> Result<Info, CommandError> {
+        let source = Source::find(&self.path)?;
+        let capture = source.open(&CaptureSettings::default())?;
+        if let Some(file) = &self.write_manifest {
+            let file = file.clone().unwrap_or_else(|| source.manifest_path());
+            source.write_manifest(&file)?;
+            eprintln!("wrote {}", file.display());
+        }
+        Ok(Info {
+            kind: "capture",
+            name: capture.name.clone(),
+            cameras: camera_infos(&capture.cameras),
+            frames: capture.frame_count(),
+            contents: Contents::Capture {
+                pixels: capture.pixel_count(),
+                normals: capture.has_normals,
+                reading: source.description().clone(),
+                warnings: capture.warnings.clone(),
+            },
+        })
     }
 }
 
@@ -97,26 +135,16 @@ fn of_store(path: &Path) -> Result<Info, CommandError> {
     })
 }
 
-fn of_capture(path: &Path) -> Result<Info, CommandError> {
-    let capture = transforms::open(path, &CaptureSettings::default())?;
-    Ok(Info {
-        kind: "capture",
-        name: capture.name.clone(),
-        cameras: camera_infos(&capture.cameras),
-        frames: capture.frame_count(),
-        contents: Contents::Capture {
-            pixels: capture.pixel_count(),
-            normals: capture.has_normals,
-            warnings: capture.warnings.clone(),
-        },
-    })
-}
-
 impl Info {
     fn text(&self, path: &Path) -> String {
         let mut text = format!("{} '{}': {} frames\n", self.kind, self.name, self.frames);
         for camera in &self.cameras {
             let _ = writeln!(text, "  camera {:<16} {}×{}", camera.name, camera.width, camera.height);
+        }
+        if let Contents::Capture { reading, .. } = &self.contents {
+            for line in reading.lines() {
+                let _ = writeln!(text, "  {line}");
+            }
         }
         let (Contents::Capture { warnings, .. } | Contents::Store { warnings, .. }) = &self.contents;
         for warning in warnings {

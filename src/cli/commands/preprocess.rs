@@ -9,7 +9,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::capture::{Capture, transforms};
+use crate::capture::{self, Capture};
 use crate::cli::input::{self, HoldOutArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
@@ -22,7 +22,7 @@ use crate::store::file::{self, Extras, Provenance};
 
 #[derive(Debug, Args)]
 pub(crate) struct PreprocessArgs {
-    /// The capture: a folder or its transforms.json.
+    /// The capture: a folder, or the file in it that names its pictures.
     capture: PathBuf,
     /// The store to write.
     #[arg(long, value_name = "F.ovl")]
@@ -102,7 +102,7 @@ impl PreprocessArgs {
     }
 
     fn open(&self, settings: &CaptureSettings) -> Result<Capture> {
-        let capture = transforms::open(&self.capture, settings)?;
+        let capture = capture::open(&self.capture, settings)?;
         let held_out = self.held_out.names();
         if held_out.is_empty() { Ok(capture) } else { Ok(truth::split(&capture, &held_out)?.0) }
     }

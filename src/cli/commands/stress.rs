@@ -16,7 +16,7 @@ use crate::settings::Settings;
 
 #[derive(Debug, Args)]
 pub(crate) struct StressArgs {
-    /// The capture: a folder or its transforms.json.
+    /// The capture: a folder, or the file in it that names its pictures.
     capture: PathBuf,
     #[command(flatten)]
     truth: TruthArgs,

@@ -12,7 +12,7 @@ use crate::whole_file;
 
 #[derive(Debug, Args)]
 pub(crate) struct TuneArgs {
-    /// The capture: a folder or its transforms.json.
+    /// The capture: a folder, or the file in it that names its pictures.
     capture: PathBuf,
     #[command(flatten)]
     truth: TruthArgs,

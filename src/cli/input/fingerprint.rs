@@ -8,8 +8,8 @@ use std::time::UNIX_EPOCH;
 
 use rayon::prelude::*;
 
-use crate::capture::Capture;
 use crate::capture::transforms::{manifest_path, picture_places};
+use crate::capture::{Capture, Source};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::store::file::InputFiles;
@@ -17,7 +17,7 @@ use crate::store::file::InputFiles;
 /// A text that changes with any camera of a capture, any byte of its manifest or of its truth's, and any rewritten picture.
 pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Result<String> {
     let mut pictures = capture.files();
-    let mut manifests = vec![manifest_path(path)];
+    let mut manifests = Source::find(path)?.inputs().to_vec();
     if let Some(views) = views {
         pictures.extend(picture_places(views)?);
         manifests.push(manifest_path(views));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::capture::{Capture, transforms};
+use crate::capture::{self, Capture};
 use crate::cli::output;
 use crate::error::Result;
 use crate::settings::CaptureSettings;
@@ -11,7 +11,7 @@ use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 
 /// Opens a capture and prints its warnings.
 pub(crate) fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
-    let capture = transforms::open(path, settings)?;
+    let capture = capture::open(path, settings)?;
     output::warn(&capture.warnings);
     Ok(capture)
 }

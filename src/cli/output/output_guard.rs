@@ -6,6 +6,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::picture::PicturePaths;
+use crate::capture::Source;
 use crate::capture::transforms::{MANIFEST_NAME, manifest_path, picture_places, truth_beside};
 use crate::error::{Error, Result};
 use crate::store::file::Store;
@@ -78,15 +79,14 @@ pub(crate) fn refuse_pipe(views: &Path) -> Result<()> {
     }
 }
 
-/// Refuses a file that a capture or the truth beside it is read from: a manifest, or a picture that one names.
+/// Refuses a file that a capture or the truth beside it is read from: what says which pictures there are, or a picture.
 pub(crate) fn refuse_capture_files(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
     let beside = truth_beside(capture);
     if let Some(beside) = &beside {
         refuse_input(beside, out)?;
     }
-    for manifest in [Some(capture), views].into_iter().flatten() {
-        refuse_view_files(manifest, out)?;
-    }
+    Source::find(capture)?.places().iter().try_for_each(|file| refuse_input(file, out))?;
+    views.map_or(Ok(()), |views| refuse_view_files(views, out))?;
     // The command does not read these views: they may be broken.
     let truth = beside.and_then(|beside| picture_places(&beside).ok()).unwrap_or_default();
     truth.iter().try_for_each(|picture| refuse_input(picture, out))

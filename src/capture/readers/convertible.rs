@@ -1,0 +1,63 @@
+//! Sources that another program has to convert first, or that hold no depth.
+
+use super::place::Place;
+use crate::error::Error;
+
+/// A source that is recognized and not read.
+struct Convertible {
+    /// Ending of the file, lower case.
+    ending: &'static str,
+    /// What it is, and the command or export to use instead.
+    advice: &'static str,
+}
+
+/// Sources by the ending of their files.
+const BY_ENDING: [Convertible; 9] = [
+    Convertible {
+        ending: ".mkv",
+        advice: "is an Azure Kinect recording; convert it with Open3D: python azure_kinect_mkv_reader.py --input FILE.mkv --output FOLDER, then open FOLDER with a trajectory.log of poses",
+    },
+    Convertible {
+        ending: ".bag",
+        advice: "is a RealSense or ROS recording; convert it: rs-convert -i FILE.bag -p FOLDER/frame, then estimate poses (COLMAP, RTAB-Map) and open that",
+    },
+    Convertible {
+        ending: ".sens",
+        advice: "is a ScanNet recording; export it: python reader.py --filename FILE.sens --output_path FOLDER --export_depth_images --export_color_images --export_poses --export_intrinsics, then open FOLDER",
+    },
+    Convertible {
+        ending: ".r3d",
+        advice: "is a Record3D recording; export it again in the app as \"EXR + RGB\", and open the folder EXR_RGBD",
+    },
+    Convertible {
+        ending: ".hdf5",
+        advice: "is HDF5; export pictures instead (BlenderProc: bproc.writer.write_bop), and open that folder",
+    },
+    Convertible { ending: ".tar.gz", advice: "is an archive; unpack it: tar xzf FILE, then open the folder" },
+    Convertible { ending: ".tgz", advice: "is an archive; unpack it: tar xzf FILE, then open the folder" },
+    Convertible { ending: ".zip", advice: "is an archive; unpack it: unzip FILE, then open the folder" },
+    Convertible {
+        ending: ".db",
+        advice: "is COLMAP's database of features; run its mapper, image_undistorter and patch_match_stereo, then open the dense folder",
+    },
+];
+
+/// The advice on a place that is recognized and cannot be read.
+pub(super) fn advice(place: &Place) -> Option<Error> {
+    let names: Vec<&str> = place.file.as_deref().map_or_else(|| place.names().collect(), |name| vec![name]);
+    let has = |name: &str| place.has(name);
+    let refuse = |name: &str, what: &str| Some(Error::unsupported(place.join(name).display(), what));
+    if has("odometry.csv") && has("rgb.mp4") {
+        let what = "is a Stray Scanner recording with its colors in a video; decode it: ffmpeg -i rgb.mp4 -start_number 0 rgb/%06d.png, then open the folder again";
+        return refuse("rgb.mp4", what);
+    }
+    if has("poses_bounds.npy") {
+        let what = "are poses without depth (LLFF, DyNeRF, Neu3D); compute dense depth with COLMAP for every frame, and open its dense folder";
+        return refuse("poses_bounds.npy", what);
+    }
+    names.iter().find_map(|name| {
+        let lower = name.to_ascii_lowercase();
+        let found = BY_ENDING.iter().find(|known| lower.ends_with(known.ending))?;
+        refuse(name, found.advice)
+    })
+}

@@ -1,0 +1,76 @@
+//! Readers: what a folder or file is, and the manifest that it amounts to.
+//!
+//! ```text
+//! path ─ Place (names) ─ the first reader that recognizes it ─ Reading: Manifest, Origin, Description
+//! ```
+//!
+//! A reader is one file or folder here, implements [`Reader`] and stands in [`READERS`]. It knows one source's layout, axes, units
+//! and quirks, and nothing of pictures' bytes, which the manifest's keys describe.
+
+mod convertible;
+mod nerfstudio;
+mod place;
+mod reader;
+mod text;
+mod tum;
+mod views;
+
+pub(crate) use place::Place;
+pub use reader::{Description, Skipped};
+pub(crate) use reader::{Reader, Reading};
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// All readers, in the order in which they are asked. A manifest comes first: it is what users correct by hand.
+const READERS: &[&dyn Reader] = &[&nerfstudio::Nerfstudio, &tum::Tum];
+
+/// Finds out what `path` is, and reads it.
+///
+/// # Errors
+/// `Io` where it is not there, `Unsupported` where another program has to convert it first, `Invalid` where nothing is
+/// recognized, and whatever its reader gives.
+pub(crate) fn read(path: &Path) -> Result<Reading> {
+    let place = Place::look(path)?;
+    if let Some(reader) = READERS.iter().find(|reader| reader.recognizes(&place)) {
+        return reader.read(&place);
+    }
+    if let Some(refused) = convertible::advice(&place) {
+        return Err(refused);
+    }
+    Err(unknown(&place))
+}
+
+/// The error of a place that no reader recognizes.
+fn unknown(place: &Place) -> Error {
+    if let Some(error) = place.file.as_ref().and_then(|_| other_file(&place.path)) {
+        return error;
+    }
+    let marks: Vec<&str> = READERS.iter().map(|reader| reader.marks()).collect();
+    let what = format!(
+        "there is no capture that is known; a capture is a folder that holds a transforms.json, or one of another source (looked for: {})",
+        marks.join("; ")
+    );
+    if place.file.is_some() {
+        let what = "is neither a store nor a file that a capture is known by; open one of those, or the folder of a capture";
+        return Error::invalid(place.path.display(), what);
+    }
+    Error::invalid(place.path.display(), what)
+}
+
+/// The error of a file that is a store or a picture by its first bytes.
+fn other_file(path: &Path) -> Option<Error> {
+    use std::io::Read;
+    let mut start = [0; 4];
+    std::fs::File::open(path).ok()?.read_exact(&mut start).ok()?;
+    let what = match &start {
+        b"FORM" => "is a store; name the capture that it was made from: a folder, or its transforms.json",
+        b"\x76\x2F\x31\x01" | b"\x89PNG" => {
+            "is a picture; name the capture that it is of: the folder that holds its transforms.json"
+        }
+        [0xFF, 0xD8, ..] => "is a picture; name the capture that it is of: its folder",
+        _ => return None,
+    };
+    Some(Error::invalid(path.display(), what))
+}

@@ -1,0 +1,64 @@
+//! `transforms.json` of nerfstudio and instant-ngp, and our superset of it.
+
+use std::collections::BTreeSet;
+
+use super::place::Place;
+use super::reader::{Description, Reader, Reading};
+use crate::capture::transforms::{MANIFEST_NAME, Manifest, Origin, PictureEntry};
+use crate::error::Result;
+
+/// Reads a manifest: the file itself, or the one in the folder.
+pub(super) struct Nerfstudio;
+
+impl Reader for Nerfstudio {
+    fn source(&self) -> &'static str {
+        "transforms.json (nerfstudio, instant-ngp, Overlook)"
+    }
+
+    fn marks(&self) -> &'static str {
+        MANIFEST_NAME
+    }
+
+    fn recognizes(&self, place: &Place) -> bool {
+        match &place.file {
+            Some(name) => name == MANIFEST_NAME || (is_json(name) && holds_frames(place)),
+            None => place.has(MANIFEST_NAME),
+        }
+    }
+
+    fn read(&self, place: &Place) -> Result<Reading> {
+        let path = place.join(place.file.as_deref().unwrap_or(MANIFEST_NAME));
+        let manifest = Manifest::read(&path)?;
+        let named =
+            manifest.keys.camera.is_some() || manifest.frames.iter().any(|it| it.keys.camera.is_some());
+        let description = Description {
+            source: self.source().to_owned(),
+            poses: "camera to world; camera x right, y up, looking along −z".to_owned(),
+            is_recording: !named && is_moving(&manifest),
+            found: manifest.frames.len(),
+            ..Description::default()
+        };
+        let origin = Origin::of_file(&path);
+        Ok(Reading { manifest, origin, inputs: vec![path], description })
+    }
+}
+
+/// Whether every picture has a pose of its own.
+fn is_moving(manifest: &Manifest) -> bool {
+    let pose = |entry: &PictureEntry| -> Vec<u64> {
+        entry.transform_matrix.iter().flatten().map(|value| value.to_bits()).collect()
+    };
+    let distinct: BTreeSet<Vec<u64>> = manifest.frames.iter().map(pose).collect();
+    distinct.len() > 1 && distinct.len() == manifest.frames.len()
+}
+
+fn is_json(name: &str) -> bool {
+    name.to_ascii_lowercase().ends_with(".json")
+}
+
+/// Whether a JSON file lists pictures as a manifest does. One that is no JSON counts too: reading it says what is wrong.
+fn holds_frames(place: &Place) -> bool {
+    let Ok(bytes) = std::fs::read(&place.path) else { return false };
+    let document: Result<serde_json::Value, _> = serde_json::from_slice(&bytes);
+    document.map_or(true, |document| document.get("frames").is_some())
+}

@@ -1,0 +1,128 @@
+//! What a reader is, and what it yields.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::place::Place;
+use crate::capture::transforms::{Manifest, Origin, places_of};
+use crate::error::Result;
+
+/// Recognizes and reads the folders or files of one source. Readers stand in [`READERS`](super::READERS).
+///
+/// A reader decodes no picture. It makes a [`Manifest`] with the keys of CAPTURES.md, which say everything that the pictures'
+/// decoders need: so `overlook info --write-manifest` can write it, and a user can correct it.
+pub(crate) trait Reader: Sync {
+    /// What people call the source, as in `TUM RGB-D`.
+    fn source(&self) -> &'static str;
+
+    /// The files that the source is recognized by, for the message where nothing is recognized.
+    fn marks(&self) -> &'static str;
+
+    /// Whether the place is of this source. Looks at names, and at most at the start of a small file.
+    fn recognizes(&self, place: &Place) -> bool;
+
+    /// Reads the place, which it has recognized.
+    ///
+    /// # Errors
+    /// `Io`, `Invalid`, `Unsupported`: the file, and its line or byte; what is wrong; what to do.
+    fn read(&self, place: &Place) -> Result<Reading>;
+}
+
+/// A source as it was understood.
+#[derive(Clone, Debug)]
+pub(crate) struct Reading {
+    /// Every picture, and how it is read.
+    pub manifest: Manifest,
+    /// Where that comes from.
+    pub origin: Origin,
+    /// The text and binary files that were read to make it; pictures are not among them.
+    pub inputs: Vec<PathBuf>,
+    /// How the source was understood.
+    pub description: Description,
+}
+
+impl Reading {
+    /// Every place that the capture is read from, whether or not there is a file.
+    pub(crate) fn places(&self) -> Vec<PathBuf> {
+        let mut places = self.inputs.clone();
+        places.extend(places_of(&self.manifest, &self.origin.folder));
+        places
+    }
+}
+
+/// How a source was understood, in words.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Description {
+    /// The source, as in `TUM RGB-D`.
+    pub source: String,
+    /// The direction and the axes of the poses, as the source has them.
+    pub poses: String,
+    /// What depth is, its unit and what stands for "no depth".
+    pub depth: String,
+    /// Where the lens comes from, and what it is.
+    pub lens: String,
+    /// Whether one moving camera took the pictures of a static scene, each of which is a camera of its own then.
+    pub is_recording: bool,
+    /// Pictures that were found.
+    pub found: usize,
+    /// Pictures that are not read.
+    pub skipped: Vec<Skipped>,
+    /// What else a user should know, one line each.
+    pub notes: Vec<String>,
+}
+
+/// Pictures that are not read, for one reason.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Skipped {
+    /// How many.
+    pub count: usize,
+    /// Why.
+    pub reason: String,
+    /// The first of them.
+    pub first: String,
+}
+
+impl Description {
+    /// Notes that a picture is left out.
+    pub(crate) fn skip(&mut self, reason: impl Into<String>, name: impl Into<String>) {
+        let reason = reason.into();
+        match self.skipped.iter_mut().find(|skipped| skipped.reason == reason) {
+            Some(skipped) => skipped.count += 1,
+            None => self.skipped.push(Skipped { count: 1, reason, first: name.into() }),
+        }
+    }
+
+    /// What there is to say, one line each.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let named = [("poses", &self.poses), ("depth", &self.depth), ("lens", &self.lens)];
+        let said = named.into_iter().filter(|(_, what)| !what.is_empty());
+        let mut lines = vec![format!("read as {}, {} pictures", self.source, self.found)];
+        lines.extend(said.map(|(name, what)| format!("{name}: {what}")));
+        if self.is_recording {
+            lines.push(
+                "one moving camera and a static scene: every picture is a camera of its own".to_owned(),
+            );
+        }
+        lines.extend(self.skipped.iter().map(|skipped| {
+            format!("left out: {} {} (first: {})", skipped.count, skipped.reason, skipped.first)
+        }));
+        lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_are_counted_and_name_their_first_picture() {
+        let mut description = Description { source: "a test".into(), found: 3, ..Description::default() };
+        description.skip("without a pose", "a.png");
+        description.skip("without a pose", "b.png");
+        let lines = description.lines();
+        assert_eq!(lines, ["read as a test, 3 pictures", "left out: 2 without a pose (first: a.png)"]);
+    }
+}

@@ -1,0 +1,83 @@
+//! Text files of numbers: every error names file and line.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// Largest text file that is read.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// A text file in memory.
+pub(super) struct TextFile {
+    path: PathBuf,
+    text: String,
+}
+
+/// One line, split at white space and commas.
+pub(super) struct Line<'a> {
+    path: &'a Path,
+    /// Counted from 1.
+    pub number: usize,
+    /// Its fields; there is one at least.
+    pub fields: Vec<&'a str>,
+}
+
+impl TextFile {
+    /// Reads a file as UTF-8, bytes that are not becoming marks, as names of files may hold them.
+    ///
+    /// # Errors
+    /// `Io` where it cannot be read, `Invalid` where it is absurdly large.
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
+        if length > MAX_BYTES {
+            return Err(Error::invalid(
+                path.display(),
+                format!("{length} bytes are too many for a text file"),
+            ));
+        }
+        let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+        let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+        Ok(Self { path: path.to_path_buf(), text: String::from_utf8_lossy(bytes).into_owned() })
+    }
+
+    /// The whole text.
+    pub(super) fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Lines that are neither empty nor comments (`#`).
+    pub(super) fn lines(&self) -> impl Iterator<Item = Line<'_>> {
+        self.text.lines().enumerate().filter_map(|(index, text)| {
+            let text = text.trim();
+            let separates = |letter: char| letter.is_whitespace() || letter == ',';
+            let fields: Vec<&str> = text.split(separates).filter(|field| !field.is_empty()).collect();
+            let is_data = !fields.is_empty() && !text.starts_with('#');
+            is_data.then_some(Line { path: &self.path, number: index + 1, fields })
+        })
+    }
+}
+
+impl Line<'_> {
+    /// An error in this line.
+    pub(super) fn error(&self, what: impl Into<String>) -> Error {
+        Error::invalid(format!("{}, line {}", self.path.display(), self.number), what)
+    }
+
+    /// A field as a number, which may be infinite or NaN.
+    pub(super) fn number_in(&self, field: &str) -> Result<f64> {
+        field.parse().map_err(|_| self.error(format!("'{field}' is no number")))
+    }
+
+    /// The `N` numbers from field `first` on.
+    pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for (index, number) in numbers.iter_mut().enumerate() {
+            let Some(field) = self.fields.get(first + index) else {
+                let what = format!("there are {} fields where {} are expected", self.fields.len(), first + N);
+                return Err(self.error(what));
+            };
+            *number = self.number_in(field)?;
+        }
+        Ok(numbers)
+    }
+}
