@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::Capture;
+use super::parts::Capture;
 use super::readers::{self, Description, Reading};
 use super::transforms::{PictureEntry, capture_of};
 use crate::error::{Error, Result};

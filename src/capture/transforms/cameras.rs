@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
-use super::manifest::{Keys, Manifest, Origin, PictureEntry};
+use super::manifest::{Keys, Manifest, PictureEntry};
+use super::origin::Origin;
 use super::same_camera::refuse_motion;
 use super::{frame_numbers, header_probe, pose};
 use crate::capture::camera::Camera;

@@ -182,22 +182,6 @@ impl Keys {
     }
 }
 
-/// Where a manifest comes from.
-#[derive(Clone, Debug)]
-pub(crate) struct Origin {
-    /// The file that says which pictures there are and where they were taken, for messages.
-    pub path: PathBuf,
-    /// The folder that the paths in it are relative to.
-    pub folder: PathBuf,
-}
-
-impl Origin {
-    /// A manifest whose paths are relative to its own folder.
-    pub(crate) fn of_file(path: &Path) -> Self {
-        Self { path: path.to_path_buf(), folder: path.parent().unwrap_or(Path::new("")).to_path_buf() }
-    }
-}
-
 /// One picture of one camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PictureEntry {

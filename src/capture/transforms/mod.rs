@@ -17,6 +17,7 @@ mod header_probe;
 mod lens;
 mod load;
 mod manifest;
+mod origin;
 mod png;
 mod pose;
 mod position_depth;
@@ -26,7 +27,8 @@ mod write;
 
 pub use files::picture_places;
 pub(crate) use files::places_of;
-pub(crate) use manifest::{Keys, MANIFEST_NAME, Manifest, Origin, PictureEntry, manifest_path, truth_beside};
+pub(crate) use manifest::{Keys, MANIFEST_NAME, Manifest, PictureEntry, manifest_path, truth_beside};
+pub(crate) use origin::Origin;
 pub(crate) use pose::opengl_matrix;
 pub(crate) use write::picture_name;
 pub use write::write_capture;
@@ -37,7 +39,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Capture, CaptureParts, TruthView};
+use super::parts::{Capture, CaptureParts, TruthLoader, TruthView};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use cameras::CameraFiles;
@@ -120,8 +122,7 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
             let camera = same_camera::without_rounding(&mut known, entry.camera()?);
             let truth = entry.files.color.is_file().then(|| {
                 let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
-                Arc::new(move || load::frame(&files, &camera, &place, NeededPlanes::ColorOnly))
-                    as super::TruthLoader
+                Arc::new(move || load::frame(&files, &camera, &place, NeededPlanes::ColorOnly)) as TruthLoader
             });
             Ok(TruthView { file_path: entry.file_path, camera, frame_number: entry.number, truth })
         })

@@ -3,8 +3,8 @@
 use super::cameras::CameraFiles;
 use super::header_probe::{HeaderFacts, probe};
 use super::load::{self, NeededPlanes};
-use crate::capture::FrameSource;
 use crate::capture::frame::Frame;
+use crate::capture::parts::FrameSource;
 use crate::error::Result;
 
 /// Decodes frames from their files on demand.

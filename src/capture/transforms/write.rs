@@ -18,7 +18,7 @@ use super::pose;
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::exr::write_frame;
 use crate::capture::frame::Frame;
-use crate::capture::{Capture, TruthView};
+use crate::capture::parts::{Capture, TruthView};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::whole_file;
