@@ -1,6 +1,6 @@
 //! Which surface a hole pixel is filled from: the farthest one that it sees across its own hole.
 
-use super::rays::{HoleNeighbors, HoleRays};
+use super::rays::HoleNeighbors;
 use crate::capture::Camera;
 use crate::render::geometry::focal;
 use crate::render::vantage::Picture;
@@ -40,6 +40,8 @@ pub(super) struct HoleSurface {
     pub(super) mean: WeightedMean,
     /// Distance to the remotest pixel that it sees of it.
     pub(super) reach_px: f32,
+    /// The directions in which it sees it, as bits.
+    pub(super) directions: u8,
 }
 
 /// A mean color and inverse depth with their weight.
@@ -76,12 +78,11 @@ impl WeightedMean {
 /// nearest; `None` if the pixel sees nothing painted.
 pub(super) fn surface_behind(
     picture: &Picture,
-    rays: &HoleRays,
-    pixel: (usize, usize),
+    seen: &HoleNeighbors,
     limit: f32,
     tolerance: SurfaceTolerance,
 ) -> Option<HoleSurface> {
-    let HoleNeighbors { pixel, distance_px } = rays.neighbors(pixel);
+    let HoleNeighbors { pixel, distance_px } = *seen;
     let inverse_depth = pixel.map(|pixel| picture.inverse_depth.as_slice()[pixel]);
     let pairs = [0, 1, 2, 3].map(|direction| (distance_px[direction], distance_px[direction + 4]));
     let narrowest_px = pairs.iter().map(|(a, b)| a + b).fold(f32::INFINITY, f32::min);
@@ -98,12 +99,14 @@ pub(super) fn surface_behind(
         }
     }
     let (far, far_px) = behind.or_else(|| nearest_of(&inverse_depth, &distance_px))?;
-    let mut surface = HoleSurface { range: [far; 2], mean: WeightedMean::EMPTY, reach_px: 0.0 };
+    let mut surface =
+        HoleSurface { range: [far; 2], mean: WeightedMean::EMPTY, reach_px: 0.0, directions: 0 };
     for direction in 0..8 {
         let (near, near_px) = (inverse_depth[direction], distance_px[direction]);
         if near_px.is_finite() && near.max(far) <= near.min(far) * tolerance.factor(near_px + far_px) {
             surface.range = [surface.range[0].min(near), surface.range[1].max(near)];
             surface.reach_px = surface.reach_px.max(near_px);
+            surface.directions |= 1 << direction;
             let color = picture.color.as_slice()[pixel[direction]];
             surface.mean.add(1.0 / (near_px * near_px), color, near);
         }
