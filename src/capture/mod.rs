@@ -11,11 +11,14 @@
 //! Importers convert to the program's conventions (see the crate page); nothing behind this module does.
 
 mod camera;
+pub mod conventions;
+mod depth_claim;
 pub mod exr;
 mod frame;
 mod frame_cache;
 mod open;
 mod parts;
+mod pose_convention;
 mod readers;
 mod recording;
 pub mod transforms;

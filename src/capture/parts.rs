@@ -5,8 +5,10 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::camera::Camera;
+use super::depth_claim::DepthClaim;
 use super::frame::Frame;
 use super::frame_cache::FrameCache;
+use super::pose_convention::PoseConvention;
 use crate::error::{Error, Result};
 
 /// Where the frames of a capture come from: files, or a scene that is rendered on demand.
@@ -23,6 +25,16 @@ pub trait FrameSource: Send + Sync {
     /// Whether frames are numbered by the order of times that are fractions.
     fn frames_are_ranked(&self) -> bool {
         false
+    }
+
+    /// How the numbers of depth files were read.
+    fn depth_claim(&self) -> DepthClaim {
+        DepthClaim::default()
+    }
+
+    /// What the matrices of the poses were taken for.
+    fn pose_convention(&self) -> PoseConvention {
+        PoseConvention::default()
     }
 
     /// The files that the frame is read from; none where it is rendered.

@@ -11,6 +11,7 @@ use super::origin::Origin;
 use super::same_camera::refuse_motion;
 use super::{frame_numbers, header_probe, pose};
 use crate::capture::camera::Camera;
+use crate::capture::pose_convention::upright;
 use crate::error::{Error, Result};
 
 /// A camera that moves by more than this, relative to the distance from the origin, is warned of.
@@ -66,9 +67,15 @@ pub(super) fn entries(manifest: &Manifest, origin: &Origin) -> Result<Vec<Placed
         .enumerate()
         .map(|(index, entry)| {
             let place = format!("{}, frames[{index}] ({})", path.display(), entry.file_path);
-            pose::world_from_camera(&entry.transform_matrix, &place)
+            pose::world_from_camera(&entry.transform_matrix, keys[index].pose_convention(), &place)
         })
         .collect::<Result<_>>()?;
+    let mirrored = poses.iter().filter(|pose| pose.matrix3.determinant() < 0.0).count();
+    if mirrored != 0 && mirrored != poses.len() {
+        let what = "some poses mirror and some do not; export all of them alike";
+        return Err(Error::invalid(path.display(), what));
+    }
+    let poses: Vec<DAffine3> = poses.into_iter().map(upright).collect();
     let names = camera_names(&keys, &poses, path)?;
     let numbers = frame_numbers::frame_numbers(&keys, &manifest.frames, &names, path)?;
     let mut placed = Vec::with_capacity(keys.len());

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::manifest::{Keys, Manifest, NormalSpaceName, manifest_path};
+use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{
     ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
 };
@@ -125,6 +126,19 @@ impl PictureFiles {
             }
         }
         Ok(())
+    }
+
+    /// What depth is taken for: where the manifest leaves it open, and of positions, planar z.
+    pub(crate) fn depth_claim(&self) -> DepthClaim {
+        let measure = match self.depth_kind {
+            None | Some(DepthKind::PlanarZ | DepthKind::WorldPosition) => DepthMeasure::PlanarZ,
+            Some(DepthKind::RayDistance) => DepthMeasure::RayDistance,
+            Some(DepthKind::RayDistanceFromNearClip) => DepthMeasure::RayDistanceFromNearClip,
+        };
+        let file = self.depth.as_ref().unwrap_or(&self.color);
+        let is_png = matches!(format_of(file, ""), Ok(PictureFormat::Png));
+        let unit = self.unit_scale.unwrap_or(if is_png { PNG_UNIT_SCALE } else { 1.0 });
+        DepthClaim { measure, unit, near_clip: self.rules.near_clip }
     }
 
     /// Whether the manifest leaves open which channel depth is, what it measures and in which unit.

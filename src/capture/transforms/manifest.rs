@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::lens::LensKeys;
+use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 use crate::error::{Error, Result, one_line};
 
 /// Name of the manifest in a capture's folder.
@@ -132,6 +133,12 @@ pub(crate) struct Keys {
     /// Up in world space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
+    /// Which way `transform_matrix` maps; camera to world where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transform_direction: Option<PoseDirection>,
+    /// Where the axes of the poses' camera space point; OpenGL's where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera_axes: Option<CameraAxes>,
 }
 
 /// The value of `normal_space`. Null is not the same as a missing key: the file's would stand then.
@@ -156,6 +163,15 @@ macro_rules! own_or_file {
 }
 
 impl Keys {
+    /// What `transform_matrix` means.
+    pub(super) fn pose_convention(&self) -> PoseConvention {
+        let nerfstudio = PoseConvention::default();
+        PoseConvention {
+            direction: self.transform_direction.unwrap_or(nerfstudio.direction),
+            axes: self.camera_axes.unwrap_or(nerfstudio.axes),
+        }
+    }
+
     fn name_unit_of_depth(&mut self) {
         self.depth_unit_scale_factor = self.depth_unit_scale_factor.or(self.integer_depth_scale.take());
     }
@@ -177,7 +193,7 @@ impl Keys {
             camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, camera_model, lens,
             applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
             depth_unit_scale_factor, integer_depth_scale, near_clip, far_clip, normal_space, antialiased_color,
-            pixel_center_offset, color_space, up);
+            pixel_center_offset, color_space, up, transform_direction, camera_axes);
         Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }
 }

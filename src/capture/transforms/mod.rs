@@ -39,6 +39,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::conventions::{self, Verdict};
 use super::parts::{Capture, CaptureParts, TruthLoader, TruthView};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
@@ -67,6 +68,35 @@ pub(crate) fn capture_of(
     origin: &Origin,
     settings: &CaptureSettings,
 ) -> Result<Capture> {
+    open_manifest(manifest, origin, settings)
+        .map_err(|error| mirrored(manifest.clone(), origin, settings).unwrap_or(error))
+}
+
+/// Of a manifest all of whose poses mirror, the error that names the axes that fit.
+fn mirrored(mut manifest: Manifest, origin: &Origin, settings: &CaptureSettings) -> Option<Error> {
+    let is_open = manifest.keys.camera_axes.is_none()
+        && manifest.frames.iter().all(|entry| entry.keys.camera_axes.is_none());
+    if !is_open || !manifest.frames.iter().all(|entry| pose::mirrors(&entry.transform_matrix)) {
+        return None;
+    }
+    // Any left-handed axes serve to compare the views; which ones fit is found so.
+    manifest.keys.camera_axes = serde_json::from_str("[\"left\", \"up\", \"back\"]").ok();
+    let capture = open_manifest(&manifest, origin, settings).ok()?;
+    let found = conventions::check(&capture).ok()?;
+    let axes = match &found.verdict {
+        Verdict::Other(_) => found.sentence(),
+        Verdict::Stands { .. } => {
+            let axes = manifest.keys.camera_axes.map(conventions::CameraAxes::json);
+            format!("the views agree if one writes \"camera_axes\": {}", axes.unwrap_or_default())
+        }
+        Verdict::Unknown { .. } => return None,
+    };
+    let what =
+        format!("every transform_matrix mirrors: the axes of its camera space are left-handed; {axes}");
+    Some(Error::invalid(origin.path.display(), what))
+}
+
+fn open_manifest(manifest: &Manifest, origin: &Origin, settings: &CaptureSettings) -> Result<Capture> {
     let path = &origin.path;
     let mut recording = CameraFiles::group(manifest, origin)?;
     recording.check_files_exist()?;

@@ -9,6 +9,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::manifest::Keys;
 use crate::capture::camera::{Intrinsics, MAX_PIXELS, MAX_SIDE, is_believable_size};
+use crate::capture::pose_convention::PoseConvention;
 use crate::error::{Error, Result};
 
 /// How far the axes of a pose may be from orthonormal: matrices are often written with six digits, or were `f32`.
@@ -17,28 +18,36 @@ const RIGID_TOLERANCE: f64 = 1e-3;
 const LAST_ROW_TOLERANCE: f64 = 1e-6;
 /// Farthest camera that is believed: beyond it, `f32` world coordinates hold no detail, and sums overflow.
 const MAX_DISTANCE: f64 = 1e9;
+/// What is wrong with a pose that is a mirror image.
+const MIRRORS: &str =
+    "mirrors; where the axes of its camera space are left-handed, say where they point as \"camera_axes\"";
 /// Focal lengths beyond this many pixels see less than a thousandth of a degree.
 const MAX_FOCAL_PX: f64 = 1e9;
 
 /// Our camera space from OpenGL's, and back.
 const FLIP_Y_AND_Z: DVec3 = DVec3::new(1.0, -1.0, -1.0);
 
-/// World from our camera space, from the manifest's matrix.
+/// World from our camera space, from the manifest's matrix, which is meant as `convention` says. It mirrors where the file's world
+/// is left-handed.
 ///
 /// # Errors
 /// `Invalid` where it is not 4×4 or 3×4, not finite, not rigid, or absurdly far away.
-pub(super) fn world_from_camera(rows: &[Vec<f64>], place: &str) -> Result<DAffine3> {
+pub(super) fn world_from_camera(
+    rows: &[Vec<f64>],
+    convention: PoseConvention,
+    place: &str,
+) -> Result<DAffine3> {
     let refuse = |what: &str| Err(Error::invalid(place, format!("transform_matrix {what}")));
     let has_shape = (3..=4).contains(&rows.len()) && rows.iter().all(|row| row.len() == 4);
     if !has_shape {
-        return refuse("is not 4×4; write camera-to-world, row by row");
+        return refuse("is not 4×4; write it row by row");
     }
     if rows.iter().flatten().any(|value| !value.is_finite()) {
         return refuse("holds numbers that are not finite; export the camera again");
     }
     let mut last = rows.get(3).into_iter().flatten().zip([0.0, 0.0, 0.0, 1.0]);
     if last.any(|(value, expected)| (value - expected).abs() > LAST_ROW_TOLERANCE) {
-        return refuse("does not end in 0 0 0 1; write camera-to-world, row by row");
+        return refuse("does not end in 0 0 0 1; write it row by row");
     }
     let column = |index: usize| DVec3::new(rows[0][index], rows[1][index], rows[2][index]);
     let eye = column(3);
@@ -47,10 +56,21 @@ pub(super) fn world_from_camera(rows: &[Vec<f64>], place: &str) -> Result<DAffin
     }
     let matrix = DMat3::from_cols(column(0), column(1), column(2));
     let product = matrix.transpose() * matrix;
-    if !product.abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE) || matrix.determinant() < 0.0 {
+    if !product.abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE) {
         return refuse("is not a rotation and a translation; export it without scale, shear or mirroring");
     }
-    Ok(DAffine3::from_mat3_translation(orthonormal(matrix) * DMat3::from_diagonal(FLIP_Y_AND_Z), eye))
+    if matrix.determinant() < 0.0 && convention.axes.is_right_handed() {
+        return refuse(MIRRORS);
+    }
+    Ok(convention.world_from_camera(&DAffine3::from_mat3_translation(orthonormal(matrix), eye)))
+}
+
+/// Whether the rows of a pose mirror.
+pub(super) fn mirrors(rows: &[Vec<f64>]) -> bool {
+    let at =
+        |row: usize, column: usize| rows.get(row).and_then(|row| row.get(column)).copied().unwrap_or(0.0);
+    let column = |column| DVec3::new(at(0, column), at(1, column), at(2, column));
+    DMat3::from_cols(column(0), column(1), column(2)).determinant() < 0.0
 }
 
 /// The manifest's matrix of a camera, camera-to-world with OpenGL's axes.
@@ -207,7 +227,7 @@ mod tests {
         // OpenGL's identity pose: x right, y up, looking along −z.
         let rows: Vec<Vec<f64>> =
             (0..4).map(|r| (0..4).map(|c| f64::from(u8::from(r == c))).collect()).collect();
-        let pose = world_from_camera(&rows, "test").unwrap();
+        let pose = world_from_camera(&rows, PoseConvention::default(), "test").unwrap();
         assert_eq!(pose.transform_vector3(DVec3::Z), DVec3::NEG_Z);
         assert_eq!(pose.transform_vector3(DVec3::Y), DVec3::NEG_Y);
         assert_eq!(opengl_matrix(&pose), rows);
@@ -227,7 +247,7 @@ mod tests {
             let theirs: f64 = (0..4).map(|column| m[row][column] * local[column]).sum();
             assert!((theirs - world[row]).abs() < 1e-12);
         }
-        let back = world_from_camera(&m, "test").unwrap();
+        let back = world_from_camera(&m, PoseConvention::default(), "test").unwrap();
         assert!(back.abs_diff_eq(camera.world_from_camera, 1e-12));
     }
 
@@ -249,13 +269,17 @@ mod tests {
             vec![],
         ];
         for rows in bad {
-            let error = world_from_camera(&rows, "frames[3]").unwrap_err().to_string();
+            let error =
+                world_from_camera(&rows, PoseConvention::default(), "frames[3]").unwrap_err().to_string();
             assert!(error.starts_with("frames[3]: transform_matrix"), "{error}");
         }
-        assert!(world_from_camera(&change(0, 1, 1e-5), "").is_ok());
-        assert!(world_from_camera(&change(3, 2, 1e-17), "").is_ok(), "what an inversion leaves");
-        assert!(world_from_camera(&change(3, 2, 1e-3), "").is_err());
-        assert!(world_from_camera(&good[..3], "").is_ok());
+        assert!(world_from_camera(&change(0, 1, 1e-5), PoseConvention::default(), "").is_ok());
+        assert!(
+            world_from_camera(&change(3, 2, 1e-17), PoseConvention::default(), "").is_ok(),
+            "what an inversion leaves"
+        );
+        assert!(world_from_camera(&change(3, 2, 1e-3), PoseConvention::default(), "").is_err());
+        assert!(world_from_camera(&good[..3], PoseConvention::default(), "").is_ok());
     }
 
     #[test]

@@ -3,8 +3,10 @@
 use super::cameras::CameraFiles;
 use super::header_probe::{HeaderFacts, probe};
 use super::load::{self, NeededPlanes};
+use crate::capture::depth_claim::DepthClaim;
 use crate::capture::frame::Frame;
 use crate::capture::parts::FrameSource;
+use crate::capture::pose_convention::PoseConvention;
 use crate::error::Result;
 
 /// Decodes frames from their files on demand.
@@ -28,6 +30,16 @@ impl FrameSource for FileSource {
 
     fn frames_are_ranked(&self) -> bool {
         self.recording.is_ranked
+    }
+
+    fn depth_claim(&self) -> DepthClaim {
+        let first = self.recording.entries.first().and_then(|frames| frames.first());
+        first.map(|entry| entry.files.depth_claim()).unwrap_or_default()
+    }
+
+    fn pose_convention(&self) -> PoseConvention {
+        let first = self.recording.entries.first().and_then(|frames| frames.first());
+        first.map(|entry| entry.keys.pose_convention()).unwrap_or_default()
     }
 
     fn files(&self, camera: usize, frame: usize) -> Vec<std::path::PathBuf> {

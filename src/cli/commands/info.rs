@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use crate::capture::{Camera, Description, Source};
+use crate::capture::conventions::{self, Finding};
+use crate::capture::{Camera, Capture, Description, Source};
 use crate::cli::output::{self, CommandError, Sizes};
 use crate::error::Error;
 use crate::preprocess::diagnostics::Report;
@@ -44,6 +45,15 @@ struct Info {
 }
 
 #[derive(Serialize)]
+struct ConventionInfo {
+    /// In words.
+    sentence: String,
+    /// Whether another reading fits far better, or the views could not be read.
+    is_warning: bool,
+    finding: Option<Finding>,
+}
+
+#[derive(Serialize)]
 #[serde(untagged)]
 enum Contents {
     Capture {
@@ -51,6 +61,8 @@ enum Contents {
         normals: bool,
         reading: Description,
         warnings: Vec<String>,
+        /// What the agreement between views says about how poses and depth are read.
+        conventions: ConventionInfo,
     },
     Store {
         samples: u64,
@@ -99,6 +111,7 @@ impl InfoArgs {
                 normals: capture.has_normals,
                 reading: source.description().clone(),
                 warnings: capture.warnings.clone(),
+                conventions: ConventionInfo::of(&capture),
             },
         })
     }
@@ -135,6 +148,19 @@ fn of_store(path: &Path) -> Result<Info, CommandError> {
     })
 }
 
+impl ConventionInfo {
+    fn of(capture: &Capture) -> Self {
+        match conventions::check(capture) {
+            Ok(finding) => Self {
+                sentence: finding.sentence(),
+                is_warning: finding.warning().is_some(),
+                finding: Some(finding),
+            },
+            Err(error) => Self { sentence: format!("not checked: {error}"), is_warning: true, finding: None },
+        }
+    }
+}
+
 impl Info {
     fn text(&self, path: &Path) -> String {
         let mut text = format!("{} '{}': {} frames\n", self.kind, self.name, self.frames);
@@ -149,6 +175,10 @@ impl Info {
         let (Contents::Capture { warnings, .. } | Contents::Store { warnings, .. }) = &self.contents;
         for warning in warnings {
             let _ = writeln!(text, "  warning: {warning}");
+        }
+        if let Contents::Capture { conventions, .. } = &self.contents {
+            let word = if conventions.is_warning { "warning" } else { "conventions" };
+            let _ = writeln!(text, "  {word}: {}", conventions.sentence);
         }
         let path = path.display();
         let _ = match &self.contents {

@@ -6,15 +6,15 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::calibration_warnings::{calibration_warnings, shared_warning};
-use super::depth_reading::{DepthReading, better_reading};
 use super::pair_residuals::PairResiduals;
-use crate::capture::{Camera, Capture};
+use crate::capture::conventions::{self, DepthClaim, Finding, PoseConvention};
+use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
 use crate::error::{Error, Result};
 use crate::preprocess::layers::{CameraLayer, Rate};
 use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{Decided, Rule, Verdict};
-use crate::preprocess::temporal::{CameraScan, RangeFacts, TemporalScan};
+use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, TemporalScan};
 use crate::samples::{ImageFacts, Span};
 use crate::settings::{NormalSource, Settings};
 
@@ -119,9 +119,9 @@ pub struct Report {
     pub rate_disputes: Vec<Vec<u64>>,
     /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
     pub residuals: Vec<Vec<PairResiduals>>,
-    /// How depth would fit far better between cameras than as the capture says, where it would.
+    /// How poses and depth would fit far better between cameras than as the capture says, where they would.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub better_reading: Option<DepthReading>,
+    pub conventions: Option<Finding>,
     /// Mixed pixels, whose color is blended across a silhouette or whose depth lies between its sides, and what became of them: of
     /// those `found` some `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or
     /// `kept`. They are not looked for where mixed pixels are kept or the first camera wins, blended ones only where the capture's
@@ -175,7 +175,8 @@ impl Report {
         if let Some(shared) = shared_warning(&self.residuals, self.noise_footprints()) {
             // Cameras that are noisy beside each other disagree whatever their depth is taken for.
             let is_noisy = self.cameras.iter().any(|camera| !camera.depth_noise_between.is_empty());
-            let reading = self.better_reading.map(|reading| format!("; {}", reading.sentence()));
+            let reading =
+                self.conventions.as_ref().and_then(Finding::warning).map(|found| format!("; {found}"));
             if reading.is_some() || !is_noisy {
                 let sentence = shared.sentence() + &reading.unwrap_or_default();
                 return normals.into_iter().chain([sentence]).collect();
@@ -221,6 +222,8 @@ pub(crate) struct Tally {
     report: Report,
     frames: u64,
     rate: Rate,
+    depth_claim: DepthClaim,
+    pose_convention: PoseConvention,
     /// Whether nothing was counted yet: the span of all frames comes first, also where a frame is as long.
     is_first: bool,
 }
@@ -262,13 +265,19 @@ impl Tally {
             ..Report::default()
         };
         let rate = Rate::resolve(settings.pruning.rate, &capture.cameras);
-        Self { report, frames, rate, is_first: true }
+        let (depth_claim, pose_convention) = (capture.source.depth_claim(), capture.source.pose_convention());
+        Self { report, frames, rate, depth_claim, pose_convention, is_first: true }
     }
 
     /// Notes how noisy cameras are beside each other, and, where they are, whether depth fits better if it is read otherwise.
     pub(crate) fn add_noise_between(&mut self, cameras: &[Camera], layers: &[CameraLayer]) {
         if layers.iter().any(|layer| layer.noise_between.is_some()) {
-            self.report.better_reading = better_reading(cameras, layers);
+            let claim = (self.depth_claim, self.pose_convention);
+            let found = conventions::check_pictures(cameras, claim, |camera, pixel| {
+                let is_lasting = layers[camera].level[pixel] == ROOT;
+                if is_lasting { layers[camera].inverse_depth[pixel] } else { INVALID_INVERSE_DEPTH }
+            });
+            self.report.conventions = Some(found).filter(|found| found.warning().is_some());
         }
         for (camera, layer) in self.report.cameras.iter_mut().zip(layers) {
             let Some(noise) = &layer.noise_between else { continue };

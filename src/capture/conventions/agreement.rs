@@ -1,0 +1,137 @@
+//! How well the views agree under a reading.
+//!
+//! Source: the outlier test of MPEG's TMIV (`DepthQualityAssessor`): a point carried into another view contradicts it only where it
+//! lies in front of all of 3×3 pixels, since it would have been seen there. What differs: points that agree count for a reading as
+//! those that contradict count against it, so that one that carries all points out of the picture gains nothing.
+
+use glam::{DAffine3, DVec3};
+
+use super::reading::Reading;
+use super::views::View;
+use crate::capture::depth_claim::DepthMeasure;
+
+/// What readings are tried on.
+pub(super) struct Comparison {
+    pub views: Vec<View>,
+    /// Source and target, by their index.
+    pub pairs: Vec<(usize, usize)>,
+    /// Distance of the near plane, world units.
+    pub near_clip: f64,
+    /// The convention of the matrices of [`View::world_from_camera`].
+    pub claimed: Reading,
+}
+
+/// What a point says that was carried into another view.
+enum Vote {
+    Agrees,
+    InFront,
+    Hidden,
+}
+
+impl Comparison {
+    /// World space from our camera space of every view, if its matrix is meant as `reading` says.
+    pub(super) fn poses(&self, reading: &Reading) -> Vec<DAffine3> {
+        let matrix = |view: &View| self.claimed.pose.matrix(&view.world_from_camera);
+        self.views.iter().map(|view| reading.pose.world_from_camera(&matrix(view))).collect()
+    }
+
+    /// Points that agree less those that contradict, as a share of those carried; `points` of each pair, those within `tolerance`
+    /// of a number agree.
+    pub(super) fn score(&self, reading: &Reading, points: usize, tolerance: f64) -> f64 {
+        let poses = self.poses(reading);
+        let (mut votes, mut tried) = (0_i64, 0_usize);
+        for &(from, to) in &self.pairs {
+            let (source, target) = (&self.views[from], &self.views[to]);
+            let target_from_source = poses[to].inverse() * poses[from];
+            for point in source.points.iter().take(points) {
+                tried += 1;
+                let ray = (point.ray, point.ray_length);
+                let z = reading.planar_z(point.value, ray, &poses[from], self.near_clip);
+                let point_in_target = target_from_source.transform_point3(point.ray * z);
+                if !(z > 0.0 && point_in_target.z > 0.0) {
+                    continue;
+                }
+                votes += match self.vote(reading, target, point_in_target, &poses[to], tolerance) {
+                    Some(Vote::Agrees) => 1,
+                    Some(Vote::InFront) => -1,
+                    Some(Vote::Hidden) | None => 0,
+                };
+            }
+        }
+        votes as f64 / tried.max(1) as f64
+    }
+
+    /// What a point in front of a view says about it; `None` where the view has no depth there.
+    fn vote(
+        &self,
+        reading: &Reading,
+        target: &View,
+        point: DVec3,
+        pose: &DAffine3,
+        tolerance: f64,
+    ) -> Option<Vote> {
+        let at = target.intrinsics.project(point)?;
+        let (width, height) = target.intrinsics.size();
+        if !(at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 && at.y < height as f64) {
+            return None;
+        }
+        let ray = point / point.z;
+        let ray = (ray, ray.length());
+        // Whether it lies before all that is there; `None` while nothing is.
+        let mut is_in_front = None;
+        for row in target.around(at) {
+            for &value in row.iter().filter(|value| value.is_finite()) {
+                let there = reading.planar_z(f64::from(value), ray, pose, self.near_clip);
+                // Heights in world space are no distances from the camera: a share of them is allowed, not of the distance.
+                let size = match reading.measure {
+                    DepthMeasure::WorldZ => f64::from(value) * reading.unit / pose.transform_vector3(ray.0).z,
+                    _ => there,
+                };
+                if (point.z - there).abs() <= tolerance * size.abs() {
+                    return Some(Vote::Agrees);
+                }
+                is_in_front = Some(is_in_front.unwrap_or(true) && point.z < there);
+            }
+        }
+        Some(if is_in_front? { Vote::InFront } else { Vote::Hidden })
+    }
+
+    /// How far apart compared cameras stand, as a share of the depth that they see, in the middle; 0 where none can be compared.
+    pub(super) fn baseline_over_depth(&self, reading: &Reading) -> f64 {
+        let poses = self.poses(reading);
+        let share = |&(from, to): &(usize, usize)| {
+            let source = &self.views[from];
+            let value = source.middle_value()?;
+            let axis = (DVec3::Z, 1.0);
+            let depth = reading.planar_z(value, axis, &poses[from], self.near_clip).abs();
+            Some(poses[from].translation.distance(poses[to].translation) / depth)
+        };
+        let mut shares: Vec<f64> =
+            self.pairs.iter().filter_map(share).filter(|share| share.is_finite()).collect();
+        shares.sort_unstable_by(f64::total_cmp);
+        shares.get(shares.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// The depth in the middle of what the views see, under a reading.
+    pub(super) fn middle_depth(&self, reading: &Reading) -> f64 {
+        let poses = self.poses(reading);
+        let depth = |(view, pose): (&View, &DAffine3)| {
+            Some(reading.planar_z(view.middle_value()?, (DVec3::Z, 1.0), pose, self.near_clip).abs())
+        };
+        let mut depths: Vec<f64> = self.views.iter().zip(&poses).filter_map(depth).collect();
+        depths.sort_unstable_by(f64::total_cmp);
+        depths.get(depths.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// Whether two readings put the cameras the same way beside each other, whichever way the world is turned: no agreement
+    /// between views can tell them apart.
+    pub(super) fn are_one_arrangement(&self, a: &Reading, b: &Reading) -> bool {
+        let (poses_a, poses_b) = (self.poses(a), self.poses(b));
+        let scale = poses_a.iter().map(|pose| pose.translation.length()).fold(1e-9, f64::max);
+        self.pairs.iter().all(|&(from, to)| {
+            let relative = |poses: &[DAffine3]| poses[to].inverse() * poses[from];
+            let (a, b) = (relative(&poses_a), relative(&poses_b));
+            a.matrix3.abs_diff_eq(b.matrix3, 1e-4) && a.translation.distance(b.translation) <= 1e-4 * scale
+        })
+    }
+}

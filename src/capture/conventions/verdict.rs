@@ -1,0 +1,276 @@
+//! What follows from the scores: whether the claimed reading stands, which one fits instead, and how sure that is.
+
+use std::fmt::Write;
+
+use serde::{Deserialize, Serialize};
+
+use super::agreement::Comparison;
+use super::reading::Reading;
+use super::search::{NOT_CHANCE, Scored, UNITS};
+use crate::capture::pose_convention::PoseDirection;
+
+/// Another reading has to agree this many times as well to speak against the claimed one, and to be told from others.
+const DECIDES: f64 = 2.0;
+/// From this on it is sure.
+const SURE: f64 = 3.0;
+/// Scores within this ratio are equal; then what was claimed stands.
+const EQUAL: f64 = 1.25;
+/// Cameras that stand closer together, as a share of the depth, cannot tell units apart.
+const MIN_BASELINE: f64 = 0.05;
+/// Units within this ratio are one.
+const SAME_UNIT: f64 = 1.06;
+
+/// What the agreement between views says about a capture's conventions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// The outcome.
+    pub verdict: Verdict,
+    /// How the capture is read.
+    pub claimed: Reading,
+    /// Points of one view that another confirms less those that it contradicts, as a share of all, as the capture is read.
+    pub claimed_score: f64,
+}
+
+/// Whether the claimed reading stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "outcome", rename_all = "snake_case")]
+pub enum Verdict {
+    /// No other reading fits far better.
+    Stands {
+        /// Parts that another reading would fit as well, and why the views cannot tell.
+        undecided: Vec<Undecided>,
+    },
+    /// Another reading fits far better.
+    Other(Box<Alternative>),
+    /// The views say nothing.
+    Unknown {
+        /// Why.
+        why: String,
+    },
+}
+
+/// A reading that fits far better than the claimed one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Alternative {
+    /// The reading.
+    pub reading: Reading,
+    /// Its score, as [`Finding::claimed_score`].
+    pub score: f64,
+    /// How many times as well it fits as any reading of another pose, measure or unit; at most 99.
+    pub margin: f64,
+    /// Parts of it that another reading would fit about as well.
+    pub undecided: Vec<Undecided>,
+    /// Keys of the manifest that say so, with their values as JSON.
+    pub keys: Vec<(String, String)>,
+}
+
+/// Parts of a reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// Direction and axes of poses.
+    Pose,
+    /// What depth measures.
+    Measure,
+    /// The unit of depth.
+    Unit,
+}
+
+/// A part that the views cannot tell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Undecided {
+    /// Which.
+    pub part: Part,
+    /// Why.
+    pub why: String,
+}
+
+/// Decides on readings, best first.
+pub(super) fn decide(comparison: &Comparison, scored: &[Scored]) -> Finding {
+    let claimed = comparison.claimed;
+    let claimed_score = scored.iter().find(|s| s.reading == claimed).map_or(0.0, |s| s.score);
+    let finding = |verdict| Finding { verdict, claimed, claimed_score };
+    let best = scored.first().map_or(0.0, |scored| scored.score);
+    if best < NOT_CHANCE {
+        let why = "the views agree under no reading: they may show different things, poses or lenses may be wrong, or depth too noisy";
+        return finding(Verdict::Unknown { why: why.to_owned() });
+    }
+    let chosen = chosen(comparison, scored, best);
+    let parts = [Part::Pose, Part::Measure, Part::Unit];
+    let undecided = |from: &Scored| -> Vec<Undecided> {
+        let margin = |part| margin(comparison, scored, from, part);
+        let open = parts.into_iter().filter(|part| margin(*part) < DECIDES);
+        open.map(|part| Undecided { part, why: why_undecided(comparison, &from.reading, part) }).collect()
+    };
+    if claimed_score * DECIDES >= best || is_same(comparison, &chosen.reading, &claimed) {
+        let claimed = Scored { reading: claimed, score: claimed_score };
+        return finding(Verdict::Stands { undecided: undecided(&claimed) });
+    }
+    let margins = parts.map(|part| margin(comparison, scored, &chosen, part));
+    finding(Verdict::Other(Box::new(Alternative {
+        reading: chosen.reading,
+        score: chosen.score,
+        margin: margins.into_iter().fold(99.0, f64::min),
+        undecided: undecided(&chosen),
+        keys: keys(comparison, &chosen.reading),
+    })))
+}
+
+/// Of the readings that fit about as well as the best, the one that changes the least of what was claimed.
+fn chosen(comparison: &Comparison, scored: &[Scored], best: f64) -> Scored {
+    let claimed = &comparison.claimed;
+    let changes = |s: &Scored| {
+        let parts = [Part::Pose, Part::Measure, Part::Unit].into_iter();
+        let changed = parts.filter(|part| differs(comparison, &s.reading, claimed, *part)).count();
+        let is_mirrored = comparison.poses(&s.reading).iter().any(|pose| pose.matrix3.determinant() < 0.0);
+        let pose = s.reading.pose;
+        let named = [pose.direction != claimed.pose.direction, pose.axes != claimed.pose.axes];
+        let is_uncommon = !UNITS.contains(&s.reading.unit) && s.reading.unit != claimed.unit;
+        (changed, is_mirrored, named.into_iter().filter(|is_so| *is_so).count(), is_uncommon)
+    };
+    let equal = scored.iter().filter(|s| s.score * EQUAL >= best);
+    equal.min_by_key(|s| changes(s)).copied().unwrap_or(Scored { reading: *claimed, score: 0.0 })
+}
+
+fn is_same(comparison: &Comparison, a: &Reading, b: &Reading) -> bool {
+    [Part::Pose, Part::Measure, Part::Unit].into_iter().all(|part| !differs(comparison, a, b, part))
+}
+
+/// Whether two readings differ in a part so that views could show it.
+fn differs(comparison: &Comparison, a: &Reading, b: &Reading, part: Part) -> bool {
+    match part {
+        Part::Pose => a.pose != b.pose && !comparison.are_one_arrangement(a, b),
+        Part::Measure => !a.measure.is_like(b.measure, comparison.near_clip, comparison.middle_depth(a)),
+        Part::Unit => {
+            let ratio = a.unit / b.unit;
+            ratio.max(ratio.recip()) > SAME_UNIT
+        }
+    }
+}
+
+/// How many times as well a reading fits as any other that differs in a part; at most 99.
+fn margin(comparison: &Comparison, scored: &[Scored], from: &Scored, part: Part) -> f64 {
+    let others = scored.iter().filter(|s| differs(comparison, &s.reading, &from.reading, part));
+    let runner_up = others.map(|s| s.score).fold(0.0, f64::max);
+    (from.score / runner_up.max(1e-3)).min(99.0)
+}
+
+fn why_undecided(comparison: &Comparison, reading: &Reading, part: Part) -> String {
+    let baseline = comparison.baseline_over_depth(reading);
+    match part {
+        Part::Unit if baseline < MIN_BASELINE => format!(
+            "the cameras stand too close together ({:.1} % of the depth) to tell the unit of depth",
+            100.0 * baseline
+        ),
+        Part::Unit => "another unit of depth fits about as well".to_owned(),
+        Part::Pose => {
+            "other axes of the poses fit about as well: cameras that look the same way from one plane, or a scene that is flat or symmetric, cannot tell them".to_owned()
+        }
+        Part::Measure => {
+            "planar depth and distance along the ray fit about as well: the lenses are too narrow, or the depth too noisy, to tell them".to_owned()
+        }
+    }
+}
+
+/// The keys of the manifest by which a reading differs from the claimed one.
+fn keys(comparison: &Comparison, reading: &Reading) -> Vec<(String, String)> {
+    let claimed = &comparison.claimed;
+    let mut keys = Vec::new();
+    if differs(comparison, reading, claimed, Part::Pose) {
+        if reading.pose.direction != claimed.pose.direction {
+            keys.push(("transform_direction", format!("\"{}\"", reading.pose.direction.name())));
+        }
+        if reading.pose.axes != claimed.pose.axes {
+            keys.push(("camera_axes", reading.pose.axes.json()));
+        }
+    }
+    if let Some(kind) = reading.measure.depth_kind()
+        && differs(comparison, reading, claimed, Part::Measure)
+    {
+        keys.push(("depth_kind", format!("\"{kind}\"")));
+    }
+    if differs(comparison, reading, claimed, Part::Unit) {
+        keys.push(("depth_unit_scale_factor", number(reading.unit)));
+    }
+    keys.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
+}
+
+/// A number as a manifest has it.
+fn number(value: f64) -> String {
+    serde_json::to_string(&value).unwrap_or_else(|_| value.to_string())
+}
+
+impl Finding {
+    /// One sentence where another reading fits far better than the claimed one: which, how sure, and the keys to write.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let Verdict::Other(other) = &self.verdict else { return None };
+        let mut said = format!(
+            "the views agree far better ({:.2} of the points, against {:.2} as read) {}",
+            other.score,
+            self.claimed_score.max(0.0),
+            other.meaning(&self.claimed)
+        );
+        let keys: Vec<String> = other.keys.iter().map(|(key, value)| format!("\"{key}\": {value}")).collect();
+        if !keys.is_empty() {
+            let _ = write!(said, "; write {} in the manifest", keys.join(", "));
+        }
+        for undecided in &other.undecided {
+            let _ = write!(said, "; not sure: {}", undecided.why);
+        }
+        if other.undecided.is_empty() {
+            let sure = if other.margin >= SURE { "sure" } else { "likely" };
+            let _ = write!(said, " ({sure}: {:.0} times as well as the next)", other.margin);
+        }
+        Some(said)
+    }
+
+    /// One line whatever the outcome.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        match &self.verdict {
+            Verdict::Other(_) => self.warning().unwrap_or_default(),
+            Verdict::Unknown { why } => format!("conventions cannot be checked: {why}"),
+            Verdict::Stands { undecided } => {
+                let mut said = format!(
+                    "the views agree as the capture is read ({:.2} of the points)",
+                    self.claimed_score
+                );
+                for undecided in undecided {
+                    let _ = write!(said, "; {}", undecided.why);
+                }
+                said
+            }
+        }
+    }
+}
+
+impl Alternative {
+    /// What the numbers mean under this reading where that differs from the claimed one.
+    #[must_use]
+    pub fn meaning(&self, claimed: &Reading) -> String {
+        let mut parts = Vec::new();
+        if self.keys.iter().any(|(key, _)| key == "transform_direction" || key == "camera_axes") {
+            let direction = match self.reading.pose.direction {
+                PoseDirection::CameraToWorld => "camera to world",
+                PoseDirection::WorldToCamera => "world to camera",
+            };
+            parts.push(format!("if poses are {direction} with axes {}", self.reading.pose.axes.words()));
+        }
+        if self.reading.measure != claimed.measure {
+            let mut part = format!("if depth is {}", self.reading.measure.words());
+            if self.reading.measure.depth_kind().is_none() {
+                part += ", which no key of the manifest says: convert it";
+            }
+            parts.push(part);
+        }
+        if self.keys.iter().any(|(key, _)| key == "depth_unit_scale_factor") {
+            parts.push(format!(
+                "if one unit of depth is {} world units instead of {}",
+                number(self.reading.unit),
+                number(claimed.unit)
+            ));
+        }
+        parts.join(" and ")
+    }
+}

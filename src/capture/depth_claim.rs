@@ -1,0 +1,84 @@
+//! What the numbers of depth files measure, and how they were read.
+
+use serde::{Deserialize, Serialize};
+
+/// What a number of depth measures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DepthMeasure {
+    /// Distance along the optical axis.
+    #[default]
+    PlanarZ,
+    /// Distance from the camera along the pixel's ray.
+    RayDistance,
+    /// Distance from the near plane along the pixel's ray.
+    RayDistanceFromNearClip,
+    /// Reciprocal of the distance along the optical axis.
+    InversePlanarZ,
+    /// Reciprocal of the distance from the camera along the pixel's ray.
+    InverseRayDistance,
+    /// The z coordinate of the surface point in world space.
+    WorldZ,
+}
+
+impl DepthMeasure {
+    /// As the manifest's `depth_kind` has it, where it has.
+    #[must_use]
+    pub fn depth_kind(self) -> Option<&'static str> {
+        match self {
+            Self::PlanarZ => Some("planar_z"),
+            Self::RayDistance => Some("ray_distance"),
+            Self::RayDistanceFromNearClip => Some("ray_distance_from_near_clip"),
+            Self::InversePlanarZ | Self::InverseRayDistance | Self::WorldZ => None,
+        }
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::PlanarZ => "depth along the optical axis",
+            Self::RayDistance => "distance along the ray from the camera",
+            Self::RayDistanceFromNearClip => "distance along the ray from the near plane",
+            Self::InversePlanarZ => "the reciprocal of depth along the optical axis",
+            Self::InverseRayDistance => "the reciprocal of distance along the ray",
+            Self::WorldZ => "the z coordinate in world space",
+        }
+    }
+
+    /// Whether two measures differ by less than can be seen at this depth.
+    pub(crate) fn is_like(self, other: Self, near_clip: f64, depth: f64) -> bool {
+        let along_ray = |measure| matches!(measure, Self::RayDistance | Self::RayDistanceFromNearClip);
+        self == other || (along_ray(self) && along_ray(other) && near_clip < 0.01 * depth)
+    }
+}
+
+/// How depth was read: what turns the planar z of a frame back into the number of its file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthClaim {
+    /// What the number is taken for.
+    pub measure: DepthMeasure,
+    /// World units per unit of the file.
+    pub unit: f64,
+    /// Distance of the near plane, world units; 0 where it is not known.
+    pub near_clip: f64,
+}
+
+impl Default for DepthClaim {
+    fn default() -> Self {
+        Self { measure: DepthMeasure::PlanarZ, unit: 1.0, near_clip: 0.0 }
+    }
+}
+
+impl DepthClaim {
+    /// The number of the file that was read as the planar z `z`, for a ray of this length to planar z 1.
+    pub(crate) fn value(&self, z: f64, ray_length: f64) -> f64 {
+        match self.measure {
+            DepthMeasure::RayDistance => z * ray_length / self.unit,
+            DepthMeasure::RayDistanceFromNearClip => (z - self.near_clip) * ray_length / self.unit,
+            DepthMeasure::InversePlanarZ => (z * self.unit).recip(),
+            DepthMeasure::InverseRayDistance => (z * ray_length * self.unit).recip(),
+            DepthMeasure::PlanarZ | DepthMeasure::WorldZ => z / self.unit,
+        }
+    }
+}
