@@ -96,9 +96,9 @@ fn spread_points(intrinsics: &Intrinsics, values: &[f32]) -> Vec<SourcePoint> {
         let ray = intrinsics.ray_in_camera(center(x, y));
         let point = SourcePoint { ray, ray_length: ray.length(), value: f64::from(value) };
         if is_smooth(x, y) {
-            smooth.push(point)
+            smooth.push(point);
         } else {
-            any.push(point)
+            any.push(point);
         }
         if smooth.len() == POINTS {
             break;
