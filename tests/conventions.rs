@@ -238,6 +238,9 @@ fn write_named_keys(manifest: &mut Value, sentence: &str) {
     }
 }
 
+/// The key that tells of a mistake, and the mistake.
+type Plant = (&'static str, Box<dyn Fn(&mut Value)>);
+
 #[test]
 fn a_wrong_key_is_named_and_what_is_named_corrects_the_capture() {
     let right = written(|_| {});
@@ -247,7 +250,6 @@ fn a_wrong_key_is_named_and_what_is_named_corrects_the_capture() {
     let opencv = PoseConvention { axes: CameraAxes::OPENCV, ..PoseConvention::default() };
     let unity: CameraAxes = serde_json::from_value(json!(["right", "up", "forward"])).unwrap();
     let unity = PoseConvention { axes: unity, ..PoseConvention::default() };
-    type Plant<'a> = (&'a str, Box<dyn Fn(&mut Value)>);
     let plants: [Plant; 6] = [
         ("depth_kind", Box::new(|manifest| manifest["depth_kind"] = json!("ray_distance"))),
         ("depth_unit_scale_factor", Box::new(|manifest| manifest["depth_unit_scale_factor"] = json!(0.01))),
