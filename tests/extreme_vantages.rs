@@ -293,7 +293,8 @@ fn a_large_picture_holds_a_few_samples_at_their_places() {
 fn assert_refused(camera: &Camera, what: &str) {
     for settings in all_settings() {
         let message = render(&wall(), camera, &settings).unwrap_err().to_string();
-        let in_one_line = !message.contains('\n') && message.contains(&format!("vantage '{}'", camera.name));
+        let in_one_line =
+            !message.contains('\n') && message.contains(&format!("viewpoint '{}'", camera.name));
         assert!(in_one_line && message.contains(what), "{message}");
     }
 }

@@ -52,6 +52,12 @@ pub(crate) fn camera(index: usize) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
+/// Black or white, whichever reads better on a color.
+pub(crate) fn text_on(background: Color32) -> Color32 {
+    let [r, g, b] = [background.r(), background.g(), background.b()].map(f32::from);
+    if 0.2126 * r + 0.7152 * g + 0.0722 * b > 110.0 { Color32::BLACK } else { Color32::WHITE }
+}
+
 /// A recorded linear color as a display shows it.
 pub(crate) fn recorded(linear: [half::f16; 3]) -> Color32 {
     let [r, g, b] = linear.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8);

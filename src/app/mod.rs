@@ -11,6 +11,7 @@
 //! and asks the workers for what is missing; its `ui` only draws. `model` holds the data, `work` computes, `control` changes
 //! the state, `views` and `panels` draw it.
 
+mod camera_chips;
 mod colormap;
 mod control;
 mod dock;

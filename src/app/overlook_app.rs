@@ -76,6 +76,10 @@ impl OverlookApp {
         let workers = Workers::start(&Outbox::new(sender, ctx.clone()), shared)?;
         let mut state = State::default();
         state.live.shares_device = window.is_some();
+        state.inspector.graphics = window.map(|window| {
+            let adapter = window.adapter.get_info();
+            format!("{} ({})", adapter.name, adapter.backend)
+        });
         let dock = Memory::load(storage).restore(&mut state);
         if storage.is_none() {
             // Nothing can be remembered, so that it would be a first run every time.

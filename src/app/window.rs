@@ -44,7 +44,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     panels::naming_ui(ui.ctx(), state, commands);
     panels::introduction_ui(ui.ctx(), state, commands);
     panels::palette_ui(ui.ctx(), state, commands);
-    panels::cheat_sheet_ui(ui.ctx(), state, commands);
+    panels::help_ui(ui.ctx(), state, commands);
     panels::closing_ui(ui.ctx(), state, commands);
     drop_hint_ui(ui);
 }
@@ -70,15 +70,9 @@ pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands
 
 fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
     if let Some(opening) = &state.opening {
-        empty_ui(
-            ui,
-            ICON_HOURGLASS_TOP,
-            &format!("Opening {opening}"),
-            "The first picture is on its way.",
-            |ui| {
-                ui.add(egui::Spinner::new().size(22.0));
-            },
-        );
+        empty_ui(ui, ICON_HOURGLASS_TOP, &format!("Opening {opening}"), "Reading the first frame.", |ui| {
+            ui.add(egui::Spinner::new().size(22.0));
+        });
         return;
     }
     let text = "Open the folder of a capture as its program or app wrote it, or a store that was saved before. \
@@ -87,7 +81,7 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         for (name, command) in [
             ("Open folder…", Command::AskPath(Purpose::OpenFolder)),
             ("Open file…", Command::AskPath(Purpose::OpenFile)),
-            ("Show the orrery", Command::OpenDemo("orrery".to_owned())),
+            ("Open the demo scene", Command::OpenDemo("orrery".to_owned())),
         ] {
             if ui.button(name).clicked() {
                 commands.push(command);

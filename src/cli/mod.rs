@@ -55,13 +55,13 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum CliCommand {
-    /// Write a built-in scene as a capture: EXR, transforms.json, and truth vantages in DIR/novel.
+    /// Write a built-in scene as a capture: EXR, transforms.json, and true pictures of new viewpoints in DIR/novel.
     Demo(commands::demo::DemoArgs),
     /// Say what a capture or a store holds.
     Info(commands::info::InfoArgs),
     /// Drop what is redundant in a capture and write the rest as a store.
     Preprocess(commands::preprocess::PreprocessArgs),
-    /// Paint a store from any vantages, and score the pictures where the truth is known.
+    /// Render a store from any viewpoints, and score the pictures where the truth is known.
     Render(commands::render::RenderArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
     Evaluate(commands::evaluate::EvaluateArgs),
@@ -71,7 +71,7 @@ enum CliCommand {
     Stress(commands::stress::StressArgs),
     /// Find the simplest settings, and the fewest cameras, that are as accurate as the best.
     Tune(commands::tune::TuneArgs),
-    /// Write what a store holds in forms that other programs read: points, pictures, a film.
+    /// Write what a store holds in forms that other programs read: points, pictures, a video.
     Export(commands::export::ExportArgs),
     /// Read everything in a store and say what is damaged.
     Verify(commands::verify::VerifyArgs),

@@ -287,7 +287,7 @@ impl Renderer {
 
     fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
         if let Adapter::Missing(why) = &self.adapter {
-            self.notice = Some(format!("the CPU paints: {why}"));
+            self.notice = Some(format!("the CPU renders: {why}"));
         }
         let Request { samples, vantage, settings, job } = *request;
         let painted = self.try_gpu(|gpu| gpu.render(samples, vantage, settings, job))?;
@@ -304,7 +304,7 @@ impl Renderer {
                 Ok(Some(painted))
             }
             Err(Error::Gpu { what }) => {
-                self.notice = Some(format!("the CPU paints: {what}"));
+                self.notice = Some(format!("the CPU renders: {what}"));
                 if gpu.context.is_lost() {
                     self.adapter = Adapter::Missing(what);
                 }
@@ -367,7 +367,7 @@ mod tests {
             renderer.render(&samples, &vantage, &settings(backend), &Job::new()).unwrap();
             renderer.notice().map(str::to_owned)
         };
-        assert_eq!(notice(Backend::Gpu).as_deref(), Some("the CPU paints: there is none"));
+        assert_eq!(notice(Backend::Gpu).as_deref(), Some("the CPU renders: there is none"));
         assert_eq!(notice(Backend::Auto), None);
         // A card that was found to be faster, and is gone, is missed.
         let faster = HashMap::from([(settings(Backend::Auto).kernel, Backend::Gpu)]);
@@ -392,7 +392,7 @@ mod tests {
         for _ in 0..2 {
             let picture = paint(&mut renderer);
             assert_eq!(renderer.painter(), Some(&Painter::cpu()));
-            assert!(renderer.notice().unwrap().starts_with("the CPU paints: "), "{:?}", renderer.notice());
+            assert!(renderer.notice().unwrap().starts_with("the CPU renders: "), "{:?}", renderer.notice());
             assert!(picture.holes() < 48 * 36);
         }
         assert!(matches!(renderer.adapter, Adapter::Missing(_)));

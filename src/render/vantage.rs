@@ -23,7 +23,7 @@ impl Vantage {
     /// # Errors
     /// [`Error::Invalid`] naming the vantage and the part of it that is wrong.
     pub fn check(&self, samples: &SampleSet) -> Result<()> {
-        let refuse = |what: String| Err(Error::invalid(format!("vantage '{}'", self.camera.name), what));
+        let refuse = |what: String| Err(Error::invalid(format!("viewpoint '{}'", self.camera.name), what));
         let k = self.camera.intrinsics;
         if ![k.fx, k.fy].iter().all(|focal| focal.is_finite() && *focal > 0.0) {
             return refuse(

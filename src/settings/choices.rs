@@ -65,7 +65,7 @@ choice! {
     pub enum MixedPixels {
         /// They are samples like any other.
         Keep = "keep",
-        /// They lose against clean samples of the same surface, whatever the rates; those in the air their own camera looks past.
+        /// They lose against clean samples of the same surface, whatever the rates; flying pixels are contradicted by their own camera.
         Yield = "yield",
         /// They are removed before anything else.
         Drop = "drop",
@@ -73,11 +73,11 @@ choice! {
 }
 
 choice! {
-    /// What becomes of samples that other cameras look past, and how noise between cameras is treated.
+    /// What becomes of samples that other cameras contradict, and how noise between cameras is treated.
     pub enum AgreementRule {
         /// Nothing is asked of other cameras, and noise between them is not measured.
         Off = "off",
-        /// A sample is dropped where more cameras look past it than confirm it.
+        /// A sample is dropped where more cameras contradict it than confirm it.
         Majority = "majority",
     }
 }
@@ -109,7 +109,7 @@ choice! {
 }
 
 choice! {
-    /// How a sample is painted into the picture.
+    /// How samples become pixels.
     pub enum Kernel {
         /// One pixel per sample.
         Point = "point",
@@ -135,13 +135,13 @@ choice! {
 }
 
 choice! {
-    /// What paints.
+    /// What renders.
     pub enum Backend {
-        /// The faster of processor and graphics card, as measured on the first picture.
+        /// The faster of CPU and GPU, as measured on the first picture.
         Auto = "auto",
-        /// The processor.
+        /// The CPU.
         Cpu = "cpu",
-        /// The graphics adapter, be it a program that stands in for one.
+        /// The GPU, or a software Vulkan driver.
         Gpu = "gpu",
     }
 }

@@ -81,15 +81,15 @@ section! {
         /// Whether a foreground sample may be dropped for a background sample that shows the same point.
         across_spans: bool = true, "", ValueKind::Switch;
         /// Whether a sample is dropped only where its witness's camera shows the surface on all four pixels around the
-        /// point: what is left then overlaps by a pixel at seams and silhouettes, and can be interpolated there.
+        /// point: what is left then overlaps by a pixel at depth edges, and can be interpolated there.
         overlap: bool = true, "", ValueKind::Switch;
         /// What happens to samples whose color is blended across a silhouette, or, where other cameras are asked, whose depth lies in the
         /// air between its sides.
         mixed_pixels: MixedPixels = MixedPixels::Yield, "", ValueKind::Choice(MixedPixels::NAMES);
-        /// What becomes of samples that other cameras look past. Where cameras are asked, noise between them is measured, and
+        /// What becomes of samples that other cameras contradict, as they see through to what lies behind. Where cameras are asked, noise between them is measured, and
         /// granted where it exceeds the tolerances.
         agreement: AgreementRule = AgreementRule::Majority, "", ValueKind::Choice(AgreementRule::NAMES);
-        /// By how many the cameras that look past a sample must outnumber those that confirm it, its own among them, for it to
+        /// By how many the cameras that contradict a sample must outnumber those that confirm it, its own among them, for it to
         /// be dropped.
         agreement_margin: u32 = 1, "cameras", ValueKind::Integer { min: 1, max: 64 };
     }
@@ -110,9 +110,9 @@ section! {
 }
 
 section! {
-    /// Painting the kept samples into a vantage.
+    /// Rendering the kept samples from a viewpoint.
     pub struct RenderSettings in "render" {
-        /// How a sample is painted into the picture.
+        /// How samples become pixels.
         kernel: Kernel = Kernel::Gather, "", ValueKind::Choice(Kernel::NAMES);
         /// How pixels without any sample are filled.
         fill: Fill = Fill::PushPull, "", ValueKind::Choice(Fill::NAMES);
@@ -121,10 +121,10 @@ section! {
         free_space: bool = true, "", ValueKind::Switch;
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
         depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
-        /// Whether a picture that is coarser than what was recorded is painted finer and averaged, by kernels that interpolate, and
+        /// Whether a picture that is coarser than what was recorded is rendered finer and averaged, by kernels that interpolate, and
         /// silhouettes are found at half a pixel by `gather`.
         antialias: bool = true, "", ValueKind::Switch;
-        /// What paints.
+        /// What renders.
         backend: Backend = Backend::Auto, "", ValueKind::Choice(Backend::NAMES);
     }
 }
@@ -143,7 +143,7 @@ pub struct Settings {
     pub pruning: PruningSettings,
     /// The file.
     pub store: StoreSettings,
-    /// Painting.
+    /// Rendering.
     pub render: RenderSettings,
 }
 

@@ -40,15 +40,15 @@ fn live_picture(window: &mut Window) -> image::RgbaImage {
 
 /// Has the GPU paint, which leaves holes and tests no lines of sight, and steps until a picture in motion is shown.
 fn set_in_motion(window: &mut Window) {
-    window.get_by_label("Render free space").scroll_to_me();
+    window.get_by_label("Line-of-sight test").scroll_to_me();
     window.run_steps(3);
-    click(window, "Render free space");
-    window.get_by_label("Render fill").scroll_to_me();
+    click(window, "Line-of-sight test");
+    window.get_by_label("Hole filling").scroll_to_me();
     window.run_steps(3);
-    pick(window, "Render fill", "None");
-    window.get_by_label("Render backend").scroll_to_me();
+    pick(window, "Hole filling", "None");
+    window.get_by_label("Renderer").scroll_to_me();
     window.run_steps(3);
-    pick(window, "Render backend", "Gpu");
+    pick(window, "Renderer", "GPU");
     settle(window);
     assert!(!window.state().live_is_on_device(), "a still picture can be asked about");
     click(window, "Step forward");

@@ -11,19 +11,19 @@ use egui_kittest::kittest::Queryable;
 fn a_pixel_clicked_in_the_source_is_argued_about_by_every_camera() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    assert!(shows(&window, "No pixel is looked at"));
+    assert!(shows(&window, "No pixel selected"));
     look_at(&mut window, "Source picture", vec2(0.5, 0.6));
     settle(&mut window);
     let kept = window.state().probed_pixel().unwrap();
     for camera in ["front", "left", "right"] {
         assert!(window.query_by_label(&format!("Go to the point in {camera}")).is_some(), "{camera}");
     }
-    assert!(shows(&window, "its own pixel") && shows(&window, "Spans of the pixel: "));
+    assert!(shows(&window, "this pixel") && shows(&window, "Spans of the pixel: "));
     // Kept: pointing elsewhere changes nothing until it is let go of.
     window.hover_at(window.get_by_label("Source picture").rect().min + vec2(120.0, 60.0));
     settle(&mut window);
     assert_eq!(window.state().probed_pixel().unwrap(), kept);
-    click(&mut window, "Let go of pixel");
+    click(&mut window, "Unpin pixel");
     window.hover_at(window.get_by_label("Source picture").rect().min + vec2(122.0, 64.0));
     settle(&mut window);
     assert_ne!(window.state().probed_pixel().unwrap(), kept);
@@ -57,7 +57,7 @@ fn a_pixel_clicked_in_the_live_view_leads_to_the_camera_that_painted_it() {
     assert!(shows(&window, "Kept:"), "what is painted was kept");
     window.key_press(Key::Escape);
     // The pointer still rests on it.
-    wait(&mut window, "the pixel under the pointer", |window| window.query_by_label("Keep pixel").is_some());
+    wait(&mut window, "the pixel under the pointer", |window| window.query_by_label("Pin pixel").is_some());
 }
 
 #[test]
@@ -65,10 +65,10 @@ fn views_open_from_the_menu_and_the_layout_is_reset() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     for (view, holds) in [
-        ("Matrix", "Who stands for whom"),
+        ("Matrix", "Which camera replaces which"),
         ("Time", "Span map"),
         ("Memory", "of samples in memory"),
-        ("Stability", "No stress test yet"),
+        ("Stress test", "No stress test yet"),
         ("Log", "Pruned the capture"),
         ("Report", "What was redundant, and why"),
     ] {
@@ -78,7 +78,7 @@ fn views_open_from_the_menu_and_the_layout_is_reset() {
     click(&mut window, "Views");
     click(&mut window, "Reset layout");
     settle(&mut window);
-    assert!(shows(&window, "No pixel is looked at") && window.query_by_label("Stability").is_none());
+    assert!(shows(&window, "No pixel selected") && window.query_by_label("Stress test").is_none());
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn both_views_show_which_samples_others_confirm_and_a_store_says_that_it_does_no
     }
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
-    assert!(shows(&window, "A store does not say who agrees"));
+    assert!(shows(&window, "A store does not record agreement"));
 }
 
 #[test]
@@ -113,11 +113,11 @@ fn the_pixel_stays_while_time_passes_and_overlays_change() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     look_at(&mut window, "Source picture", vec2(0.5, 0.6));
-    for overlay in ["Who won", "Motion"] {
+    for overlay in ["Kept by", "Motion"] {
         choose(&mut window, "Source shows", overlay);
         window.key_press(Key::Period);
         settle(&mut window);
-        wait(&mut window, "the argument", |window| shows(window, "its own pixel"));
+        wait(&mut window, "the argument", |window| shows(window, "this pixel"));
     }
     assert_eq!(window.state().frame(), 2);
 }
@@ -128,7 +128,7 @@ fn a_threshold_is_dragged_on_its_histogram_and_taken_back() {
     settle(&mut window);
     let tolerance = |window: &Window| window.state().settings().pruning.depth_tolerance;
     assert_eq!(tolerance(&window), 1.0);
-    drag(&mut window, "Pruning depth tolerance on its histogram", vec2(0.52, 0.6), vec2(60.0, 0.0));
+    drag(&mut window, "Depth tolerance on its histogram", vec2(0.52, 0.6), vec2(60.0, 0.0));
     let dragged = tolerance(&window);
     assert!(dragged > 2.0, "{dragged}");
     settle(&mut window);
@@ -149,7 +149,7 @@ fn presets_are_taken_and_two_settings_take_turns() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     click(&mut window, "Settings B");
-    pick(&mut window, "Presets", "Careful");
+    pick(&mut window, "Presets", "Conservative");
     assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
     click(&mut window, "Settings A");
     assert_eq!(window.state().settings(), &overlook::settings::Settings::default());
@@ -163,8 +163,8 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     open_view(&mut window, "Compare");
-    wait(&mut window, "the comparison", |window| shows(window, "of pixels are covered on one side only"));
-    assert!(shows(&window, "dB apart") || shows(&window, "equal where both"));
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels covered on one side only"));
+    assert!(shows(&window, "PSNR ") || shows(&window, "identical where both"));
     drag(&mut window, "Comparison", vec2(0.5, 0.5), vec2(40.0, 0.0));
     choose(&mut window, "Compare by", "Flip");
     pick(&mut window, "Right side", "Kernel point");
@@ -173,7 +173,7 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     assert!(shows(&window, "8-bit steps"));
     click(&mut window, "Lock the range");
     assert!(window.query_by_label("Fit the range").is_some());
-    for (measure, bar) in [("Brighter", "brighter, 8-bit steps"), ("FLIP", "FLIP 0")] {
+    for (measure, bar) in [("Signed", "brighter, 8-bit steps"), ("FLIP", "FLIP 0")] {
         choose(&mut window, "Difference in", measure);
         settle(&mut window);
         assert!(shows(&window, bar) && window.query_by_label("Lock the range").is_some(), "{measure}");
@@ -193,7 +193,7 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     settle(&mut window);
     window.hover_at(egui::pos2(5.0, 5.0));
     window.run_steps(3);
-    assert!(shows(&window, "FLIP on average"));
+    assert!(shows(&window, "mean FLIP"));
     assert!(window.state().notices().is_empty());
 }
 
@@ -213,7 +213,7 @@ fn in_a_small_window_what_is_compared_stands_above_and_how_below() {
     };
     let above = row(&["Left side", "Right side", "From"]);
     let below = row(&["Compare by: Wipe", "Compare by: Flip", "Compare by: Difference"]);
-    row(&["Difference in: Steps", "Difference in: Brighter", "Difference in: FLIP"]);
+    row(&["Difference in: Absolute", "Difference in: Signed", "Difference in: FLIP"]);
     assert!(above.bottom() <= below.top() && above.left() - below.left() < 1.0);
 }
 
@@ -221,13 +221,13 @@ fn in_a_small_window_what_is_compared_stands_above_and_how_below() {
 fn settings_are_kept_under_a_name_put_on_again_and_forgotten() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    pick(&mut window, "Presets", "Bold");
+    pick(&mut window, "Presets", "Aggressive");
     let bold = window.state().settings().clone();
     click(&mut window, "Presets");
-    click(&mut window, "Keep these settings…");
+    click(&mut window, "Save as preset…");
     window.get_by_label("Name of the preset").type_text("my own");
     window.run_steps(3);
-    click(&mut window, "Keep this preset");
+    click(&mut window, "Save this preset");
     pick(&mut window, "Presets", "Balanced");
     assert_ne!(window.state().settings(), &bold);
     pick(&mut window, "Presets", "my own");
@@ -259,23 +259,23 @@ fn the_span_map_shows_every_level_of_the_tree_and_takes_to_its_frames() {
 fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
     let mut window = open(demo(2, 2, (48, 36)), SIZE);
     settle(&mut window);
-    open_view(&mut window, "Stability");
+    open_view(&mut window, "Stress test");
     assert!(shows(&window, "No stress test yet"));
-    open_view(&mut window, "Speed and accuracy");
+    open_view(&mut window, "Sweep");
     assert!(shows(&window, "No sweep yet"));
     click(&mut window, "Run a sweep");
-    wait(&mut window, "the first points", |window| shows(window, "2 settings; click one to put it on"));
-    assert!(window.query_by_label("Speed and accuracy chart").is_some());
-    assert!(shows(&window, "settings it started from") && shows(&window, "best lossless by both axes"));
+    wait(&mut window, "the first points", |window| shows(window, "2 settings; click one to apply it"));
+    assert!(window.query_by_label("Sweep chart").is_some());
+    assert!(shows(&window, "settings it started from") && shows(&window, "Pareto front (lossless)"));
     assert!(shows(&window, "Sweep: "), "the line at the bottom");
-    pick(&mut window, "Along axis", "Painting a view, ms");
+    pick(&mut window, "X axis", "Rendering a view, ms");
     window.key_press(Key::Escape);
     settle(&mut window);
     let notices = window.state().notices();
     assert!(notices.len() == 1 && notices[0].starts_with("Sweep stopped: After "), "{notices:?}");
     let known: usize =
         notices[0]["Sweep stopped: After ".len()..].split(' ').next().unwrap().parse().unwrap();
-    click(&mut window, "Go on");
+    click(&mut window, "Resume");
     wait(&mut window, "another point", |window| {
         (known + 1..known + 20).any(|count| shows(window, &format!("{count} settings; click one")))
     });
@@ -307,6 +307,6 @@ fn kernels_are_compared_on_an_opened_store() {
     pick(&mut window, "Left side", "Kernel point");
     // Over the pictures the pointer asks for a pixel.
     window.hover_at(egui::pos2(5.0, 5.0));
-    wait(&mut window, "the comparison", |window| shows(window, "of pixels are covered on one side only"));
-    assert!(shows(&window, "dB apart"), "two empty pictures are equal");
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels covered on one side only"));
+    assert!(shows(&window, "PSNR "), "two empty pictures are equal");
 }

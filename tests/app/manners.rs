@@ -38,17 +38,17 @@ fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
     };
     let mut window = start(storage.clone());
     settle(&mut window);
-    for title in ["Point at a pixel", "Fly through what is left", "Turn a threshold"] {
+    for title in ["Point at a pixel", "Fly through what is left", "Change a threshold"] {
         assert!(shows(&window, title), "{title}");
     }
     click(&mut window, "Got it");
     assert!(window.query_by_label("Got it").is_none());
     click(&mut window, "Presets");
-    click(&mut window, "Keep these settings…");
+    click(&mut window, "Save as preset…");
     window.get_by_label("Name of the preset").type_text("remembered");
     window.run_steps(3);
-    click(&mut window, "Keep this preset");
-    open_view(&mut window, "Stability");
+    click(&mut window, "Save this preset");
+    open_view(&mut window, "Stress test");
     eframe::App::save(window.state_mut(), &mut *storage.lock().unwrap());
     let mut again = start(storage);
     settle(&mut again);
@@ -93,7 +93,7 @@ fn closing_while_pictures_are_written_asks_first() {
     wait(&mut window, "the export", |window| window.query_by_label("Path").is_none());
     close(&mut window);
     assert!(shows(&window, "Close before all is written?"));
-    click(&mut window, "Stay");
+    click(&mut window, "Cancel closing");
     assert!(!shows(&window, "Close before all is written?"));
     click(&mut window, "Cancel");
     settle(&mut window);
@@ -111,7 +111,7 @@ fn a_camera_path_is_lost_only_after_a_question() {
     window.run_steps(2);
     close(&mut window);
     assert!(shows(&window, "Close without saving?") && shows(&window, "the camera path (1 key)"));
-    click(&mut window, "Stay");
+    click(&mut window, "Cancel closing");
     window.key_press(Key::K);
     window.run_steps(2);
     for _ in 0..2 {
@@ -156,11 +156,9 @@ fn a_path_that_is_taken_asks_in_its_field_and_a_second_press_replaces() {
 fn what_an_empty_view_offers_is_within_it() {
     let mut window = open(small_demo(), [SIZE[0], 620.0]);
     settle(&mut window);
-    for (view, button) in [
-        ("Camera path", "Add key here (K)"),
-        ("Speed and accuracy", "Run a sweep"),
-        ("Stability", "Run a stress test"),
-    ] {
+    for (view, button) in
+        [("Camera path", "Add key here (K)"), ("Sweep", "Run a sweep"), ("Stress test", "Run a stress test")]
+    {
         open_view(&mut window, view);
         let (offered, below) =
             (window.get_by_label(button).rect(), window.get_by_label("Timeline").rect().top());
@@ -174,11 +172,11 @@ fn closing_with_changed_thresholds_asks_first() {
     settle(&mut window);
     close(&mut window);
     assert!(!shows(&window, "Close without saving?"), "nothing was changed");
-    drag(&mut window, "Pruning depth tolerance on its histogram", vec2(0.6, 0.6), vec2(30.0, 0.0));
+    drag(&mut window, "Depth tolerance on its histogram", vec2(0.6, 0.6), vec2(30.0, 0.0));
     settle(&mut window);
     close(&mut window);
     assert!(shows(&window, "Close without saving?"));
-    click(&mut window, "Stay");
+    click(&mut window, "Cancel closing");
     assert!(!shows(&window, "Close without saving?"));
 }
 
@@ -192,16 +190,16 @@ fn welcome() -> Start {
 fn the_scene_of_a_start_without_a_path_moves_by_itself_and_a_clicked_pixel_stops_it() {
     let mut window = open(welcome(), SIZE);
     wait(&mut window, "time to pass", |window| window.state().frame() > 0);
-    assert!(shows(&window, "dB by pruning"), "what pruning cost was known before");
+    assert!(shows(&window, "dB vs unpruned"), "what pruning cost was known before");
     let picture = window.get_by_label("Source picture").rect();
     window.hover_at(picture.center());
     wait(&mut window, "a word on why there is no verdict", |window| {
-        shows(window, "In motion: pause, or click")
+        shows(window, "Playing: pause, or click")
     });
     assert!(!shows(&window, "Infinitely far"), "nothing is said of a depth that nobody asked for");
     look_at(&mut window, "Source picture", vec2(0.5, 0.6));
     settle(&mut window);
-    assert!(shows(&window, "its own pixel") && window.query_by_label("Play").is_some());
+    assert!(shows(&window, "this pixel") && window.query_by_label("Play").is_some());
     let frame = window.state().frame();
     window.run_steps(20);
     assert_eq!(window.state().frame(), frame);
@@ -220,7 +218,7 @@ fn whoever_takes_over_before_is_not_set_in_motion() {
     let mut window = taken_over.expect("one of ten keys comes before the motion");
     settle(&mut window);
     window.run_steps(20);
-    assert!(shows(&window, "dB by pruning") && window.query_by_label("Play").is_some());
+    assert!(shows(&window, "dB vs unpruned") && window.query_by_label("Play").is_some());
     assert!(window.state().frame() <= 1);
 }
 
@@ -230,15 +228,15 @@ fn the_palette_does_anything_by_its_name() {
     settle(&mut window);
     window.key_press_modifiers(Modifiers::COMMAND, Key::P);
     window.run_steps(3);
-    window.get_by_label("Command").type_text("view stability");
+    window.get_by_label("Command").type_text("view stress");
     window.run_steps(3);
     window.key_press(Key::Enter);
     window.run_steps(3);
     assert!(shows(&window, "No stress test yet") && window.query_by_label("Command").is_none());
     click(&mut window, "Commands");
-    window.get_by_label("Command").type_text("pruning.method off");
+    window.get_by_label("Command").type_text("pruning method off");
     window.run_steps(3);
-    click(&mut window, "Do: Set pruning.method to off");
+    click(&mut window, "Do: Pruning method: Off");
     settle(&mut window);
     let (report, _) = window.state().report().unwrap();
     assert_eq!(window.state().settings().pruning.method, overlook::settings::PruningMethod::Off);
@@ -249,11 +247,12 @@ fn the_palette_does_anything_by_its_name() {
 fn the_sheet_of_keys_opens_and_closes() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    click(&mut window, "Keys");
-    assert!(shows(&window, "Keys and mouse") && shows(&window, "do anything by its name"));
+    click(&mut window, "Help");
+    click(&mut window, "Keyboard and mouse shortcuts");
+    assert!(shows(&window, "Keyboard and mouse shortcuts") && shows(&window, "find any command by name"));
     window.key_press(Key::Escape);
     window.run_steps(3);
-    assert!(!shows(&window, "Keys and mouse"));
+    assert!(!shows(&window, "Keyboard and mouse shortcuts"));
 }
 
 #[test]
@@ -289,7 +288,7 @@ fn a_camera_path_is_set_played_and_exported() {
     let first = image::open(pictures.join("0001.png")).unwrap();
     assert!(first.width() > 20);
     let film = folder.path().join("no/such/folder/film.mp4");
-    export_to(&mut window, "Film to path…", &film);
+    export_to(&mut window, "Video to path…", &film);
     wait(&mut window, "what went wrong", |window| {
         window.state().notices().iter().any(|notice| notice.starts_with("Could not export the camera path"))
     });
@@ -329,7 +328,7 @@ fn twice_the_scale_shows_the_same_window() {
         .with_os(egui::os::OperatingSystem::Nix)
         .build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, None, start).unwrap());
     settle(&mut window);
-    for name in ["Source picture", "Live picture", "Thresholds", "Pixel", "Timeline"] {
+    for name in ["Source picture", "Live picture", "Settings", "Pixel", "Timeline"] {
         let area = window.get_by_label(name).rect();
         assert!(
             area.width() > 20.0 && area.right() <= SIZE[0] && area.bottom() <= SIZE[1],

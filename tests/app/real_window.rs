@@ -201,7 +201,7 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     wait_for_pictures(&display, folder.path());
 
     // The line on the depth tolerance's histogram; the rerun that this starts is cancelled, and the next one runs through.
-    let line = place_of("Pruning depth tolerance on its histogram", &capture, 0.6);
+    let line = place_of("Depth tolerance on its histogram", &capture, 0.6);
     let [x, y] = line.each_ref().map(String::as_str);
     drag(&display, [x, y], "15");
     xdotool(&display, &["key", "Escape"]).unwrap();
@@ -281,7 +281,7 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     let at = |name: &str| folder.path().join(name);
     let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
     write_stand_in_for_ffmpeg(folder.path());
-    let [pixel, line] = [("Source picture", 0.5), ("Pruning depth tolerance on its histogram", 0.6)]
+    let [pixel, line] = [("Source picture", 0.5), ("Depth tolerance on its histogram", 0.6)]
         .map(|(name, share)| place_of(name, &capture, share));
     let (_server, display) = start_display();
     let mut program = start_program(&display, folder.path(), &[]);

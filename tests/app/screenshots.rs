@@ -120,7 +120,7 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     let mut window = open(orrery(), [1280.0, 800.0]);
     settle(&mut window);
     shoot(&mut window, "main_dark");
-    choose(&mut window, "Source shows", "Who won");
+    choose(&mut window, "Source shows", "Kept by");
     choose(&mut window, "Live view shows", "Camera");
     click(&mut window, "Report");
     look_at(&mut window, "Source picture", egui::vec2(0.62, 0.55));
@@ -131,7 +131,7 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     shoot(&mut window, "cameras");
     choose(&mut window, "Source shows", "Sampling");
     choose(&mut window, "Live view shows", "Sampling");
-    click(&mut window, "Thresholds");
+    click(&mut window, "Settings");
     settle(&mut window);
     shoot(&mut window, "sampling_ratio");
     choose(&mut window, "Live view shows", "Picture");
@@ -182,7 +182,7 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     settle(&mut window);
     shoot(&mut window, "camera_path");
     open_view(&mut window, "Log");
-    open_view(&mut window, "Speed and accuracy");
+    open_view(&mut window, "Sweep");
     click(&mut window, "Run a sweep");
     let points = if updating() { "12 settings; click one" } else { "1 settings; click one" };
     wait(&mut window, "the points", |window| window.query_all_by_label_contains(points).next().is_some());

@@ -7,7 +7,7 @@ use super::driver::{
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-const FIELD: &str = "Pruning depth tolerance";
+const FIELD: &str = "Depth tolerance";
 
 fn tolerance(window: &Window) -> f32 {
     window.state().settings().pruning.depth_tolerance
@@ -45,7 +45,7 @@ fn escape_leaves_a_number_as_it_was_and_nothing_else() {
 fn undo_and_redo_while_a_number_is_typed_are_not_meant_at_the_settings() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    pick(&mut window, "Presets", "Bold");
+    pick(&mut window, "Presets", "Aggressive");
     type_number(&mut window, "7");
     for key in [Key::Z, Key::Y] {
         window.key_press_modifiers(Modifiers::COMMAND, key);
@@ -104,13 +104,11 @@ fn the_palette_offers_only_painting_where_a_store_keeps_its_thresholds() {
         found
     };
     let hidden =
-        ["Undo", "Reset all settings", "Switch between", "Preset: Bold", "Set pruning.method to off"];
+        ["Undo", "Reset all settings", "Switch between", "Preset: Aggressive", "Pruning method: Off"];
     assert!(hidden.iter().all(|name| offers(&mut window, name)));
     open_store(&mut window, &path);
     for name in hidden {
         assert!(!offers(&mut window, name), "{name}");
     }
-    assert!(
-        offers(&mut window, "Set render.kernel to point") && offers(&mut window, "Keep settings as a preset")
-    );
+    assert!(offers(&mut window, "Kernel: Point") && offers(&mut window, "Save settings as a preset"));
 }

@@ -21,7 +21,7 @@ fn a_demo_opens_and_both_views_show_it() {
     assert_eq!(report.samples_in, 3 * 4 * 96 * 72);
     let (_, coverage) = window.state().live_coverage().unwrap();
     assert!(coverage > 0.1, "{coverage}");
-    assert!(shows(&window, "Samples kept") && shows(&window, "dB by pruning"));
+    assert!(shows(&window, "Samples kept") && shows(&window, "dB vs unpruned"));
     assert!(window.state().notices().is_empty());
 }
 
@@ -36,7 +36,7 @@ fn a_changed_threshold_previews_at_once_and_reruns_the_capture() {
     settle(&mut window);
     let (report, current) = window.state().report().unwrap();
     assert!(current && report.samples_kept > before);
-    click(&mut window, "Reset pruning.method");
+    click(&mut window, "Reset Pruning method");
     settle(&mut window);
     assert_eq!(window.state().report().unwrap().0.samples_kept, before);
 }
@@ -101,7 +101,7 @@ fn holes_that_the_settings_leave_are_hatched_and_the_toolbar_fills_them_again() 
     let mut window = open(small_demo(), [SIZE[0], 2100.0]);
     settle(&mut window);
     let (filled, coverage) = (live_picture(&mut window), window.state().live_coverage());
-    pick(&mut window, "Render fill", "None");
+    pick(&mut window, "Hole filling", "None");
     settle(&mut window);
     assert_eq!(window.state().settings().render.fill, Fill::None);
     assert!(shows(&window, HATCHED) && !shows(&window, FILLED));
@@ -189,7 +189,7 @@ fn the_live_view_orbits_jumps_and_comes_home() {
 fn every_overlay_and_coloring_can_be_chosen() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    for overlay in ["Who won", "Agreement", "Sampling", "Motion", "Tiles", "Depth", "Normals", "Picture"] {
+    for overlay in ["Kept by", "Agreement", "Sampling", "Motion", "Tiles", "Depth", "Normals", "Picture"] {
         choose(&mut window, "Source shows", overlay);
         settle(&mut window);
     }
@@ -201,7 +201,7 @@ fn every_overlay_and_coloring_can_be_chosen() {
     window.run_steps(3);
     assert!(shows(&window, "Kept:") || shows(&window, "Dropped:"));
     click(&mut window, "Report");
-    assert!(shows(&window, "Who stands for whom"));
+    assert!(shows(&window, "Which camera replaces which"));
     click(&mut window, "Light theme");
     settle(&mut window);
     assert!(window.state().notices().is_empty());
@@ -252,7 +252,7 @@ fn a_broken_file_gives_a_readable_message_and_the_window_stays_up() {
 fn one_camera_and_one_frame_are_enough() {
     let mut window = open(demo(1, 1, (64, 48)), SIZE);
     settle(&mut window);
-    for overlay in ["Who won", "Sampling", "Tiles"] {
+    for overlay in ["Kept by", "Sampling", "Tiles"] {
         choose(&mut window, "Source shows", overlay);
         settle(&mut window);
     }

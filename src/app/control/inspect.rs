@@ -48,7 +48,12 @@ impl OverlookApp {
                 state.inspector.compare = *look;
             }
             Command::Palette(palette) => state.inspector.palette = palette,
-            Command::CheatSheet(open) => state.inspector.cheat_sheet = open,
+            Command::Help(page) => state.inspector.help = page,
+            Command::FoundSetting => state.inspector.find_setting = None,
+            Command::FindSetting(path) => {
+                state.inspector.find_setting = Some(path);
+                self.dock.open(DockView::Thresholds);
+            }
             Command::Introduced => state.inspector.introduced = true,
             Command::Stay => {
                 state.inspector.closing.asks = false;
@@ -111,14 +116,14 @@ impl OverlookApp {
     fn take_point(&mut self, settings: Settings) {
         let changes = setting_names::changes(&self.state.settings, &settings);
         if changes.is_empty() {
-            self.state.notify(NoticeKind::Done, "On already", "The sliders stand at these settings.");
+            self.state.notify(NoticeKind::Done, "Already applied", "These are the current settings.");
             return;
         }
         let (told, others) = changes.split_at(changes.len().min(CHANGES));
         let more = if others.is_empty() { String::new() } else { format!("; and {} more", others.len()) };
         let text = format!("{}{more} (Ctrl+Z undoes)", told.join("; "));
         self.change_settings("chart", settings);
-        self.state.notify(NoticeKind::Done, "Settings put on", text);
+        self.state.notify(NoticeKind::Done, "Settings applied", text);
     }
 
     /// Says how far a sweep or a stress test came that was stopped.
@@ -132,7 +137,7 @@ impl OverlookApp {
         let shown = self.state.scene.as_ref().zip(self.state.inspector.probe.shown.as_ref());
         let Some((scene, probed)) = shown else { return };
         self.ctx.copy_text(verdict_text::explanation(scene, probed));
-        self.state.notify(NoticeKind::Done, "Copied", "The argument for the pixel is on the clipboard.");
+        self.state.notify(NoticeKind::Done, "Copied", "The explanation of the pixel is on the clipboard.");
     }
 
     fn copy_picture(&mut self) {
@@ -146,7 +151,7 @@ impl OverlookApp {
 
     /// Pictures in motion may stay on the graphics card, out of reach.
     pub(crate) fn notify_in_motion(&mut self) {
-        let text = "The live view is in motion; pause it first, and try again.";
+        let text = "The live view is playing; pause it first, and try again.";
         self.state.warn_of_scene("No picture yet", text);
     }
 
@@ -160,7 +165,7 @@ impl OverlookApp {
         }
         let (title, text) = match probed {
             Some(_) => ("No point here", "This pixel lies infinitely far away; point at another one."),
-            None => ("Point at a pixel first", "F then puts what it shows into the middle of the live view."),
+            None => ("Point at a pixel first", "F then centers the live view on it."),
         };
         self.state.warn_of_scene(title, text);
     }

@@ -5,29 +5,72 @@ use std::collections::HashSet;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
-use crate::app::model::{Command, CommandPalette, Commands, Purpose, State};
+use crate::app::model::{Command, CommandPalette, Commands, HelpPage, Purpose, State};
 
-/// Keys and what they do, for the help.
-pub(crate) const HELP: &[(&str, &str)] = &[
-    ("Space", "play or pause"),
-    (", and .", "step back and forward"),
-    ("1 – 9", "show a camera"),
-    ("Shift + 1 – 9", "stand where a camera stood"),
-    ("W A S D, Q E", "fly, down and up"),
-    ("P", "keep the pixel, or let go of it"),
-    ("F", "the pixel that is looked at into the middle"),
-    ("H", "hatch the pixels that no sample reached, or not"),
-    ("Home", "back to the first vantage"),
-    ("X", "the other side of a comparison"),
-    ("K", "add a key to the camera path"),
-    ("Esc", "close a message, cancel, or let go of the pixel"),
-    ("Ctrl + O", "open a file"),
-    ("Ctrl + S", "save the store"),
-    ("Ctrl + Z, Ctrl + Y", "take back a change, do it again"),
-    ("Ctrl + Shift + C", "copy the argument for the pixel"),
-    ("Ctrl + P", "do anything by its name"),
-    ("?", "this sheet"),
-    ("Ctrl + Q", "quit"),
+/// A heading, and keys or mouse actions with what they do.
+pub(crate) type Shortcuts = (&'static str, &'static [(&'static str, &'static str)]);
+
+/// Keys, mouse actions and what they do, for the help.
+pub(crate) const HELP: &[Shortcuts] = &[
+    (
+        "Anywhere",
+        &[
+            ("Ctrl + P", "find any command by name"),
+            ("?", "keyboard and mouse shortcuts"),
+            ("Ctrl + O", "open a file"),
+            ("Ctrl + S", "save the store"),
+            ("Ctrl + Z, Ctrl + Y", "undo, redo"),
+            ("Ctrl + +, −, 0", "interface size: larger, smaller, normal"),
+            ("Esc", "close a message, cancel, or unpin the pixel"),
+            ("Ctrl + Q", "quit"),
+        ],
+    ),
+    (
+        "Time and cameras",
+        &[
+            ("Space", "play or pause"),
+            (", and .", "step back and forward"),
+            ("1 – 9", "show a camera"),
+            ("Shift + 1 – 9", "view from a camera"),
+            ("K", "add a key to the camera path"),
+        ],
+    ),
+    (
+        "Pixel",
+        &[
+            ("Click", "pin the pixel under the pointer"),
+            ("P", "pin or unpin the pixel"),
+            ("F", "center view on the selected pixel"),
+            ("Ctrl + Shift + C", "copy the explanation"),
+        ],
+    ),
+    (
+        "Live view",
+        &[
+            ("Drag", "orbit"),
+            ("Right drag, middle drag, Shift + drag", "pan"),
+            ("Wheel", "zoom to the pointer"),
+            ("W A S D, Q E", "fly, down and up; faster with Shift"),
+            ("Home, double-click", "reset to the start view"),
+            ("H", "hatch holes, or fill them"),
+        ],
+    ),
+    (
+        "Source and Compare",
+        &[
+            ("Wheel", "zoom to the pointer"),
+            ("Drag", "pan; in a wipe, move the line"),
+            ("Double-click", "fit the picture"),
+            ("X", "show the other side of a comparison"),
+        ],
+    ),
+    (
+        "Cameras",
+        &[
+            ("Click on a picture", "show the camera in the source view"),
+            ("Double-click", "view from the camera"),
+        ],
+    ),
 ];
 
 /// Distance flown per second, in pivot distances.
@@ -43,7 +86,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
     let edits = edits_text(ctx);
     let asks =
-        typing || inspector.cheat_sheet || inspector.closing.asks || state.open_after_question.is_some();
+        typing || inspector.help.is_some() || inspector.closing.asks || state.open_after_question.is_some();
     // An open menu takes the key for itself, and so does a number that is typed: it goes back to what it was.
     if !egui::Popup::is_any_open(ctx)
         && (asks || !edits)
@@ -100,7 +143,8 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         if input.consume_key(Modifiers::NONE, Key::Questionmark)
             || input.consume_key(Modifiers::SHIFT, Key::Questionmark)
         {
-            commands.push(Command::CheatSheet(!state.inspector.cheat_sheet));
+            let page = state.inspector.help.is_none().then_some(HelpPage::Shortcuts);
+            commands.push(Command::Help(page));
         }
         // With Shift, number keys type something else on every layout: their place on the keyboard counts.
         commands.extend(input.events.iter().filter_map(number_key));

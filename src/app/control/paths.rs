@@ -167,7 +167,7 @@ impl OverlookApp {
         let text = if self.state.scene.is_none() {
             "Open a capture or a store first."
         } else if !self.state.is_whole_ready() && self.state.stopped {
-            "The whole capture is not pruned with these settings; rerun it (below), then try again."
+            "The whole capture is not pruned with these settings; recompute it (below), then try again."
         } else if !self.state.is_whole_ready() {
             "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
         } else if exports && self.state.inspector.path.pictures() == 0 {
@@ -187,7 +187,7 @@ fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::SaveSettings => "settings.toml".to_owned(),
         Purpose::SavePicture => "picture.png".to_owned(),
         Purpose::ExportPictures => "pictures".to_owned(),
-        Purpose::ExportFilm => "film.mp4".to_owned(),
+        Purpose::ExportFilm => "video.mp4".to_owned(),
         Purpose::OpenFile | Purpose::OpenFolder | Purpose::LoadSettings => String::new(),
     }
 }

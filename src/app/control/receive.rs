@@ -132,7 +132,7 @@ impl OverlookApp {
         let text = if self.state.has_thresholds() {
             path.display().to_string()
         } else {
-            "Painting was taken; thresholds apply to captures opened from now on.".to_owned()
+            "Rendering settings were applied; the others apply to captures opened from now on.".to_owned()
         };
         self.state.notify(NoticeKind::Done, "Settings loaded", text);
     }

@@ -24,7 +24,7 @@ impl OverlookApp {
         match rest {
             Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_))) => self.ask_to_open(command),
             Some(Command::ForgetRecent) => self.state.recent.clear(),
-            Some(Command::Rerun) => {
+            Some(Command::Recompute) => {
                 self.state.stopped = false;
                 self.state.failed_frame = None;
                 (self.scheduler.inspect, self.scheduler.source) = (None, None);
@@ -33,6 +33,11 @@ impl OverlookApp {
             }
             Some(Command::Cancel) => self.cancel(),
             Some(Command::Escape) => self.escape(),
+            Some(Command::InterfaceSize(step)) => match step {
+                0 => self.ctx.set_zoom_factor(1.0),
+                step if step > 0 => egui::gui_zoom::zoom_in(&self.ctx),
+                _ => egui::gui_zoom::zoom_out(&self.ctx),
+            },
             Some(Command::OpenView(view)) => self.dock.open(view),
             Some(Command::ResetLayout) => self.dock = Dock::new(),
             Some(Command::Dark(dark)) => self.state.dark = dark,
@@ -186,10 +191,10 @@ impl OverlookApp {
         let inspector = &mut self.state.inspector;
         let was_open = inspector.palette.take().is_some()
             | inspector.naming.take().is_some()
-            | inspector.cheat_sheet
+            | inspector.help.take().is_some()
             | inspector.closing.asks
             | self.state.open_after_question.take().is_some();
-        (inspector.cheat_sheet, inspector.closing.asks) = (false, false);
+        inspector.closing.asks = false;
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }

@@ -112,7 +112,7 @@ impl ExportTarget {
         let written = if self.film_rate.is_some() {
             "Nothing was"
         } else {
-            "Only the pictures painted until then were"
+            "Only the pictures rendered until then were"
         };
         format!("{written} written to {}.", self.path.display())
     }

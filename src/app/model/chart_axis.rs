@@ -30,7 +30,7 @@ impl Quantity {
         (Self::Coverage, "Coverage", false),
         (Self::Bytes, "Store size", true),
         (Self::Samples, "Samples", true),
-        (Self::Milliseconds, "Painting a view, ms", true),
+        (Self::Milliseconds, "Rendering a view, ms", true),
         (Self::Seconds, "Preprocessing, s", true),
     ];
 

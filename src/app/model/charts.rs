@@ -162,7 +162,7 @@ impl Charts {
         if self.is_of_previous_test && !self.stress.is_empty() {
             Some("Of the test before; the first new point takes their place.")
         } else if method_of(made) != method_of(now) {
-            Some("Made with other thresholds; run it again to see what these give.")
+            Some("Made with other settings; run it again to see what these give.")
         } else if made.render.kernel != now.render.kernel {
             Some("Made with another kernel; run it again to see what this one gives.")
         } else {
@@ -175,7 +175,7 @@ impl Charts {
         let study = self.study.filter(|_| !self.studying)?;
         let text = match self.run(study)?.known {
             (0, _) => "Nothing was measured yet.".to_owned(),
-            (known, of) => format!("After {known} of {of} points; Go on measures the rest."),
+            (known, of) => format!("After {known} of {of} points; Resume measures the rest."),
         };
         Some((format!("{} stopped", study.name()), text))
     }
@@ -297,7 +297,7 @@ mod tests {
         other.render.kernel = crate::settings::Kernel::Point;
         assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("kernel")));
         other.pruning.depth_tolerance = 2.0;
-        assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("thresholds")));
+        assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("settings")));
         assert_eq!(
             ["ours", "paper", "without defenses"].map(method_name),
             [START, "as in the paper", "without defenses"]

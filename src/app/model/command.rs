@@ -50,7 +50,7 @@ pub(crate) enum Command {
     /// Switch to the other of settings A and B.
     SwitchSettings,
     /// Prune the whole capture again.
-    Rerun,
+    Recompute,
     /// Stop the work that the line at the bottom names.
     Cancel,
     /// Close the topmost thing: a field, a message; else as `Cancel`.
@@ -103,7 +103,14 @@ pub(crate) enum Command {
     FramePoint,
     /// Open, change or close the command palette.
     Palette(Option<CommandPalette>),
-    CheatSheet(bool),
+    /// Open a page of help, or close it.
+    Help(Option<HelpPage>),
+    /// Everything larger (1), smaller (−1) or as at first (0).
+    InterfaceSize(i8),
+    /// Show a setting in its panel, by its path.
+    FindSetting(&'static str),
+    /// It is in view.
+    FoundSetting,
     /// The introduction of the first run was read.
     Introduced,
     /// Cancel the question before closing or opening.
@@ -128,6 +135,14 @@ pub(crate) enum Command {
     /// Write frame times into the program's log, and count them anew.
     LogFrameTimes,
     Dismiss(u64),
+}
+
+/// A page of help.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HelpPage {
+    Guide,
+    Shortcuts,
+    About,
 }
 
 /// Commands of one frame, in the order in which they are carried out.

@@ -35,13 +35,17 @@ impl CompareSide {
         (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
         (Self::A, "Settings A", "After pruning with settings A."),
         (Self::B, "Settings B", "After pruning with settings B."),
-        (Self::Truth, "Truth", "What a camera recorded there; known at truth vantages and hold-out cameras."),
+        (
+            Self::Truth,
+            "Truth",
+            "What a camera recorded there; known at viewpoints with a true picture and at hold-out cameras.",
+        ),
         (Self::Point, "Kernel point", "The kept samples, one pixel each."),
         (Self::Block, "Kernel block", "The kept samples, blended over 2×2 pixels."),
         (Self::Surfel, "Kernel surfel", "The kept samples as oriented footprints."),
         (Self::Gather, "Kernel gather", "The kept samples, surface first and color second."),
-        (Self::Cpu, "CPU", "The kept samples, painted by the processor."),
-        (Self::Gpu, "GPU", "The kept samples, painted by the graphics adapter."),
+        (Self::Cpu, "CPU", "The kept samples, rendered by the CPU."),
+        (Self::Gpu, "GPU", "The kept samples, rendered by the GPU."),
     ];
 }
 
@@ -84,10 +88,10 @@ pub(crate) enum CompareMeasure {
 impl CompareMeasure {
     /// Every measure: name and what it shows.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Steps, "Steps", "The largest difference of a color channel, in 8-bit steps."),
+        (Self::Steps, "Absolute", "The largest difference of a color channel, in 8-bit steps."),
         (
             Self::Brightness,
-            "Brighter",
+            "Signed",
             "Where the right side is brighter (orange) or darker (purple), in 8-bit steps of luma.",
         ),
         (

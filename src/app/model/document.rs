@@ -162,9 +162,9 @@ impl State {
     /// Note for numbers of the whole capture that were made with other settings; `None` where they hold.
     pub(crate) fn stale_note(&self) -> Option<&'static str> {
         self.is_stale().then_some(if self.stopped {
-            "Made with other thresholds; Rerun (below) brings it up to date."
+            "Made with other settings; Recompute (below) brings it up to date."
         } else {
-            "Made with other thresholds; being brought up to date."
+            "Made with other settings; being brought up to date."
         })
     }
 

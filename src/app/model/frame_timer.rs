@@ -70,7 +70,7 @@ impl Meter {
     /// The last frames in figures; `None` before the first.
     pub(crate) fn summary(&self) -> Option<String> {
         let mut text = String::new();
-        for (index, what) in ["wall", "processor"].into_iter().enumerate() {
+        for (index, what) in ["wall time", "CPU time"].into_iter().enumerate() {
             let mut sorted: Vec<f32> = self.frames_ms.iter().map(|times| times[index]).collect();
             sorted.sort_unstable_by(f32::total_cmp);
             let longest = sorted.last()?;
@@ -109,8 +109,8 @@ mod tests {
         }
         assert_eq!(
             meter.summary().unwrap(),
-            "wall: median 3.0 ms, p99 3.0 ms, longest 31.0 ms; 1 of 3 frames over 16 ms / \
-             processor: median 3.0 ms, p99 3.0 ms, longest 3.0 ms; 0 of 3 frames over 16 ms"
+            "wall time: median 3.0 ms, p99 3.0 ms, longest 31.0 ms; 1 of 3 frames over 16 ms / \
+             CPU time: median 3.0 ms, p99 3.0 ms, longest 3.0 ms; 0 of 3 frames over 16 ms"
         );
     }
 

@@ -8,7 +8,7 @@ use egui::TextureHandle;
 
 use super::camera_path::CameraPath;
 use super::charts::Charts;
-use super::command::CommandPalette;
+use super::command::{CommandPalette, HelpPage};
 use super::comparison::{CompareLook, CompareVantage, ShownComparison};
 use super::frame_timer::Meter;
 use super::histogram::ThresholdHistogram;
@@ -39,7 +39,7 @@ pub(crate) struct Closing {
     pub asks: bool,
     /// Whether the window closes whatever is lost by it.
     pub anyway: bool,
-    /// Whether a file, pictures or a film are being written.
+    /// Whether a file, pictures or a video are being written.
     pub writing: bool,
 }
 
@@ -66,8 +66,12 @@ pub(crate) struct Inspector {
     pub path: CameraPath,
     /// The command palette, while it is open.
     pub palette: Option<CommandPalette>,
-    /// Whether the sheet of keys is open.
-    pub cheat_sheet: bool,
+    /// The page of help that is open.
+    pub help: Option<HelpPage>,
+    /// The setting to scroll to, by its path.
+    pub find_setting: Option<&'static str>,
+    /// The adapter that draws the window; `None` without one.
+    pub graphics: Option<String>,
     /// Whether the introduction of the first run was read.
     pub introduced: bool,
     /// The settings of the store that was saved last of the open capture, at first those that it was opened with.

@@ -50,7 +50,7 @@ impl HoleDisplay {
         (
             Self::Filled,
             "Fill",
-            "Pixels that no sample reached get invented colors, carried on from what lies behind (H).",
+            "Pixels that no sample reached get invented colors, continued from what lies behind (H).",
         ),
         (Self::Hatched, "Show", "Pixels that no sample reached are hatched, over what fills them (H)."),
     ];

@@ -6,6 +6,7 @@
 //! ```
 
 mod camera_path;
+mod camera_text;
 mod chart_axis;
 mod charts;
 mod command;
@@ -33,9 +34,10 @@ pub(crate) mod verdict_text;
 mod view;
 
 pub(crate) use camera_path::{CameraPath, ExportTarget, Exported, NO_KEYS, SavedPathKey};
+pub(crate) use camera_text::{CameraText, TextPart};
 pub(crate) use chart_axis::{Quantity, label, marks};
 pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};
-pub(crate) use command::{Command, CommandPalette, Commands};
+pub(crate) use command::{Command, CommandPalette, Commands, HelpPage};
 pub(crate) use comparison::{
     CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareSide, CompareVantage, DisplayColors, Mode,
     PictureDifference, ShownComparison,

@@ -10,7 +10,7 @@ pub(crate) const PRESETS: [Preset; 6] = [
     ("Balanced", "The defaults.", |_| {}),
     (
         "As in the paper",
-        "Background or foreground, the printed r, no help at seams and silhouettes, 2×2 blending, holes left.",
+        "Static or per-frame samples, the printed r, no overlap at depth edges, edge-blended pixels kept, 2×2 blending, holes left open.",
         |settings| {
             settings.spans.levels = SpanLevels::Paper;
             settings.pruning.rate = RateModel::Paper;
@@ -20,13 +20,13 @@ pub(crate) const PRESETS: [Preset; 6] = [
             settings.render.fill = Fill::None;
         },
     ),
-    ("Careful", "Drops only what agrees closely in depth, normal and color.", |settings| {
+    ("Conservative", "Drops only what agrees closely in depth, normal and color.", |settings| {
         settings.pruning.depth_tolerance = 0.5;
         settings.pruning.normal_tolerance = 15.0;
         settings.pruning.color_tolerance = 10.0;
         settings.spans.color_tolerance = 1.0;
     }),
-    ("Bold", "Drops all that is nearly said elsewhere: small files.", |settings| {
+    ("Aggressive", "Drops all that is nearly shown elsewhere: small files.", |settings| {
         settings.pruning.depth_tolerance = 2.5;
         settings.pruning.normal_tolerance = 50.0;
         settings.pruning.color_tolerance = 64.0;

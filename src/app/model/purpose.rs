@@ -47,7 +47,7 @@ impl Purpose {
             Self::LoadSettings => "Load settings",
             Self::SavePicture => "Save the picture",
             Self::ExportPictures => "Export pictures into a folder",
-            Self::ExportFilm => "Export a film",
+            Self::ExportFilm => "Export a video",
         }
     }
 
@@ -60,7 +60,7 @@ impl Purpose {
             Self::LoadSettings => "Load settings from path…",
             Self::SavePicture => "Save picture to path…",
             Self::ExportPictures => "Pictures to path…",
-            Self::ExportFilm => "Film to path…",
+            Self::ExportFilm => "Video to path…",
         }
     }
 }

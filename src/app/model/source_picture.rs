@@ -33,8 +33,8 @@ impl Overlay {
         (Self::Color, "Picture", "The picture as the camera recorded it."),
         (
             Self::WhoWon,
-            "Who won",
-            "Pruned pixels in the color of the camera whose sample stands for them; kept pixels show their own picture.",
+            "Kept by",
+            "Pruned pixels in the color of the camera whose sample replaces them; kept pixels show their own picture.",
         ),
         (
             Self::SamplingRatio,
@@ -63,7 +63,7 @@ pub(crate) const MOTION: &str = "For how long samples are stored: once for all f
      frame alone.";
 
 /// What either view's *Agreement* shows.
-pub(crate) const AGREEMENT: &str = "What the other cameras say of each sample: whether one confirms it, more look past it than confirm it, or nobody else can tell.";
+pub(crate) const AGREEMENT: &str = "What the other cameras say of each sample: whether one confirms it, more contradict it than confirm it, or nobody else can tell.";
 
 /// What a left picture was made from; a picture with an equal key is the same picture.
 #[derive(Clone)]
@@ -95,8 +95,8 @@ impl PartialEq for SourceKey {
 pub(crate) enum Legend {
     /// Colors are colors.
     Plain,
-    /// Depth from `near` to `far`, in the capture's unit.
-    Depth { near: f32, far: f32 },
+    /// Depth from `near` to `far`, in the capture's unit, and the share of pixels without depth, 0 to 1.
+    Depth { near: f32, far: f32, without: f32 },
     /// log₂ r from −[`RATIO_RANGE`] to [`RATIO_RANGE`].
     Ratio,
     /// Pixels that each camera won, and those that were kept.
@@ -106,6 +106,8 @@ pub(crate) enum Legend {
         lost_to: Vec<u64>,
         /// Pixels dropped without a witness.
         dropped: u64,
+        /// Pixels without depth.
+        invalid: u64,
     },
     /// Pixels on whose best-sampled camera both rate models agree, and those that each camera would win by the other model.
     RateDisputes {
@@ -113,6 +115,8 @@ pub(crate) enum Legend {
         agreed: u64,
         /// Pixels that each camera would win.
         won_by: Vec<u64>,
+        /// Pixels without depth.
+        invalid: u64,
     },
     /// Pixels per class.
     Split {

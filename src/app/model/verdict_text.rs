@@ -1,5 +1,6 @@
 //! Verdicts and evidence in words: for the read-out, the table and the clipboard.
 
+use super::camera_text::CameraText;
 use super::document::State;
 use super::pixel::Probed;
 use super::scene::OpenScene;
@@ -12,35 +13,40 @@ use crate::preprocess::registration::Outcome;
 use crate::settings::{AgreementRule, PruningSettings};
 
 /// A verdict as a sentence that names the witness and where it is.
-pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> String {
-    let Some(witness) = cameras.get(verdict.witness_camera as usize).filter(|_| !verdict.is_kept()) else {
-        return verdict.rule.sentence().to_owned();
+pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> CameraText {
+    let index = verdict.witness_camera as usize;
+    let Some(witness) = cameras.get(index).filter(|_| !verdict.is_kept()) else {
+        return CameraText::new(verdict.rule.sentence());
     };
-    let name = &witness.name;
     let (x, y) = column_and_row(witness, verdict.witness_pixel);
+    let told = |before: &str, after: &str| {
+        CameraText::new(before).camera(index).words(format!(" {after}, at {x}, {y}."))
+    };
     match verdict.rule {
-        Rule::LowerRate => format!("Dropped: {name} samples this point more densely, at {x}, {y}."),
-        Rule::Tie => format!("Dropped: {name} samples it as densely and comes first, at {x}, {y}."),
-        Rule::LaterCamera => format!("Dropped: {name} shows this point and comes first, at {x}, {y}."),
-        Rule::MixedYields => format!("Dropped: mixed at a silhouette; {name} is clean, at {x}, {y}."),
-        Rule::UnsureYields => format!("Dropped: no normal is known here; {name} knows it, at {x}, {y}."),
-        rule => format!("{} Witness: {name} at {x}, {y}.", rule.sentence()),
+        Rule::LowerRate => told("Dropped: ", "samples this point more densely"),
+        Rule::Tie => told("Dropped: ", "samples it as densely and comes first"),
+        Rule::LaterCamera => told("Dropped: ", "shows this point and comes first"),
+        Rule::MixedYields => told("Dropped: edge-blended here; the sample of ", "is clean"),
+        Rule::UnsureYields => told("Dropped: no normal is known here; ", "knows it"),
+        rule => CameraText::new(format!("{} Witness: ", rule.sentence()))
+            .camera(index)
+            .words(format!(" at {x}, {y}.")),
     }
 }
 
 /// What stands where a frame could not be worked out.
-pub(crate) const FAILED_FRAME: &str = "This frame could not be worked out: the Log view says why.";
+pub(crate) const FAILED_FRAME: &str = "This frame could not be computed: the Log view says why.";
 
 /// Shown while a verdict is not known yet, of the pinned pixel or of the one under the pointer.
 pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     if state.is_frame_failed() {
         FAILED_FRAME
     } else if state.timeline.playing && is_kept {
-        "In motion: pause to read its verdict."
+        "Playing: pause to read its verdict."
     } else if state.timeline.playing {
-        "In motion: pause, or click a pixel, to read its verdict."
+        "Playing: pause, or click a pixel, to read its verdict."
     } else {
-        "Its verdict is being worked out."
+        "Computing its verdict."
     }
 }
 
@@ -48,7 +54,7 @@ pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
 pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
     let VoteCounts { confirm, look_past } = counts;
     let flying = if is_flying {
-        " It flies between foreground and background: its own camera looks past it, too."
+        " It is a flying pixel between foreground and background: its own camera contradicts it, too."
     } else {
         ""
     };
@@ -58,9 +64,9 @@ pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
         _ => format!("{confirm} cameras confirm it"),
     };
     let looking_past = match look_past {
-        0 => "none looks past it".to_owned(),
-        1 => "1 camera looks past it".to_owned(),
-        _ => format!("{look_past} cameras look past it"),
+        0 => "none contradicts it".to_owned(),
+        1 => "1 camera contradicts it".to_owned(),
+        _ => format!("{look_past} cameras contradict it"),
     };
     (is_flying || confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}.{flying}"))
 }
@@ -70,12 +76,14 @@ pub(crate) fn rule_of_votes(pruning: &PruningSettings) -> String {
     let margin = pruning.agreement_margin;
     let cameras = if margin == 1 { "1 camera".to_owned() } else { format!("{margin} cameras") };
     let rule = format!(
-        "A sample that no kept one represents is dropped where the cameras that look past it outnumber its own and those that \
-         confirm it by {cameras} (agreement margin)."
+        "A sample that no kept one replaces is dropped where the cameras that contradict it outnumber its own and those that \
+         confirm it by {cameras} (vote margin)."
     );
     match pruning.agreement {
         AgreementRule::Majority => rule,
-        AgreementRule::Off => format!("Agreement is off, so that nothing follows. By majority: {rule}"),
+        AgreementRule::Off => {
+            format!("The cross-camera check is off, so that nothing follows. By majority: {rule}")
+        }
     }
 }
 
@@ -88,24 +96,24 @@ pub(crate) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
 /// Whether a camera sees the point, and the rule behind that.
 pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
     match row.outcome {
-        None => ("its own pixel", "The pixel that is argued about."),
+        None => ("this pixel", "The selected pixel itself."),
         Some(Outcome::Same(_)) => (
-            "sees it",
+            "visible",
             "Depth, normal and color agree within the tolerances: it shows the same surface point.",
         ),
-        Some(Outcome::Behind) => ("behind it", "The point lies behind this camera."),
+        Some(Outcome::Behind) => ("behind camera", "The point lies behind this camera."),
         Some(Outcome::OutsideView) => ("out of view", "The point falls outside this camera's picture."),
-        Some(Outcome::NoDepth) => ("no depth there", "The camera recorded no depth where the point falls."),
+        Some(Outcome::NoDepth) => ("no depth", "The camera recorded no depth where the point falls."),
         Some(Outcome::ShorterSpan) => (
-            "not as long",
-            "It shows the same surface point, but for a shorter span: it is decided after this sample and cannot stand for it.",
+            "shorter span",
+            "It shows the same surface point, but for a shorter span: it is decided after this sample and cannot replace it.",
         ),
         Some(Outcome::Occluded) => {
-            ("hidden from it", "The camera recorded something nearer where the point falls.")
+            ("occluded", "The camera recorded something nearer where the point falls.")
         }
         Some(Outcome::SeesPast) if row.vote == Some(Vote::LooksPast) => (
-            "looks past it",
-            "All that the camera recorded around the point is farther: it contradicts the sample.",
+            "misses (empty space)",
+            "All that the camera recorded around the point is farther away, so that the point would lie in empty space: it contradicts the sample.",
         ),
         Some(Outcome::SeesPast) => (
             "sees farther",
@@ -116,32 +124,31 @@ pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
         }
         Some(Outcome::ColorDiffers) => ("other color", "The depth agrees, but the colors differ."),
         Some(Outcome::Seam) => (
-            "at its seam",
-            "The surface ends beside the pixel, so that it cannot be interpolated there: it may not stand for another.",
+            "at a depth edge",
+            "The surface ends beside the pixel, so that it cannot be interpolated there: it may not replace another.",
         ),
     }
 }
 
 /// What became of a pixel, in a word or two.
-pub(crate) fn fate(cameras: &[Camera], verdict: Verdict) -> String {
-    let witness = cameras.get(verdict.witness_camera as usize).filter(|_| !verdict.is_kept());
-    match (verdict.rule, witness) {
-        (Rule::NoSample, _) => "no sample".to_owned(),
-        (rule, _) if rule.keeps() => "kept".to_owned(),
-        (_, Some(witness)) => format!("dropped for {}", witness.name),
-        _ => "dropped".to_owned(),
+pub(crate) fn fate(verdict: Verdict) -> CameraText {
+    match verdict.rule {
+        Rule::NoSample => CameraText::new("no sample"),
+        rule if rule.keeps() => CameraText::new("kept"),
+        _ if verdict.witness_camera == Verdict::NO_CAMERA => CameraText::new("dropped"),
+        _ => CameraText::new("dropped for ").camera(verdict.witness_camera as usize),
     }
 }
 
 /// What became of a camera's own pixel, and for what it yields to others however dense it is; `None` outside its picture.
-pub(crate) fn there(cameras: &[Camera], row: &CameraEvidence) -> Option<String> {
-    let mut words = fate(cameras, row.verdict?);
-    for (yields, why) in [(row.is_mixed, ", mixed"), (row.is_unsure, ", no normal")] {
+pub(crate) fn own_sample(row: &CameraEvidence) -> Option<CameraText> {
+    let mut text = fate(row.verdict?);
+    for (yields, why) in [(row.is_mixed, ", edge-blended"), (row.is_unsure, ", no normal")] {
         if yields {
-            words.push_str(why);
+            text = text.words(why);
         }
     }
-    Some(words)
+    Some(text)
 }
 
 /// Whether a row speaks of the surface point that is argued about.
@@ -170,15 +177,17 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
-/// A chain as `front 210, 143 (dropped) » high 96, 40 (kept)`.
-pub(crate) fn chain(cameras: &[Camera], links: &[ChainLink]) -> String {
-    let link = |link: &ChainLink| {
-        let Some(camera) = cameras.get(link.camera) else { return String::new() };
+/// A chain as `'front' 210, 143 (dropped) » 'high' 96, 40 (kept)`.
+pub(crate) fn chain(cameras: &[Camera], links: &[ChainLink]) -> CameraText {
+    let mut text = CameraText::default();
+    for (index, link) in links.iter().enumerate() {
+        let Some(camera) = cameras.get(link.camera) else { continue };
         let (x, y) = column_and_row(camera, link.pixel);
         let fate = if link.verdict.is_kept() { "kept" } else { "dropped" };
-        format!("{} {x}, {y} ({fate})", camera.name)
-    };
-    links.iter().map(link).collect::<Vec<_>>().join(" » ")
+        let before = if index == 0 { CameraText::default() } else { CameraText::new(" » ") };
+        text = text.then(before.camera(link.camera).words(format!(" {x}, {y} ({fate})")));
+    }
+    text
 }
 
 /// The explanation for a pixel as text, for the clipboard.
@@ -191,10 +200,10 @@ pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
     }
     if let Some(explanation) = &probed.explanation {
         lines.push(format!("Frame {}", explanation.frame + 1));
-        lines.push(verdict(cameras, explanation.verdict));
+        lines.push(verdict(cameras, explanation.verdict).plain(cameras));
         lines.extend(votes(explanation.votes, explanation.is_flying));
         if explanation.chain.len() > 1 {
-            lines.push(format!("Chain: {}", chain(cameras, &explanation.chain)));
+            lines.push(format!("Chain: {}", chain(cameras, &explanation.chain).plain(cameras)));
         }
     }
     if let Some(spans) = &probed.spans {
@@ -207,8 +216,8 @@ pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
         probed.explanation.as_ref().filter(|explanation| !explanation.evidence.is_empty())
     {
         lines.push(
-            "camera\tsees it\tdepth expected\tdepth found\toff (footprints)\tincidence (°)\tr (paper)\tr (footprint)\t\
-             color (8-bit steps)\tthere"
+            "camera\tvisible\tdepth expected\tdepth found\tdepth error (footprints)\tincidence (°)\tpaper r\tfootprint density\t\
+             color (8-bit steps)\tits own sample"
                 .to_owned(),
         );
         lines.extend(explanation.evidence.iter().map(|row| line(cameras, row)));
@@ -225,7 +234,7 @@ fn line(cameras: &[Camera], row: &CameraEvidence) -> String {
     );
     cells.extend(rates(row));
     cells.push(number(row.color_difference_steps));
-    cells.push(there(cameras, row).unwrap_or_default());
+    cells.push(own_sample(row).unwrap_or_default().plain(cameras));
     cells.join("\t")
 }
 
@@ -249,15 +258,18 @@ mod tests {
         let mut lost = Verdict::without_witness(Rule::LowerRate);
         lost.witness_camera = 1;
         lost.witness_pixel = 64 * 3 + 5;
-        assert_eq!(verdict(&cameras, lost), "Dropped: left samples this point more densely, at 5, 3.");
-        assert_eq!(fate(&cameras, lost), "dropped for left");
+        assert_eq!(
+            verdict(&cameras, lost).plain(&cameras),
+            "Dropped: 'left' samples this point more densely, at 5, 3."
+        );
+        assert_eq!(fate(lost).plain(&cameras), "dropped for 'left'");
         let kept = Verdict::without_witness(Rule::BestRate);
-        assert!(verdict(&cameras, kept).starts_with("Kept:"));
+        assert!(verdict(&cameras, kept).plain(&cameras).starts_with("Kept:"));
         let links = [
             ChainLink { camera: 0, pixel: 0, verdict: lost },
             ChainLink { camera: 1, pixel: 64 * 3 + 5, verdict: kept },
         ];
-        assert_eq!(chain(&cameras, &links), "front 0, 0 (dropped) » left 5, 3 (kept)");
+        assert_eq!(chain(&cameras, &links).plain(&cameras), "'front' 0, 0 (dropped) » 'left' 5, 3 (kept)");
     }
 
     fn row(outcome: Option<Outcome>) -> CameraEvidence {
@@ -293,25 +305,28 @@ mod tests {
     #[test]
     fn a_denser_sample_that_yields_says_why() {
         let mixed = CameraEvidence { is_mixed: true, is_unsure: true, ..row(Some(Outcome::Same(0))) };
-        assert_eq!(there(&[], &mixed).unwrap(), "kept, mixed, no normal");
-        assert_eq!(there(&[], &row(None)).unwrap(), "kept");
+        assert_eq!(own_sample(&mixed).unwrap().plain(&[]), "kept, edge-blended, no normal");
+        assert_eq!(own_sample(&row(None)).unwrap().plain(&[]), "kept");
     }
 
     #[test]
     fn votes_are_told_where_any_camera_has_one() {
         let told = |confirm, look_past| votes(VoteCounts { confirm, look_past }, false);
         assert_eq!(told(0, 0), None);
-        assert_eq!(told(1, 0).unwrap(), "1 camera confirms it, none looks past it.");
-        assert_eq!(told(0, 3).unwrap(), "No other camera confirms it, 3 cameras look past it.");
-        assert_eq!(told(2, 1).unwrap(), "2 cameras confirm it, 1 camera looks past it.");
+        assert_eq!(told(1, 0).unwrap(), "1 camera confirms it, none contradicts it.");
+        assert_eq!(told(0, 3).unwrap(), "No other camera confirms it, 3 cameras contradict it.");
+        assert_eq!(told(2, 1).unwrap(), "2 cameras confirm it, 1 camera contradicts it.");
         let flying = votes(VoteCounts::default(), true).unwrap();
-        assert!(flying.starts_with("No other camera confirms it") && flying.contains("It flies"), "{flying}");
+        assert!(
+            flying.starts_with("No other camera confirms it") && flying.contains("flying pixel"),
+            "{flying}"
+        );
     }
 
     #[test]
     fn a_camera_that_may_have_missed_a_surface_is_not_said_to_look_past_it() {
         let sees_with = |vote| sees(&CameraEvidence { vote, ..row(Some(Outcome::SeesPast)) });
-        assert_eq!(sees_with(Some(Vote::LooksPast)).0, "looks past it");
+        assert_eq!(sees_with(Some(Vote::LooksPast)).0, "misses (empty space)");
         let (words, why) = sees_with(Some(Vote::CannotTell));
         assert!(words == "sees farther" && why.ends_with("that contradicts nothing."));
     }
@@ -319,11 +334,11 @@ mod tests {
     #[test]
     fn the_rule_of_votes_names_its_margin_and_says_where_it_is_off() {
         let mut pruning = PruningSettings::default();
-        assert!(rule_of_votes(&pruning).contains("by 1 camera (agreement margin)"));
+        assert!(rule_of_votes(&pruning).contains("by 1 camera (vote margin)"));
         pruning.agreement_margin = 2;
         pruning.agreement = AgreementRule::Off;
         let told = rule_of_votes(&pruning);
-        assert!(told.starts_with("Agreement is off") && told.contains("by 2 cameras"), "{told}");
+        assert!(told.starts_with("The cross-camera check is off") && told.contains("by 2 cameras"), "{told}");
     }
 
     #[test]

@@ -23,25 +23,21 @@ impl DockView {
     /// Every view in the order of the menu: its name on its tab, and what it shows.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 14] = [
         (Self::Source, "Source", "What a camera saw, and what became of each of its pixels."),
-        (Self::Live, "Live view", "What is left of the capture, from anywhere."),
+        (Self::Live, "Live view", "The kept samples, rendered from any viewpoint."),
         (
             Self::Compare,
             "Compare",
             "Two pictures of one place: before and after, two settings, the truth, kernels.",
         ),
-        (Self::Pixel, "Pixel", "The argument for one pixel: what every camera says about it."),
+        (Self::Pixel, "Pixel", "The explanation of one pixel: what every camera says about it."),
         (Self::Cameras, "Cameras", "Every camera with its kept share, and where it sees the pixel."),
-        (Self::Matrix, "Matrix", "Which camera's samples stand for whose."),
+        (Self::Matrix, "Matrix", "Which camera's samples replace whose, and how well cameras agree."),
         (Self::Time, "Time", "For how many frames samples are stored, and when."),
         (Self::Memory, "Memory", "How much memory the samples of each camera take."),
-        (Self::Thresholds, "Thresholds", "What counts as redundant, and how what is left is painted."),
+        (Self::Thresholds, "Settings", "What counts as redundant, and how what is left is rendered."),
         (Self::Report, "Report", "What was pruned, by which rule and for which camera."),
-        (
-            Self::Tradeoff,
-            "Speed and accuracy",
-            "What each setting costs, and how close it comes to the truth.",
-        ),
-        (Self::Stability, "Stability", "When accuracy breaks under disturbances."),
+        (Self::Tradeoff, "Sweep", "What each setting costs, and how close it comes to the truth."),
+        (Self::Stability, "Stress test", "When accuracy breaks under disturbances."),
         (Self::Path, "Camera path", "A camera path: set keys, play it, export it as pictures."),
         (Self::Log, "Log", "What happened, in order."),
     ];

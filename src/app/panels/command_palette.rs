@@ -1,11 +1,11 @@
-//! The command palette and the sheet of keys: everything there is to do, by name.
+//! The command palette: everything there is to do, by name.
 
-use egui::{Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Id, Key, Modal, ScrollArea, TextEdit, Ui};
 
-use crate::app::control;
+use super::palette_words::asks_for;
 use crate::app::model::{
-    ColorBy, Command, CommandPalette, Commands, DockView, HoleDisplay, Overlay, PRESETS, Purpose, State,
-    Study,
+    ColorBy, Command, CommandPalette, Commands, DockView, HelpPage, HoleDisplay, Overlay, PRESETS, Purpose,
+    State, Study, setting_names,
 };
 use crate::app::theme::space;
 use crate::app::widgets::weak;
@@ -21,6 +21,9 @@ struct PaletteEntry {
 
 /// Entries shown at once.
 const SHOWN: usize = 200;
+
+/// Height of the list, points.
+const LIST_HEIGHT: f32 = 320.0;
 
 /// The palette, while it is open.
 pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
@@ -39,7 +42,7 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
         let field = TextEdit::singleline(&mut text)
             .desired_width(f32::INFINITY)
             .margin(egui::vec2(8.0, 6.0))
-            .hint_text("What would you like to do?");
+            .hint_text("Type a command");
         let field = ui.add(field).accessible_name("Command");
         let taken = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if !taken {
@@ -65,11 +68,13 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
 
 fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<usize> {
     if entries.is_empty() {
-        weak(ui, "Nothing of that name.");
-        return None;
+        weak(ui, "No matching command.");
     }
     let mut clicked = None;
-    ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
+    let height = LIST_HEIGHT - ui.spacing().interact_size.y * f32::from(u8::from(entries.is_empty()));
+    // As high whatever was found: the field above stays where it is, and nothing shrinks for good.
+    let list = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink(false);
+    list.show(ui, |ui| {
         ui.with_layout(egui::Layout::top_down_justified(egui::Align::Min), |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
             for (index, entry) in entries.iter().enumerate().take(SHOWN) {
@@ -87,7 +92,7 @@ fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<us
     clicked
 }
 
-/// The entries whose names hold all words of `text`, those that begin with it first.
+/// The entries whose names hold all words of `text` or what they mean: those that begin with it first, those it only means last.
 fn matching(state: &State, text: &str) -> Vec<PaletteEntry> {
     let wanted = text.to_lowercase();
     let words: Vec<&str> = wanted.split_whitespace().collect();
@@ -95,12 +100,28 @@ fn matching(state: &State, text: &str) -> Vec<PaletteEntry> {
         .into_iter()
         .filter(|entry| {
             let name = entry.name.to_lowercase();
-            words.iter().all(|word| name.contains(word))
+            words.iter().all(|word| asks_for(word, &name))
         })
         .collect();
-    entries.sort_by_key(|entry| !entry.name.to_lowercase().starts_with(&wanted));
+    entries.sort_by_cached_key(|entry| {
+        let name = entry.name.to_lowercase();
+        (!name.starts_with(&wanted), !words.iter().all(|word| name.contains(word)))
+    });
     entries
 }
+
+/// The keys that show a camera and view from it, of the first nine.
+const CAMERA_KEYS: [[&str; 2]; 9] = [
+    ["1", "Shift+1"],
+    ["2", "Shift+2"],
+    ["3", "Shift+3"],
+    ["4", "Shift+4"],
+    ["5", "Shift+5"],
+    ["6", "Shift+6"],
+    ["7", "Shift+7"],
+    ["8", "Shift+8"],
+    ["9", "Shift+9"],
+];
 
 fn entries(state: &State) -> Vec<PaletteEntry> {
     let mut entries = Vec::new();
@@ -116,30 +137,36 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
         ("Save store", "Ctrl+S", Command::AskPath(Purpose::SaveStore)),
         ("Save settings", "", Command::AskPath(Purpose::SaveSettings)),
         ("Load settings", "", Command::AskPath(Purpose::LoadSettings)),
-        ("Keep settings as a preset", "", Command::NamePreset(Some(String::new()))),
+        ("Save settings as a preset", "", Command::NamePreset(Some(String::new()))),
         ("Save picture", "", Command::AskPath(Purpose::SavePicture)),
         ("Copy picture", "", Command::CopyPicture),
         ("Export pictures of the camera path", "", Command::AskPath(Purpose::ExportPictures)),
-        ("Export a film of the camera path", "", Command::AskPath(Purpose::ExportFilm)),
-        ("Copy argument for the pixel", "Ctrl+Shift+C", Command::CopyExplanation),
+        ("Export a video of the camera path", "", Command::AskPath(Purpose::ExportFilm)),
+        ("Copy explanation", "Ctrl+Shift+C", Command::CopyExplanation),
         ("Undo", "Ctrl+Z", Command::Undo),
         ("Redo", "Ctrl+Y", Command::Redo),
         ("Reset all settings", "", Command::ResetAll),
         ("Switch between settings A and B", "", Command::SwitchSettings),
         ("Play or pause", "Space", Command::TogglePlay),
-        ("Back to the first vantage", "Home", Command::Home),
-        ("Frame the pixel that is looked at", "F", Command::FramePoint),
+        ("Reset view to start", "Home", Command::Home),
+        ("Center view on selected pixel", "F", Command::FramePoint),
         ("Add key to the camera path", "K", Command::AddKey),
-        ("Rerun", "", Command::Rerun),
+        ("Recompute the whole capture", "", Command::Recompute),
         ("Run a sweep", "", Command::Study(Study::Sweep)),
         ("Run a stress test", "", Command::Study(Study::Stress)),
-        ("Log and reset frame times", "", Command::LogFrameTimes),
+        ("Frame times: write to the log and reset", "", Command::LogFrameTimes),
         ("Cancel", "Esc", Command::Cancel),
         ("Light theme", "", Command::Dark(false)),
         ("Dark theme", "", Command::Dark(true)),
         ("Reset layout", "", Command::ResetLayout),
-        ("Show the keys", "?", Command::CheatSheet(true)),
-        ("Skip the introduction", "", Command::Introduced),
+        ("Guide", "", Command::Help(Some(HelpPage::Guide))),
+        ("Keyboard and mouse shortcuts", "?", Command::Help(Some(HelpPage::Shortcuts))),
+        ("About Overlook and its version", "", Command::Help(Some(HelpPage::About))),
+        ("Interface size: larger", "Ctrl++", Command::InterfaceSize(1)),
+        ("Interface size: smaller", "Ctrl+−", Command::InterfaceSize(-1)),
+        ("Interface size: normal", "Ctrl+0", Command::InterfaceSize(0)),
+        ("Forget recent files", "", Command::ForgetRecent),
+        ("Close the introduction", "", Command::Introduced),
     ] {
         let changes_thresholds =
             matches!(command, Command::Undo | Command::Redo | Command::ResetAll | Command::SwitchSettings);
@@ -147,6 +174,18 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
             add(name.to_owned(), keys, command);
         }
     }
+    entries.extend(choices(state));
+    entries.extend(settings(turns));
+    entries
+}
+
+/// What is chosen among views, overlays, presets, scenes, files and cameras.
+fn choices(state: &State) -> Vec<PaletteEntry> {
+    let mut entries = Vec::new();
+    let turns = state.has_thresholds();
+    let mut add = |name: String, keys: &'static str, command: Command| {
+        entries.push(PaletteEntry { name, keys, command });
+    };
     for (view, name, _) in DockView::ALL {
         add(format!("Open view: {name}"), "", Command::OpenView(view));
     }
@@ -165,64 +204,81 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
     for (index, (name, _)) in state.inspector.presets.iter().enumerate().filter(|_| turns) {
         add(format!("Preset: {name}"), "", Command::OwnPreset(index));
     }
+    for path in &state.recent {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        add(format!("Open recent: {name}"), "", Command::OpenPath(path.clone()));
+    }
     for (name, _) in SCENES {
         add(format!("Demo: {name}"), "", Command::OpenDemo((*name).to_owned()));
     }
     for (index, camera) in state.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
-        add(format!("Show camera {}", camera.name), "1 – 9", Command::SourceCamera(index));
-        add(format!("Stand where {} stood", camera.name), "Shift+1 – 9", Command::JumpTo(index));
-    }
-    for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
-        let values: Vec<(&str, toml::Value)> = match field.kind {
-            ValueKind::Choice(names) => names.iter().map(|(value, _)| (*value, (*value).into())).collect(),
-            ValueKind::Switch => vec![("on", true.into()), ("off", false.into())],
-            // Numbers are turned on their sliders.
-            ValueKind::Number { .. } | ValueKind::Integer { .. } => Vec::new(),
-        };
-        for (name, value) in values {
-            add(format!("Set {} to {name}", field.path), "", Command::Set { path: field.path, value });
-        }
+        let [show, view] = CAMERA_KEYS.get(index).copied().unwrap_or_default();
+        add(format!("Show camera '{}'", camera.name), show, Command::SourceCamera(index));
+        add(format!("View from camera '{}'", camera.name), view, Command::JumpTo(index));
     }
     entries
 }
 
-/// The sheet of keys, while it is open.
-pub(crate) fn cheat_sheet_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    if !state.inspector.cheat_sheet {
-        return;
-    }
-    let modal = Modal::new(Id::unique("cheat sheet")).show(ctx, |ui| {
-        ui.heading("Keys and mouse");
-        ui.add_space(space::SMALL);
-        ui.horizontal_top(|ui| {
-            for (column, list) in control::HELP.chunks(control::HELP.len().div_ceil(2)).enumerate() {
-                egui::Grid::new(("keys", column)).num_columns(2).spacing([18.0, 5.0]).show(ui, |ui| {
-                    for (keys, help) in list {
-                        ui.label(RichText::new(*keys).strong());
-                        ui.label(*help);
-                        ui.end_row();
-                    }
-                });
-                ui.add_space(space::LARGE);
-            }
-        });
-        ui.add_space(space::MEDIUM);
-        if ui.button("Close keys").clicked() {
-            commands.push(Command::CheatSheet(false));
+/// Every setting, and every value that one of them can be given by name; `turns` where thresholds can be changed.
+fn settings(turns: bool) -> Vec<PaletteEntry> {
+    let mut entries = Vec::new();
+    let mut add = |name: String, keys: &'static str, command: Command| {
+        entries.push(PaletteEntry { name, keys, command });
+    };
+    for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
+        let setting = setting_names::name(field.path);
+        add(format!("Setting: {setting}"), "", Command::FindSetting(field.path));
+        let values: Vec<(String, toml::Value)> = match field.kind {
+            ValueKind::Choice(names) => names
+                .iter()
+                .map(|(value, _)| (setting_names::choice(field.path, value), (*value).into()))
+                .collect(),
+            ValueKind::Switch => vec![("on".to_owned(), true.into()), ("off".to_owned(), false.into())],
+            // Numbers are turned on their sliders.
+            ValueKind::Number { .. } | ValueKind::Integer { .. } => Vec::new(),
+        };
+        for (name, value) in values {
+            add(format!("{setting}: {name}"), "", Command::Set { path: field.path, value });
         }
-    });
-    if modal.should_close() {
-        commands.push(Command::CheatSheet(false));
     }
+    entries
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     #[test]
+    fn what_people_type_is_found_and_no_raw_key_is_shown() {
+        let mut state = State::default();
+        state.recent.push("/captures/kitchen.ovl".into());
+        for (typed, found) in [
+            ("help", "Guide"),
+            ("zoom", "Interface size: larger"),
+            ("fov", "Reset view to start"),
+            ("screenshot", "Save picture"),
+            ("screensh", "Copy picture"),
+            ("measure", "Run a sweep"),
+            ("recent", "Open recent: kitchen.ovl"),
+            ("hole", "Hole filling: Push-pull"),
+            ("background", "Holes: Fill"),
+            ("exposure", "Source shows: Picture"),
+            ("scale", "Interface size: smaller"),
+            ("film", "Export a video of the camera path"),
+            ("rerun", "Recompute the whole capture"),
+            ("kernel point", "Kernel: Point"),
+        ] {
+            let names: Vec<String> = matching(&state, typed).into_iter().map(|entry| entry.name).collect();
+            assert!(names.iter().any(|name| name == found), "{typed}: {names:?}");
+        }
+        for entry in entries(&state) {
+            assert!(!Settings::fields().any(|field| entry.name.contains(field.path)), "{}", entry.name);
+        }
+    }
+
+    #[test]
     fn switches_are_set_by_name() {
         let mut state = State::default();
-        for (text, on) in [("set render.antialias to on", true), ("set render.antialias to off", false)] {
+        for (text, on) in [("antialiasing: on", true), ("antialiasing: off", false)] {
             let entry = matching(&state, text).into_iter().next().unwrap();
             let expected = Command::Set { path: "render.antialias", value: on.into() };
             assert_eq!(entry.command, expected);

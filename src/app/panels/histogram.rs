@@ -64,7 +64,7 @@ pub(crate) fn histogram_ui(
         }
     }
     let help = match histogram {
-        None => "Nothing is counted here yet: the line can be dragged all the same.".to_owned(),
+        None => "Not counted yet; the line can be dragged already.".to_owned(),
         Some(histogram) => format!(
             "{} {}{}: {within} within the line, {beyond} beyond. Blue passes all rules, orange does not{}. Drag the line.",
             model::count((within + beyond) as u64),

@@ -99,10 +99,10 @@ pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report) {
     for warning in warnings {
         ui.label(RichText::new(model::sentence(&warning)).color(tokens.warning)).on_hover_text(help);
     }
-    let title = "What never moves, 85 % within (a wrong pose shows here)";
+    let title = "What never moves, 85 % within (a pose error shows here)";
     residuals_ui(ui, report, title, |pair| pair.lasting, |residual| residual.most_footprints);
     ui.add_space(space::SMALL);
-    let title = "What moves, half within (a wrong clock shows here alone)";
+    let title = "What moves, half within (a time offset shows here alone)";
     residuals_ui(ui, report, title, |pair| pair.moving, |residual| residual.median_footprints);
 }
 

@@ -1,10 +1,12 @@
 //! The areas of the window around the views.
 
 mod command_palette;
+mod help;
 mod histogram;
 mod matrix;
 mod memory_view;
 mod notices;
+mod palette_words;
 mod path_field;
 mod path_view;
 mod report;
@@ -16,7 +18,8 @@ mod top_bar;
 mod totals;
 mod welcome;
 
-pub(crate) use command_palette::{cheat_sheet_ui, palette_ui};
+pub(crate) use command_palette::palette_ui;
+pub(crate) use help::help_ui;
 pub(crate) use memory_view::memory_ui;
 pub(crate) use notices::{log_ui, notices_ui};
 pub(crate) use path_field::path_field_ui;

@@ -13,8 +13,8 @@ fn export_menu_ui(ui: &mut Ui, commands: &mut Commands) {
         for (name, help, command) in [
             ("Pictures…", PICTURES, Command::AskPath(Purpose::ExportPictures)),
             ("Pictures to path…", PICTURES, Command::TypePath(Purpose::ExportPictures)),
-            ("Film…", FILM, Command::AskPath(Purpose::ExportFilm)),
-            ("Film to path…", FILM, Command::TypePath(Purpose::ExportFilm)),
+            ("Video…", VIDEO, Command::AskPath(Purpose::ExportFilm)),
+            ("Video to path…", VIDEO, Command::TypePath(Purpose::ExportFilm)),
         ] {
             if ui.button(name).on_hover_text(help).clicked() {
                 commands.push(command);
@@ -25,7 +25,7 @@ fn export_menu_ui(ui: &mut Ui, commands: &mut Commands) {
 }
 
 const PICTURES: &str = "A folder of numbered PNG pictures.";
-const FILM: &str = "A film at the frame rate of the timeline, through the ffmpeg on this machine.";
+const VIDEO: &str = "A video at the frame rate of the timeline, through the ffmpeg on this machine.";
 
 fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
     let mut chosen = size;
@@ -65,10 +65,10 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
             commands.push(Command::PlayPath(path.playing.is_none()));
         }
-        ui.label("Pictures per leg");
+        ui.label("Frames per segment");
         let mut pictures = path.pictures_per_leg;
         let drag = DragValue::new(&mut pictures).range(1..=2000);
-        if ui.add(drag).accessible_name("Pictures per leg").changed() {
+        if ui.add(drag).accessible_name("Frames per segment").changed() {
             commands.push(Command::PicturesPerLeg(pictures));
         }
         size_ui(ui, state.export_size(), commands);
@@ -87,16 +87,15 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
             for (index, key) in keys.iter().enumerate() {
                 let number = index + 1;
-                if ui.button(format!("Key {number}")).on_hover_text("Go there").clicked() {
+                if ui.button(format!("Key {number}")).on_hover_text("Go to this key").clicked() {
                     commands.push(Command::GoToKey(index));
                 }
                 let at = key.orbit.world_from_camera.translation;
                 ui.label(RichText::new(format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z)).monospace());
                 weak(ui, format!("frame {}", key.frame + 1));
                 ui.horizontal(|ui| {
-                    let here = format!("Put key {number} here");
-                    if icon_button(ui, ICON_UPDATE, &here, "Put this key where the view stands now").clicked()
-                    {
+                    let here = format!("Set key {number} to the current view");
+                    if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
                         commands.push(Command::ReplaceKey(index));
                     }
                     let remove = format!("Remove key {number}");

@@ -44,8 +44,7 @@ const TWO_COLUMNS: f32 = 720.0;
 /// The matrices alone.
 pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State) {
     let Some(report) = state.report() else {
-        let text =
-            "Who stands for whom, and how well cameras agree, is known once the whole capture is pruned.";
+        let text = "Which camera replaces which, and how well cameras agree, is known once the whole capture is pruned.";
         crate::app::widgets::empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
         return;
     };
@@ -66,7 +65,10 @@ pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State) {
 
 fn rule_words(rule: &str) -> (String, &'static str) {
     let (words, help) = match rule {
-        "static" => ("Repeated over time", "Repetitions that a sample stored for several frames stands for."),
+        "static" => (
+            "Repeated over time",
+            "Repetitions over time that one sample stored for several frames replaces.",
+        ),
         "lower_rate" => ("Seen better elsewhere", "Another camera samples the point more densely."),
         "tie" => ("Seen equally well", "Equal rates: the earlier camera's sample stays."),
         "later_camera" => ("Seen by an earlier camera", "First camera wins, whatever the sampling rate."),
@@ -81,7 +83,7 @@ fn rule_words(rule: &str) -> (String, &'static str) {
         }
         "contradicted" => (
             "Contradicted",
-            "More cameras look past the point than confirm it: one camera misread it, or it flies between foreground and background.",
+            "More cameras contradict the point than confirm it: one camera misread it, or it flies between foreground and background.",
         ),
         "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),
         other => return (model::words(other), ""),
@@ -141,8 +143,8 @@ pub(crate) fn share_ui(
 }
 
 fn matrix_ui(ui: &mut Ui, report: &Report) {
-    ui.heading("Who stands for whom");
-    weak(ui, "Rows lose samples, columns keep the ones that stand for them.");
+    ui.heading("Which camera replaces which");
+    weak(ui, "Rows lose samples, columns keep the ones that replace them.");
     let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
     pairs_ui(ui, &names, |loser, winner| {
@@ -183,8 +185,8 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
             for (title, help) in [
                 ("Name", "Name of the camera."),
                 ("Kept", "Samples kept of all its pixels."),
-                ("Still", "Share of its pixels that are the same over all frames."),
-                ("Noise", "Measured color noise of still pixels, in 8-bit steps."),
+                ("Static", "Share of its pixels that are the same over all frames."),
+                ("Noise", "Measured color noise of static pixels, in 8-bit steps."),
             ] {
                 note(ui, title).on_hover_text(help);
             }

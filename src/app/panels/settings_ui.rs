@@ -1,12 +1,12 @@
-//! The thresholds, generated from the one table of settings, so that none is ever missing here; and settings to start from.
+//! The settings, generated from the one table of settings, so that none is ever missing here; and settings to start from.
 
 use egui::{Align, Button, CollapsingHeader, DragValue, Id, Layout, Modal, RichText, ScrollArea, Slider, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
 use super::histogram;
 use crate::app::control::gave_up_number;
-use crate::app::model::setting_names::{SECTIONS, SettingPairs};
-use crate::app::model::{self, CUT, Command, Commands, PRESETS, SettingsSlot, State};
+use crate::app::model::setting_names::{self, SECTIONS, SettingPairs};
+use crate::app::model::{CUT, Command, Commands, PRESETS, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, icon_button, note, text_field_ui, weak};
 use crate::settings::{Field, Settings, ValueKind};
@@ -29,14 +29,19 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {
-            let text = "A store keeps the thresholds it was made with; only painting can be changed.";
+            let text = "A store keeps the settings it was made with; only rendering can be changed.";
             weak(ui, text);
         }
+        let found = |section: &str| {
+            let found = state.inspector.find_setting.and_then(|path| path.split_once('.'));
+            found.is_some_and(|(of, _)| of == section)
+        };
         for (section, heading, open) in SECTIONS {
             let fields: Vec<_> = fields_of(section).collect();
             CollapsingHeader::new(RichText::new(*heading).strong())
                 .id_salt(*section)
                 .default_open(*open)
+                .open(found(section).then_some(true))
                 .show_unindented(ui, |ui| {
                     if *section == "capture" {
                         let text =
@@ -64,15 +69,15 @@ fn history_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let history = &state.inspector.history;
     ui.horizontal(|ui| {
         for (icon, name, keys, able, command) in [
-            (ICON_UNDO, "Undo", "Take back the last change (Ctrl+Z)", history.can_undo(), Command::Undo),
-            (ICON_REDO, "Redo", "Do again what was taken back (Ctrl+Y)", history.can_redo(), Command::Redo),
+            (ICON_UNDO, "Undo", "Undo the last change (Ctrl+Z)", history.can_undo(), Command::Undo),
+            (ICON_REDO, "Redo", "Redo what was undone (Ctrl+Y)", history.can_redo(), Command::Redo),
         ] {
             let button = ui.add_enabled_ui(able, |ui| icon_button(ui, icon, name, keys)).inner;
             if button.clicked() {
                 commands.push(command);
             }
         }
-        let help = "Two settings that take turns: what you change belongs to the one that is on. The Compare view shows \
+        let help = "Two sets of settings to switch between: changes go to the one that is selected. The Compare view shows \
                     both at once.";
         for (slot, name) in [(SettingsSlot::A, "A"), (SettingsSlot::B, "B")] {
             let button = ui.add(Button::selectable(history.slot == slot, name).min_size(egui::vec2(26.0, space::CONTROL)));
@@ -98,23 +103,28 @@ fn field_ui(
     commands: &mut Commands,
 ) {
     let Some([value, default]) = values.of(field) else { return };
-    let (section, name) = field.path.split_once('.').unwrap_or(("", field.path));
-    let full_name = model::words(&format!("{section} {name}"));
-    let name = model::words(name);
+    let name = setting_names::name(field.path);
     let changed = value != default;
     // The line on the histogram takes the place of a slider.
     let cuts = state.has_capture() && CUT.contains(&field.path);
     ui.push_id(field.path, |ui| {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
-            ui.label(RichText::new(&name)).on_hover_text(field.help);
+            // Read out with a colon: the control beside it has the bare name.
+            let label = ui.label(RichText::new(&name)).on_hover_text(field.help);
+            let label = label.accessible_name(format!("{name}:"));
+            if state.inspector.find_setting == Some(field.path) {
+                label.scroll_to_me(Some(Align::Center));
+                label.highlight();
+                commands.push(Command::FoundSetting);
+            }
             note(ui, field.unit).on_hover_text(field.help);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.add_space(space::MEDIUM);
                 let changed_to = match (field.kind, value) {
-                    (ValueKind::Switch, toml::Value::Boolean(on)) => switch_ui(ui, field, &full_name, *on),
+                    (ValueKind::Switch, toml::Value::Boolean(on)) => switch_ui(ui, field, &name, *on),
                     (ValueKind::Number { min, max, .. }, toml::Value::Float(number)) if cuts => {
-                        number_ui(ui, field, &full_name, *number, [min, max])
+                        number_ui(ui, field, &name, *number, [min, max])
                     }
                     _ => None,
                 };
@@ -125,8 +135,8 @@ fn field_ui(
             });
         });
         if let (Some(value), true) = (value.as_float(), cuts) {
-            histogram::histogram_ui(ui, field, &full_name, value, state, commands);
-        } else if let Some(value) = value_ui(ui, field, &full_name, value) {
+            histogram::histogram_ui(ui, field, &name, value, state, commands);
+        } else if let Some(value) = value_ui(ui, field, &name, value) {
             commands.push(Command::Set { path: field.path, value });
         }
     });
@@ -162,7 +172,9 @@ fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Co
     }
     let icon = ICON_RESTART_ALT.rich_text().size(14.0).color(Tokens::in_ui(ui).accent);
     let button = ui.add(Button::new(icon).small().frame(false));
-    let button = button.on_hover_text("Back to the default").accessible_name(format!("Reset {}", field.path));
+    let button = button
+        .on_hover_text("Back to the default")
+        .accessible_name(format!("Reset {}", setting_names::name(field.path)));
     if button.clicked() {
         commands.push(Command::Reset(field.path));
     }
@@ -194,7 +206,9 @@ fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value)
             let choices: Vec<_> = names
                 .iter()
                 .enumerate()
-                .map(|(index, (choice, help))| (index, model::words(choice), help.trim().to_owned()))
+                .map(|(index, (choice, help))| {
+                    (index, setting_names::choice(field.path, choice), help.trim().to_owned())
+                })
                 .collect();
             choice_ui(ui, name, current, &choices, width).map(|index| names[index].0.into())
         }
@@ -222,7 +236,7 @@ fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         }
         ui.separator();
-        note(ui, "Your own");
+        note(ui, "Custom");
         for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
             ui.horizontal(|ui| {
                 if ui.button(name).clicked() {
@@ -235,8 +249,7 @@ fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 }
             });
         }
-        if ui.button("Keep these settings…").on_hover_text("Keeps them under a name, for next time").clicked()
-        {
+        if ui.button("Save as preset…").on_hover_text("Saves the current settings under a name").clicked() {
             commands.push(Command::NamePreset(Some(String::new())));
         }
     });
@@ -248,10 +261,10 @@ pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Comma
     let Some(name) = &state.inspector.naming else { return };
     let modal = Modal::new(Id::unique("naming a preset")).show(ctx, |ui| {
         ui.set_width(360.0);
-        ui.heading("Keep these settings");
+        ui.heading("Save settings as a preset");
         let taken = state.inspector.presets.iter().any(|(known, _)| known == name.trim());
         let words =
-            if taken { "This name is taken: its settings will be replaced." } else { "Under which name?" };
+            if taken { "This name is taken: its settings will be replaced." } else { "Name of the preset:" };
         weak(ui, words);
         ui.add_space(space::MEDIUM);
         let mut text = name.clone();
@@ -262,7 +275,7 @@ pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Comma
         }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {
-            let keep = ui.add_enabled(named, Button::new("Keep")).accessible_name("Keep this preset");
+            let keep = ui.add_enabled(named, Button::new("Save")).accessible_name("Save this preset");
             if (keep.clicked() || entered) && named {
                 commands.push(Command::SavePreset(text));
             }

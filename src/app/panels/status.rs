@@ -21,14 +21,14 @@ pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             busy_ui(ui, state, busy);
         } else if state.stopped {
             ui.label(
-                RichText::new("The whole capture was not pruned with these settings.").color(tokens.warning),
+                RichText::new("The whole capture is not computed with these settings.").color(tokens.warning),
             );
-            let rerun = Button::new((ICON_REPLAY.rich_text(), "Rerun")).small();
-            if ui.add(rerun).accessible_name("Rerun").clicked() {
-                commands.push(Command::Rerun);
+            let rerun = Button::new((ICON_REPLAY.rich_text(), "Recompute")).small();
+            if ui.add(rerun).accessible_name("Recompute").clicked() {
+                commands.push(Command::Recompute);
             }
         } else if state.is_stale() {
-            let text = "A threshold changed: this frame shows it now, the whole capture follows.";
+            let text = "A setting changed: this frame shows it now, the whole capture follows.";
             ui.label(RichText::new(text).color(tokens.warning));
         } else {
             weak(ui, "Ready");
@@ -77,9 +77,9 @@ fn frame_facts_ui(ui: &mut Ui, state: &State) {
     let samples = inspected.inspection.samples.sample_count();
     let pixels: u64 = inspected.inspection.cameras.iter().map(|camera| camera.verdict.len() as u64).sum();
     let mut facts =
-        format!("This frame: {} pixels, {} samples show it", model::count(pixels), model::count(samples));
+        format!("This frame: {} of {} samples drawn", model::count(samples), model::count(pixels));
     if !inspected.with_scan {
-        facts.push_str(" (time not looked at yet)");
+        facts.push_str(" (static parts not known yet)");
     }
     ui.add_space(space::SMALL);
     weak(ui, facts).on_hover_text(

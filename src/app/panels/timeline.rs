@@ -42,14 +42,10 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         commands.push(Command::FramesPerSecond(rate));
     }
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let caption = match foreground(state) {
-            Some(counts) => {
-                let here = counts.get(timeline.frame).copied().unwrap_or(0);
-                format!("{} samples that do not hold for all frames", model::count(here))
-            }
-            None => "bars show what does not hold for all frames, once the capture is pruned".to_owned(),
-        };
-        weak(ui, caption);
+        if let Some(counts) = foreground(state) {
+            let here = counts.get(timeline.frame).copied().unwrap_or(0);
+            weak(ui, format!("{} time-varying samples", model::count(here)));
+        }
     });
 }
 
@@ -99,9 +95,8 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if let Some(pointer) = response.hover_pos() {
         let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
         let count = foreground(state).and_then(|counts| counts.get(frame));
-        let kept = count.map_or(String::new(), |count| {
-            format!(": {} samples that do not hold for all frames", model::count(*count))
-        });
+        let kept =
+            count.map_or(String::new(), |count| format!(": {} time-varying samples", model::count(*count)));
         response.on_hover_text_at_pointer(format!("Frame {}{kept}", frame + 1));
     }
 }

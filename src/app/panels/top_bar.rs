@@ -2,11 +2,13 @@
 
 use egui::{Align, Button, Layout, RichText, Ui};
 use egui_material_icons::icons::{
-    ICON_DARK_MODE, ICON_DASHBOARD, ICON_FOLDER_OPEN, ICON_KEYBOARD, ICON_LIGHT_MODE, ICON_SAVE,
-    ICON_SCIENCE, ICON_TERMINAL,
+    ICON_DARK_MODE, ICON_DASHBOARD, ICON_FOLDER_OPEN, ICON_HELP, ICON_LIGHT_MODE, ICON_SAVE, ICON_SCIENCE,
+    ICON_TERMINAL,
 };
 
-use crate::app::model::{self, Command, CommandPalette, Commands, DockView, Origin, Purpose, State};
+use crate::app::model::{
+    self, Command, CommandPalette, Commands, DockView, HelpPage, Origin, Purpose, State,
+};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, weak};
 use crate::demo::SCENES;
@@ -20,6 +22,7 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         save_menu_ui(ui, state, commands);
         demo_menu_ui(ui, commands);
         views_menu_ui(ui, commands);
+        help_menu_ui(ui, commands);
         ui.add_space(space::MEDIUM);
         title_ui(ui, state);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -28,17 +31,7 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if icon_button(ui, icon, name, name).clicked() {
                 commands.push(Command::Dark(!state.dark));
             }
-            if icon_button(ui, ICON_KEYBOARD, "Keys", "Keys (?)").clicked() {
-                commands.push(Command::CheatSheet(true));
-            }
-            if icon_button(
-                ui,
-                ICON_TERMINAL,
-                "Commands",
-                "Do anything but turn a slider by its name (Ctrl+P)",
-            )
-            .clicked()
-            {
+            if icon_button(ui, ICON_TERMINAL, "Commands", "Find any command by name (Ctrl+P)").clicked() {
                 commands.push(Command::Palette(Some(CommandPalette::default())));
             }
         });
@@ -138,6 +131,20 @@ fn views_menu_ui(ui: &mut Ui, commands: &mut Commands) {
         ui.separator();
         if ui.button("Reset layout").on_hover_text("Put all views where they were at first").clicked() {
             commands.push(Command::ResetLayout);
+        }
+    });
+}
+
+fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
+    menu_ui(ui, ICON_HELP, "Help", |ui| {
+        for (name, keys, page) in [
+            ("Guide", "", HelpPage::Guide),
+            ("Keyboard and mouse shortcuts", "?", HelpPage::Shortcuts),
+            ("About Overlook", "", HelpPage::About),
+        ] {
+            if ui.add(item(name, keys)).accessible_name(name).clicked() {
+                commands.push(Command::Help(Some(page)));
+            }
         }
     });
 }

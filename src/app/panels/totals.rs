@@ -81,7 +81,7 @@ fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
     let mut help = figure.help.clone();
     if stale {
         help.push_str(
-            " A threshold was changed since; the number is out of date until the capture is pruned again.",
+            " A setting was changed since; the number is out of date until the capture is pruned again.",
         );
     }
     response.on_hover_text(help);
@@ -118,7 +118,7 @@ fn figures(state: &State) -> Vec<Figure> {
                 let pruned = r.samples_in.saturating_sub(r.samples_kept);
                 [model::percent(pruned, r.samples_in), "pruned".to_owned()]
             }),
-            "Share of all pixels that another kept sample says at least as well.",
+            "Share of all pixels that another, kept sample represents at least as well.",
         ),
         figure(
             "Memory",
@@ -138,7 +138,7 @@ fn figures(state: &State) -> Vec<Figure> {
             "Live view",
             false,
             render,
-            "Milliseconds that painting the picture on the right took, and the share of it that samples reached.",
+            "Milliseconds that rendering the live view took, and the share of it that samples reached.",
         ),
     ]
 }
@@ -148,16 +148,15 @@ fn accuracy_figure(
     figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> Figure,
 ) -> Figure {
     let Some(accuracy) = accuracy else {
-        let help = "Accuracy is measured at vantages whose truth is known: built-in captures have them, and captures with a \
-                    novel/transforms.json. There is none here, or it is not measured yet: while time passes and after Esc it \
-                    is not.";
+        let help = "Accuracy is measured at viewpoints whose true picture is known: built-in captures have them, and captures with a \
+                    novel/transforms.json. There is none here, or it is not measured yet: it is not while the scene plays, nor after Esc.";
         return figure("Accuracy", true, None, help);
     };
     let Accuracy { psnr_db, unpruned_psnr_db, views } = accuracy;
     let help = format!(
-        "Mean PSNR at {views} vantages whose truth is known, over the pixels that samples reached: charts fill holes first \
+        "Mean PSNR at {views} viewpoints whose true picture is known, over the pixels that samples reached: charts fill holes first \
          and count all. With nothing pruned it is {unpruned_psnr_db:.1} dB.",
     );
-    let change = format!("{:+.2} dB by pruning", psnr_db - unpruned_psnr_db);
+    let change = format!("{:+.2} dB vs unpruned", psnr_db - unpruned_psnr_db);
     figure("Accuracy", true, Some([format!("{psnr_db:.1} dB"), change]), &help)
 }

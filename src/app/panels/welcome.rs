@@ -9,16 +9,16 @@ use crate::app::theme::{Tokens, space};
 const HINTS: [(&str, &str); 3] = [
     (
         "Point at a pixel",
-        "The Pixel view below says what every camera knows about it: who sees the point, who sampled it best, and by \
-         which rule it stays or goes. Click to keep it.",
+        "The Pixel view below says what every camera knows about it: which cameras see the point, which one sampled it best, and by \
+         which rule it is kept or dropped. Click to pin it.",
     ),
     (
         "Fly through what is left",
         "Drag to orbit, wheel to zoom, W A S D to fly. What no sample reached is filled from behind; press H to see where.",
     ),
     (
-        "Turn a threshold",
-        "Each line lies on the data that it cuts. Drag one: this frame shows it at once, the whole capture follows.",
+        "Change a threshold",
+        "In the Settings view each threshold is a line on a histogram of its data. Drag one: this frame shows it at once, the whole capture follows.",
     ),
 ];
 
@@ -46,8 +46,9 @@ pub(crate) fn introduction_ui(ctx: &egui::Context, state: &State, commands: &mut
     });
 }
 
-const UNSAVED: &str = "Thresholds were changed since the last store was saved. They are remembered; the pruned samples are not.";
-const WRITING: &str = "A file, pictures or a film are still being written. Closing now abandons them; the line at the bottom says how far \
+const UNSAVED: &str =
+    "Settings were changed since the last store was saved. The pruned samples would be lost.";
+const WRITING: &str = "A file, pictures or a video are still being written. Closing now abandons them; the line at the bottom says how far \
      they are.";
 const WRITTEN: &str = "What was being written is done.";
 
@@ -82,10 +83,10 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
                 commands.push(Command::Stay);
                 commands.push(Command::AskPath(Purpose::SaveStore));
             }
-            if ui.button(if closes { "Close anyway" } else { "Open anyway" }).clicked() {
+            if ui.button(if closes { "Discard and close" } else { "Discard and open" }).clicked() {
                 commands.push(Command::GoOnAnyway);
             }
-            if ui.button("Stay").clicked() {
+            if ui.button("Cancel").accessible_name("Cancel closing").clicked() {
                 commands.push(Command::Stay);
             }
         });

@@ -336,13 +336,13 @@ fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
 fn an_export_that_the_gpu_was_asked_for_and_did_not_paint_says_so() {
     let mut app = ready(2, 2);
     let exported =
-        Exported { pictures: 2, notice: Some("the CPU paints: no adapter".into()), damage: Vec::new() };
+        Exported { pictures: 2, notice: Some("the CPU renders: no adapter".into()), damage: Vec::new() };
     app.receive(Message::Exported { path: "film.mp4".into(), exported });
     assert_eq!(
         app.notices(),
         [
             "Exported: 2 pictures in film.mp4",
-            "Exported without the GPU: Of film.mp4: the CPU paints: no adapter"
+            "Exported without the GPU: Of film.mp4: the CPU renders: no adapter"
         ]
     );
 }

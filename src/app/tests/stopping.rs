@@ -73,7 +73,7 @@ fn numbers_that_are_out_of_date_say_whether_they_will_be_brought_up_to_date() {
     set_method(&mut app, PruningMethod::Off);
     assert!(app.state.stale_note().unwrap().contains("being brought up to date"));
     app.state.stopped = true;
-    assert!(app.state.stale_note().unwrap().contains("Rerun"));
+    assert!(app.state.stale_note().unwrap().contains("Recompute"));
 }
 
 /// Copies the small capture that comes along.
@@ -106,7 +106,7 @@ fn a_first_frame_that_cannot_be_read_says_so_and_is_tried_again_on_demand() {
     wait(&mut app, "the failure", |app| app.state.stopped);
     assert!(has_notice(&app, "Could not read this frame") && app.state.is_frame_failed());
     std::fs::write(&picture, &whole).unwrap();
-    app.apply(Command::Rerun);
+    app.apply(Command::Recompute);
     assert!(!app.state.is_frame_failed());
     settle(&mut app);
     assert!(app.state.is_whole_ready() && app.state.live_shown.is_some());

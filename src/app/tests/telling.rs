@@ -86,11 +86,11 @@ fn settings_put_on_from_a_chart_are_named_as_in_the_panel() {
     settings.render.kernel = Kernel::Point;
     app.apply(Command::TakeSettings(Box::new(settings.clone())));
     let notices = app.notices();
-    let told = "Settings put on: Kernel (Painting the live view): Gather → Point (Ctrl+Z undoes)";
+    let told = "Settings applied: Kernel: Gather (interpolate cameras) → Point (Ctrl+Z undoes)";
     assert_eq!(notices, [told]);
     assert!(view_says(&app.state, DockView::Thresholds, "1 setting differs from its default"));
     app.apply(Command::TakeSettings(Box::new(settings)));
-    assert!(app.notices()[1].starts_with("On already"), "{:?}", app.notices());
+    assert!(app.notices()[1].starts_with("Already applied"), "{:?}", app.notices());
     app.apply(Command::Undo);
     assert!(view_says(&app.state, DockView::Thresholds, "Every setting has its default"));
 }
@@ -114,7 +114,7 @@ fn of_a_pixel_that_is_kept_in_motion_nobody_is_asked_to_click_it() {
     let mut state = State::default();
     state.timeline.playing = true;
     assert!(verdict_text::pending_verdict(&state, false).contains("click"));
-    assert_eq!(verdict_text::pending_verdict(&state, true), "In motion: pause to read its verdict.");
+    assert_eq!(verdict_text::pending_verdict(&state, true), "Playing: pause to read its verdict.");
 }
 
 #[test]

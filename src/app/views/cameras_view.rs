@@ -106,7 +106,7 @@ fn card_ui(
     response.on_hover_ui(|ui| {
         ui.label(RichText::new(&camera.name).strong());
         ui.label(format!("{columns}×{rows}, {second}"));
-        ui.label("Pruned pixels are dimmed. Click to see it large, double-click to stand there.");
+        ui.label("Pruned pixels are dimmed. Click to see it large, double-click to view from this camera.");
     });
 }
 

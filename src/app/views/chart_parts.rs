@@ -87,14 +87,14 @@ pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &
     let charts = &state.inspector.charts;
     let (name, help) = match study {
         _ if charts.goes_on(study, &state.settings) => {
-            ("Go on", "Measures what is left; takes minutes, and can be cancelled.")
+            ("Resume", "Measures what is left; takes minutes, and can be canceled.")
         }
         Study::Sweep => (
             "Run a sweep",
-            "Measures around the settings on the sliders; takes minutes, and can be cancelled.",
+            "Measures around the settings on the sliders; takes minutes, and can be canceled.",
         ),
         Study::Stress => {
-            ("Run a stress test", "Disturbs the capture more and more; takes minutes, and can be cancelled.")
+            ("Run a stress test", "Disturbs the capture more and more; takes minutes, and can be canceled.")
         }
     };
     let button = ui.add_enabled(state.has_capture() && !charts.studying, egui::Button::new(name));

@@ -18,14 +18,14 @@ use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{Point, Series};
 
 /// Names of the line and of the ring in the chart.
-const FRONT: &str = "best lossless by both axes";
-const ON_NOW: &str = "on now";
+const FRONT: &str = "Pareto front (lossless)";
+const CURRENT: &str = "current";
 
 pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let charts = &state.inspector.charts;
     if charts.sweep.is_empty() {
         let text = "A sweep tries many settings and other methods on this capture, and draws what each costs and how close \
-                    it comes to the truth. Points appear one by one; a click on one puts its settings on.";
+                    it comes to the truth. Points appear one by one; a click on one applies its settings.";
         no_points_ui(ui, state, Study::Sweep, (ICON_SCATTER_PLOT, text), commands);
         return;
     }
@@ -42,7 +42,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let names = series.values().enumerate().map(|(index, (series, _))| {
         (Mark::Points(shape(index)), colormap::camera(index), series_name(*series))
     });
-    let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, ON_NOW)];
+    let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, CURRENT)];
     let lines = &lines[..=usize::from(current.is_some())];
     legend_ui(ui, names.chain(lines.iter().copied()));
     let places: Vec<_> = charts.sweep.iter().map(place).collect();
@@ -57,15 +57,13 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             );
         }
         if let Some(at) = current {
-            plot_ui.points(Points::new(ON_NOW, vec![at]).color(tokens.mark).radius(8.0).filled(false));
+            plot_ui.points(Points::new(CURRENT, vec![at]).color(tokens.mark).radius(8.0).filled(false));
         }
         nearest(plot_ui, places.into_iter())
     });
-    let hint = format!("{} settings; click one to put it on", charts.sweep.len());
+    let hint = format!("{} settings; click one to apply it", charts.sweep.len());
     one_line(ui, hint, tokens.text_weak);
-    shown
-        .response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Speed and accuracy chart"));
+    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
     if let Some(point) = shown.inner.and_then(|index| charts.sweep.get(index)) {
         if let Some(settings) = settings_alone(point).filter(|_| shown.response.clicked()) {
             commands.push(Command::TakeSettings(Box::new(settings.clone())));
@@ -79,7 +77,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let axes = state.inspector.charts.axes();
     ui.horizontal_wrapped(|ui| {
         let quantities = Quantity::ALL.map(|(of, name, _)| (of, name, ""));
-        for (index, caption, name) in [(0, "Along", "Along axis"), (1, "Up", "Up axis")] {
+        for (index, caption, name) in [(0, "X axis:", "X axis"), (1, "Y axis:", "Y axis")] {
             weak(ui, caption);
             if let Some(quantity) = choice_ui(ui, name, axes[index], &quantities, 124.0) {
                 let mut axes = axes;
@@ -204,7 +202,7 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
         }
         nearest(plot_ui, here.iter().map(|point| [point.dial, point.point.psnr_filled_db]))
     });
-    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stability chart"));
+    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stress test chart"));
     if let Some(point) = shown.inner.and_then(|index| here.get(index)) {
         let words = format!(
             "{} at {} {}: {:.2} dB, {:+.2} dB lost",
@@ -239,7 +237,7 @@ mod tests {
         let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
         (point.seconds_preprocess, point.flip) = (2.5, 0.125);
         let told = words(&point, [Quantity::Seconds, Quantity::Flip]);
-        assert!(told.starts_with("Color tolerance (Redundancy over time): 4, gather\n"), "{told}");
+        assert!(told.starts_with("Static color range: 4, gather\n"), "{told}");
         assert!(told.contains("Preprocessing, s: 2.50\nFLIP: 0.125\n"), "{told}");
     }
 }

@@ -70,11 +70,11 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
 
 fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
     let mut places =
-        vec![(CompareVantage::Live, "Live view".to_owned(), "Where the live view stands.".to_owned())];
+        vec![(CompareVantage::Live, "Live view".to_owned(), "The viewpoint of the live view.".to_owned())];
     let Some(scene) = &state.scene else { return places };
     if let Content::Capture { truth, .. } = &scene.content {
         places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
-            let help = "Where this camera stood, from the samples of all others.".to_owned();
+            let help = "Viewed from this camera, rendered from the samples of all others.".to_owned();
             (CompareVantage::HoldOut(index), format!("Hold-out {}", camera.name), help)
         }));
         let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
@@ -83,7 +83,7 @@ fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
             (
                 CompareVantage::Truth(index),
                 format!("Truth {path}"),
-                format!("A vantage whose picture is known: {path}."),
+                format!("A viewpoint whose true picture is known: {path}."),
             )
         }));
     }
@@ -211,9 +211,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
             }
         } else {
             let hint = match look.mode {
-                Mode::Wipe => {
-                    "Drag the line. Wheel to zoom, Shift + drag to shift; hold X for the right side."
-                }
+                Mode::Wipe => "Drag the line. Wheel to zoom, Shift + drag to pan; hold X for the right side.",
                 _ => "Hold X, or the mouse button, for the right side.",
             };
             one_line(ui, hint, tokens.text_weak);
@@ -253,8 +251,8 @@ fn about_pixel(comparison: &PictureDifference, [x, y]: [usize; 2]) -> Option<Str
     };
     let apart = match comparison.apart.get(x, y)? {
         Some(apart) if comparison.measure == CompareMeasure::Flip => format!("FLIP {apart:.3}"),
-        Some(apart) if comparison.measure == CompareMeasure::Brightness => format!("{apart:+.1} steps"),
-        Some(apart) => format!("{apart:.0} steps apart"),
+        Some(apart) if comparison.measure == CompareMeasure::Brightness => format!("{apart:+.1}/255"),
+        Some(apart) => format!("error {apart:.0}/255"),
         None => "nothing to compare".to_owned(),
     };
     Some(format!("Pixel {x}, {y} · left {} · right {} · {apart}", color(0)?, color(1)?))
@@ -263,16 +261,18 @@ fn about_pixel(comparison: &PictureDifference, [x, y]: [usize; 2]) -> Option<Str
 /// The whole comparison in figures.
 fn figures(comparison: &PictureDifference) -> String {
     let psnr = if comparison.psnr_db.is_infinite() {
-        "equal where both have samples".to_owned()
+        "identical where both have samples".to_owned()
     } else {
         format!(
-            "{:.1} dB apart, {} {}on average",
+            "PSNR {:.1} dB, mean {}",
             comparison.psnr_db,
-            model::significant(comparison.mean),
-            if comparison.measure == CompareMeasure::Flip { "FLIP " } else { "steps " }
+            match comparison.measure {
+                CompareMeasure::Flip => format!("FLIP {}", model::significant(comparison.mean)),
+                _ => format!("error {}/255", model::significant(comparison.mean)),
+            }
         )
     };
-    format!("{psnr}; {:.1} % of pixels are covered on one side only", 100.0 * comparison.one_sided)
+    format!("{psnr}; {:.1} % of pixels covered on one side only", 100.0 * comparison.one_sided)
 }
 
 #[cfg(test)]

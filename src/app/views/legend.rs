@@ -31,9 +31,12 @@ pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
         Legend::Plain => {
             note(ui, "As recorded. Choose an overlay above to see what is redundant.");
         }
-        Legend::Depth { near, far } => {
+        Legend::Depth { near, far, without } => {
             let figure = |value: f32| model::significant(f64::from(value));
             bar_ui(ui, &format!("far {}", figure(*far)), &format!("near {}", figure(*near)), sequential);
+            if *without > 0.0 {
+                swatch_ui(ui, tokens.invalid, &format!("no depth {:.1} %", 100.0 * without));
+            }
         }
         Legend::Ratio => ratio_ui(ui, "this camera denser", "other denser"),
         Legend::Tiles(_) => bar_ui(ui, "all pruned", "all kept", sequential),
@@ -43,9 +46,7 @@ pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
             for ((color, name), count) in spans(tokens).into_iter().zip(counts) {
                 swatch_ui(ui, color, &format!("{name} {}", model::percent(count, total)));
             }
-            if *invalid > 0 {
-                swatch_ui(ui, tokens.invalid, &format!("no depth {}", model::percent(*invalid, total)));
-            }
+            no_depth_ui(ui, *invalid, total);
         }
         Legend::Agreement { confirmed, contradicted, alone, invalid } => {
             let total = confirmed + contradicted + alone + invalid;
@@ -53,23 +54,38 @@ pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
             for ((found, name, help), share) in AGREEMENTS.into_iter().zip(shares) {
                 swatch_ui(ui, tokens.of_agreement(found), &format!("{name} {share}")).on_hover_text(help);
             }
-            if *invalid > 0 {
-                swatch_ui(ui, tokens.invalid, &format!("no depth {}", model::percent(*invalid, total)));
-            }
+            no_depth_ui(ui, *invalid, total);
         }
-        Legend::Winners { kept, lost_to, dropped } => {
-            let total = kept + dropped + lost_to.iter().sum::<u64>();
+        Legend::Winners { kept, lost_to, dropped, invalid } => {
+            let total = kept + dropped + invalid + lost_to.iter().sum::<u64>();
             let label = RichText::new(format!("kept {}", model::percent(*kept, total)));
             ui.label(label.small()).on_hover_text("Kept pixels show their own picture.");
+            no_depth_ui(ui, *invalid, total);
+            if *dropped > 0 {
+                swatch_ui(ui, tokens.hole, &format!("dropped {}", model::percent(*dropped, total)))
+                    .on_hover_text(
+                        "Dropped without a witness: contradicted by other cameras, or edge-blended.",
+                    );
+            }
             winners_ui(ui, state, lost_to, total);
         }
-        Legend::RateDisputes { agreed, won_by } => {
-            let total = agreed + won_by.iter().sum::<u64>();
+        Legend::RateDisputes { agreed, won_by, invalid } => {
+            let total = agreed + invalid + won_by.iter().sum::<u64>();
             let label = RichText::new(format!("rates agree {}", model::percent(*agreed, total)));
             ui.label(label.small()).on_hover_text("Both rate models name the same camera; shown dimmed.");
+            no_depth_ui(ui, *invalid, total);
             winners_ui(ui, state, won_by, total);
         }
     });
+}
+
+/// The gray of pixels without depth, where there are any, with their share.
+fn no_depth_ui(ui: &mut Ui, invalid: u64, total: u64) {
+    if invalid > 0 {
+        let name = format!("no depth {}", model::percent(invalid, total));
+        swatch_ui(ui, Tokens::in_ui(ui).invalid, &name)
+            .on_hover_text("The camera recorded no depth here: these pixels take part in nothing.");
+    }
 }
 
 /// How samples stand among the other cameras: names, and what they mean.
@@ -77,18 +93,18 @@ const AGREEMENTS: [(SampleAgreement, &str, &str); 3] = [
     (
         SampleAgreement::Confirmed,
         "confirmed",
-        "Another camera sees the surface where this one has it, and no majority looks past it.",
+        "Another camera sees the surface where this one has it, and no majority contradicts it.",
     ),
     (
         SampleAgreement::Contradicted,
         "contradicted",
         "More cameras see through to what lies behind than see this surface, its own camera among them. \
-         With agreement by majority such samples are dropped.",
+         A cross-camera check by majority drops such samples.",
     ),
     (
         SampleAgreement::Alone,
         "alone",
-        "Nobody else can tell: no other camera confirms it, and too few look past it to contradict it.",
+        "Nobody else can tell: no other camera confirms it, and no majority contradicts it.",
     ),
 ];
 
@@ -132,7 +148,7 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
                 }
             }
             ColorBy::Agreement => {
-                note(ui, "A store does not say who agrees; open its capture for that.");
+                note(ui, "A store does not record agreement; open its capture for that.");
             }
             ColorBy::Span => {
                 for (color, name) in spans(tokens) {
@@ -161,7 +177,7 @@ fn holes_ui(ui: &mut Ui, state: &State) {
                 _ => swatch_ui(ui, Color32::GRAY, &name),
             };
             response.on_hover_text(
-                "No sample reached these pixels. Their colors are carried on from what lies behind; H shows where.",
+                "No sample reached these pixels. Their colors are continued from what lies behind; H shows where.",
             );
         }
         HoleDisplay::Hatched => {

@@ -64,10 +64,10 @@ pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Command
     if icon_button(ui, icon, name, name).clicked() {
         commands.push(Command::ShowCameras(!state.live.show_cameras));
     }
-    if icon_button(ui, ICON_HOME, "Reset view", "Back to the first vantage (Home)").clicked() {
+    if icon_button(ui, ICON_HOME, "Reset view", "Back to the start view (Home)").clicked() {
         commands.push(Command::Home);
     }
-    let mut places = vec![(usize::MAX, "Go to…", "Stand where a camera stood.")];
+    let mut places = vec![(usize::MAX, "Go to…", "View the scene from a camera.")];
     places.extend(camera_choices(&scene.cameras));
     if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST_WIDTH) {
         commands.push(Command::JumpTo(camera));
@@ -238,7 +238,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         Some(shown) => {
             let stats = &shown.picture.stats;
             let [width, height] = shown.picture.size;
-            let reused = if stats.background_reused { ", background kept" } else { "" };
+            let reused = if stats.background_reused { ", static part cached" } else { "" };
             format!(
                 "{} holes ({}) · {} samples at {width}×{height} in {} ms by the {}{reused}",
                 model::count(stats.holes),
@@ -249,9 +249,9 @@ fn facts_ui(ui: &mut Ui, state: &State) {
             )
         }
         None if state.is_frame_failed() => words::FAILED_FRAME.to_owned(),
-        None => "The first look is on its way.".to_owned(),
+        None => "Rendering the first picture.".to_owned(),
     };
-    let help = "Drag to orbit, Shift + drag to shift, wheel to zoom, W A S D to fly, double-click for home, click to keep \
+    let help = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to reset the view, click to pin \
                 the pixel.";
     let notice = state.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
     let (facts, color) = match notice {

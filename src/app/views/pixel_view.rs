@@ -1,10 +1,13 @@
 //! The explanation of one pixel: its verdict, which sample represents it, when it is stored, and the evidence of every camera.
 
-use egui::{Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{
+    Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, TextStyle, Ui, pos2, vec2,
+};
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
+use crate::app::camera_chips::chips;
 use crate::app::model::verdict_text as words;
-use crate::app::model::{Command, Commands, OpenScene, Probed, State};
+use crate::app::model::{CameraText, Command, Commands, OpenScene, Probed, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
 use crate::preprocess::inspect::CameraEvidence;
@@ -19,23 +22,23 @@ const NARROW: f32 = 11.0;
 /// Columns of the table: heading and what it means.
 const COLUMNS: [(&str, &str); 9] = [
     ("Camera", "Click a name to see the point there."),
-    ("Sees it?", "Whether the camera shows the same surface point, and if not, which rule says so."),
+    ("Visible", "Whether the camera shows the same surface point, and if not, which rule says so."),
     ("Depth", "Planar depth expected at the point, and the depth that the camera recorded there."),
-    ("Off", "Distance to the surface found there, in pixel footprints."),
+    ("Depth error", "Distance to the surface found there, in pixel footprints (px)."),
     ("Angle", "Angle of incidence: between the line of sight and the surface's normal."),
     (
-        "r",
+        "Paper r",
         "The paper's r, planar depth over cosine of incidence, of this pixel beside that camera's: below 1 this pixel is denser.",
     ),
     (
-        "Rate",
+        "Footprint density",
         "The same with focal length and resolution, this pixel's longest side on the surface beside that camera's; its area where \
          longest sides do not decide.",
     ),
     ("Color", "Largest difference of a color channel, in 8-bit steps."),
     (
-        "There",
-        "What became of that camera's own pixel. One that is mixed of both sides of a silhouette, or whose normal is not known, yields to others \
+        "Its own sample",
+        "What became of that camera's own pixel. One that blends both sides of a depth edge, or whose normal is not known, yields to others \
          however dense it is.",
     ),
 ];
@@ -44,12 +47,12 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
     let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
     let Some((scene, probed)) = shown else {
         let text = if state.inspector.probe.spot.is_some() {
-            "Nothing is known about this spot: it is a hole, filled or not, of which no pixel can be kept, or its verdict is being worked out."
+            "No verdict here: the spot is a hole, filled or not, or its verdict is still being computed."
         } else {
-            "Point at a pixel in the source or the live view. Click to keep it here; every camera then says what it \
+            "Point at a pixel in the source or the live view. Click to pin it; every camera then says what it \
              knows about the point."
         };
-        empty_ui(ui, ICON_LOCATION_SEARCHING, "No pixel is looked at", text, |_| {});
+        empty_ui(ui, ICON_LOCATION_SEARCHING, "No pixel selected", text, |_| {});
         return;
     };
     let area = ui.available_rect_before_wrap();
@@ -74,16 +77,25 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         dot(ui, probed.camera);
         ui.label(RichText::new(format!("{name}  {}, {}", probed.x, probed.y)).heading());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if icon_button(ui, ICON_CONTENT_COPY, "Copy argument", "Copy all of this as text (Ctrl+Shift+C)")
-                .clicked()
+            if icon_button(
+                ui,
+                ICON_CONTENT_COPY,
+                "Copy explanation",
+                "Copy all of this as text (Ctrl+Shift+C)",
+            )
+            .clicked()
             {
                 commands.push(Command::CopyExplanation);
             }
             let pinned = state.inspector.probe.pinned;
-            let (icon, name) =
-                if pinned { (ICON_KEEP_OFF, "Let go of pixel") } else { (ICON_KEEP, "Keep pixel") };
-            if icon_button(ui, icon, name, "A kept pixel stays when the pointer moves on (click one, or P)")
-                .clicked()
+            let (icon, name) = if pinned { (ICON_KEEP_OFF, "Unpin pixel") } else { (ICON_KEEP, "Pin pixel") };
+            if icon_button(
+                ui,
+                icon,
+                name,
+                "A pinned pixel stays selected while the pointer moves on (click a pixel, or P)",
+            )
+            .clicked()
             {
                 commands.push(Command::Pin(!pinned));
             }
@@ -92,14 +104,14 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     if let Some(explanation) = &probed.explanation {
         let sentence = words::verdict(&scene.cameras, explanation.verdict);
         let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
-        ui.add(Label::new(RichText::new(sentence).color(color)).wrap());
+        ui.add(Label::new(chips(ui, &sentence, &scene.cameras, &TextStyle::Body, color)).wrap());
         if let Some(votes) = words::votes(explanation.votes, explanation.is_flying) {
             note(ui, votes).on_hover_text(words::rule_of_votes(&state.settings.pruning));
         }
         if explanation.chain.len() > 1 {
             let chain = words::chain(&scene.cameras, &explanation.chain);
-            ui.add(Label::new(RichText::new(chain).small().color(tokens.text_weak)).wrap())
-                .on_hover_text("The witness chain: from this pixel to the sample that stands for it.");
+            ui.add(Label::new(chips(ui, &chain, &scene.cameras, &TextStyle::Small, tokens.text_weak)).wrap())
+                .on_hover_text("The witness chain: from this pixel to the sample that replaces it.");
         }
     } else {
         let text = if state.has_capture() {
@@ -128,7 +140,9 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
     let caption = match &probed.spans {
         None if state.has_capture() => "When it is stored is known once the capture is pruned.".to_owned(),
         None => "A store plays frame by frame; open the capture to see when the pixel is stored.".to_owned(),
-        Some(spans) if spans.is_empty() => "Never stored: others stand for it in every frame.".to_owned(),
+        Some(spans) if spans.is_empty() => {
+            "Never stored: other samples replace it in every frame.".to_owned()
+        }
         Some(spans) => {
             let stored: usize = spans.iter().map(|span| span.len()).sum();
             let samples = if spans.len() == 1 { "sample" } else { "samples" };
@@ -155,7 +169,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
     });
     response.on_hover_text(
         "When this pixel is stored: blue for all frames at once, green for several, orange for one; gray where another \
-         camera's sample stands for it. The line is the frame shown.",
+         camera's sample replaces it. The line is the frame shown.",
     );
 }
 
@@ -200,7 +214,7 @@ fn row_ui(
         dot(ui, row.camera);
         let text = RichText::new(name).color(if wins { tokens.accent } else { tokens.text });
         let button = Button::new(if wins { text.strong() } else { text }).small().frame(false);
-        let help = "See the point in this camera's picture; with Shift, stand where the camera stood";
+        let help = "See the point in this camera's picture; Shift + click views from the camera";
         let response =
             ui.add(button).on_hover_text(help).accessible_name(format!("Go to the point in {name}"));
         if response.clicked() {
@@ -245,7 +259,8 @@ fn row_ui(
     }
     let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
     cell(ui, words::distance(row.color_difference_steps), apart);
-    let there = words::there(&scene.cameras, row).unwrap_or_else(|| "–".to_owned());
-    let there = if wins && row.outcome.is_some() { format!("{there}, stands for it") } else { there };
-    ui.label(RichText::new(there).color(if wins { tokens.accent } else { tokens.text_weak }));
+    let own = words::own_sample(row).unwrap_or_else(|| CameraText::new("–"));
+    let own = if wins && row.outcome.is_some() { own.words(", replaces it") } else { own };
+    let color = if wins { tokens.accent } else { tokens.text_weak };
+    ui.label(chips(ui, &own, &scene.cameras, &TextStyle::Body, color));
 }

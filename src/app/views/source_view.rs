@@ -4,13 +4,13 @@ use egui::{Rect, Response, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 
 use super::{legend, overlays};
+use crate::app::camera_chips::chips;
 use crate::app::model::{
-    self, Command, Commands, Legend, Overlay, PictureZoom, Purpose, Spot, State, verdict_text as words,
+    self, CameraText, Command, Commands, Legend, Overlay, PictureZoom, Purpose, Spot, State,
+    verdict_text as words,
 };
 use crate::app::theme::Tokens;
-use crate::app::widgets::{
-    self, camera_choices, choice_ui, empty_ui, one_line, scrolled, segments_ui, waiting, weak,
-};
+use crate::app::widgets::{self, camera_choices, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
 use crate::color::srgb8_from_linear;
 use crate::grid::Grid;
 use crate::preprocess::inspect::CameraInspection;
@@ -155,20 +155,22 @@ fn zoom_and_pan(ui: &Ui, response: &Response, picture: Rect, state: &State, comm
     }
 }
 
-const MOUSE: &str = "Point at a pixel to see what became of it, and why. Wheel to zoom, drag to shift, double-click to \
-                     fit, click to keep the pixel.";
+const MOUSE: &str = "Point at a pixel to see what became of it, and why. Wheel to zoom, drag to pan, double-click to \
+                     fit, click to pin the pixel.";
 
 /// A line below the source picture: what became of the pixel, or how much of the picture is kept.
 fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
     let tokens = Tokens::in_ui(ui);
     let (line, more, color) = match pixel {
         Some((x, y)) => {
-            let [verdict, recorded] = about_pixel(state, x, y);
+            let (verdict, recorded) = about_pixel(state, x, y);
             (verdict, recorded, tokens.text)
         }
-        None => (camera_facts(state), MOUSE.to_owned(), tokens.text_weak),
+        None => (CameraText::new(camera_facts(state)), MOUSE.to_owned(), tokens.text_weak),
     };
-    one_line(ui, line, color).on_hover_text(&more);
+    let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+    let line = chips(ui, &line, cameras, &egui::TextStyle::Small, color);
+    ui.add(egui::Label::new(line).truncate()).on_hover_text(&more);
 }
 
 /// The camera shown at this frame, in figures.
@@ -180,14 +182,19 @@ fn camera_facts(state: &State) -> String {
         let text = if state.is_frame_failed() {
             words::FAILED_FRAME
         } else if state.skips_verdicts() {
-            "In motion: pause, or choose an overlay above, to see what is redundant."
+            "Playing: pause, or choose an overlay above, to see what is redundant."
         } else {
-            "Working out what is redundant here."
+            "Computing what is redundant here."
         };
         return text.to_owned();
     };
     let pixels = inspected.inspection.cameras[state.source.camera].verdict.len() as u64;
     let kept = inspected.kept[state.source.camera];
+    if matches!(state.source_shown.as_ref().map(|shown| &shown.picture.legend), Some(Legend::Winners { .. }))
+    {
+        // The legend above has the share.
+        return format!("{} pixels. Point at one to see why it was kept or dropped.", model::count(pixels));
+    }
     format!(
         "{} of {} pixels are kept ({}). Point at one to see why.",
         model::count(kept),
@@ -196,14 +203,14 @@ fn camera_facts(state: &State) -> String {
     )
 }
 
-fn about_pixel(state: &State, x: usize, y: usize) -> [String; 2] {
+fn about_pixel(state: &State, x: usize, y: usize) -> (CameraText, String) {
     let (Some(scene), Some(inspection)) = (&state.scene, state.inspection_here()) else {
-        return [words::pending_verdict(state, false).to_owned(), format!("Pixel {x}, {y}")];
+        return (CameraText::new(words::pending_verdict(state, false)), format!("Pixel {x}, {y}"));
     };
     let camera = &inspection.cameras[state.source.camera];
     let Some(verdict) = camera.verdict.get(x, y) else { return Default::default() };
     let recorded = recorded(camera, x, y);
-    [format!("{} {recorded}", words::verdict(&scene.cameras, *verdict)), recorded]
+    (words::verdict(&scene.cameras, *verdict).words(format!(" {recorded}")), recorded)
 }
 
 fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {

@@ -82,7 +82,7 @@ impl Comparer {
             let frame = truth.ok_or_else(|| {
                 Error::invalid(
                     "comparison",
-                    "The truth is known at truth vantages and hold-out cameras only: choose one in the last list above.",
+                    "The truth is known at viewpoints with a true picture and at hold-out cameras only: choose one in the last list above.",
                 )
             })?;
             return Ok(difference::of_frame(frame));
@@ -206,13 +206,13 @@ fn vantage_and_truth(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> 
         CompareVantage::Truth(index) => {
             let capture = capture_of(&key.scene)?;
             let Content::Capture { truth, .. } = &key.scene.content else {
-                return Err(Error::invalid("comparison", "a store comes without truth vantages"));
+                return Err(Error::invalid("comparison", "a store has no viewpoints with true pictures"));
             };
             let view = truth
                 .iter()
                 .filter(|view| view.truth.is_some())
                 .nth(index)
-                .ok_or_else(|| Error::invalid("comparison", "there is no such truth vantage"))?;
+                .ok_or_else(|| Error::invalid("comparison", "there is no such viewpoint"))?;
             let frame = capture.frame_index(view.frame_number).ok_or_else(|| {
                 Error::invalid(&view.file_path, format!("there is no frame {}", view.frame_number))
             })?;

@@ -125,7 +125,7 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         Purpose::SaveStore => dialog.add_filter("Store", &["ovl"]).save_file(),
         Purpose::SaveSettings => dialog.add_filter("Settings", &["toml"]).save_file(),
         Purpose::SavePicture => dialog.add_filter("PNG", &["png"]).save_file(),
-        Purpose::ExportFilm => dialog.add_filter("Film", &["mp4", "mkv", "mov"]).save_file(),
+        Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "mkv", "mov"]).save_file(),
     }
 }
 

@@ -45,7 +45,7 @@ fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
         (Overlay::SamplingRatio, Some(_)) => (sampling_ratio(key, &picture), Legend::Ratio),
         (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens),
         (Overlay::Agreement, Some(_)) => agreement(key, &picture, tokens),
-        (Overlay::RateDisputes, Some(camera)) => rate_disputes(camera, &picture),
+        (Overlay::RateDisputes, Some(camera)) => rate_disputes(camera, &picture, tokens),
         (Overlay::Split, Some(camera)) => split(camera, &picture, tokens),
         (Overlay::Tiles, Some(camera)) => tiles(camera, &picture),
         _ => (picture, Legend::Plain),
@@ -78,7 +78,9 @@ fn depth(frame: &Frame, tokens: &Tokens) -> (Grid<Color32>, Legend) {
         w if w < 0.0 => tokens.invalid,
         w => sequential((w - far) / range),
     });
-    (pixels, Legend::Depth { near: 1.0 / near, far: 1.0 / far })
+    let depths = frame.inverse_depth.as_slice();
+    let without = depths.iter().filter(|w| **w < 0.0).count() as f32 / depths.len().max(1) as f32;
+    (pixels, Legend::Depth { near: 1.0 / near, far: 1.0 / far, without })
 }
 
 fn normals(normal_in_world: &Grid<[f32; 3]>, tokens: &Tokens) -> Grid<Color32> {
@@ -101,12 +103,13 @@ fn sampling_ratio(key: &SourceKey, picture: &Grid<Color32>) -> Grid<Color32> {
 }
 
 fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
-    let (mut kept, mut dropped) = (0, 0);
+    let (mut kept, mut dropped, mut invalid) = (0, 0, 0);
     let mut lost_to = Vec::new();
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
         let verdict = camera.verdict[(x, y)];
         let own = picture[(x, y)];
         if camera.class[(x, y)] == PixelClass::Invalid {
+            invalid += 1;
             return tokens.invalid;
         }
         if verdict.is_kept() {
@@ -121,7 +124,7 @@ fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) 
         count(&mut lost_to, winner);
         mix(dimmed(own, 0.8), camera_color(winner), 0.72)
     });
-    (pixels, Legend::Winners { kept, lost_to, dropped })
+    (pixels, Legend::Winners { kept, lost_to, dropped, invalid })
 }
 
 fn agreement(key: &SourceKey, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
@@ -158,10 +161,18 @@ fn count(pixels: &mut Vec<u64>, camera: usize) {
     pixels[camera] += 1;
 }
 
-fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
-    let mut agreed = 0;
+fn rate_disputes(
+    camera: &CameraInspection,
+    picture: &Grid<Color32>,
+    tokens: &Tokens,
+) -> (Grid<Color32>, Legend) {
+    let (mut agreed, mut invalid) = (0, 0);
     let mut won_by = Vec::new();
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
+        if camera.class[(x, y)] == PixelClass::Invalid {
+            invalid += 1;
+            return tokens.invalid;
+        }
         let Some(winner) = camera.other_winner(y * picture.width() + x) else {
             agreed += 1;
             return dimmed(picture[(x, y)], 0.35);
@@ -169,7 +180,7 @@ fn rate_disputes(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Co
         count(&mut won_by, winner);
         mix(picture[(x, y)], camera_color(winner), 0.72)
     });
-    (pixels, Legend::RateDisputes { agreed, won_by })
+    (pixels, Legend::RateDisputes { agreed, won_by, invalid })
 }
 
 fn split(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
@@ -261,7 +272,7 @@ mod tests {
     fn pruned_pixels_are_counted_for_their_winner() {
         let (camera, picture) = camera();
         let (pixels, legend) = who_won(&camera, &picture, Tokens::of(true));
-        assert_eq!(legend, Legend::Winners { kept: 256, lost_to: vec![0, 0, 256], dropped: 0 });
+        assert_eq!(legend, Legend::Winners { kept: 256, lost_to: vec![0, 0, 256], dropped: 0, invalid: 0 });
         assert_eq!(pixels[(0, 0)], Color32::WHITE);
         assert_ne!(pixels[(20, 0)], Color32::WHITE);
     }
@@ -269,8 +280,8 @@ mod tests {
     #[test]
     fn pixels_on_which_the_rates_disagree_are_counted_for_the_other_winner() {
         let (camera, picture) = camera();
-        let (pixels, legend) = rate_disputes(&camera, &picture);
-        assert_eq!(legend, Legend::RateDisputes { agreed: 384, won_by: vec![0, 128] });
+        let (pixels, legend) = rate_disputes(&camera, &picture, Tokens::of(true));
+        assert_eq!(legend, Legend::RateDisputes { agreed: 384, won_by: vec![0, 128], invalid: 0 });
         assert_ne!(pixels[(0, 0)], pixels[(20, 0)]);
     }
 

@@ -11,9 +11,9 @@ use crate::settings::{Backend, Instructions};
 
 /// The names of [`Backend`], which for measuring do not exclude each other.
 const BACKENDS: &[(&str, &str)] = &[
-    ("auto", "The processor, and a graphics card where there is one."),
-    ("cpu", "The processor alone."),
-    ("gpu", "The processor and the graphics adapter, be it a program that stands in for one."),
+    ("auto", "The CPU, and a GPU where there is one."),
+    ("cpu", "The CPU alone."),
+    ("gpu", "The CPU and the GPU, or a software Vulkan driver."),
 ];
 
 #[derive(Debug, Args)]
@@ -72,7 +72,7 @@ fn text(report: &SpeedReport) -> String {
 
 fn machine_line(machine: &Machine) -> String {
     let Machine { cpu, os, arch, threads_available, instructions, .. } = machine;
-    let cpu = cpu.as_deref().unwrap_or("unknown processor");
+    let cpu = cpu.as_deref().unwrap_or("unknown CPU");
     format!("{cpu} ({os} {arch}), {threads_available} threads; stages use {instructions} instructions")
 }
 
@@ -91,7 +91,7 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
          {coverage} {repeats:>5}"
     );
     if let Some(speedup) = painting.as_ref().and_then(|painting| painting.speedup_over_full_repaint) {
-        let _ = write!(text, "   {speedup:.1} × faster than painting all anew");
+        let _ = write!(text, "   {speedup:.1} × faster than rendering everything again");
     }
 }
 

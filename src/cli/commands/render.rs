@@ -19,7 +19,7 @@ use crate::store::playback::Playback;
 pub(crate) struct RenderArgs {
     /// The store.
     store: PathBuf,
-    /// The vantages: a manifest of the same form as a capture's. Where its pictures exist, they are the truth.
+    /// The viewpoints: a manifest of the same form as a capture's. Where its pictures exist, they are the truth.
     #[arg(long, value_name = "TRANSFORMS")]
     views: PathBuf,
     /// Folder for the pictures, each under its view's own name.

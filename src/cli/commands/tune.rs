@@ -23,7 +23,7 @@ pub(crate) struct TuneArgs {
     /// enough.
     #[arg(long, value_name = "BYTES", conflicts_with = "max_ms", value_parser = clap::value_parser!(u64).range(1..))]
     max_bytes: Option<u64>,
-    /// Take the most accurate setting that paints a view within so many milliseconds on this machine, holes not filled.
+    /// Take the most accurate setting that renders a view within so many milliseconds on this machine, holes not filled.
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = parse_milliseconds)]
     max_ms: Option<f64>,
     /// Keep all cameras.

@@ -60,13 +60,13 @@ impl SettingsArgs {
 /// The choices that are made most often when painting; they win over the settings.
 #[derive(Debug, Args)]
 pub(crate) struct PaintingArgs {
-    /// How a sample is painted [default: as the settings say].
+    /// How samples are rendered [default: as the settings say].
     #[arg(long, value_parser = choice::<Kernel>(Kernel::NAMES))]
     kernel: Option<Kernel>,
     /// How pixels without any sample are filled [default: as the settings say].
     #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
     fill: Option<Fill>,
-    /// What paints [default: as the settings say].
+    /// What renders [default: as the settings say].
     #[arg(long, value_parser = choice::<Backend>(Backend::NAMES))]
     backend: Option<Backend>,
 }

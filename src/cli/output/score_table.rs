@@ -53,7 +53,7 @@ pub(crate) fn view_table(evaluation: &Evaluation) -> String {
     let mean = &evaluation.mean;
     line("mean", of_mean(mean), mean.milliseconds, mean.samples as u64);
     if let Some(steps) = mean.flicker_steps {
-        let _ = write!(text, "\nFlicker at still vantages: {steps:.2} 8-bit steps");
+        let _ = write!(text, "\nFlicker at still viewpoints: {steps:.2} 8-bit steps");
     }
     text
 }
@@ -61,7 +61,7 @@ pub(crate) fn view_table(evaluation: &Evaluation) -> String {
 /// The line that names what rendered.
 pub(crate) fn painter_line(evaluation: &Evaluation) -> String {
     let painters: BTreeSet<String> = evaluation.views.iter().map(|view| view.painter.to_string()).collect();
-    format!("Painted by {}", painters.into_iter().collect::<Vec<_>>().join(" and "))
+    format!("Rendered by {}", painters.into_iter().collect::<Vec<_>>().join(" and "))
 }
 
 /// One line per pruning method.

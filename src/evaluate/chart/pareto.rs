@@ -71,7 +71,7 @@ pub(crate) fn pareto(capture: &str, points: &[Point]) -> Chart {
         Panel { name, cost, left, right, x, y }.draw(&mut svg, points);
     };
     panel(PANELS[0], BYTES, mebibytes);
-    panel(PANELS[1], "painting one view, ms", |point| point.milliseconds);
+    panel(PANELS[1], "rendering one view, ms", |point| point.milliseconds);
     svg.upward((38.0, 0.5 * (TOP + BOTTOM)), (18.0, color::INK), "accuracy, PSNR in dB");
     legend(&mut svg, points);
     svg.finish()

@@ -62,7 +62,9 @@ impl Pair {
             let (true_width, true_height) = truth.size();
             return Err(Error::invalid(
                 "truth",
-                format!("the true picture is {true_width}×{true_height} but the vantage is {width}×{height}"),
+                format!(
+                    "the true picture is {true_width}×{true_height} but the viewpoint is {width}×{height}"
+                ),
             ));
         }
         let is_true: Vec<bool> = truth.inverse_depth.as_slice().iter().map(|depth| *depth >= 0.0).collect();

@@ -222,7 +222,7 @@ impl<'a> Search<'a> {
             Some(TuneBudget::Milliseconds(milliseconds)) => {
                 let times = self.points.iter().map(|point| point.milliseconds);
                 let least = times.fold(f64::INFINITY, f64::min);
-                format!("no setting paints within {milliseconds} ms; the fastest takes {least:.1} ms")
+                format!("no setting renders within {milliseconds} ms; the fastest takes {least:.1} ms")
             }
             None => "nothing could be measured".to_owned(),
         };

@@ -195,18 +195,18 @@ impl Rule {
             Self::OnlyWitness => "Kept: no other camera has a sample of this point throughout its span.",
             Self::BestRate => "Kept: no clean sample of this point with a known normal is denser.",
             Self::Coverage => {
-                "Kept: the better sample does not stand: it was dropped for one that does not see this point, or lives in a longer span, which is not asked."
+                "Kept: the better sample cannot replace it: it was dropped for one that does not see this point, or lives in a longer span, which is not compared."
             }
             Self::PruningOff => "Kept: pruning is off.",
             Self::LowerRate => "Dropped: the witness samples this point more densely.",
             Self::Tie => "Dropped: equal rates, and the witness belongs to an earlier camera.",
             Self::LaterCamera => "Dropped: an earlier camera shows this point.",
             Self::MixedYields => {
-                "Dropped: its color or depth is mixed across a silhouette, and the witness is clean."
+                "Dropped: its color or depth is blended across a depth edge, and the witness is clean."
             }
             Self::UnsureYields => "Dropped: its normal is not known, and the witness's is.",
-            Self::MixedDropped => "Dropped: its color or depth is mixed across a silhouette.",
-            Self::Contradicted => "Dropped: more cameras look past this point than confirm it.",
+            Self::MixedDropped => "Dropped: its color or depth is blended across a depth edge.",
+            Self::Contradicted => "Dropped: more cameras contradict this point than confirm it.",
         }
     }
 

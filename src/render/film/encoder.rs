@@ -60,7 +60,7 @@ impl FilmEncoder {
         let mut ffmpeg = command.spawn().map_err(|error| match error.kind() {
             ErrorKind::NotFound => Error::unsupported(
                 out.display(),
-                "there is no ffmpeg on this machine's PATH to write a film with; install it, or export pictures instead",
+                "there is no ffmpeg on this machine's PATH to write a video with; install it, or export pictures instead",
             ),
             _ => Error::io("ffmpeg", error),
         })?;

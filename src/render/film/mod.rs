@@ -55,7 +55,7 @@ pub fn paint(
     job: &Job,
     mut take: impl FnMut(usize, &Picture) -> Result<()>,
 ) -> Result<()> {
-    job.start("Painting", vantages.len());
+    job.start("Rendering", vantages.len());
     for (nth, vantage) in vantages.iter().enumerate() {
         job.check()?;
         let samples = source.seen_from(vantage, job)?;

@@ -140,7 +140,7 @@ impl Context {
             return Err(gpu_error(format!("{} is no graphics card", info.name)));
         }
         if !is_able(&shared.device.limits(), &shared.adapter) {
-            return Err(gpu_error(format!("{} draws the window but cannot paint", info.name)));
+            return Err(gpu_error(format!("{} draws the window but cannot render", info.name)));
         }
         Ok(Self { is_shared: true, ..Self::around(info, shared.device.clone(), shared.queue.clone()) })
     }

@@ -24,7 +24,7 @@ enum ExportKind {
     Points(points::PointsArgs),
     /// Pictures along a camera path, as EXR and PNG.
     Pictures(pictures::PicturesArgs),
-    /// A film along a camera path, through the ffmpeg on this machine.
+    /// A video along a camera path, through the ffmpeg on this machine.
     Video(video::VideoArgs),
     /// The store again, with another precision or coding.
     Store(store::StoreArgs),

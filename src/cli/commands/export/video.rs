@@ -13,7 +13,7 @@ use crate::render::film::FilmEncoder;
 pub(crate) struct VideoArgs {
     #[command(flatten)]
     film: FilmArgs,
-    /// The film, as in film.mp4.
+    /// The video file, as in video.mp4.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Frames a second.
@@ -32,7 +32,7 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
 
 impl VideoArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::check_file(&self.out, "film.mp4")?;
+        output::check_file(&self.out, "video.mp4")?;
         let (playback, stops, settings) = self.film.plan()?;
         self.film.refuse_inputs(&self.out)?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();

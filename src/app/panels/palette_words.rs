@@ -1,0 +1,65 @@
+//! What people type who do not know what a command is called here.
+
+/// A word that may be typed, and words by which what it means goes in the palette: every entry that holds one of them.
+const SYNONYMS: &[(&str, &[&str])] = &[
+    ("about", &["about", "version"]),
+    ("background", &["background", "hole", "theme", "save picture"]),
+    ("bigger", &["larger", "maximize"]),
+    ("brightness", &["exposure", "gamma", "tone"]),
+    ("csv", &["csv", "copy", "export"]),
+    ("dark", &["dark theme"]),
+    ("delete", &["remove", "reset", "forget"]),
+    ("denoise", &["noise", "cross-camera check"]),
+    ("dpi", &["interface"]),
+    ("exposure", &["exposure", "gamma", "tone", "source shows"]),
+    ("fieldofview", &["field of view", "view from", "reset view"]),
+    ("film", &["video"]),
+    ("font", &["interface"]),
+    ("fov", &["field of view", "view from", "reset view"]),
+    ("fps", &["frame times"]),
+    ("full", &["full screen", "maximize"]),
+    ("fullscreen", &["full screen", "maximize"]),
+    ("gpu", &["renderer", "about"]),
+    ("help", &["guide", "shortcuts", "about"]),
+    ("hole", &["hole", "line-of-sight"]),
+    ("inpaint", &["hole"]),
+    ("keybindings", &["shortcuts"]),
+    ("keys", &["shortcuts"]),
+    ("load", &["open", "load"]),
+    ("manual", &["guide"]),
+    ("maximise", &["maximize", "full screen"]),
+    ("measure", &["measure", "distance", "sweep", "stress test", "copy explanation"]),
+    ("movie", &["video"]),
+    ("path", &["path", "open path"]),
+    ("performance", &["frame times", "renderer"]),
+    ("quality", &["kernel", "antialiasing", "sweep"]),
+    ("recent", &["recent"]),
+    ("record", &["video", "camera path"]),
+    ("redo", &["redo"]),
+    ("refresh", &["recompute"]),
+    ("rerun", &["recompute"]),
+    ("restore", &["reset", "restore"]),
+    ("revert", &["undo", "reset"]),
+    ("scale", &["interface", "scale"]),
+    ("screenshot", &["save picture", "copy picture"]),
+    ("shortcut", &["shortcuts"]),
+    ("size", &["interface", "size"]),
+    ("snapshot", &["save picture", "copy picture"]),
+    ("solo", &["solo", "show camera"]),
+    ("theme", &["theme"]),
+    ("tutorial", &["guide", "introduction"]),
+    ("viewpoint", &["view from", "reset view"]),
+    ("zoom", &["interface", "zoom", "reset view", "center view"]),
+];
+
+/// Letters of a word from which on it is taken for the beginning of one that is meant.
+const LETTERS: usize = 3;
+
+/// Whether an entry of this name, in lower case, is one that `word` asks for: it holds the word, or what the word means.
+pub(super) fn asks_for(word: &str, name: &str) -> bool {
+    let means = |(typed, names): &(&str, &[&str])| {
+        let is_meant = *typed == word || (word.chars().count() >= LETTERS && typed.starts_with(word));
+        is_meant && names.iter().any(|known| name.contains(known))
+    };
+    name.contains(word) || SYNONYMS.iter().any(means)
+}
