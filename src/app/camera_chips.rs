@@ -3,8 +3,8 @@
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, TextStyle, Ui};
 
-use super::colormap;
 use super::model::{CameraText, TextPart};
+use super::{camera_cues, colormap};
 use crate::capture::Camera;
 
 /// How far the color of a chip reaches beyond the letters, points.
@@ -36,6 +36,6 @@ pub(crate) fn chips(
 
 /// How the name of a camera looks.
 fn chip(index: usize, font: FontId) -> TextFormat {
-    let background = colormap::camera(index);
+    let background = camera_cues::color(index);
     TextFormat { background, expand_bg: MARGIN, ..TextFormat::simple(font, colormap::text_on(background)) }
 }

@@ -1,9 +1,8 @@
 //! Color maps: from numbers to colors that everybody can tell apart.
 //!
 //! Sources: the sequential map is *viridis* (van der Walt and Smith, 2015), interpolated between nine of its entries; the
-//! diverging one is `ColorBrewer`'s `PuOr` (Brewer and Harrower, 2003), safe for color-blind readers; camera colors are
-//! those of Okabe and Ito (*Color Universal Design*, 2008). What differs: the diverging map's middle is a light gray so
-//! that it stands apart from both white and from pixels without an answer, and camera colors repeat in a darker shade.
+//! diverging one is `ColorBrewer`'s `PuOr` (Brewer and Harrower, 2003), safe for color-blind readers. What differs: the diverging
+//! map's middle is a light gray so that it stands apart from both white and from pixels without an answer.
 
 use egui::Color32;
 
@@ -16,8 +15,6 @@ const VIRIDIS: [u32; 9] =
 
 const PURPLE_ORANGE: [u32; 9] =
     [0x54_2788, 0x80_73ac, 0xb2_abd2, 0xd8_daeb, 0xf0_f0f0, 0xfe_e0b6, 0xfd_b863, 0xe0_8214, 0xb3_5806];
-
-const OKABE_ITO: [u32; 7] = [0x56_b4e9, 0xe6_9f00, 0x00_9e73, 0xf0_e442, 0xd5_5e00, 0xcc_79a7, 0x00_72b2];
 
 fn rgb(hex: u32) -> [u8; 3] {
     [(hex >> 16) as u8, (hex >> 8) as u8, hex as u8]
@@ -42,14 +39,6 @@ pub(crate) fn sequential(position: f32) -> Color32 {
 /// Purple at −1, light gray at 0, orange at 1; values outside are clamped, NaN is 0.
 pub(crate) fn diverging(value: f32) -> Color32 {
     interpolate(&PURPLE_ORANGE, if value.is_nan() { 0.5 } else { value * 0.5 + 0.5 })
-}
-
-/// The color of a camera by its index.
-pub(crate) fn camera(index: usize) -> Color32 {
-    let base = rgb(OKABE_ITO[index % OKABE_ITO.len()]);
-    let shade = 1.0 - 0.22 * ((index / OKABE_ITO.len()) % 4) as f32;
-    let [r, g, b] = base.map(|c| (f32::from(c) * shade).round() as u8);
-    Color32::from_rgb(r, g, b)
 }
 
 /// Black or white, whichever reads better on a color.
@@ -110,11 +99,5 @@ mod tests {
         }
         assert!(diverging(-1.0).b() > diverging(-1.0).r() && diverging(1.0).r() > diverging(1.0).b());
         assert_eq!(diverging(f32::NAN), diverging(0.0));
-    }
-
-    #[test]
-    fn no_two_of_twenty_cameras_share_a_color() {
-        let colors: std::collections::HashSet<_> = (0..20).map(camera).collect();
-        assert_eq!(colors.len(), 20);
     }
 }

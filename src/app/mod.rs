@@ -12,6 +12,7 @@
 //! the state, `views` and `panels` draw it.
 
 mod camera_chips;
+mod camera_cues;
 mod colormap;
 mod control;
 mod dock;

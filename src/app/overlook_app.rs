@@ -288,6 +288,7 @@ impl eframe::App for OverlookApp {
         if ctx.theme() != theme {
             ctx.set_theme(theme);
         }
+        theme::show_tooltips(ctx, !self.state.is_asking());
         self.state.inspector.meter.logic(watch.spent());
     }
 

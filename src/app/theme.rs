@@ -184,6 +184,20 @@ pub(crate) fn figure_style() -> TextStyle {
     TextStyle::Name("figure".into())
 }
 
+/// Seconds for which the pointer rests before a tooltip appears.
+const TOOLTIP_SECS: f32 = 0.35;
+
+/// Longer than anybody rests.
+const NEVER_SECS: f32 = 1e6;
+
+/// Takes tooltips away while something is asked: egui would keep the open one above the question.
+pub(crate) fn show_tooltips(ctx: &egui::Context, show: bool) {
+    let secs = if show { TOOLTIP_SECS } else { NEVER_SECS };
+    if ctx.global_style().interaction.tooltip_delay != secs {
+        ctx.all_styles_mut(|style| style.interaction.tooltip_delay = secs);
+    }
+}
+
 /// Sets fonts, text sizes, distances and both themes' colors.
 pub(crate) fn install(ctx: &egui::Context) {
     egui_material_icons::initialize(ctx);
@@ -210,7 +224,7 @@ fn apply(style: &mut Style, tokens: &Tokens, theme: Theme) {
     style.spacing.tooltip_width = 340.0;
     style.spacing.menu_margin = Margin::same(6);
     style.interaction.selectable_labels = false;
-    style.interaction.tooltip_delay = 0.35;
+    style.interaction.tooltip_delay = TOOLTIP_SECS;
     style.visuals = visuals(tokens, theme);
 }
 

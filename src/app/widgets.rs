@@ -6,7 +6,8 @@ use egui::{
 };
 use egui_material_icons::MaterialIcon;
 
-use super::colormap;
+use super::camera_cues;
+use super::model::{Command, Commands, Purpose, Table};
 use super::theme::{Tokens, space};
 use crate::capture::Camera;
 
@@ -153,10 +154,25 @@ pub(crate) fn one_line(ui: &mut Ui, text: impl Into<String>, color: Color32) -> 
     ui.add(egui::Label::new(RichText::new(text).small().color(color)).truncate())
 }
 
-/// The color of a camera as a dot beside its name.
+/// Copies or saves what a view shows as CSV.
+pub(crate) fn table_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
+    ui.horizontal(|ui| {
+        for (name, command) in [
+            ("Copy CSV", Command::CopyTable(table)),
+            ("Save CSV…", Command::AskPath(Purpose::SaveTable(table))),
+        ] {
+            let button = ui.add(Button::new(RichText::new(name).small()).small());
+            if button.accessible_name(format!("{name} of the {}", table.name())).clicked() {
+                commands.push(command);
+            }
+        }
+    });
+}
+
+/// The sign of a camera beside its name.
 pub(crate) fn dot(ui: &mut Ui, camera: usize) {
     let (dot, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
-    ui.painter().circle_filled(dot.center(), 4.5, colormap::camera(camera));
+    camera_cues::sign(ui.painter(), dot, camera);
 }
 
 /// A field for a line of text, which has the keyboard while nothing else has; `name` names it for screen readers. Gives whether
@@ -167,8 +183,20 @@ pub(crate) fn text_field_ui(ui: &mut Ui, text: &mut String, hint: &str, name: &s
     let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     if !entered && ui.memory(|memory| memory.focused().is_none()) {
         field.request_focus();
+        select_stem(ui, field.id, text);
     }
     (field.changed(), entered)
+}
+
+/// Selects what is typed anew: the name up to its ending.
+fn select_stem(ui: &Ui, field: egui::Id, text: &str) {
+    let name = text.rfind(['/', '\\']).map_or(0, |at| at + 1);
+    let end = text[name..].rfind('.').filter(|dot| *dot > 0).map_or(text.len(), |dot| name + dot);
+    let count = |part: &str| egui::text::CCursor::new(part.chars().count());
+    let range = egui::text::CCursorRange::two(count(&text[..name]), count(&text[..end]));
+    let mut state = egui::text_edit::TextEditState::load(ui.ctx(), field).unwrap_or_default();
+    state.cursor.set_char_range(Some(range));
+    state.store(ui.ctx(), field);
 }
 
 /// The area of a picture, which is pointed at and dragged; `name` names it for screen readers.

@@ -59,11 +59,11 @@ pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands
         DockView::Stability => views::stability_ui(ui, state, commands),
         DockView::Pixel => views::pixel_view_ui(ui, state, commands),
         DockView::Cameras => views::cameras_view_ui(ui, state, commands),
-        DockView::Matrix => panels::matrix_view_ui(ui, state),
+        DockView::Matrix => panels::matrix_view_ui(ui, state, commands),
         DockView::Time => panels::time_ui(ui, state, commands),
         DockView::Memory => panels::memory_ui(ui, state),
         DockView::Thresholds => panels::settings_ui(ui, state, commands),
-        DockView::Report => panels::report_ui(ui, state),
+        DockView::Report => panels::report_ui(ui, state, commands),
         DockView::Log => panels::log_ui(ui, state),
     }
 }

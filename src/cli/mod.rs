@@ -112,6 +112,12 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
     }
 }
 
+/// The command line as clap knows it: manual pages and shell completions are made from it.
+#[must_use]
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
 impl Cli {
     /// As `Parser::try_parse`. Clap's own way to refuse PATH before a command finds no command after --threads either.
     fn read(arguments: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {

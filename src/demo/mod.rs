@@ -29,7 +29,7 @@ pub const SCENES: &[(&str, &str)] = &[
 ];
 
 /// Most cameras a demo is recorded with.
-pub const MAX_CAMERAS: usize = 64;
+pub const MAX_CAMERAS: usize = 320;
 /// Most frames a demo is recorded for.
 pub const MAX_FRAMES: usize = 100_000;
 /// Most columns or rows of a demo's pictures.

@@ -3,8 +3,10 @@
 
 mod device;
 mod driver;
+mod film;
 mod inspector;
 mod manners;
+mod many_cameras;
 mod random;
 #[cfg(target_os = "linux")]
 mod real_window;

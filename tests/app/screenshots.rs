@@ -8,12 +8,12 @@ use egui_kittest::kittest::Queryable;
 use image::{GrayImage, RgbImage, RgbaImage};
 use std::collections::HashMap;
 
-fn updating() -> bool {
+pub(super) fn updating() -> bool {
     std::env::var_os("OVERLOOK_UPDATE_SCREENSHOTS").is_some_and(|value| value == "1")
 }
 
 /// The recording in the pictures: the orrery at its own size while updating, a small one otherwise.
-fn orrery() -> overlook::app::Start {
+pub(super) fn orrery() -> overlook::app::Start {
     if updating() { demo(5, 16, (400, 300)) } else { demo(3, 3, (64, 48)) }
 }
 
@@ -42,7 +42,7 @@ fn save(picture: RgbaImage, path: &std::path::Path) {
 
 /// The nearest of 256 colors, pixel by pixel: half of them those found most often, the others by median cut of what
 /// is left (Heckbert, *Color image quantization for frame buffer display*, 1982).
-fn indexed(picture: &RgbImage) -> (GrayImage, Vec<[u8; 3]>) {
+pub(super) fn indexed(picture: &RgbImage) -> (GrayImage, Vec<[u8; 3]>) {
     let mut counts = HashMap::new();
     for pixel in picture.pixels() {
         *counts.entry(pixel.0).or_insert(0_usize) += 1;

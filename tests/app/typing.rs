@@ -64,9 +64,10 @@ fn undo_and_redo_while_a_number_is_typed_are_not_meant_at_the_settings() {
 fn every_view_of_the_whole_capture_says_when_it_is_out_of_date() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    for (view, method) in [("Matrix", "Off"), ("Memory", "First camera"), ("Report", "Highest rate")] {
+    for (view, method) in [("Matrix", "Off"), ("Memory", "First camera"), ("Report", "Highest sampling rate")]
+    {
         open_view(&mut window, view);
-        assert!(!shows(&window, "Made with other thresholds"), "{view}");
+        assert!(!shows(&window, "Made with other settings"), "{view}");
         if view == "Report" {
             // It lies over the thresholds.
             window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -74,7 +75,7 @@ fn every_view_of_the_whole_capture_says_when_it_is_out_of_date() {
         } else {
             pick(&mut window, "Pruning method", method);
         }
-        assert!(shows(&window, "Made with other thresholds"), "{view}");
+        assert!(shows(&window, "Made with other settings"), "{view}");
         settle(&mut window);
     }
 }
@@ -84,7 +85,7 @@ fn how_frames_are_read_is_said_to_hold_for_what_is_opened_next() {
     // Tall enough for the last of the settings.
     let mut window = open(small_demo(), [SIZE[0], 2100.0]);
     settle(&mut window);
-    click(&mut window, "Reading frames");
+    click(&mut window, "Loading");
     assert!(shows(&window, "For captures that are opened from now on"));
 }
 

@@ -123,12 +123,12 @@ fn cancelled_work_stops_and_can_be_rerun() {
     wait(&mut window, "the first live picture", |window| window.state().live_coverage().is_some());
     wait(&mut window, "the long work", |window| window.query_by_label("Cancel").is_some());
     window.key_press(Key::Escape);
-    wait(&mut window, "the long work to stop", |window| window.query_by_label("Rerun").is_some());
+    wait(&mut window, "the long work to stop", |window| window.query_by_label("Recompute").is_some());
     assert!(window.state().report().is_none());
-    click(&mut window, "Rerun");
+    click(&mut window, "Recompute");
     wait(&mut window, "the long work again", |window| window.query_by_label("Cancel").is_some());
     click(&mut window, "Cancel");
-    wait(&mut window, "the long work to stop", |window| window.query_by_label("Rerun").is_some());
+    wait(&mut window, "the long work to stop", |window| window.query_by_label("Recompute").is_some());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
 use crate::app::model::{Command, ExportTarget, NoticeKind, Purpose, SavedPathKey, Study};
-use crate::app::model::{DockView, PictureZoom, Spot, setting_names, verdict_text};
+use crate::app::model::{DockView, PictureZoom, Spot, Table, csv, setting_names, verdict_text};
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::{ExportRequest, StudyRequest};
 use crate::render::film::FilmSource;
@@ -48,13 +48,18 @@ impl OverlookApp {
                 state.inspector.compare = *look;
             }
             Command::Palette(palette) => state.inspector.palette = palette,
+            Command::Isolate(camera) => state.inspector.isolated = camera,
+            Command::CopyTable(table) => self.copy_table(table),
             Command::Help(page) => state.inspector.help = page,
             Command::FoundSetting => state.inspector.find_setting = None,
             Command::FindSetting(path) => {
                 state.inspector.find_setting = Some(path);
                 self.dock.open(DockView::Thresholds);
             }
-            Command::Introduced => state.inspector.introduced = true,
+            Command::Introduced => {
+                state.inspector.introduced = true;
+                self.play_once_ready();
+            }
             Command::Stay => {
                 state.inspector.closing.asks = false;
                 state.open_after_question = None;
@@ -138,6 +143,16 @@ impl OverlookApp {
         let Some((scene, probed)) = shown else { return };
         self.ctx.copy_text(verdict_text::explanation(scene, probed));
         self.state.notify(NoticeKind::Done, "Copied", "The explanation of the pixel is on the clipboard.");
+    }
+
+    fn copy_table(&mut self, table: Table) {
+        let Some(text) = csv::csv(table, &self.state) else {
+            let text = format!("There is no {} yet.", table.name());
+            return self.state.warn_of_scene("Nothing to copy", text);
+        };
+        self.ctx.copy_text(text);
+        let text = format!("The {} is on the clipboard as CSV.", table.name());
+        self.state.notify(NoticeKind::Done, "Copied", text);
     }
 
     fn copy_picture(&mut self) {

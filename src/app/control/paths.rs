@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::app::model::{
-    Command, Content, Destination, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
+    Command, Content, Destination, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath, csv,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::{FileRequest, with_ending};
@@ -43,7 +43,8 @@ impl OverlookApp {
 
     fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
         let text = suggested_name(&self.state, purpose);
-        self.state.typed_path = Some(TypedPath { purpose, text, reason, replaces: false });
+        let folder = std::env::current_dir().ok();
+        self.state.typed_path = Some(TypedPath { purpose, text, folder, reason, replaces: false });
     }
 
     /// Takes the path in the field; one to be written to once it is known that nothing stands there, or that it may be replaced.
@@ -65,6 +66,16 @@ impl OverlookApp {
     /// Takes in whether something stands where the path in the field leads to.
     pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
         let Destination { purpose, path } = destination;
+        if !purpose.writes() {
+            let command = Command::OpenPath(path.clone());
+            if taken && self.state.inspector.unsaved_work().is_some() {
+                self.state.open_after_question = Some(command);
+            } else {
+                // What is not there is told as what cannot be opened, and what is open stays.
+                self.open(command);
+            }
+            return;
+        }
         let typed = self.state.typed_path.as_mut();
         let Some(typed) = typed
             .filter(|typed| typed.purpose == *purpose && typed_destination(typed).as_ref() == Some(path))
@@ -128,6 +139,12 @@ impl OverlookApp {
                 self.workers.file.submit(FileRequest::SaveSettings { path, settings });
             }
             Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::SaveTable(table) => match csv::csv(table, &self.state) {
+                Some(text) => self.workers.file.submit(FileRequest::SaveText { path, text }),
+                None => {
+                    self.state.warn_of_scene("Nothing to save", format!("There is no {} yet.", table.name()));
+                }
+            },
             Purpose::SavePicture => match self.state.shown_picture().cloned() {
                 Some(picture) => self.workers.file.submit(FileRequest::SavePicture { path, picture }),
                 None => self.notify_in_motion(),
@@ -158,6 +175,14 @@ impl OverlookApp {
 
     /// Whether there is nothing yet to write for this purpose; warns then.
     pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
+        if let Purpose::SaveTable(table) = purpose {
+            let is_empty = csv::csv(table, &self.state).is_none();
+            if is_empty {
+                let text = format!("There is no {} yet.", table.name());
+                self.state.warn_of_scene("Nothing to save yet", text);
+            }
+            return is_empty;
+        }
         let title = match purpose {
             Purpose::SaveStore => "Nothing to save yet",
             Purpose::ExportPictures | Purpose::ExportFilm => "Nothing to export yet",
@@ -186,6 +211,7 @@ fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::SaveStore => format!("{}.ovl", state.scene.as_ref().map_or("capture", |scene| &scene.name)),
         Purpose::SaveSettings => "settings.toml".to_owned(),
         Purpose::SavePicture => "picture.png".to_owned(),
+        Purpose::SaveTable(table) => table.file().to_owned(),
         Purpose::ExportPictures => "pictures".to_owned(),
         Purpose::ExportFilm => "video.mp4".to_owned(),
         Purpose::OpenFile | Purpose::OpenFolder | Purpose::LoadSettings => String::new(),
@@ -205,7 +231,19 @@ fn place(text: &str) -> Option<PathBuf> {
 
 /// The path with the ending that a file of this purpose needs; `None` where it has one of another kind of file.
 fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
-    if purpose == Purpose::SavePicture { with_ending(path) } else { Some(path) }
+    let ending = match purpose {
+        Purpose::SavePicture => return with_ending(path),
+        Purpose::SaveStore => "ovl",
+        Purpose::SaveSettings => "toml",
+        Purpose::SaveTable(_) => "csv",
+        Purpose::ExportFilm => "mp4",
+        _ => return Some(path),
+    };
+    // A dot within a name, as in `take.2`, is no ending that people mean; one that they typed is theirs.
+    let known = path
+        .extension()
+        .is_some_and(|typed| typed.len() > 1 && !typed.to_string_lossy().chars().all(|c| c.is_ascii_digit()));
+    Some(if known { path } else { PathBuf::from(format!("{}.{ending}", path.display())) })
 }
 
 /// Where the path in the field leads to; `None` where it cannot be taken.
@@ -221,6 +259,17 @@ pub(crate) fn lasting(path: PathBuf) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_without_an_ending_gets_that_of_its_purpose() {
+        let named = |purpose, path: &str| named(purpose, path.into()).unwrap();
+        assert_eq!(named(Purpose::SaveStore, "/a/capture"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::SaveStore, "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
+        assert_eq!(named(Purpose::SaveStore, "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::SaveSettings, "/a/mine"), PathBuf::from("/a/mine.toml"));
+        assert_eq!(named(Purpose::ExportFilm, "/a/b.mkv"), PathBuf::from("/a/b.mkv"));
+        assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));
+    }
 
     #[test]
     fn a_tilde_that_is_typed_is_the_own_folder() {

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use egui::{TextureFilter, TextureOptions};
 
 use super::remembered::remember_recent;
+use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
-    self, Accuracy, CompareChoice, CompareKey, Exported, LivePicture, Message, NoticeKind, OpenScene,
-    OrbitCamera, Origin, PictureDifference, PixelSource, Probed, ShownComparison, ShownPicture, SourceLook,
-    Spot, Texture, Whole, and_others, method_of,
+    self, Accuracy, CompareChoice, CompareKey, DockView, Exported, LivePicture, Message, NoticeKind,
+    OpenScene, OrbitCamera, Origin, PictureDifference, PixelSource, Probed, ShownComparison, ShownPicture,
+    SourceLook, Spot, Texture, Whole, and_others, method_of,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::error::Error;
@@ -103,8 +104,9 @@ impl OverlookApp {
             return;
         }
         let report = &result.report;
-        for warning in report.warnings() {
-            state.warn_of_scene("Check the capture", model::sentence(&warning));
+        for (suspect, warning) in report.suspects() {
+            let title = format!("Check the capture: {}", suspect.name().to_lowercase());
+            state.warn_with_link(title, model::sentence(&warning), DockView::Matrix);
         }
         let line = format!(
             "Pruned the capture: {} of {} samples kept in {} s",
@@ -123,6 +125,15 @@ impl OverlookApp {
             return;
         }
         self.state.accuracy = accuracy;
+        self.play_once_ready();
+    }
+
+    /// Sets the scene of a start without a path in motion, once it is ready and nothing explains it any more: the introduction speaks of
+    /// pixels, whose verdicts are those of a frame.
+    pub(crate) fn play_once_ready(&mut self) {
+        if self.state.accuracy.is_none() || !self.state.inspector.introduced {
+            return;
+        }
         let plays_once_ready = std::mem::take(&mut self.state.timeline.plays_once_ready);
         self.state.timeline.playing |= plays_once_ready && self.state.frame_count() > 1;
     }
@@ -202,6 +213,15 @@ impl OverlookApp {
                 state.warn_of_scene("While opening", warning.clone());
             }
             state.report_damage(&playback.store().damage());
+        }
+        let changed = SettingPairs::new(&state.settings, &Settings::default()).differing().count();
+        if changed > 0 && scene.capture().is_some() {
+            let settings = if changed == 1 { "1 setting differs" } else { "settings differ" };
+            let count = if changed == 1 { String::new() } else { format!("{changed} ") };
+            let text = format!(
+                "{count}{settings} from the defaults, as set before; Reset all in the Settings view takes the defaults."
+            );
+            state.notify_with_link("Settings were kept", text, DockView::Thresholds);
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
         // Work for the closed scene stops, except for files that are being written.

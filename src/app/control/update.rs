@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use super::paths::lasting;
 use crate::app::dock::Dock;
-use crate::app::model::{self, Command, HoleDisplay, OrbitCamera, PictureZoom, StoppableWork};
+use crate::app::model::{
+    self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, StoppableWork,
+};
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::OpenRequest;
 use crate::demo::DemoSpec;
@@ -118,14 +120,18 @@ impl OverlookApp {
 
     /// Opens something, after a question where a camera path or measured points are lost by it.
     fn ask_to_open(&mut self, command: Command) {
-        if self.state.inspector.unsaved_work().is_some() {
-            self.state.open_after_question = Some(command);
-        } else {
-            self.open(command);
+        match command {
+            _ if self.state.inspector.unsaved_work().is_none() => self.open(command),
+            // First whether there is anything: nobody should give up work for a path that does not exist.
+            Command::OpenPath(path) => {
+                let path = lasting(path);
+                self.workers.check.submit(Destination { purpose: Purpose::OpenFile, path });
+            }
+            command => self.state.open_after_question = Some(command),
         }
     }
 
-    fn open(&mut self, command: Command) {
+    pub(crate) fn open(&mut self, command: Command) {
         match command {
             Command::OpenDemo(scene) => {
                 self.open_demo(DemoSpec::new(scene));

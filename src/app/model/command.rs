@@ -12,6 +12,7 @@ use super::picture_zoom::PictureZoom;
 use super::pixel::Spot;
 use super::purpose::Purpose;
 use super::source_picture::Overlay;
+use super::table::Table;
 use super::view::DockView;
 use crate::settings::Settings;
 
@@ -105,6 +106,10 @@ pub(crate) enum Command {
     Palette(Option<CommandPalette>),
     /// Open a page of help, or close it.
     Help(Option<HelpPage>),
+    /// Show one camera alone in its color where colors are those of cameras, or all of them.
+    Isolate(Option<usize>),
+    /// Copy a table as CSV.
+    CopyTable(Table),
     /// Everything larger (1), smaller (−1) or as at first (0).
     InterfaceSize(i8),
     /// Show a setting in its panel, by its path.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::command::Command;
+use super::command::{Command, HelpPage};
 use super::inspector::Inspector;
 use super::live_picture::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
 use super::notice::{Notice, NoticeKind, and_others};
@@ -15,6 +15,7 @@ use super::results::{Accuracy, Inspected, Whole, method_of};
 use super::scene::{Content, OpenScene};
 use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
+use super::view::DockView;
 use crate::job::Progress;
 use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
@@ -262,22 +263,62 @@ impl State {
         size.map(|side| (side & !1).clamp(*SIDES.start(), *SIDES.end()))
     }
 
+    /// Whether a dialog lies over the window.
+    pub(crate) fn is_asking(&self) -> bool {
+        let inspector = &self.inspector;
+        self.typed_path.is_some()
+            || self.open_after_question.is_some()
+            || inspector.palette.is_some()
+            || inspector.naming.is_some()
+            || inspector.closing.asks
+            || inspector.help.is_some_and(|page| page != HelpPage::Guide)
+    }
+
     /// Adds a message.
     pub(crate) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
-        self.add_notice(kind, title.into(), text.into(), None);
+        self.add_notice(kind, title.into(), text.into(), None, None);
     }
 
     /// Adds a warning about what is open.
     pub(crate) fn warn_of_scene(&mut self, title: impl Into<String>, text: impl Into<String>) {
         let scene = self.scene.as_ref().map(|scene| scene.id);
-        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene);
+        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, None);
     }
 
-    fn add_notice(&mut self, kind: NoticeKind, title: String, text: String, scene: Option<u64>) {
+    /// Adds a message about what is open that a view shows in full.
+    pub(crate) fn notify_with_link(
+        &mut self,
+        title: impl Into<String>,
+        text: impl Into<String>,
+        view: DockView,
+    ) {
+        let scene = self.scene.as_ref().map(|scene| scene.id);
+        self.add_notice(NoticeKind::Done, title.into(), text.into(), scene, Some(view));
+    }
+
+    /// Adds a warning about what is open that a view shows in full.
+    pub(crate) fn warn_with_link(
+        &mut self,
+        title: impl Into<String>,
+        text: impl Into<String>,
+        view: DockView,
+    ) {
+        let scene = self.scene.as_ref().map(|scene| scene.id);
+        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, Some(view));
+    }
+
+    fn add_notice(
+        &mut self,
+        kind: NoticeKind,
+        title: String,
+        text: String,
+        scene: Option<u64>,
+        link: Option<DockView>,
+    ) {
         self.inspector.log(kind, format!("{title}: {text}"));
         self.notices.retain(|notice| notice.title != title || notice.text != text);
         let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
-        self.notices.push(Notice { id, kind, title, text, since: Instant::now(), scene });
+        self.notices.push(Notice { id, kind, title, text, since: Instant::now(), scene, link });
     }
 
     /// Says what could not be read of the open store, once: the first of many lines, and all of them in the log.

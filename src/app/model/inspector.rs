@@ -68,6 +68,8 @@ pub(crate) struct Inspector {
     pub palette: Option<CommandPalette>,
     /// The page of help that is open.
     pub help: Option<HelpPage>,
+    /// The camera whose name in a legend is under the pointer.
+    pub isolated: Option<usize>,
     /// The setting to scroll to, by its path.
     pub find_setting: Option<&'static str>,
     /// The adapter that draws the window; `None` without one.
@@ -90,6 +92,7 @@ impl Inspector {
         self.probe = InspectedPixel::default();
         self.thumbs.clear();
         self.memory = None;
+        self.isolated = None;
         self.histograms.clear();
         self.compare.choice.from = CompareVantage::Live;
         self.compared = None;

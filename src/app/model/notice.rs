@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use super::view::DockView;
+
 /// How loud a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoticeKind {
@@ -22,6 +24,8 @@ pub(crate) struct Notice {
     pub since: Instant,
     /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
     pub scene: Option<u64>,
+    /// The view that shows what it speaks of.
+    pub link: Option<DockView>,
 }
 
 /// A line of the log.

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::table::Table;
+
 /// What a chosen path is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
@@ -16,6 +18,8 @@ pub(crate) enum Purpose {
     LoadSettings,
     /// Write the picture of the live view.
     SavePicture,
+    /// Write a table as CSV.
+    SaveTable(Table),
     /// Write the pictures of the camera path into a folder.
     ExportPictures,
     /// Write a film of the camera path.
@@ -46,6 +50,7 @@ impl Purpose {
             Self::SaveSettings => "Save the settings",
             Self::LoadSettings => "Load settings",
             Self::SavePicture => "Save the picture",
+            Self::SaveTable(_) => "Save a table as CSV",
             Self::ExportPictures => "Export pictures into a folder",
             Self::ExportFilm => "Export a video",
         }
@@ -59,6 +64,7 @@ impl Purpose {
             Self::SaveSettings => "Save settings to path…",
             Self::LoadSettings => "Load settings from path…",
             Self::SavePicture => "Save picture to path…",
+            Self::SaveTable(_) => "Save … as CSV to path",
             Self::ExportPictures => "Pictures to path…",
             Self::ExportFilm => "Video to path…",
         }
@@ -77,6 +83,8 @@ pub(crate) struct Destination {
 pub(crate) struct TypedPath {
     pub purpose: Purpose,
     pub text: String,
+    /// Where a name without a folder leads to.
+    pub folder: Option<PathBuf>,
     /// Why the field is shown in place of the system's dialog, if it is.
     pub reason: Option<String>,
     /// Whether something stands there already, and the question is whether to replace it.

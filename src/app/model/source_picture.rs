@@ -28,6 +28,11 @@ impl Overlay {
         !matches!(self, Self::Color | Self::Depth)
     }
 
+    /// Whether its colors are those of cameras.
+    pub(crate) fn names_cameras(self) -> bool {
+        matches!(self, Self::WhoWon | Self::RateDisputes)
+    }
+
     /// Every choice in the order of the menu: its name, and what it shows.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 9] = [
         (Self::Color, "Picture", "The picture as the camera recorded it."),
@@ -74,6 +79,8 @@ pub(crate) struct SourceKey {
     pub overlay: Overlay,
     /// For the sampling ratio: against which camera, or the best other.
     pub against: Option<usize>,
+    /// The camera that alone is shown in its color; `None` for all.
+    pub isolated: Option<usize>,
     /// Dark or light, as overlays use colors of the theme.
     pub dark: bool,
     /// The verdicts; `None` for the bare picture.
@@ -84,7 +91,7 @@ impl PartialEq for SourceKey {
     fn eq(&self, other: &Self) -> bool {
         let inputs = |key: &Self| {
             let inspection = key.inspection.as_ref().map(Arc::as_ptr);
-            (key.scene, key.camera, key.frame, key.overlay, key.against, key.dark, inspection)
+            (key.scene, key.camera, key.frame, key.overlay, key.against, key.isolated, key.dark, inspection)
         };
         inputs(self) == inputs(other)
     }
@@ -132,6 +139,18 @@ pub(crate) enum Legend {
     Agreement { confirmed: u64, contradicted: u64, alone: u64, invalid: u64 },
     /// Kept share of each tile, 0 to 1.
     Tiles(Grid<f32>),
+}
+
+/// Cameras that a picture shows in colors of their own where there are more than [`CROWD`]; the rest are *others*.
+const NAMED: usize = 12;
+const CROWD: usize = 16;
+
+/// Cameras by the pixels that each won, most first, without those that won none; and how many of them have a color of their own.
+pub(crate) fn ranked(won_by: &[u64]) -> (Vec<usize>, usize) {
+    let mut ranked: Vec<usize> = (0..won_by.len()).filter(|camera| won_by[*camera] > 0).collect();
+    ranked.sort_by_key(|camera| std::cmp::Reverse(won_by[*camera]));
+    let named = if ranked.len() > CROWD { NAMED } else { ranked.len() };
+    (ranked, named)
 }
 
 /// log₂ r at either end of the scale: eight times denser or coarser.

@@ -130,6 +130,33 @@ pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
     }
 }
 
+/// Rows of evidence in the order of what matters, by their places: the pixel itself, what replaces it, who else shows the point, the
+/// densest first, who nearly does, and last those in whose pictures it does not lie.
+pub(crate) fn ordered(evidence: &[CameraEvidence], winner: Option<usize>) -> Vec<usize> {
+    let rank = |place: &usize| {
+        let row = &evidence[*place];
+        let group = match row.outcome {
+            None => 0,
+            Some(_) if winner == Some(row.camera) => 1,
+            Some(Outcome::Same(_)) => 2,
+            Some(Outcome::ShorterSpan | Outcome::Seam | Outcome::NormalDiffers | Outcome::ColorDiffers) => 3,
+            Some(Outcome::SeesPast) if row.vote == Some(Vote::LooksPast) => 4,
+            Some(Outcome::SeesPast | Outcome::Occluded) => 5,
+            Some(Outcome::NoDepth) => 6,
+            Some(Outcome::OutsideView | Outcome::Behind) => 7,
+        };
+        // This pixel's r beside that camera's: the larger, the denser that camera is.
+        let denser = if is_same_point(row) && row.footprint_r.is_finite() { -row.footprint_r } else { 0.0 };
+        (group, denser)
+    };
+    let mut order: Vec<usize> = (0..evidence.len()).collect();
+    order.sort_by(|a, b| {
+        let ((a_group, a_denser), (b_group, b_denser)) = (rank(a), rank(b));
+        a_group.cmp(&b_group).then(a_denser.total_cmp(&b_denser))
+    });
+    order
+}
+
 /// What became of a pixel, in a word or two.
 pub(crate) fn fate(verdict: Verdict) -> CameraText {
     match verdict.rule {
@@ -300,6 +327,20 @@ mod tests {
         assert!(copied.contains("\t–\t–\t") && !copied.contains("1.25"), "{copied}");
         assert!(line(&[], &row(Some(Outcome::Same(0)))).contains("\t1.25\t1.50\t"));
         assert_eq!(rates(&row(Some(Outcome::SeesPast))), ["–", "–"]);
+    }
+
+    #[test]
+    fn rows_are_ordered_by_what_they_say_of_the_point() {
+        let at = |camera, outcome, footprint_r| CameraEvidence { camera, footprint_r, ..row(outcome) };
+        let evidence = [
+            at(0, Some(Outcome::OutsideView), 1.0),
+            at(1, Some(Outcome::Same(0)), 0.5),
+            at(2, None, 1.0),
+            at(3, Some(Outcome::Same(0)), 2.0),
+            at(4, Some(Outcome::Occluded), 3.0),
+            at(5, Some(Outcome::Same(0)), 1.5),
+        ];
+        assert_eq!(ordered(&evidence, Some(5)), [2, 5, 3, 1, 4, 0]);
     }
 
     #[test]

@@ -1,104 +1,68 @@
-//! Squares of cells, one for each ordered pair of cameras; and how well cameras agree about where things are: a wrong pose
-//! shows in what never moves, a wrong clock in what does.
+//! Which camera's samples replace whose, and how well cameras agree about where things are: a wrong pose shows in what never
+//! moves, a wrong clock in what does, noise in both.
 
-use egui::{Painter, Rect, RichText, Sense, Ui, vec2};
+use egui::{RichText, Ui};
 
+use super::pair_grid::{PairCell, by_weight, pairs_ui};
+use crate::app::colormap::sequential;
+use crate::app::model::{self, Commands, Table};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{note, weak};
-use crate::app::{colormap, model};
+use crate::app::views::bar;
+use crate::app::widgets::{note, table_ui, weak};
 use crate::preprocess::diagnostics::{PairResiduals, Report, Residual};
 
-/// What is shown of a pair.
-pub(crate) struct PairCell {
-    /// 0 to 1: the lighter the larger; `None` leaves the cell dark.
-    pub(crate) strength: Option<f32>,
-    /// Shown where there is room for it, and where the cell is not dark.
-    pub(crate) text: String,
-    /// Shown where the pointer rests.
-    pub(crate) help: String,
+/// The matrix of replaced samples.
+pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+    ui.heading("Which camera replaces which");
+    weak(ui, "Rows lose samples, columns keep the ones that replace them.");
+    table_ui(ui, Table::Replacements, commands);
+    let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
+    let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    let kept_for = |winner: usize| {
+        report.witnesses.iter().filter_map(|row| row.get(winner)).map(|count| *count as f32).sum::<f32>()
+    };
+    let order = by_weight(names.len(), kept_for);
+    pairs_ui(ui, "replacements", &names, &order, |loser, winner| {
+        let count = *report.witnesses.get(loser)?.get(winner)?;
+        Some(PairCell {
+            // The square root makes small counts differ from none.
+            strength: (count > 0).then(|| (count as f32 / most).sqrt()),
+            text: model::count(count),
+            help: format!(
+                "'{}': {} samples dropped for '{}'",
+                names[loser],
+                model::count(count),
+                names[winner]
+            ),
+        })
+    });
 }
 
-const NAME_WIDTH: f32 = 78.0;
-const HEADER_HEIGHT: f32 = 18.0;
+/// A scale ends at this many times the mean: a pair that is far off does not make all others alike.
+const ABOVE_MEAN: f32 = 3.0;
 
-/// The cells of all pairs of cameras with these names; `cell` is given row and column.
-pub(crate) fn pairs_ui(ui: &mut Ui, names: &[&str], cell: impl Fn(usize, usize) -> Option<PairCell>) {
-    let cameras = names.len();
-    if cameras == 0 {
-        return;
-    }
-    let tokens = Tokens::in_ui(ui);
-    let width = ((ui.available_width() - NAME_WIDTH) / cameras as f32).clamp(3.0, 44.0);
-    let height = width.min(24.0);
-    let size = vec2(ui.available_width(), HEADER_HEIGHT + height * cameras as f32);
-    let (area, whole) = ui.allocate_exact_size(size, Sense::hover());
-    let painter = ui.painter_at(area);
-    let small = egui::TextStyle::Small.resolve(ui.style());
-    for row in 0..cameras {
-        let top = area.top() + HEADER_HEIGHT + height * row as f32;
-        camera_name(&painter, egui::pos2(area.left(), top + height / 2.0), row, names[row], &small, tokens);
-        for column in 0..cameras {
-            let left = area.left() + NAME_WIDTH + width * column as f32;
-            let rect = Rect::from_min_size(egui::pos2(left, top), vec2(width, height)).shrink(1.0);
-            if row == 0 {
-                let center = egui::pos2(rect.center().x, area.top() + 8.0);
-                painter.circle_filled(center, 4.0, colormap::camera(column));
-            }
-            let Some(cell) = cell(row, column) else {
-                painter.rect_filled(rect, 2.0, tokens.background);
-                continue;
-            };
-            let color = cell.strength.map_or(tokens.background, colormap::sequential);
-            painter.rect_filled(rect, 2.0, color);
-            if let Some(strength) = cell.strength.filter(|_| width >= 40.0) {
-                // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
-                let text_color = if strength > 0.55 { egui::Color32::BLACK } else { egui::Color32::WHITE };
-                let font = egui::FontId::proportional(10.0);
-                painter.text(rect.center(), egui::Align2::CENTER_CENTER, cell.text, font, text_color);
-            }
-            let response = ui.interact(rect, whole.id.with((row, column)), Sense::hover());
-            response.on_hover_text(cell.help);
-        }
-    }
-}
-
-fn camera_name(
-    painter: &Painter,
-    at: egui::Pos2,
-    index: usize,
-    name: &str,
-    font: &egui::FontId,
-    tokens: &Tokens,
-) {
-    painter.circle_filled(at + vec2(5.0, 0.0), 4.0, colormap::camera(index));
-    painter.text(at + vec2(14.0, 0.0), egui::Align2::LEFT_CENTER, short(name, 11), font.clone(), tokens.text);
-}
-
-/// The first characters of a name, and whether there are more.
-pub(crate) fn short(name: &str, length: usize) -> String {
-    if name.chars().count() <= length {
-        return name.to_owned();
-    }
-    let mut text: String = name.chars().take(length - 1).collect();
-    text.push('…');
-    text
-}
-
-/// Residual at the light end of the color map, footprints; a tenth of a footprint still differs from none.
-const LIGHTEST_FOOTPRINTS: f32 = 2.0;
+/// The least that the end of a scale stands for, footprints.
+const LEAST_FOOTPRINTS: f32 = 0.05;
 
 /// Both matrices, and what is to be said about cameras that do not fit.
-pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report) {
+pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("How well cameras agree");
     let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";
-    let warnings = report.warnings();
-    if warnings.is_empty() {
-        weak(ui, "No camera contradicts the others.").on_hover_text(help);
+    let suspects = report.suspects();
+    for (cause, warning) in &suspects {
+        let words = format!("{}: {warning}", cause.name());
+        ui.label(RichText::new(words).color(tokens.warning)).on_hover_text(help);
     }
-    for warning in warnings {
-        ui.label(RichText::new(model::sentence(&warning)).color(tokens.warning)).on_hover_text(help);
+    if suspects.is_empty() {
+        let words = if report.is_noisy() {
+            "Noise: cameras differ by as much as the noise that was measured between them; no pose and no clock stands out."
+        } else {
+            "No camera contradicts the others."
+        };
+        weak(ui, words).on_hover_text(help);
     }
+    table_ui(ui, Table::Agreement, commands);
     let title = "What never moves, 85 % within (a pose error shows here)";
     residuals_ui(ui, report, title, |pair| pair.lasting, |residual| residual.most_footprints);
     ui.add_space(space::SMALL);
@@ -115,14 +79,29 @@ fn residuals_ui(
 ) {
     note(ui, title);
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    pairs_ui(ui, &names, |row, column| {
+    let value = |row: usize, column: usize| Some(footprints(&of(report.residuals.get(row)?.get(column)?)?));
+    let (mut sum, mut count, mut most) = (0.0, 0, 0.0_f32);
+    for (row, column) in (0..names.len()).flat_map(|row| (0..names.len()).map(move |column| (row, column))) {
+        if let Some(value) = value(row, column) {
+            (sum, count, most) = (sum + value, count + 1, most.max(value));
+        }
+    }
+    let lightest = most.min(ABOVE_MEAN * sum / count.max(1) as f32).max(LEAST_FOOTPRINTS);
+    ui.horizontal(|ui| {
+        let end = format!("{} footprints or more", model::significant(f64::from(lightest)));
+        bar(ui, "0", &end, 90.0, sequential);
+    });
+    let order = by_weight(names.len(), |camera| {
+        (0..names.len()).filter_map(|other| value(camera, other)).fold(0.0, f32::max)
+    });
+    pairs_ui(ui, title, &names, &order, |row, column| {
         let residual = of(report.residuals.get(row)?.get(column)?)?;
         let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
         Some(PairCell {
-            strength: Some((footprints(&residual) / LIGHTEST_FOOTPRINTS).sqrt().min(1.0)),
+            strength: Some((footprints(&residual) / lightest).sqrt().min(1.0)),
             text: format!("{:.2}", footprints(&residual)),
             help: format!(
-                "{} against {}: 85 % of {} samples within {most_footprints:.3} footprints, half within \
+                "'{}' against '{}': 85 % of {} samples within {most_footprints:.3} footprints, half within \
                  {median_footprints:.3}; half of their colors within {median_color_steps:.1} steps",
                 names[row],
                 names[column],

@@ -4,7 +4,7 @@ use egui::{ScrollArea, Ui};
 use egui_material_icons::icons::ICON_MEMORY;
 
 use super::report::{share_ui, stale_ui};
-use crate::app::colormap;
+use crate::app::camera_cues;
 use crate::app::model::{self, CameraMemory, State};
 use crate::app::widgets::{empty_ui, note};
 
@@ -27,10 +27,13 @@ pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
     note(ui, words);
     stale_ui(ui, state);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        for (index, (memory, camera)) in cameras.iter().zip(&scene.cameras).enumerate() {
+        let mut order: Vec<usize> = (0..cameras.len().min(scene.cameras.len())).collect();
+        order.sort_by_key(|index| std::cmp::Reverse(bytes(&cameras[*index])));
+        for index in order {
+            let (memory, camera) = (&cameras[index], &scene.cameras[index]);
             let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
             let share = bytes(memory) as f32 / total.max(1) as f32;
-            share_ui(ui, &camera.name, &figure, share, colormap::camera(index)).on_hover_text(format!(
+            share_ui(ui, &camera.name, &figure, share, camera_cues::color(index)).on_hover_text(format!(
                 "{} samples. Stored for several frames: {}, for one: {}.",
                 model::count(memory.samples),
                 model::bytes(memory.lasting_bytes),

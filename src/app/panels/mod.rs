@@ -6,6 +6,7 @@ mod histogram;
 mod matrix;
 mod memory_view;
 mod notices;
+mod pair_grid;
 mod palette_words;
 mod path_field;
 mod path_view;

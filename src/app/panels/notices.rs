@@ -56,6 +56,13 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                             .wrap()
                             .selectable(true),
                     );
+                    if let Some(view) = notice.link {
+                        let name = format!("Show in {}", view.name_and_help().0);
+                        if ui.button(name).clicked() {
+                            commands.push(Command::OpenView(view));
+                            commands.push(Command::Dismiss(notice.id));
+                        }
+                    }
                 });
                 if icon_button(ui, ICON_CLOSE, "Dismiss", "Dismiss (Esc)").clicked() {
                     commands.push(Command::Dismiss(notice.id));

@@ -4,7 +4,7 @@ use egui::{Id, Modal, RichText};
 
 use crate::app::model::{Command, Commands, Purpose, State, TypedPath};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{text_field_ui, weak};
+use crate::app::widgets::{note, text_field_ui, weak};
 
 /// The question before something is replaced.
 fn replaced_words(typed: &TypedPath) -> String {
@@ -30,6 +30,7 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         Purpose::SaveStore => ("Save", ".ovl file"),
         Purpose::SaveSettings => ("Save", ".toml file"),
         Purpose::SavePicture => ("Save", ".png file"),
+        Purpose::SaveTable(_) => ("Save", ".csv file"),
         Purpose::ExportPictures => ("Export", "folder"),
         Purpose::ExportFilm => ("Export", ".mp4, .mkv or .mov file"),
         Purpose::LoadSettings => ("Load", ".toml file"),
@@ -40,6 +41,13 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         ui.heading(title);
         if let Some(reason) = &typed.reason {
             weak(ui, reason);
+        }
+        let base = std::path::Path::new(typed.text.trim());
+        if !base.is_absolute()
+            && !typed.text.trim().starts_with('~')
+            && let Some(folder) = &typed.folder
+        {
+            note(ui, format!("In {}", folder.display()));
         }
         ui.add_space(space::MEDIUM);
         let mut text = typed.text.clone();
@@ -60,7 +68,7 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
             if take.accessible_name(format!("{action} this path")).clicked() {
                 commands.push(Command::TakeTypedPath);
             }
-            if ui.button("Close").clicked() {
+            if ui.button("Cancel").accessible_name("Cancel this path").clicked() {
                 commands.push(Command::CloseTypedPath);
             }
         });

@@ -1,17 +1,17 @@
 //! What was pruned, by which rule, for which camera, how well cameras agree, and how noisy the capture is.
 
-use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
-
+use egui::{Rect, RichText, ScrollArea, Sense, Ui, vec2};
+use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons::ICON_GRID_ON;
 
-use super::matrix::{PairCell, agreement_ui, pairs_ui, short};
-use crate::app::colormap;
-use crate::app::model::{self, State};
+use super::matrix::{agreement_ui, replacements_ui};
+use super::pair_grid::{by_weight, short};
+use crate::app::model::{self, Commands, State, Table};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{note, weak};
+use crate::app::widgets::{dot, note, table_ui, weak};
 use crate::preprocess::diagnostics::{CameraReport, Report};
 
-pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn report_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(report) = state.report() else {
         ui.add_space(space::MEDIUM);
         weak(ui, "The report appears here once the whole capture is pruned.");
@@ -22,11 +22,11 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State) {
         stale_ui(ui, state);
         rules_ui(ui, report);
         ui.add_space(space::LARGE);
-        matrix_ui(ui, report);
+        replacements_ui(ui, report, commands);
         ui.add_space(space::LARGE);
-        agreement_ui(ui, report);
+        agreement_ui(ui, report, commands);
         ui.add_space(space::LARGE);
-        cameras_ui(ui, report);
+        cameras_ui(ui, report, commands);
         ui.add_space(space::LARGE);
     });
 }
@@ -42,7 +42,7 @@ pub(crate) fn stale_ui(ui: &mut Ui, state: &State) {
 const TWO_COLUMNS: f32 = 720.0;
 
 /// The matrices alone.
-pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(report) = state.report() else {
         let text = "Which camera replaces which, and how well cameras agree, is known once the whole capture is pruned.";
         crate::app::widgets::empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
@@ -51,13 +51,13 @@ pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         stale_ui(ui, state);
         if ui.available_width() < TWO_COLUMNS {
-            matrix_ui(ui, report);
+            replacements_ui(ui, report, commands);
             ui.add_space(space::LARGE);
-            agreement_ui(ui, report);
+            agreement_ui(ui, report, commands);
         } else {
             ui.columns(2, |columns| {
-                matrix_ui(&mut columns[0], report);
-                agreement_ui(&mut columns[1], report);
+                replacements_ui(&mut columns[0], report, commands);
+                agreement_ui(&mut columns[1], report, commands);
             });
         }
     });
@@ -142,22 +142,6 @@ pub(crate) fn share_ui(
     response
 }
 
-fn matrix_ui(ui: &mut Ui, report: &Report) {
-    ui.heading("Which camera replaces which");
-    weak(ui, "Rows lose samples, columns keep the ones that replace them.");
-    let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
-    let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    pairs_ui(ui, &names, |loser, winner| {
-        let count = *report.witnesses.get(loser)?.get(winner)?;
-        Some(PairCell {
-            // The square root makes small counts differ from none.
-            strength: (count > 0).then(|| (count as f32 / most).sqrt()),
-            text: model::count(count),
-            help: format!("{}: {} samples dropped for {}", names[loser], model::count(count), names[winner]),
-        })
-    });
-}
-
 /// What was measured of a camera, and where the tolerances of the spans lie in it.
 fn measured(camera: &CameraReport) -> String {
     let ranges = &camera.ranges;
@@ -177,32 +161,53 @@ fn measured(camera: &CameraReport) -> String {
     )
 }
 
-fn cameras_ui(ui: &mut Ui, report: &Report) {
+/// Height of a row of the table of cameras.
+const CAMERA_ROW: f32 = 20.0;
+
+fn cameras_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
     ui.heading("Cameras");
-    Grid::new("cameras").num_columns(4).min_col_width(62.0).striped(true).spacing(Vec2::new(12.0, 4.0)).show(
-        ui,
-        |ui| {
-            for (title, help) in [
-                ("Name", "Name of the camera."),
-                ("Kept", "Samples kept of all its pixels."),
-                ("Static", "Share of its pixels that are the same over all frames."),
-                ("Noise", "Measured color noise of static pixels, in 8-bit steps."),
-            ] {
+    table_ui(ui, Table::Cameras, commands);
+    let kept = |index: usize| report.cameras[index].background_kept + report.cameras[index].foreground_kept;
+    let order = by_weight(report.cameras.len(), |index| kept(index) as f32);
+    let frames = report.foreground_per_frame.len().max(1) as u64;
+    let columns =
+        [Column::remainder().clip(true), Column::initial(66.0), Column::initial(60.0), Column::initial(50.0)];
+    let mut table = TableBuilder::new(ui).id_salt("cameras").striped(true).vscroll(order.len() > SCROLLED);
+    for column in columns {
+        table = table.column(column);
+    }
+    let table = table.max_scroll_height(SCROLLED as f32 * CAMERA_ROW).header(CAMERA_ROW, |mut header| {
+        for (title, help) in [
+            ("Name", "Name of the camera."),
+            ("Kept", "Samples kept of all its pixels."),
+            ("Static", "Share of its pixels that are the same over all frames."),
+            ("Noise", "Measured color noise of static pixels, in 8-bit steps."),
+        ] {
+            header.col(|ui| {
                 note(ui, title).on_hover_text(help);
-            }
-            ui.end_row();
-            let frames = report.foreground_per_frame.len().max(1) as u64;
-            for (index, camera) in report.cameras.iter().enumerate() {
-                ui.horizontal(|ui| {
-                    let (dot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
-                    ui.painter().circle_filled(dot.center(), 4.0, colormap::camera(index));
-                    ui.label(short(&camera.name, 12)).on_hover_text(&camera.name);
-                });
-                ui.label(model::count(camera.background_kept + camera.foreground_kept));
+            });
+        }
+    });
+    table.body(|body| {
+        body.rows(CAMERA_ROW, order.len(), |mut row| {
+            let index = order[row.index()];
+            let camera = &report.cameras[index];
+            row.col(|ui| {
+                dot(ui, index);
+                ui.label(short(&camera.name, 14)).on_hover_text(&camera.name);
+            });
+            row.col(|ui| {
+                ui.label(model::count(kept(index)));
+            });
+            row.col(|ui| {
                 ui.label(model::percent(camera.background_pixels, camera.pixels / frames));
+            });
+            row.col(|ui| {
                 ui.label(format!("{:.2}", camera.color_noise_steps)).on_hover_text(measured(camera));
-                ui.end_row();
-            }
-        },
-    );
+            });
+        });
+    });
 }
+
+/// Cameras from which on their table is scrolled by itself.
+const SCROLLED: usize = 16;

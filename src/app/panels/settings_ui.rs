@@ -110,12 +110,15 @@ fn field_ui(
     ui.push_id(field.path, |ui| {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
-            // Read out with a colon: the control beside it has the bare name.
-            let label = ui.label(RichText::new(&name)).on_hover_text(field.help);
-            let label = label.accessible_name(format!("{name}:"));
+            let label = name_ui(ui, &name).on_hover_text(field.help);
             if state.inspector.find_setting == Some(field.path) {
                 label.scroll_to_me(Some(Align::Center));
-                label.highlight();
+                ui.painter().rect_stroke(
+                    label.rect.expand(3.0),
+                    3.0,
+                    egui::Stroke::new(1.5, Tokens::in_ui(ui).accent),
+                    egui::StrokeKind::Outside,
+                );
                 commands.push(Command::FoundSetting);
             }
             note(ui, field.unit).on_hover_text(field.help);
@@ -140,6 +143,15 @@ fn field_ui(
             commands.push(Command::Set { path: field.path, value });
         }
     });
+}
+
+/// The name of a setting. It is drawn only: read out is the control beside it, which has the same name.
+fn name_ui(ui: &mut Ui, name: &str) -> egui::Response {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(name.to_owned(), font, ui.visuals().text_color());
+    let (rect, response) = ui.allocate_exact_size(galley.size(), egui::Sense::hover());
+    ui.painter().galley(rect.min, galley, ui.visuals().text_color());
+    response
 }
 
 fn switch_ui(ui: &mut Ui, field: &Field, name: &str, mut on: bool) -> Option<toml::Value> {

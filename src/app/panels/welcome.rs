@@ -2,15 +2,15 @@
 
 use egui::{Align2, Area, Frame, Id, Margin, Modal, Order, RichText, Stroke, vec2};
 
-use crate::app::model::{Command, Commands, Purpose, State};
+use crate::app::model::{Command, Commands, Purpose, State, Table};
 use crate::app::theme::{Tokens, space};
 
 /// What a first run explains: title and text.
 const HINTS: [(&str, &str); 3] = [
     (
-        "Point at a pixel",
+        "Click a pixel",
         "The Pixel view below says what every camera knows about it: which cameras see the point, which one sampled it best, and by \
-         which rule it is kept or dropped. Click to pin it.",
+         which rule it is kept or dropped.",
     ),
     (
         "Fly through what is left",
@@ -83,10 +83,26 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
                 commands.push(Command::Stay);
                 commands.push(Command::AskPath(Purpose::SaveStore));
             }
-            if ui.button(if closes { "Discard and close" } else { "Discard and open" }).clicked() {
+            for (table, is_lost) in [
+                (Table::Sweep, !inspector.charts.sweep.is_empty()),
+                (Table::StressTest, !inspector.charts.stress.is_empty()),
+            ] {
+                let name = format!("Save {} as CSV…", table.name());
+                if is_lost && ui.button(name).clicked() {
+                    commands.push(Command::Stay);
+                    commands.push(Command::AskPath(Purpose::SaveTable(table)));
+                }
+            }
+            let discard = ui.button(if closes { "Discard and close" } else { "Discard and open" });
+            if discard.clicked() {
                 commands.push(Command::GoOnAnyway);
             }
-            if ui.button("Cancel").accessible_name("Cancel closing").clicked() {
+            // Nothing is lost by Enter.
+            let cancel = ui.button("Cancel").accessible_name("Cancel closing");
+            if ui.memory(|memory| memory.focused().is_none()) {
+                cancel.request_focus();
+            }
+            if cancel.clicked() {
                 commands.push(Command::Stay);
             }
         });

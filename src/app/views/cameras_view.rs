@@ -4,7 +4,7 @@ use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, po
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
 use super::overlays;
-use crate::app::colormap;
+use crate::app::camera_cues;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, Command, Commands, OpenScene, State};
 use crate::app::theme::{Tokens, space};
@@ -23,16 +23,47 @@ pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
     // Thumbnails keep the height of the view; where there is room for several rows they wrap.
     let area = ui.available_size();
     let height = if area.y > 330.0 { 150.0 } else { (area.y - space::MEDIUM).max(60.0) };
-    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        ui.horizontal_wrapped(|ui| {
-            if area.y <= 330.0 {
-                ui.set_min_width(scene.cameras.len() as f32 * height * 1.6);
+    let order = order(state, scene);
+    let widest = order.iter().map(|index| card_width(scene, *index, height)).fold(0.0, f32::max);
+    let step = vec2(widest, height) + ui.spacing().item_spacing;
+    let columns = if area.y > 330.0 { ((area.x / step.x) as usize).max(1) } else { order.len() };
+    let rows = order.len().div_ceil(columns.max(1));
+    let whole = vec2(columns as f32 * step.x, rows as f32 * step.y);
+    // Of hundreds of cameras only those in view are drawn.
+    ScrollArea::both().auto_shrink(false).show_viewport(ui, |ui, viewport| {
+        ui.set_min_size(whole);
+        let origin = ui.min_rect().min;
+        for (place, index) in order.iter().enumerate() {
+            let corner = vec2((place % columns) as f32 * step.x, (place / columns) as f32 * step.y);
+            let card = Rect::from_min_size(corner.to_pos2(), vec2(card_width(scene, *index, height), height));
+            if viewport.intersects(card) {
+                let card = card.translate(origin.to_vec2());
+                ui.scope_builder(egui::UiBuilder::new().max_rect(card).id_salt(index), |ui| {
+                    card_ui(ui, state, scene, *index, height, commands);
+                });
             }
-            for index in 0..scene.cameras.len() {
-                card_ui(ui, state, scene, index, height, commands);
-            }
-        });
+        }
     });
+}
+
+/// Cameras in the order of what matters: in the capture's while no pixel is selected, else first those that see its point.
+fn order(state: &State, scene: &OpenScene) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..scene.cameras.len()).collect();
+    let probed = state.inspector.probe.shown.as_ref().filter(|_| state.inspector.probe.pinned);
+    if let Some(explanation) = probed.and_then(|probed| probed.explanation.as_ref()) {
+        let places = words::ordered(&explanation.evidence, explanation.winner);
+        let rank = |camera: &usize| {
+            let place = places.iter().position(|place| explanation.evidence[*place].camera == *camera);
+            place.unwrap_or(usize::MAX)
+        };
+        order.sort_by_cached_key(rank);
+    }
+    order
+}
+
+fn card_width(scene: &OpenScene, index: usize, height: f32) -> f32 {
+    let (columns, rows) = scene.cameras[index].intrinsics.size();
+    ((height - CAPTION) * columns as f32 / rows.max(1) as f32).clamp(90.0, 400.0)
 }
 
 fn card_ui(
@@ -47,7 +78,7 @@ fn card_ui(
     let camera = &scene.cameras[index];
     let (columns, rows) = camera.intrinsics.size();
     let picture_height = height - CAPTION;
-    let width = (picture_height * columns as f32 / rows.max(1) as f32).clamp(90.0, 400.0);
+    let width = card_width(scene, index, height);
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
     let picture = Rect::from_min_size(rect.min, vec2(width, picture_height));
     let painter = ui.painter_at(rect.expand(2.0));
@@ -76,7 +107,8 @@ fn card_ui(
         );
     }
     let left = picture.left();
-    painter.circle_filled(pos2(left + 5.0, picture.bottom() + 11.0), 4.0, colormap::camera(index));
+    let sign = Rect::from_center_size(pos2(left + 5.0, picture.bottom() + 11.0), vec2(9.0, 9.0));
+    camera_cues::sign(&painter, sign, index);
     let font = egui::TextStyle::Small.resolve(ui.style());
     let line = |row: f32, x: f32, text: String, color| {
         painter.text(pos2(left + x, picture.bottom() + row), Align2::LEFT_CENTER, text, font.clone(), color);
@@ -84,7 +116,7 @@ fn card_ui(
     let kept = kept_words(state, index);
     let says = probed
         .and_then(|probed| probed.explanation.as_ref())
-        .and_then(|explanation| explanation.evidence.get(index))
+        .and_then(|explanation| explanation.evidence.iter().find(|row| row.camera == index))
         .map(|row| words::sees(row).0);
     let second = says.map_or_else(|| kept.clone(), |says| format!("{kept}, {says}"));
     line(

@@ -4,18 +4,19 @@ use std::collections::BTreeMap;
 
 use egui::{RichText, Ui};
 use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
-use egui_plot::{Line, Plot, PlotPoints, Points};
+use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
 use super::chart_parts::{HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button};
-use crate::app::colormap;
+use crate::app::camera_cues;
 use crate::app::model::{
-    self, Command, Commands, Quantity, State, Study, method_name, point_name, series_name, setting_names,
-    settings_alone,
+    self, Command, Commands, Quantity, State, Study, Table, method_name, point_name, series_name,
+    setting_names, settings_alone,
 };
 use crate::app::theme::Tokens;
-use crate::app::widgets::{choice_ui, one_line, weak};
+use crate::app::widgets::{choice_ui, one_line, table_ui, weak};
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{Point, Series};
+use crate::settings::Kernel;
 
 /// Names of the line and of the ring in the chart.
 const FRONT: &str = "Pareto front (lossless)";
@@ -33,15 +34,17 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let [along, up] = charts.axes();
     let tokens = *Tokens::in_ui(ui);
     let place = |point: &Point| [along.of(point), up.of(point)];
-    let mut series = BTreeMap::<&str, (Series, Vec<[f64; 2]>)>::new();
-    for point in &charts.sweep {
-        let (_, places) = series.entry(point.series.name()).or_insert((point.series, Vec::new()));
-        places.push(place(point));
-    }
+    let groups = groups(&charts.sweep, place);
     let current = charts.of(&state.settings).map(place);
-    let names = series.values().enumerate().map(|(index, (series, _))| {
-        (Mark::Points(shape(index)), colormap::camera(index), series_name(*series))
+    let kernels: std::collections::BTreeSet<usize> = groups.keys().map(|(kernel, _)| *kernel).collect();
+    let kernels: Vec<_> = kernels.into_iter().map(|kernel| (kernel, kernel_name(kernel))).collect();
+    let colors = kernels.iter().map(|(kernel, name)| {
+        (Mark::Points(MarkerShape::Circle), camera_cues::color(*kernel), name.as_str())
     });
+    let shapes = shapes(&groups);
+    let names =
+        shapes.iter().map(|(series, shape)| (Mark::Points(*shape), tokens.text_weak, series_name(*series)));
+    let names = colors.chain(names);
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, CURRENT)];
     let lines = &lines[..=usize::from(current.is_some())];
     legend_ui(ui, names.chain(lines.iter().copied()));
@@ -50,11 +53,13 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let plot = sweep_plot(ui, [along, up], &places).height(height);
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
-        for (index, (series, places)) in series.into_values().enumerate() {
-            let color = colormap::camera(index);
-            plot_ui.points(
-                Points::new(series_name(series), places).color(color).radius(4.0).shape(shape(index)),
-            );
+        for ((kernel, name), (series, places)) in groups {
+            let shape = shapes
+                .iter()
+                .find(|(of, _)| of.name() == name)
+                .map_or(MarkerShape::Circle, |(_, shape)| *shape);
+            let points = Points::new(format!("{}, {}", series_name(series), kernel_name(kernel)), places);
+            plot_ui.points(points.color(camera_cues::color(kernel)).radius(4.0).shape(shape));
         }
         if let Some(at) = current {
             plot_ui.points(Points::new(CURRENT, vec![at]).color(tokens.mark).radius(8.0).filled(false));
@@ -72,6 +77,34 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
 }
 
+/// Points of the chart by kernel (its place among all) and name of the series.
+type Groups = BTreeMap<(usize, &'static str), (Series, Vec<[f64; 2]>)>;
+
+fn groups(points: &[Point], place: impl Fn(&Point) -> [f64; 2]) -> Groups {
+    let mut groups = Groups::new();
+    for point in points {
+        let kernel = Kernel::ALL.iter().position(|of| *of == point.settings.render.kernel).unwrap_or(0);
+        let key = (kernel, point.series.name());
+        groups.entry(key).or_insert((point.series, Vec::new())).1.push(place(point));
+    }
+    groups
+}
+
+/// The shape of each series; colors are those of kernels.
+fn shapes(groups: &Groups) -> Vec<(Series, MarkerShape)> {
+    let mut names: Vec<(&str, Series)> =
+        groups.iter().map(|((_, name), (series, _))| (*name, *series)).collect();
+    names.sort_by_key(|(name, _)| *name);
+    names.dedup_by_key(|(name, _)| *name);
+    names.into_iter().enumerate().map(|(index, (_, series))| (series, shape(index))).collect()
+}
+
+fn kernel_name(kernel: usize) -> String {
+    Kernel::ALL
+        .get(kernel)
+        .map_or_else(String::new, |kernel| setting_names::choice("render.kernel", kernel.name()))
+}
+
 /// What is along and up, and the button that measures.
 fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let axes = state.inspector.charts.axes();
@@ -86,6 +119,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         }
         study_button(ui, state, Study::Sweep, commands);
+        table_ui(ui, Table::Sweep, commands);
     });
 }
 
@@ -174,6 +208,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
             commands.push(Command::Disturbance(names[index].to_owned()));
         }
         study_button(ui, state, Study::Stress, commands);
+        table_ui(ui, Table::StressTest, commands);
     });
     if let Some(words) = charts.stale_stress_note(&state.settings) {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
@@ -189,7 +224,9 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
     }
     let methods = methods.into_iter().enumerate();
     let curves: Vec<_> = methods
-        .map(|(index, (method, places))| (shape(index), colormap::camera(index), method_name(method), places))
+        .map(|(index, (method, places))| {
+            (shape(index), camera_cues::color(index), method_name(method), places)
+        })
         .collect();
     legend_ui(ui, curves.iter().map(|(shape, color, name, _)| (Mark::Points(*shape), *color, *name)));
     let unit = here.first().map_or("", |point| point.unit.as_str());

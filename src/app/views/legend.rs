@@ -1,9 +1,12 @@
 //! What the colors of a picture mean: color bars and swatches.
 
-use egui::{Align2, Color32, Painter, Rect, Response, RichText, Sense, Ui, pos2, vec2};
+use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
-use crate::app::colormap::{camera as camera_color, diverging, sequential};
-use crate::app::model::{self, ColorBy, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, State};
+use crate::app::camera_cues;
+use crate::app::colormap::{diverging, sequential};
+use crate::app::model::{
+    self, ColorBy, Command, Commands, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, State, ranked,
+};
 use crate::app::theme::Tokens;
 use crate::app::widgets::note;
 use crate::grid::Grid;
@@ -16,13 +19,19 @@ const LINE: f32 = 22.0;
 /// Width that a swatch needs beside its name.
 const SWATCH_WIDTH: f32 = 26.0;
 
-/// Width of `+9 more`.
-const MORE_WIDTH: f32 = 56.0;
+/// Width of `others (25) 12.3 %`.
+const MORE_WIDTH: f32 = 116.0;
 
 /// Width of what the legend says of holes.
 const HOLE_WIDTH: f32 = 220.0;
 
-pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, legend: &Legend) {
+pub(crate) fn source_legend_ui(
+    ui: &mut Ui,
+    state: &State,
+    key: &SourceKey,
+    legend: &Legend,
+    commands: &mut Commands,
+) {
     let tokens = Tokens::in_ui(ui);
     line_ui(ui, |ui| match legend {
         Legend::Plain if key.overlay == Overlay::Normals => {
@@ -67,14 +76,14 @@ pub(crate) fn source_legend_ui(ui: &mut Ui, state: &State, key: &SourceKey, lege
                         "Dropped without a witness: contradicted by other cameras, or edge-blended.",
                     );
             }
-            winners_ui(ui, state, lost_to, total);
+            winners_ui(ui, state, lost_to, total, commands);
         }
         Legend::RateDisputes { agreed, won_by, invalid } => {
             let total = agreed + invalid + won_by.iter().sum::<u64>();
             let label = RichText::new(format!("rates agree {}", model::percent(*agreed, total)));
             ui.label(label.small()).on_hover_text("Both rate models name the same camera; shown dimmed.");
             no_depth_ui(ui, *invalid, total);
-            winners_ui(ui, state, won_by, total);
+            winners_ui(ui, state, won_by, total, commands);
         }
     });
 }
@@ -113,19 +122,75 @@ fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
     [(tokens.static_over_time, "all frames"), (tokens.lasting, "several"), (tokens.moving, "this frame")]
 }
 
-/// Cameras with the share of pixels that each won, most first.
-fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64) {
-    let mut winners: Vec<_> = won_by.iter().enumerate().filter(|(_, count)| **count > 0).collect();
-    winners.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+/// Cameras with the share of pixels that each won, most first; those that the picture shows as *others*, or that have no room, in a
+/// list. While the pointer is on a name, the picture shows that camera alone.
+fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64, commands: &mut Commands) {
     let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
-    let entries: Vec<_> = winners
-        .into_iter()
-        .filter_map(|(winner, count)| {
-            let name = &cameras.get(winner)?.name;
-            Some((camera_color(winner), format!("{name} {}", model::percent(*count, total))))
-        })
-        .collect();
-    swatches_ui(ui, &entries, 0.0);
+    let (ranked, named) = ranked(won_by);
+    let entry = |camera: usize| {
+        let name = &cameras.get(camera)?.name;
+        Some((camera, format!("{name} {}", model::percent(won_by[camera], total))))
+    };
+    let entries: Vec<_> = ranked.iter().filter_map(|camera| entry(*camera)).collect();
+    let mut hovered = None;
+    let shown = cameras_that_fit(ui, &entries[..named.min(entries.len())], 0.0);
+    for (camera, name) in &entries[..shown] {
+        if camera_ui(ui, *camera, name).hovered() {
+            hovered = Some(*camera);
+        }
+    }
+    let others = &entries[shown..];
+    if !others.is_empty() {
+        let count: u64 = others.iter().map(|(camera, _)| won_by[*camera]).sum();
+        let label = format!("others ({}) {}", others.len(), model::percent(count, total));
+        hovered = others_ui(ui, &label, others).or(hovered);
+    }
+    if hovered != state.inspector.isolated {
+        commands.push(Command::Isolate(hovered));
+    }
+}
+
+/// A list of cameras that opens at a click; gives the one under the pointer.
+fn others_ui(ui: &mut Ui, label: &str, others: &[(usize, String)]) -> Option<usize> {
+    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, Tokens::in_ui(ui).text_weak);
+    let button = egui::Button::new(RichText::new(label).small()).small();
+    let (_, list) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        let mut hovered = None;
+        ScrollArea::vertical().max_height(300.0).show_rows(ui, LINE, others.len(), |ui, rows| {
+            for (camera, name) in &others[rows] {
+                ui.horizontal(|ui| {
+                    if camera_ui(ui, *camera, name).hovered() {
+                        hovered = Some(*camera);
+                    }
+                });
+            }
+        });
+        hovered
+    });
+    list.and_then(|list| list.inner)
+}
+
+/// The sign of a camera with words beside it.
+fn camera_ui(ui: &mut Ui, camera: usize, words: &str) -> Response {
+    ui.spacing_mut().item_spacing.x = 5.0;
+    let sign = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    camera_cues::sign(ui.painter(), sign.0, camera);
+    let response = ui.add(egui::Label::new(RichText::new(words).small()).sense(Sense::hover()));
+    ui.add_space(6.0);
+    response.union(sign.1)
+}
+
+/// How many entries fit before the last `reserved` points of the line.
+fn cameras_that_fit(ui: &Ui, entries: &[(usize, String)], reserved: f32) -> usize {
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let mut room = ui.available_width() - reserved - MORE_WIDTH;
+    let fits = |(_, name): &&(usize, String)| {
+        let galley = ui.painter().layout_no_wrap(name.clone(), font.clone(), Color32::PLACEHOLDER);
+        room -= galley.size().x + SWATCH_WIDTH;
+        room >= 0.0
+    };
+    entries.iter().take_while(fits).count()
 }
 
 pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
@@ -135,12 +200,16 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
             ColorBy::Picture => {}
             ColorBy::Camera => {
                 let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
-                let entries: Vec<_> = cameras
-                    .iter()
-                    .enumerate()
-                    .map(|(index, camera)| (camera_color(index), camera.name.clone()))
-                    .collect();
-                swatches_ui(ui, &entries, HOLE_WIDTH);
+                let entries: Vec<_> =
+                    cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone())).collect();
+                let shown = cameras_that_fit(ui, &entries, HOLE_WIDTH);
+                for (camera, name) in &entries[..shown] {
+                    camera_ui(ui, *camera, name);
+                }
+                if shown < entries.len() {
+                    let label = format!("others ({})", entries.len() - shown);
+                    others_ui(ui, &label, &entries[shown..]);
+                }
             }
             ColorBy::Agreement if state.has_capture() => {
                 for (found, name, help) in AGREEMENTS {
@@ -228,30 +297,6 @@ fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) -> Response {
     let response = ui.label(RichText::new(name).small());
     ui.add_space(6.0);
     response
-}
-
-/// As many swatches as fit before the last `reserved` points of the line; the others are named on hover.
-fn swatches_ui(ui: &mut Ui, entries: &[(Color32, String)], reserved: f32) {
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let mut room = ui.available_width() - reserved - MORE_WIDTH;
-    let mut shown = 0;
-    for (_, name) in entries {
-        let galley = ui.painter().layout_no_wrap(name.clone(), font.clone(), Color32::PLACEHOLDER);
-        room -= galley.size().x + SWATCH_WIDTH;
-        if room < 0.0 {
-            break;
-        }
-        shown += 1;
-    }
-    for (color, name) in &entries[..shown] {
-        swatch_ui(ui, *color, name);
-    }
-    if shown < entries.len() {
-        let more: Vec<_> = entries[shown..].iter().map(|(_, name)| name.as_str()).collect();
-        let label = format!("+{} more", more.len());
-        ui.label(RichText::new(label).small()).on_hover_text(more.join("\n"));
-        ui.add_space(6.0);
-    }
 }
 
 /// A color bar, `width` wide, between the names of its ends.

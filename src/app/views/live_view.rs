@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::legend;
 use super::overlays::{self, frustum};
 use super::source_view::{self, CAMERA_LIST_WIDTH, FOOTER};
-use crate::app::colormap;
+use crate::app::camera_cues;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, ColorBy, Command, Commands, HoleDisplay, Spot, State};
 use crate::app::theme::Tokens;
@@ -146,7 +146,7 @@ fn cameras_overlay(ui: &Ui, painter: &Painter, canvas: Rect, state: &State) {
         }
         let shape = frustum(camera, &vantage, length);
         let selected = index == state.source.camera && state.has_capture();
-        let color = colormap::camera(index).gamma_multiply(presence);
+        let color = camera_cues::color(index).gamma_multiply(presence);
         let stroke = egui::Stroke::new(if selected { 2.5 } else { 1.5 }, color);
         for line in shape.lines {
             painter.line_segment(line.map(|point| canvas.min + point.to_vec2()), stroke);

@@ -13,6 +13,7 @@ mod source_view;
 pub(crate) use cameras_view::cameras_view_ui;
 pub(crate) use chart_view::{stability_ui, tradeoff_ui};
 pub(crate) use compare_view::compare_view_ui;
+pub(crate) use legend::bar;
 pub(crate) use live_view::{go_to_camera_ui, live_view_ui};
 pub(crate) use pixel_view::pixel_view_ui;
 pub(crate) use source_view::{cameras_ui, source_view_ui};

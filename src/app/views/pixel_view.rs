@@ -1,13 +1,14 @@
 //! The explanation of one pixel: its verdict, which sample represents it, when it is stored, and the evidence of every camera.
 
-use egui::{
-    Align, Button, Grid, Label, Layout, Rect, RichText, ScrollArea, Sense, TextStyle, Ui, pos2, vec2,
+use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
+use egui_extras::{Column, TableBuilder, TableRow};
+use egui_material_icons::icons::{
+    ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING, ICON_TABLE_VIEW,
 };
-use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
 use crate::app::camera_chips::chips;
 use crate::app::model::verdict_text as words;
-use crate::app::model::{CameraText, Command, Commands, OpenScene, Probed, State};
+use crate::app::model::{CameraText, Command, Commands, OpenScene, Probed, State, Table};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
 use crate::preprocess::inspect::CameraEvidence;
@@ -19,25 +20,28 @@ const SUMMARY: f32 = 292.0;
 const TABLE: f32 = 612.0;
 const NARROW: f32 = 11.0;
 
-/// Columns of the table: heading and what it means.
-const COLUMNS: [(&str, &str); 9] = [
-    ("Camera", "Click a name to see the point there."),
-    ("Visible", "Whether the camera shows the same surface point, and if not, which rule says so."),
-    ("Depth", "Planar depth expected at the point, and the depth that the camera recorded there."),
-    ("Depth error", "Distance to the surface found there, in pixel footprints (px)."),
-    ("Angle", "Angle of incidence: between the line of sight and the surface's normal."),
+/// Columns of the table: heading, width in points, and what it means.
+const COLUMNS: [(&str, f32, &str); 9] = [
+    ("Camera", 92.0, "Click a name to see the point there."),
+    ("Visible", 128.0, "Whether the camera shows the same surface point, and if not, which rule says so."),
+    ("Depth", 92.0, "Planar depth expected at the point, and the depth that the camera recorded there."),
+    ("Depth error", 66.0, "Distance to the surface found there, in pixel footprints (px)."),
+    ("Angle", 42.0, "Angle of incidence: between the line of sight and the surface's normal."),
     (
         "Paper r",
+        50.0,
         "The paper's r, planar depth over cosine of incidence, of this pixel beside that camera's: below 1 this pixel is denser.",
     ),
     (
         "Footprint density",
+        62.0,
         "The same with focal length and resolution, this pixel's longest side on the surface beside that camera's; its area where \
          longest sides do not decide.",
     ),
-    ("Color", "Largest difference of a color channel, in 8-bit steps."),
+    ("Color", 40.0, "Largest difference of a color channel, in 8-bit steps."),
     (
         "Its own sample",
+        150.0,
         "What became of that camera's own pixel. One that blends both sides of a depth edge, or whose normal is not known, yields to others \
          however dense it is.",
     ),
@@ -64,7 +68,9 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
             .show(ui, |ui| summary_ui(ui, state, scene, probed, commands));
     });
     ui.scope_builder(egui::UiBuilder::new().max_rect(right).id_salt("evidence"), |ui| {
-        ScrollArea::both().auto_shrink(false).show(ui, |ui| table_ui(ui, state, scene, probed, commands));
+        ScrollArea::horizontal()
+            .auto_shrink(false)
+            .show(ui, |ui| table_ui(ui, state, scene, probed, commands));
     });
     ui.allocate_rect(area, Sense::hover());
 }
@@ -86,6 +92,11 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
             .clicked()
             {
                 commands.push(Command::CopyExplanation);
+            }
+            if icon_button(ui, ICON_TABLE_VIEW, "Copy CSV of the pixel table", "Copy the table as CSV")
+                .clicked()
+            {
+                commands.push(Command::CopyTable(Table::Pixel));
             }
             let pinned = state.inspector.probe.pinned;
             let (icon, name) = if pinned { (ICON_KEEP_OFF, "Unpin pixel") } else { (ICON_KEEP, "Pin pixel") };
@@ -180,87 +191,113 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
         return;
     }
     let narrow = ui.available_width() < TABLE;
-    let (spacing, row) = if narrow { (vec2(7.0, 1.0), 16.0) } else { (vec2(14.0, 3.0), 18.0) };
-    ui.spacing_mut().interact_size.y = row;
+    let row_height = if narrow { 16.0 } else { 19.0 };
+    ui.spacing_mut().item_spacing.x = if narrow { 6.0 } else { 12.0 };
+    ui.spacing_mut().interact_size.y = row_height;
     ui.spacing_mut().button_padding.y = 0.0;
     if narrow {
         for font in ui.style_mut().text_styles.values_mut() {
             font.size = font.size.min(NARROW);
         }
     }
-    Grid::new("evidence").striped(true).spacing(spacing).min_row_height(row).show(ui, |ui| {
-        for (name, help) in COLUMNS {
-            note(ui, name).on_hover_text(help);
+    let order = words::ordered(&explanation.evidence, explanation.winner);
+    let scale = if narrow { 0.86 } else { 1.0 };
+    let mut table = TableBuilder::new(ui).id_salt("evidence").striped(true).auto_shrink(false);
+    for (_, width, _) in &COLUMNS[..COLUMNS.len() - 1] {
+        table = table.column(Column::initial(width * scale).at_least(24.0).clip(true).resizable(true));
+    }
+    let table = table.column(Column::remainder().clip(true)).header(row_height, |mut header| {
+        for (name, _, help) in COLUMNS {
+            header.col(|ui| {
+                note(ui, name).on_hover_text(help);
+            });
         }
-        ui.end_row();
-        for row in &explanation.evidence {
-            row_ui(ui, state, scene, row, explanation.winner == Some(row.camera), commands);
-            ui.end_row();
-        }
+    });
+    // Of hundreds of cameras only those in view are drawn.
+    table.body(|body| {
+        body.rows(row_height, order.len(), |mut row| {
+            let evidence = &explanation.evidence[order[row.index()]];
+            row_ui(&mut row, state, scene, evidence, explanation.winner == Some(evidence.camera), commands);
+        });
     });
 }
 
 fn row_ui(
-    ui: &mut Ui,
+    line: &mut TableRow<'_, '_>,
     state: &State,
     scene: &OpenScene,
     row: &CameraEvidence,
     wins: bool,
     commands: &mut Commands,
 ) {
-    let tokens = Tokens::in_ui(ui);
-    let name = scene.cameras.get(row.camera).map_or("", |camera| &camera.name);
-    ui.horizontal(|ui| {
-        dot(ui, row.camera);
-        let text = RichText::new(name).color(if wins { tokens.accent } else { tokens.text });
-        let button = Button::new(if wins { text.strong() } else { text }).small().frame(false);
-        let help = "See the point in this camera's picture; Shift + click views from the camera";
-        let response =
-            ui.add(button).on_hover_text(help).accessible_name(format!("Go to the point in {name}"));
-        if response.clicked() {
-            if ui.input(|input| input.modifiers.shift) {
-                commands.push(Command::JumpTo(row.camera));
-            } else {
-                commands.push(Command::ShowPointIn(row.camera));
-            }
-        }
-    });
+    line.col(|ui| name_ui(ui, scene, row, wins, commands));
+    let tokens = *Tokens::of(state.dark);
     let tolerance = &state.settings.pruning;
     let same = words::is_same_point(row);
     let (sees, why) = words::sees(row);
-    ui.label(RichText::new(sees).color(if same { tokens.text } else { tokens.text_weak })).on_hover_text(why);
-    let cell = |ui: &mut Ui, text: String, over: bool| {
-        let color = if over { tokens.warning } else { tokens.text };
-        ui.label(RichText::new(text).monospace().color(color))
+    line.col(|ui| {
+        let color = if same { tokens.text } else { tokens.text_weak };
+        ui.label(RichText::new(sees).color(color)).on_hover_text(why);
+    });
+    let mut cell = |text: String, over: bool, help: String| {
+        line.col(|ui| {
+            let color = if over { tokens.warning } else { tokens.text };
+            let label = ui.label(RichText::new(text).monospace().color(color));
+            if !help.is_empty() {
+                label.on_hover_text(help);
+            }
+        });
     };
     let depth = match (row.depth_expected.is_nan(), row.depth_found.is_nan()) {
         (true, _) => "–".to_owned(),
         (_, true) => words::number(row.depth_expected),
         _ => format!("{} / {}", words::number(row.depth_expected), words::number(row.depth_found)),
     };
-    cell(ui, depth, false);
+    cell(depth, false, String::new());
     let off = row.plane_distance_footprints;
-    cell(ui, words::distance(off), off > f64::from(tolerance.depth_tolerance)).on_hover_text(format!(
+    let help = format!(
         "{} footprints of {} units, with {} granted.",
         words::distance(off),
         words::number(row.footprint),
         tolerance.depth_tolerance
-    ));
+    );
+    cell(words::distance(off), off > f64::from(tolerance.depth_tolerance), help);
     let turned = row.normal_angle_degrees > f64::from(tolerance.normal_tolerance);
     let angle =
         if row.incidence_degrees.is_nan() { "–".into() } else { format!("{:.0}°", row.incidence_degrees) };
-    cell(ui, angle, turned).on_hover_text(format!(
+    let help = format!(
         "The normals differ by {}°, with {}° granted.",
         words::distance(row.normal_angle_degrees),
         tolerance.normal_tolerance
-    ));
+    );
+    cell(angle, turned, help);
     for rate in words::rates(row) {
-        cell(ui, rate, false);
+        cell(rate, false, String::new());
     }
     let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
-    cell(ui, words::distance(row.color_difference_steps), apart);
-    let own = words::own_sample(row).unwrap_or_else(|| CameraText::new("–"));
-    let own = if wins && row.outcome.is_some() { own.words(", replaces it") } else { own };
-    let color = if wins { tokens.accent } else { tokens.text_weak };
-    ui.label(chips(ui, &own, &scene.cameras, &TextStyle::Body, color));
+    cell(words::distance(row.color_difference_steps), apart, String::new());
+    line.col(|ui| {
+        let own = words::own_sample(row).unwrap_or_else(|| CameraText::new("–"));
+        let own = if wins && row.outcome.is_some() { own.words(", replaces it") } else { own };
+        let color = if wins { tokens.accent } else { tokens.text_weak };
+        ui.label(chips(ui, &own, &scene.cameras, &TextStyle::Body, color));
+    });
+}
+
+/// The camera of a row, by which the point is shown in its picture.
+fn name_ui(ui: &mut Ui, scene: &OpenScene, row: &CameraEvidence, wins: bool, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    let name = scene.cameras.get(row.camera).map_or("", |camera| &camera.name);
+    dot(ui, row.camera);
+    let text = RichText::new(name).color(if wins { tokens.accent } else { tokens.text });
+    let button = Button::new(if wins { text.strong() } else { text }).small().frame(false);
+    let help = "See the point in this camera's picture; Shift + click views from the camera";
+    let response = ui.add(button).on_hover_text(help).accessible_name(format!("Go to the point in {name}"));
+    if response.clicked() {
+        if ui.input(|input| input.modifiers.shift) {
+            commands.push(Command::JumpTo(row.camera));
+        } else {
+            commands.push(Command::ShowPointIn(row.camera));
+        }
+    }
 }

@@ -41,7 +41,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
     ui.allocate_rect(canvas, Sense::hover());
     ui.add_space(2.0);
     if let Some(shown) = &state.source_shown {
-        legend::source_legend_ui(ui, state, &shown.key, &shown.picture.legend);
+        legend::source_legend_ui(ui, state, &shown.key, &shown.picture.legend, commands);
     }
     readout_ui(ui, state, hovered);
 }

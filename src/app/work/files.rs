@@ -66,6 +66,10 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
             write_picture(&path, &picture)?;
             (path, None, None)
         }
+        FileRequest::SaveText { path, text } => {
+            whole_file::write_all(&path, text)?;
+            (path, None, None)
+        }
         FileRequest::LoadSettings { path } => {
             let settings = Settings::load(&path)?;
             return Ok(Message::SettingsLoaded { path, settings });
@@ -107,6 +111,7 @@ pub(crate) fn check(destination: Destination) -> Message {
     let path = &destination.path;
     let taken = match destination.purpose {
         Purpose::ExportPictures => std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some()),
+        _ if !destination.purpose.writes() => path.exists(),
         _ => path.is_file(),
     };
     Message::DestinationChecked { destination, taken }
@@ -125,6 +130,7 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         Purpose::SaveStore => dialog.add_filter("Store", &["ovl"]).save_file(),
         Purpose::SaveSettings => dialog.add_filter("Settings", &["toml"]).save_file(),
         Purpose::SavePicture => dialog.add_filter("PNG", &["png"]).save_file(),
+        Purpose::SaveTable(_) => dialog.add_filter("CSV", &["csv"]).save_file(),
         Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "mkv", "mov"]).save_file(),
     }
 }

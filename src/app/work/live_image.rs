@@ -5,7 +5,8 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage};
 use glam::DVec2;
 
-use crate::app::colormap::{agreeing, camera as camera_color, dimmed, diverging, mix};
+use crate::app::camera_cues;
+use crate::app::colormap::{agreeing, dimmed, diverging, mix};
 use crate::app::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE};
 use crate::app::theme::Tokens;
 use crate::color::srgb8_from_linear;
@@ -107,7 +108,9 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
         let source = &key.samples.images[image as usize];
         match key.color_by {
             ColorBy::Picture => own,
-            ColorBy::Camera => mix(dimmed(own, DIMMED), camera_color(source.camera as usize), 0.7),
+            ColorBy::Camera => {
+                mix(dimmed(own, DIMMED), camera_cues::color_at(source.camera as usize, x, y), 0.7)
+            }
             ColorBy::Agreement => match agreement.at(key, picture, (x, y)) {
                 Some(found) => agreeing(own, found, tokens),
                 None => dimmed(own, DIMMED),

@@ -69,6 +69,11 @@ pub(crate) enum FileRequest {
     LoadSettings {
         path: PathBuf,
     },
+    /// Text as it is.
+    SaveText {
+        path: PathBuf,
+        text: String,
+    },
 }
 
 impl FileRequest {
@@ -78,6 +83,7 @@ impl FileRequest {
             Self::SaveStore { path, .. }
             | Self::SaveAgain { path, .. }
             | Self::SaveSettings { path, .. }
+            | Self::SaveText { path, .. }
             | Self::SavePicture { path, .. } => {
                 ("Saving stopped", format!("Nothing was written to {}.", path.display()))
             }

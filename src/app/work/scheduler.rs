@@ -164,6 +164,7 @@ impl Scheduler {
             frame: inspection.as_ref().map_or(state.timeline.frame, |inspection| inspection.frame),
             overlay: state.source.overlay,
             against: state.source.against,
+            isolated: state.inspector.isolated.filter(|_| state.source.overlay.names_cameras()),
             dark: state.dark,
             inspection,
         };

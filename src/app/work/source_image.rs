@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
-use crate::app::colormap::{agreeing, camera as camera_color, dimmed, diverging, mix, recorded, sequential};
-use crate::app::model::{Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture};
+use crate::app::camera_cues;
+use crate::app::colormap::{agreeing, dimmed, diverging, mix, recorded, sequential};
+use crate::app::model::{Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture, ranked};
 use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::error::Result;
@@ -43,9 +44,9 @@ fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
         (Overlay::Depth, _) => depth(frame, tokens),
         (Overlay::Normals, Some(camera)) => (normals(&camera.normal_in_world, tokens), Legend::Plain),
         (Overlay::SamplingRatio, Some(_)) => (sampling_ratio(key, &picture), Legend::Ratio),
-        (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens),
+        (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens, key.isolated),
         (Overlay::Agreement, Some(_)) => agreement(key, &picture, tokens),
-        (Overlay::RateDisputes, Some(camera)) => rate_disputes(camera, &picture, tokens),
+        (Overlay::RateDisputes, Some(camera)) => rate_disputes(camera, &picture, tokens, key.isolated),
         (Overlay::Split, Some(camera)) => split(camera, &picture, tokens),
         (Overlay::Tiles, Some(camera)) => tiles(camera, &picture),
         _ => (picture, Legend::Plain),
@@ -102,9 +103,20 @@ fn sampling_ratio(key: &SourceKey, picture: &Grid<Color32>) -> Grid<Color32> {
     })
 }
 
-fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
+fn who_won(
+    camera: &CameraInspection,
+    picture: &Grid<Color32>,
+    tokens: &Tokens,
+    isolated: Option<usize>,
+) -> (Grid<Color32>, Legend) {
     let (mut kept, mut dropped, mut invalid) = (0, 0, 0);
     let mut lost_to = Vec::new();
+    for verdict in camera.verdict.as_slice() {
+        if !verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA {
+            count(&mut lost_to, verdict.witness_camera as usize);
+        }
+    }
+    let colors = CameraColors::new(&lost_to, isolated, tokens);
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
         let verdict = camera.verdict[(x, y)];
         let own = picture[(x, y)];
@@ -114,15 +126,14 @@ fn who_won(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) 
         }
         if verdict.is_kept() {
             kept += 1;
-            return own;
+            return if isolated.is_some() { dimmed(own, ASIDE) } else { own };
         }
         let winner = verdict.witness_camera as usize;
         if verdict.witness_camera == Verdict::NO_CAMERA {
             dropped += 1;
             return tokens.hole;
         }
-        count(&mut lost_to, winner);
-        mix(dimmed(own, 0.8), camera_color(winner), 0.72)
+        colors.at(winner, (x, y), dimmed(own, 0.8))
     });
     (pixels, Legend::Winners { kept, lost_to, dropped, invalid })
 }
@@ -153,6 +164,37 @@ fn agreement_picture(
     (pixels, legend)
 }
 
+/// Brightness of pixels that are not those of the isolated camera.
+const ASIDE: f32 = 0.3;
+
+/// In which colors the pixels of a picture show the cameras that won them.
+struct CameraColors {
+    /// Whether a camera has a color of its own in this picture, by its index.
+    is_named: Vec<bool>,
+    isolated: Option<usize>,
+    others: Color32,
+}
+
+impl CameraColors {
+    fn new(won_by: &[u64], isolated: Option<usize>, tokens: &Tokens) -> Self {
+        let (ranked, named) = ranked(won_by);
+        let mut is_named = vec![false; won_by.len()];
+        for camera in &ranked[..named] {
+            is_named[*camera] = true;
+        }
+        Self { is_named, isolated, others: tokens.text_weak }
+    }
+
+    /// The color of a pixel that `camera` won, over what it shows.
+    fn at(&self, camera: usize, (x, y): (usize, usize), under: Color32) -> Color32 {
+        match self.isolated {
+            Some(isolated) if isolated != camera => dimmed(under, ASIDE),
+            None if !self.is_named.get(camera).is_some_and(|named| *named) => mix(under, self.others, 0.72),
+            _ => mix(under, camera_cues::color_at(camera, x, y), 0.72),
+        }
+    }
+}
+
 /// Counts one more pixel for a camera.
 fn count(pixels: &mut Vec<u64>, camera: usize) {
     if pixels.len() <= camera {
@@ -165,20 +207,28 @@ fn rate_disputes(
     camera: &CameraInspection,
     picture: &Grid<Color32>,
     tokens: &Tokens,
+    isolated: Option<usize>,
 ) -> (Grid<Color32>, Legend) {
     let (mut agreed, mut invalid) = (0, 0);
     let mut won_by = Vec::new();
+    let all = Grid::from_fn(picture.width(), picture.height(), |x, y| {
+        let winner = camera.other_winner(y * picture.width() + x);
+        winner.filter(|_| camera.class[(x, y)] != PixelClass::Invalid)
+    });
+    for winner in all.as_slice().iter().flatten() {
+        count(&mut won_by, *winner);
+    }
+    let colors = CameraColors::new(&won_by, isolated, tokens);
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
         if camera.class[(x, y)] == PixelClass::Invalid {
             invalid += 1;
             return tokens.invalid;
         }
-        let Some(winner) = camera.other_winner(y * picture.width() + x) else {
+        let Some(winner) = all[(x, y)] else {
             agreed += 1;
             return dimmed(picture[(x, y)], 0.35);
         };
-        count(&mut won_by, winner);
-        mix(picture[(x, y)], camera_color(winner), 0.72)
+        colors.at(winner, (x, y), picture[(x, y)])
     });
     (pixels, Legend::RateDisputes { agreed, won_by, invalid })
 }
@@ -271,7 +321,7 @@ mod tests {
     #[test]
     fn pruned_pixels_are_counted_for_their_winner() {
         let (camera, picture) = camera();
-        let (pixels, legend) = who_won(&camera, &picture, Tokens::of(true));
+        let (pixels, legend) = who_won(&camera, &picture, Tokens::of(true), None);
         assert_eq!(legend, Legend::Winners { kept: 256, lost_to: vec![0, 0, 256], dropped: 0, invalid: 0 });
         assert_eq!(pixels[(0, 0)], Color32::WHITE);
         assert_ne!(pixels[(20, 0)], Color32::WHITE);
@@ -280,7 +330,7 @@ mod tests {
     #[test]
     fn pixels_on_which_the_rates_disagree_are_counted_for_the_other_winner() {
         let (camera, picture) = camera();
-        let (pixels, legend) = rate_disputes(&camera, &picture, Tokens::of(true));
+        let (pixels, legend) = rate_disputes(&camera, &picture, Tokens::of(true), None);
         assert_eq!(legend, Legend::RateDisputes { agreed: 384, won_by: vec![0, 128], invalid: 0 });
         assert_ne!(pixels[(0, 0)], pixels[(20, 0)]);
     }

@@ -4,9 +4,11 @@ mod calibration_warnings;
 mod log_histogram;
 mod pair_residuals;
 mod report;
+mod suspect;
 
 pub use calibration_warnings::{CalibrationWarning, calibration_warnings};
 pub(crate) use pair_residuals::Residuals;
 pub use pair_residuals::{PairResiduals, Residual};
 pub(crate) use report::Tally;
 pub use report::{CameraReport, DepthNoise, Report, STATIC_RULE, SpanReport};
+pub use suspect::Suspect;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::calibration_warnings::{calibration_warnings, shared_warning};
 use super::pair_residuals::PairResiduals;
+use super::suspect::Suspect;
 use crate::capture::conventions::{self, DepthClaim, Finding, PoseConvention};
 use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
 use crate::error::{Error, Result};
@@ -167,24 +168,38 @@ impl Report {
     /// Warnings about cameras that do not fit the others, and about normals that do not fit the depth.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
+        self.suspects().into_iter().map(|(_, sentence)| sentence).collect()
+    }
+
+    /// Whether depth is noisy between cameras.
+    #[must_use]
+    pub fn is_noisy(&self) -> bool {
+        self.cameras.iter().any(|camera| !camera.depth_noise_between.is_empty())
+    }
+
+    /// The warnings, each with what is suspect.
+    #[must_use]
+    pub fn suspects(&self) -> Vec<(Suspect, String)> {
         let off = self
             .cameras
             .iter()
             .filter_map(|camera| Some((camera.name.as_str(), camera.normals_off_degrees?)));
         let normals = normals::normal_space_warning(&off.collect::<Vec<_>>());
+        let normals = normals.map(|sentence| (Suspect::Normals, sentence));
         if let Some(shared) = shared_warning(&self.residuals, self.noise_footprints()) {
             // Cameras that are noisy beside each other disagree whatever their depth is taken for.
-            let is_noisy = self.cameras.iter().any(|camera| !camera.depth_noise_between.is_empty());
             let reading =
                 self.conventions.as_ref().and_then(Finding::warning).map(|found| format!("; {found}"));
-            if reading.is_some() || !is_noisy {
+            if reading.is_some() || !self.is_noisy() {
                 let sentence = shared.sentence() + &reading.unwrap_or_default();
-                return normals.into_iter().chain([sentence]).collect();
+                return normals.into_iter().chain([(Suspect::Depth, sentence)]).collect();
             }
         }
         let warnings = calibration_warnings(&self.residuals).into_iter();
-        let sentences =
-            warnings.filter_map(|warning| Some(warning.sentence(&self.cameras.get(warning.camera)?.name)));
+        let sentences = warnings.filter_map(|warning| {
+            let suspect = if warning.over_time { Suspect::Clock } else { Suspect::Pose };
+            Some((suspect, warning.sentence(&self.cameras.get(warning.camera)?.name)))
+        });
         normals.into_iter().chain(sentences).collect()
     }
 
