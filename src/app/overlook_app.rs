@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use super::control::{self, Memory};
 use super::dock::Dock;
-use super::model::{Busy, Command, Message, NoticeKind, State, StoppableWork, Stopwatch, Texture, TypedPath};
+use super::model::{
+    Busy, Command, DockView, Message, NoticeKind, State, StoppableWork, Stopwatch, Texture, TypedPath,
+};
 use super::work::{Outbox, Scheduler, Workers};
 use super::{theme, window};
 use crate::demo::DemoSpec;
@@ -81,6 +83,7 @@ impl OverlookApp {
             format!("{} ({})", adapter.name, adapter.backend)
         });
         let dock = Memory::load(storage).restore(&mut state);
+        state.look.workspace = dock.workspace();
         if storage.is_none() {
             // Nothing can be remembered, so that it would be a first run every time.
             state.inspector.introduced = true;
@@ -178,6 +181,22 @@ impl OverlookApp {
     #[must_use]
     pub fn notices(&self) -> Vec<String> {
         self.state.notices.iter().map(|notice| format!("{}: {}", notice.title, notice.text)).collect()
+    }
+
+    /// The view that fills the window, by the name on its tab; `None` where none does.
+    #[must_use]
+    pub fn maximized_view(&self) -> Option<&'static str> {
+        self.state.look.maximized.map(|view| view.name_and_help().0)
+    }
+
+    /// Names of the views that can be seen.
+    #[must_use]
+    pub fn views_in_sight(&self) -> Vec<&'static str> {
+        self.visible_views().into_iter().map(|view| view.name_and_help().0).collect()
+    }
+
+    pub(super) fn visible_views(&self) -> Vec<DockView> {
+        self.state.look.maximized.map_or_else(|| self.dock.visible(), |view| vec![view])
     }
 
     fn advance_time(&mut self) {
@@ -280,7 +299,8 @@ impl eframe::App for OverlookApp {
         self.advance_time();
         self.advance_path();
         self.watch_closing();
-        if let Some(wait) = self.scheduler.request_missing(&self.state, &self.dock.visible(), &self.workers) {
+        if let Some(wait) = self.scheduler.request_missing(&self.state, &self.visible_views(), &self.workers)
+        {
             ctx.request_repaint_after(wait);
         }
         self.watch_work();

@@ -16,27 +16,32 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
         .exact_size(space::TOP_BAR)
         .frame(bar)
         .show(ui, |ui| panels::top_bar_ui(ui, state, commands));
-    Panel::top("totals").exact_size(space::TOTALS).frame(bar).show(ui, |ui| panels::totals_ui(ui, state));
+    if !state.look.hides_totals && state.look.maximized.is_none() {
+        Panel::top("totals").exact_size(space::TOTALS).frame(bar).show(ui, |ui| panels::totals_ui(ui, state));
+    }
     Panel::bottom("status")
         .exact_size(space::STATUS)
         .frame(bar)
         .show(ui, |ui| panels::status_ui(ui, state, commands));
-    Panel::bottom("timeline")
-        .exact_size(space::TIMELINE)
-        .frame(bar.inner_margin(Margin::symmetric(space::PANEL, 4)))
-        .show(ui, |ui| panels::timeline_ui(ui, state, commands));
+    if state.has_time() {
+        Panel::bottom("timeline")
+            .exact_size(space::TIMELINE)
+            .frame(bar.inner_margin(Margin::symmetric(space::PANEL, 4)))
+            .show(ui, |ui| panels::timeline_ui(ui, state, commands));
+    }
     CentralPanel::no_frame()
         .frame(Frame::new().fill(tokens.background).inner_margin(Margin { top: 4, ..Margin::ZERO }))
         .show(ui, |ui| {
             if state.scene.is_none() {
                 nothing_open_ui(ui, state, commands);
             } else {
-                dock.ui(ui, |ui, view, part| match (part, view) {
+                let resized = dock.ui(ui, state.look.maximized, |ui, view, part| match (part, view) {
                     (DockPart::Contents, _) => view_ui(ui, view, state, commands),
                     (DockPart::TabBar, DockView::Source) => views::cameras_ui(ui, state, commands),
                     (DockPart::TabBar, DockView::Live) => views::go_to_camera_ui(ui, state, commands),
                     (DockPart::TabBar, _) => {}
                 });
+                commands.extend(resized.map(|view| Command::Maximize(Some(view))));
             }
         });
     panels::notices_ui(ui.ctx(), state, commands);

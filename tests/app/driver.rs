@@ -147,7 +147,8 @@ pub(crate) fn save_store(window: &mut Window, folder: &Path) -> PathBuf {
 /// Opens a store.
 pub(crate) fn open_store(window: &mut Window, path: &Path) {
     type_path(window, "Open", "Open path…", path, "Open this path");
-    wait(window, "the store", |window| shows(window, "This store holds no source frames"));
+    // Its source frames are not there, and neither is their view.
+    wait(window, "the store", |window| !window.state().views_in_sight().contains(&"Source"));
     settle(window);
 }
 

@@ -15,4 +15,5 @@ mod screenshots;
 #[path = "../common/skip.rs"]
 mod skip;
 mod typing;
+mod viewer;
 mod whole_window;

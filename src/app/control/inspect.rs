@@ -189,7 +189,7 @@ impl OverlookApp {
         let keys = &mut self.state.inspector.path.keys;
         keys.push(key);
         let added = format!("Key {} added", keys.len());
-        if !self.dock.visible().contains(&DockView::Path) {
+        if !self.visible_views().contains(&DockView::Path) {
             self.state.notify(NoticeKind::Done, added, "The Camera path view plays and exports the path.");
         }
     }

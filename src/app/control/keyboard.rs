@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
-use crate::app::model::{Command, CommandPalette, Commands, HelpPage, Purpose, State};
+use crate::app::model::{Area, Command, CommandPalette, Commands, HelpPage, Purpose, State, Workspace};
 
 /// A heading, and keys or mouse actions with what they do.
 pub(crate) type Shortcuts = (&'static str, &'static [(&'static str, &'static str)]);
@@ -20,6 +20,10 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Ctrl + O", "open a file"),
             ("Ctrl + S", "save the store"),
             ("Ctrl + Z, Ctrl + Y", "undo, redo"),
+            ("Shift + Space", "maximize the view under the pointer, or restore it"),
+            ("F11", "full screen"),
+            ("Ctrl + 1 – 4", "workspaces"),
+            ("Ctrl + B, Ctrl + J", "hide or show the side panel, the lower panel"),
             ("Ctrl + +, −, 0", "interface size: larger, smaller, normal"),
             ("Esc", "close a message, cancel, or unpin the pixel"),
             ("Ctrl + Q", "quit"),
@@ -121,11 +125,23 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::Undo);
         }
     }
+    if pressed(ctx, Modifiers::NONE, Key::F11) {
+        commands.push(Command::FullScreen);
+    }
     let held = held_keys(ctx);
     if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
         return;
     }
+    for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
+        if pressed(ctx, Modifiers::COMMAND, key) {
+            commands.push(Command::ShowArea(area, !state.look.shows(area)));
+        }
+    }
     ctx.input_mut(|input| {
+        // With fewer modifiers a key is consumed whatever else is held: this one goes first.
+        if input.consume_key(Modifiers::SHIFT, Key::Space) {
+            commands.push(Command::Maximize(None));
+        }
         for (key, command) in [
             (Key::Space, Command::TogglePlay),
             (Key::Comma, Command::Step(-1)),
@@ -192,6 +208,8 @@ fn number_key(event: &egui::Event) -> Option<Command> {
         Some(Command::SourceCamera(index))
     } else if modifiers.shift_only() {
         Some(Command::JumpTo(index))
+    } else if modifiers.command_only() {
+        Workspace::ALL.get(index).map(|(workspace, ..)| Command::Workspace(*workspace))
     } else {
         None
     }

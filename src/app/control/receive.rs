@@ -205,6 +205,8 @@ impl OverlookApp {
         state.inspector.saved = scene.capture().map(|_| state.settings.clone());
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
         state.scene = Some(scene.clone());
+        self.show_source_where_there_is_one();
+        let state = &mut self.state;
         for warning in scene.capture().iter().flat_map(|capture| &capture.warnings) {
             state.warn_of_scene("While opening", warning.clone());
         }

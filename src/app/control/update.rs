@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::paths::lasting;
-use crate::app::dock::Dock;
 use crate::app::model::{
     self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, StoppableWork,
 };
@@ -22,6 +21,7 @@ impl OverlookApp {
             .and_then(|command| self.apply_to_timeline(command))
             .and_then(|command| self.apply_to_inspector(command))
             .and_then(|command| self.apply_to_path(command))
+            .and_then(|command| self.apply_to_window(command))
             .and_then(|command| self.apply_to_views(command));
         match rest {
             Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_))) => self.ask_to_open(command),
@@ -40,8 +40,6 @@ impl OverlookApp {
                 step if step > 0 => egui::gui_zoom::zoom_in(&self.ctx),
                 _ => egui::gui_zoom::zoom_out(&self.ctx),
             },
-            Some(Command::OpenView(view)) => self.dock.open(view),
-            Some(Command::ResetLayout) => self.dock = Dock::new(),
             Some(Command::Dark(dark)) => self.state.dark = dark,
             Some(Command::Holes(holes)) => self.show_holes(holes),
             Some(Command::Dismiss(id)) => self.state.notices.retain(|notice| notice.id != id),
@@ -204,7 +202,7 @@ impl OverlookApp {
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }
-        if self.state.inspector.path.playing.take().is_some() {
+        if self.state.inspector.path.playing.take().is_some() || self.state.look.maximized.take().is_some() {
             return;
         }
         let is_cancellable = self.state.busy.iter().any(|busy| busy.cancellable);
@@ -232,6 +230,13 @@ fn only_looks(command: &Command) -> bool {
             | Command::ColorBy(_)
             | Command::Holes(_)
             | Command::ShowCameras(_)
+            | Command::Workspace(_)
+            | Command::Maximize(_)
+            | Command::ShowArea(..)
+            | Command::ShowTotals(_)
+            | Command::FullScreen
+            | Command::OpenView(_)
+            | Command::ResetLayout
             | Command::Introduced
             | Command::Dark(_)
     )

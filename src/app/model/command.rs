@@ -14,6 +14,7 @@ use super::purpose::Purpose;
 use super::source_picture::Overlay;
 use super::table::Table;
 use super::view::DockView;
+use super::workspace::{Area, Workspace};
 use crate::settings::Settings;
 
 /// One wish of the person at the window.
@@ -91,6 +92,13 @@ pub(crate) enum Command {
     Dark(bool),
     OpenView(DockView),
     ResetLayout,
+    Workspace(Workspace),
+    /// Let a view fill the window, or put it back where it fills it already; `None` for the view under the pointer.
+    Maximize(Option<DockView>),
+    ShowArea(Area, bool),
+    ShowTotals(bool),
+    /// Take the whole screen, or give it back.
+    FullScreen,
     /// Point at a pixel, or at nothing.
     Probe(Option<Spot>),
     /// Pin the selected pixel, or unpin it.

@@ -16,6 +16,7 @@ use super::scene::{Content, OpenScene};
 use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
 use super::view::DockView;
+use super::workspace::WindowLook;
 use crate::job::Progress;
 use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
@@ -128,6 +129,7 @@ pub(crate) struct State {
     /// What is to be opened, while the question is whether what is lost by it may be.
     pub open_after_question: Option<Command>,
     pub dark: bool,
+    pub look: WindowLook,
     /// What was open lately, the latest first.
     pub recent: Vec<PathBuf>,
     /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
@@ -138,6 +140,11 @@ impl State {
     /// Frames of what is open.
     pub(crate) fn frame_count(&self) -> usize {
         self.scene.as_ref().map_or(0, |scene| scene.frame_count())
+    }
+
+    /// Whether there is time to move in.
+    pub(crate) fn has_time(&self) -> bool {
+        self.scene.is_none() || self.frame_count() > 1
     }
 
     /// Frames or samples of what is open.
@@ -362,6 +369,7 @@ impl Default for State {
             typed_path: None,
             open_after_question: None,
             dark: true,
+            look: WindowLook::default(),
             recent: Vec::new(),
             busy: Vec::new(),
         }

@@ -34,6 +34,7 @@ mod texture;
 mod undo;
 pub(crate) mod verdict_text;
 mod view;
+mod workspace;
 
 pub(crate) use camera_path::{CameraPath, ExportTarget, Exported, NO_KEYS, SavedPathKey};
 pub(crate) use camera_text::{CameraText, TextPart};
@@ -63,3 +64,4 @@ pub(crate) use text::{bytes, count, percent, sentence, significant, time_left, w
 pub(crate) use texture::Texture;
 pub(crate) use undo::SettingsSlot;
 pub(crate) use view::DockView;
+pub(crate) use workspace::{Area, Workspace};

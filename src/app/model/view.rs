@@ -1,5 +1,7 @@
 //! The views of the window.
 
+use super::workspace::Area;
+
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub(crate) enum DockView {
@@ -45,6 +47,16 @@ impl DockView {
     /// Its name on its tab, and what it shows.
     pub(crate) fn name_and_help(self) -> (&'static str, &'static str) {
         Self::ALL.iter().find(|(of, ..)| *of == self).map_or(("", ""), |(_, name, help)| (*name, *help))
+    }
+
+    /// The area that it is hidden and shown with; `None` for those in the middle.
+    pub(crate) fn area(self) -> Option<Area> {
+        match self {
+            Self::Source => Some(Area::Source),
+            Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => None,
+            Self::Thresholds | Self::Report => Some(Area::Side),
+            _ => Some(Area::Lower),
+        }
     }
 
     /// The view beside which it opens.

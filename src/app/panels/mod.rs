@@ -17,7 +17,9 @@ mod time;
 mod timeline;
 mod top_bar;
 mod totals;
+mod view_entries;
 mod welcome;
+mod workspaces;
 
 pub(crate) use command_palette::palette_ui;
 pub(crate) use help::help_ui;

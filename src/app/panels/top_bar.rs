@@ -6,6 +6,7 @@ use egui_material_icons::icons::{
     ICON_TERMINAL,
 };
 
+use super::workspaces::{shown_parts_ui, workspaces_ui};
 use crate::app::model::{
     self, Command, CommandPalette, Commands, DockView, HelpPage, Origin, Purpose, State,
 };
@@ -21,7 +22,7 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         open_menu_ui(ui, state, commands);
         save_menu_ui(ui, state, commands);
         demo_menu_ui(ui, commands);
-        views_menu_ui(ui, commands);
+        views_menu_ui(ui, state, commands);
         help_menu_ui(ui, commands);
         ui.add_space(space::MEDIUM);
         title_ui(ui, state);
@@ -34,6 +35,7 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if icon_button(ui, ICON_TERMINAL, "Commands", "Find any command by name (Ctrl+P)").clicked() {
                 commands.push(Command::Palette(Some(CommandPalette::default())));
             }
+            workspaces_ui(ui, state, commands);
         });
     });
 }
@@ -120,7 +122,7 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     });
 }
 
-fn views_menu_ui(ui: &mut Ui, commands: &mut Commands) {
+fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
         for (view, name, help) in DockView::ALL {
             let button = ui.button(name).on_hover_text(help);
@@ -128,6 +130,8 @@ fn views_menu_ui(ui: &mut Ui, commands: &mut Commands) {
                 commands.push(Command::OpenView(view));
             }
         }
+        ui.separator();
+        shown_parts_ui(ui, state, commands);
         ui.separator();
         if ui.button("Reset layout").on_hover_text("Put all views where they were at first").clicked() {
             commands.push(Command::ResetLayout);

@@ -1,0 +1,258 @@
+//! The layout of the views: where each lies in every workspace, and what opens beside what.
+
+mod behavior;
+mod layouts;
+
+use std::collections::BTreeMap;
+
+use egui::{Align, Layout, Ui};
+use egui_tiles::{Container, Tile, TileId, Tree};
+
+use super::model::{Area, DockView, Workspace};
+use super::theme::{Tokens, space};
+pub(crate) use behavior::DockPart;
+use behavior::{DockBehavior, contents_ui, maximize_button};
+
+/// Where the views lie, workspace by workspace.
+pub(crate) struct Dock {
+    workspace: Workspace,
+    /// The layouts of workspaces that were shown.
+    trees: BTreeMap<Workspace, Tree<DockView>>,
+    /// The view that the pointer was over when it was last drawn.
+    pointed_at: Option<DockView>,
+}
+
+/// Layouts as they are remembered: one by one, so that a view that no longer exists costs one layout and not all.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct RememberedLayouts {
+    workspace: Workspace,
+    layouts: BTreeMap<Workspace, serde_json::Value>,
+}
+
+impl Dock {
+    /// The layouts of a first run.
+    pub(crate) fn new() -> Self {
+        let workspace = Workspace::default();
+        Self { workspace, trees: [(workspace, layouts::tree_of(workspace))].into(), pointed_at: None }
+    }
+
+    /// Layouts as [`Dock::to_json`] gave them; that of a first run for each that cannot be read or shows nothing. The single
+    /// layout that earlier versions remembered is taken for the first workspace's.
+    pub(crate) fn from_json(text: &str) -> Self {
+        let mut dock = Self::new();
+        let readable = |layout: serde_json::Value| {
+            let tree = serde_json::from_value::<Tree<DockView>>(layout).ok()?;
+            (tree.root().is_some() && !tree.tiles.is_empty()).then_some(tree)
+        };
+        if let Ok(remembered) = serde_json::from_str::<RememberedLayouts>(text) {
+            dock.show_workspace(remembered.workspace);
+            for (workspace, layout) in remembered.layouts {
+                dock.trees.extend(readable(layout).map(|tree| (workspace, tree)));
+            }
+        } else if let Some(tree) = serde_json::from_str(text).ok().and_then(readable) {
+            dock.trees.insert(dock.workspace, tree);
+        }
+        dock
+    }
+
+    /// The layouts as text.
+    pub(crate) fn to_json(&self) -> String {
+        let layouts =
+            self.trees.iter().filter_map(|(of, tree)| Some((*of, serde_json::to_value(tree).ok()?)));
+        let remembered = RememberedLayouts { workspace: self.workspace, layouts: layouts.collect() };
+        serde_json::to_string(&remembered).unwrap_or_default()
+    }
+
+    /// The workspace that is shown.
+    pub(crate) fn workspace(&self) -> Workspace {
+        self.workspace
+    }
+
+    /// Shows another workspace.
+    pub(crate) fn show_workspace(&mut self, workspace: Workspace) {
+        self.workspace = workspace;
+        self.trees.entry(workspace).or_insert_with(|| layouts::tree_of(workspace));
+    }
+
+    /// Puts the views of the shown workspace back where they were at first.
+    pub(crate) fn reset(&mut self) {
+        self.trees.insert(self.workspace, layouts::tree_of(self.workspace));
+    }
+
+    fn tree(&self) -> Option<&Tree<DockView>> {
+        self.trees.get(&self.workspace)
+    }
+
+    fn tree_mut(&mut self) -> &mut Tree<DockView> {
+        let workspace = self.workspace;
+        self.trees.entry(workspace).or_insert_with(|| layouts::tree_of(workspace))
+    }
+
+    /// The views that can be seen now.
+    pub(crate) fn visible(&self) -> Vec<DockView> {
+        let panes = |tree: &Tree<DockView>| {
+            let active = tree.active_tiles().into_iter();
+            active.filter_map(|id| tree.tiles.get_pane(&id).copied()).collect()
+        };
+        self.tree().map_or_else(Vec::new, panes)
+    }
+
+    /// Whether a view is somewhere in the layout.
+    pub(crate) fn holds(&self, view: DockView) -> bool {
+        self.tree().is_some_and(|tree| tree.tiles.find_pane(&view).is_some())
+    }
+
+    /// The view that the pointer is over.
+    pub(crate) fn pointed_at(&self) -> Option<DockView> {
+        self.pointed_at
+    }
+
+    /// Shows or hides the views of an area, wherever they lie.
+    pub(crate) fn show_area(&mut self, area: Area, show: bool) {
+        let tree = self.tree_mut();
+        let panes: Vec<TileId> = (tree.tiles.iter())
+            .filter(|(_, tile)| matches!(tile, Tile::Pane(view) if view.area() == Some(area)))
+            .map(|(id, _)| *id)
+            .collect();
+        for pane in panes {
+            tree.tiles.set_visible(pane, show);
+        }
+    }
+
+    /// Brings a view to the front, wherever it is; puts it beside its neighbor where it is nowhere.
+    pub(crate) fn open(&mut self, view: DockView) {
+        let (is_new, workspace) = (!self.holds(view), self.workspace);
+        let tree = self.tree_mut();
+        if is_new {
+            let pane = tree.tiles.insert_pane(view);
+            let beside = (tree.tiles.find_pane(&view.neighbor()))
+                .and_then(|neighbor| tree.tiles.parent_of(neighbor))
+                .or_else(|| first_tabs(tree));
+            match beside {
+                Some(tabs) => tree.move_tile_to_container(pane, tabs, usize::MAX, false),
+                None => *tree = layouts::tree_of(workspace),
+            }
+        }
+        let tree = self.tree_mut();
+        tree.make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == view));
+    }
+
+    /// Draws all views, or the one that is `maximized`: `draw` is given each part of the layout that a view fills. Gives the
+    /// view that is to fill the window from now on, or that no longer is to.
+    pub(crate) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        maximized: Option<DockView>,
+        mut draw: impl FnMut(&mut Ui, DockView, DockPart),
+    ) -> Option<DockView> {
+        if let Some(view) = maximized {
+            self.pointed_at = Some(view);
+            return maximized_ui(ui, view, draw).then_some(view);
+        }
+        let mut behavior = DockBehavior { draw: &mut draw, maximized: None, pointed_at: None };
+        self.tree_mut().ui(&mut behavior, ui);
+        let DockBehavior { maximized, pointed_at, .. } = behavior;
+        self.pointed_at = pointed_at;
+        maximized
+    }
+}
+
+fn first_tabs(tree: &Tree<DockView>) -> Option<TileId> {
+    let tabs = tree.tiles.iter().filter(|(_, tile)| matches!(tile, Tile::Container(Container::Tabs(_))));
+    tabs.map(|(id, _)| *id).min_by_key(|id| id.0)
+}
+
+/// Draws one view below its name; whether it is to be put back.
+fn maximized_ui(ui: &mut Ui, view: DockView, mut draw: impl FnMut(&mut Ui, DockView, DockPart)) -> bool {
+    let mut restores = false;
+    let width = ui.available_width();
+    ui.spacing_mut().item_spacing.y = 0.0;
+    ui.allocate_ui_with_layout(egui::vec2(width, space::TABS), Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_width(width);
+        ui.add_space(space::MEDIUM);
+        let tokens = Tokens::in_ui(ui);
+        let name = egui::Label::new(egui::RichText::new(view.name_and_help().0).color(tokens.text));
+        let name = ui.add(name.sense(Sense::click()));
+        restores |= name.on_hover_text("Double-click to restore.").double_clicked();
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.add_space(space::MEDIUM);
+            restores |= maximize_button(ui, view, true);
+            draw(ui, view, DockPart::TabBar);
+        });
+    });
+    contents_ui(ui, |ui| draw(ui, view, DockPart::Contents));
+    restores
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layout_survives_being_saved_and_nonsense_gives_the_first_one() {
+        let mut dock = Dock::new();
+        dock.open(DockView::Tradeoff);
+        let again = Dock::from_json(&dock.to_json());
+        assert!(again.holds(DockView::Tradeoff));
+        assert!(
+            !Dock::from_json("{").holds(DockView::Tradeoff) && Dock::from_json("{").holds(DockView::Live)
+        );
+    }
+
+    #[test]
+    fn each_workspace_keeps_its_layout_and_the_single_one_of_earlier_versions_is_taken() {
+        let mut dock = Dock::new();
+        for (workspace, ..) in Workspace::ALL {
+            dock.show_workspace(workspace);
+            assert!(dock.visible().contains(&DockView::Live), "{workspace:?}");
+        }
+        dock.show_workspace(Workspace::Compare);
+        dock.open(DockView::Log);
+        let mut again = Dock::from_json(&dock.to_json());
+        assert_eq!(again.workspace(), Workspace::Compare);
+        assert!(again.holds(DockView::Log));
+        again.show_workspace(Workspace::Explore);
+        assert!(!again.holds(DockView::Log));
+        let mut old = layouts::tree_of(Workspace::Inspect);
+        old.tiles.insert_pane(DockView::Stability);
+        let old = Dock::from_json(&serde_json::to_string(&old).unwrap());
+        assert!(old.holds(DockView::Stability) && old.workspace() == Workspace::Inspect);
+    }
+
+    #[test]
+    fn a_layout_with_a_view_that_no_longer_exists_is_that_of_a_first_run_and_the_others_stay() {
+        let mut dock = Dock::new();
+        dock.open(DockView::Stability);
+        dock.show_workspace(Workspace::Measure);
+        dock.open(DockView::Path);
+        let text = dock.to_json().replace("Stability", "Seance");
+        let mut again = Dock::from_json(&text);
+        assert!(again.visible().contains(&DockView::Live));
+        again.show_workspace(Workspace::Inspect);
+        assert!(again.visible().contains(&DockView::Source) && !again.holds(DockView::Stability));
+    }
+
+    #[test]
+    fn an_area_is_hidden_and_shown_again_where_it_was() {
+        let mut dock = Dock::new();
+        let before = dock.visible();
+        for (area, ..) in Area::ALL {
+            dock.show_area(area, false);
+            assert!(dock.visible().iter().all(|view| view.area() != Some(area)), "{area:?}");
+            assert!(dock.visible().contains(&DockView::Live));
+            dock.show_area(area, true);
+            assert_eq!(dock.visible(), before);
+        }
+    }
+
+    #[test]
+    fn every_view_can_be_opened_once() {
+        let mut dock = Dock::new();
+        for (view, ..) in DockView::ALL.into_iter().chain(DockView::ALL) {
+            dock.open(view);
+            assert!(dock.holds(view), "{view:?}");
+        }
+        let panes = dock.tree_mut().tiles.tiles().filter(|tile| matches!(tile, Tile::Pane(_))).count();
+        assert_eq!(panes, DockView::ALL.len());
+    }
+}

@@ -1,0 +1,76 @@
+//! Workspaces: arrangements of the views, each for one kind of work; and what of the window is shown.
+
+use super::view::DockView;
+
+/// An arrangement of the views for one kind of work.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
+)]
+pub(crate) enum Workspace {
+    Explore,
+    #[default]
+    Inspect,
+    Compare,
+    Measure,
+}
+
+impl Workspace {
+    /// Every workspace in the order of its keys: its name, and what it is for.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
+        (
+            Self::Explore,
+            "Explore",
+            "The live view as large as it gets, with its camera and colors beside it.",
+        ),
+        (
+            Self::Inspect,
+            "Inspect",
+            "A camera's picture beside the live view, and why each pixel was kept or dropped.",
+        ),
+        (
+            Self::Compare,
+            "Compare",
+            "Two pictures of one place, beside the live view that they are taken from.",
+        ),
+        (Self::Measure, "Measure", "What each setting costs in size, time and accuracy."),
+    ];
+}
+
+/// Views that are hidden and shown together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Area {
+    /// The picture of a camera.
+    Source,
+    /// Settings and the report.
+    Side,
+    /// The views about pixels, cameras, time and memory.
+    Lower,
+}
+
+impl Area {
+    /// Every area in the order of the menu: its name, and the keys that hide and show it.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Source, "Source picture", ""),
+        (Self::Side, "Side panel", "Ctrl+B"),
+        (Self::Lower, "Lower panel", "Ctrl+J"),
+    ];
+}
+
+/// What of the window is shown, and how it is arranged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct WindowLook {
+    pub workspace: Workspace,
+    /// The view that fills the window, if one does.
+    pub maximized: Option<DockView>,
+    /// What is hidden of the workspace.
+    pub hidden: Vec<Area>,
+    /// Whether the figures above the views are hidden.
+    pub hides_totals: bool,
+}
+
+impl WindowLook {
+    /// Whether an area is shown.
+    pub(crate) fn shows(&self, area: Area) -> bool {
+        !self.hidden.contains(&area)
+    }
+}

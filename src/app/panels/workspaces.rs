@@ -1,0 +1,42 @@
+//! Workspaces, and what of the window is shown.
+
+use egui::Ui;
+
+use crate::app::model::{Area, Command, Commands, State, Workspace};
+use crate::app::widgets::{choice_ui, segments_ui};
+
+/// Width from which on the workspaces lie side by side.
+const ROOMY: f32 = 360.0;
+
+/// The workspaces; in a narrow window as a list.
+pub(crate) fn workspaces_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let now = state.look.workspace;
+    let chosen = if ui.available_width() < ROOMY {
+        choice_ui(ui, "Workspace", now, &Workspace::ALL, 76.0)
+    } else {
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            segments_ui(ui, "Workspace", now, Workspace::ALL)
+        })
+        .inner
+    };
+    commands.extend(chosen.map(Command::Workspace));
+}
+
+/// What of the window can be hidden, for the menu of views.
+pub(crate) fn shown_parts_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    for (area, name, keys) in Area::ALL {
+        let mut shown = state.look.shows(area);
+        let text = if keys.is_empty() { name.to_owned() } else { format!("{name}  ({keys})") };
+        if ui.checkbox(&mut shown, text).accessible_name(format!("Show {name}")).changed() {
+            commands.push(Command::ShowArea(area, shown));
+        }
+    }
+    let mut totals = !state.look.hides_totals;
+    if ui.checkbox(&mut totals, "Figures above the views").accessible_name("Show figures").changed() {
+        commands.push(Command::ShowTotals(totals));
+    }
+    if ui.add(egui::Button::new("Full screen").shortcut_text("F11")).accessible_name("Full screen").clicked()
+    {
+        commands.push(Command::FullScreen);
+    }
+}

@@ -1,0 +1,133 @@
+//! The window as a viewer: views that fill it, workspaces, and what is hidden of it.
+
+use super::driver::{
+    SIZE, Window, click, demo, open, open_store, open_view, save_store, settle, shows, small_demo,
+};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+
+fn size_of_live_picture(window: &Window) -> egui::Vec2 {
+    window.get_by_label("Live picture").rect().size()
+}
+
+/// Clicks twice at a place, as fast as a double-click.
+fn double_click_at(window: &mut Window, at: egui::Pos2) {
+    window.event(egui::Event::PointerMoved(at));
+    for pressed in [true, false, true, false] {
+        let button = egui::PointerButton::Primary;
+        window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE });
+    }
+    window.run_steps(4);
+}
+
+#[test]
+fn a_double_click_on_its_tab_a_button_and_a_key_let_a_view_fill_the_window_and_put_it_back() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let docked = size_of_live_picture(&window);
+    let tab = window.get_by_role_and_label(Role::Button, "Live view").rect().center();
+    double_click_at(&mut window, tab);
+    assert_eq!(window.state().maximized_view(), Some("Live view"));
+    let large = size_of_live_picture(&window);
+    assert!(large.x > 0.95 * SIZE[0] && large.y > 0.7 * SIZE[1], "{large}");
+    assert_eq!(window.state().views_in_sight(), ["Live view"]);
+    let name = window.get_by_role_and_label(Role::Button, "Live view").rect().center();
+    double_click_at(&mut window, name);
+    assert_eq!(size_of_live_picture(&window), docked);
+    click(&mut window, "Maximize Source");
+    assert_eq!(window.state().maximized_view(), Some("Source"));
+    click(&mut window, "Restore Source");
+    assert_eq!(window.state().maximized_view(), None);
+    window.hover_at(window.get_by_label("Source picture").rect().center());
+    window.run_steps(2);
+    for expected in [Some("Source"), None] {
+        window.key_press_modifiers(Modifiers::SHIFT, Key::Space);
+        window.run_steps(3);
+        assert_eq!(window.state().maximized_view(), expected);
+    }
+    window.key_press_modifiers(Modifiers::SHIFT, Key::Space);
+    window.run_steps(3);
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert_eq!(size_of_live_picture(&window), docked);
+    assert!(window.query_by_label("Play").is_some(), "the key did not play");
+}
+
+#[test]
+fn panels_hide_and_come_back_where_they_were() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let (docked, seen) = (size_of_live_picture(&window), window.state().views_in_sight());
+    for (key, hidden) in [(Key::B, "side"), (Key::J, "lower")] {
+        let before = size_of_live_picture(&window);
+        window.key_press_modifiers(Modifiers::COMMAND, key);
+        window.run_steps(4);
+        let after = size_of_live_picture(&window);
+        assert!(after.x * after.y > 1.2 * before.x * before.y, "{hidden}: {after}");
+    }
+    click(&mut window, "Views");
+    click(&mut window, "Show Source picture");
+    window.key_press(Key::Escape);
+    settle(&mut window);
+    assert_eq!(window.state().views_in_sight(), ["Live view"]);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Num2);
+    settle(&mut window);
+    assert_eq!((size_of_live_picture(&window), window.state().views_in_sight()), (docked, seen));
+    assert!(shows(&window, "Samples kept"));
+    click(&mut window, "Views");
+    click(&mut window, "Show figures");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(!shows(&window, "Samples kept"));
+}
+
+#[test]
+fn each_workspace_shows_what_it_is_for() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for (name, views) in [
+        ("Explore", &["Live view"][..]),
+        ("Compare", &["Live view", "Compare"]),
+        ("Measure", &["Speed and accuracy", "Live view", "Memory"]),
+        ("Inspect", &["Source", "Live view", "Pixel"]),
+    ] {
+        click(&mut window, &format!("Workspace: {name}"));
+        settle(&mut window);
+        let seen = window.state().views_in_sight();
+        assert!(views.iter().all(|view| seen.contains(view)), "{name}: {seen:?}");
+        assert!(window.query_by_label("Live picture").is_some());
+    }
+    click(&mut window, "Workspace: Explore");
+    settle(&mut window);
+    let large = size_of_live_picture(&window);
+    assert!(large.x * large.y > 0.38 * SIZE[0] * SIZE[1], "{large}");
+    open_view(&mut window, "Log");
+    click(&mut window, "Workspace: Inspect");
+    click(&mut window, "Workspace: Explore");
+    settle(&mut window);
+    assert!(window.state().views_in_sight().contains(&"Log"), "a workspace is found as it was left");
+    click(&mut window, "Views");
+    click(&mut window, "Reset layout");
+    settle(&mut window);
+    assert!(!window.state().views_in_sight().contains(&"Log"));
+}
+
+#[test]
+fn a_store_has_no_empty_source_panel_and_a_single_frame_no_timeline() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    assert!(window.query_by_label("Timeline").is_some());
+    let docked = size_of_live_picture(&window);
+    let path = save_store(&mut window, folder.path());
+    open_store(&mut window, &path);
+    assert!(!window.state().views_in_sight().contains(&"Source"));
+    assert!(size_of_live_picture(&window).x > 1.8 * docked.x);
+    open_view(&mut window, "Source");
+    assert!(shows(&window, "This store holds no source frames"), "who asks for it is told");
+    let mut window = open(demo(2, 1, (64, 48)), SIZE);
+    settle(&mut window);
+    assert!(window.query_by_label("Timeline").is_none());
+    assert!(window.state().views_in_sight().contains(&"Source"));
+}
