@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::control::{self, Memory};
@@ -52,6 +53,10 @@ pub struct OverlookApp {
     pub(super) ctx: egui::Context,
     /// What draws the window, where that is wgpu.
     pub(super) window: Option<eframe::egui_wgpu::RenderState>,
+    /// Where a picture of the window is to be written, once it is taken.
+    pub(super) shot_wanted: Option<PathBuf>,
+    /// The picture of the window that was taken last.
+    pub(super) shot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
     /// When each kind of work that is watched began, by its words.
     pub(super) stages: std::collections::HashMap<String, Instant>,
 }
@@ -99,6 +104,8 @@ impl OverlookApp {
             last_typed: None,
             ctx: ctx.clone(),
             window: window.cloned(),
+            shot_wanted: None,
+            shot: Arc::default(),
             stages: std::collections::HashMap::new(),
         };
         app.state.timeline.plays_once_ready = matches!(start, Start::Welcome(_));
@@ -195,6 +202,36 @@ impl OverlookApp {
         self.visible_views().into_iter().map(|view| view.name_and_help().0).collect()
     }
 
+    /// The cameras that the live view shows, each with the place of its middle as shares of the view.
+    #[must_use]
+    pub fn cameras_on_screen(&self) -> Vec<(usize, egui::Vec2)> {
+        let (Some(scene), Some(orbit)) = (&self.state.scene, &self.state.live.orbit) else {
+            return Vec::new();
+        };
+        let [width, height] = self.state.live.size;
+        let vantage = orbit.camera(width, height);
+        let cameras = scene.cameras.iter().enumerate();
+        let places = cameras.filter_map(|(index, camera)| {
+            let (pixel, _) = vantage.project(camera.position_in_world())?;
+            let share = egui::vec2(pixel.x as f32 / width as f32, pixel.y as f32 / height as f32);
+            (share.min_elem() > 0.0 && share.max_elem() < 1.0).then_some((index, share))
+        });
+        places.collect()
+    }
+
+    /// Position of a camera in world space; the origin where there is none.
+    #[must_use]
+    pub fn camera_position(&self, camera: usize) -> [f64; 3] {
+        let cameras = self.state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+        cameras.get(camera).map_or([0.0; 3], |camera| camera.position_in_world().to_array())
+    }
+
+    /// The distance between the two points that were picked, in units of the scene; `None` before both were.
+    #[must_use]
+    pub fn measured_distance(&self) -> Option<f64> {
+        self.state.live.ruler.distance()
+    }
+
     pub(super) fn visible_views(&self) -> Vec<DockView> {
         self.state.look.maximized.map_or_else(|| self.dock.visible(), |view| vec![view])
     }
@@ -209,8 +246,14 @@ impl OverlookApp {
         let frames = (timeline.elapsed_secs / period) as i64;
         timeline.elapsed_secs -= frames as f32 * period;
         let wait = (period - timeline.elapsed_secs).max(0.0);
+        let before = timeline.frame;
         if frames > 0 {
-            self.apply(Command::Step(frames));
+            timeline
+                .advance(frames as usize, self.state.scene.as_ref().map_or(1, |scene| scene.frame_count()));
+        }
+        let frame = std::mem::replace(&mut self.state.timeline.frame, before);
+        if frame != before {
+            self.apply(Command::Frame(frame));
         }
         self.ctx.request_repaint_after(Duration::from_secs_f32(wait));
     }
@@ -296,6 +339,7 @@ impl eframe::App for OverlookApp {
             self.apply(command);
         }
         self.take_dropped_files();
+        self.take_shot();
         self.advance_time();
         self.advance_path();
         self.watch_closing();

@@ -138,6 +138,15 @@ impl Tokens {
         Self::of(ui.visuals().dark_mode)
     }
 
+    /// The color of an axis of the world, in either direction.
+    pub(crate) fn axis_of(axis: glam::DVec3) -> Color32 {
+        match axis.abs() {
+            axis if axis.x > 0.5 => rgb(0xe8_6a5c),
+            axis if axis.y > 0.5 => rgb(0x7c_c24a),
+            _ => rgb(0x5a_9cf0),
+        }
+    }
+
     /// The color of samples that stand like this among the other cameras.
     pub(crate) fn of_agreement(&self, agreement: SampleAgreement) -> Color32 {
         match agreement {

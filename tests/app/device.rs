@@ -40,6 +40,8 @@ fn live_picture(window: &mut Window) -> image::RgbaImage {
 
 /// Has the GPU paint, which leaves holes and tests no lines of sight, and steps until a picture in motion is shown.
 fn set_in_motion(window: &mut Window) {
+    // Cameras are drawn over the picture with what they see, which is of the frame before while time passes.
+    click(window, "Hide cameras");
     window.get_by_label("Line-of-sight test").scroll_to_me();
     window.run_steps(3);
     click(window, "Line-of-sight test");

@@ -226,6 +226,10 @@ impl OverlookApp {
             }
             Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
             Command::PictureSize(size) => path.size = Some(size),
+            Command::ClearPath => {
+                path.keys.clear();
+                path.playing = None;
+            }
             Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
             other => return Some(other),
         }
@@ -250,7 +254,7 @@ impl OverlookApp {
         let settings = self.state.settings.render.clone();
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
         let reel = playback.map_or(FilmSource::Memory(samples), FilmSource::Disk);
-        let request = ExportRequest { path, reel, settings, size, target };
+        let request = ExportRequest { path, reel, settings, display: self.state.display, size, target };
         self.workers.export.submit(request);
     }
 }

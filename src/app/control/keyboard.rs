@@ -5,7 +5,9 @@ use std::collections::HashSet;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
-use crate::app::model::{Area, Command, CommandPalette, Commands, HelpPage, Purpose, State, Workspace};
+use crate::app::model::{
+    Area, Command, CommandPalette, Commands, HelpPage, Purpose, State, ViewCommand, Workspace,
+};
 
 /// A heading, and keys or mouse actions with what they do.
 pub(crate) type Shortcuts = (&'static str, &'static [(&'static str, &'static str)]);
@@ -33,7 +35,9 @@ pub(crate) const HELP: &[Shortcuts] = &[
         "Time and cameras",
         &[
             ("Space", "play or pause"),
-            (", and .", "step back and forward"),
+            (", and . or the arrows", "step back and forward; arrows with Shift ten frames"),
+            ("Ctrl + Home, Ctrl + End", "first and last frame"),
+            ("I, O, Shift + I", "loop from here, loop to here, loop over all frames"),
             ("1 – 9", "show a camera"),
             ("Shift + 1 – 9", "view from a camera"),
             ("K", "add a key to the camera path"),
@@ -55,6 +59,9 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Right drag, middle drag, Shift + drag", "pan"),
             ("Wheel", "zoom to the pointer"),
             ("W A S D, Q E", "fly, down and up; faster with Shift"),
+            ("[ and ]", "fly slower, faster"),
+            ("M", "measure a distance between two points"),
+            ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
             ("Home, double-click", "reset to the start view"),
             ("H", "hatch holes, or fill them"),
         ],
@@ -72,6 +79,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
         "Cameras",
         &[
             ("Click on a picture", "show the camera in the source view"),
+            ("Click on a camera in the live view", "the same; double-click and right-click too"),
             ("Double-click", "view from the camera"),
         ],
     ),
@@ -132,12 +140,9 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
         return;
     }
-    for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
-        if pressed(ctx, Modifiers::COMMAND, key) {
-            commands.push(Command::ShowArea(area, !state.look.shows(area)));
-        }
-    }
+    window_keys(ctx, state, commands);
     ctx.input_mut(|input| {
+        commands.extend(time_keys(input, state));
         // With fewer modifiers a key is consumed whatever else is held: this one goes first.
         if input.consume_key(Modifiers::SHIFT, Key::Space) {
             commands.push(Command::Maximize(None));
@@ -150,6 +155,9 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             (Key::F, Command::FramePoint),
             (Key::H, Command::Holes(state.holes_shown().other())),
             (Key::K, Command::AddKey),
+            (Key::M, Command::View(ViewCommand::Measure(!state.live.ruler.active))),
+            (Key::OpenBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed / FASTER))),
+            (Key::CloseBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed * FASTER))),
             (Key::Home, Command::Home),
         ] {
             if input.consume_key(Modifiers::NONE, key) {
@@ -164,12 +172,59 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         }
         // With Shift, number keys type something else on every layout: their place on the keyboard counts.
         commands.extend(input.events.iter().filter_map(number_key));
+        commands.extend(input.events.iter().filter_map(clipboard));
     });
     if let Some(steps) = ctx.input(|input| flight(input, &held)) {
-        commands.push(Command::Fly(steps));
+        commands.push(Command::Fly(steps * state.live.fly_speed));
         ctx.request_repaint();
     }
 }
+
+/// What is copied and pasted where no text is: the view.
+fn clipboard(event: &egui::Event) -> Option<Command> {
+    match event {
+        egui::Event::Copy => Some(Command::View(ViewCommand::Copy)),
+        egui::Event::Paste(text) => Some(Command::View(ViewCommand::Pasted(text.clone()))),
+        _ => None,
+    }
+}
+
+/// Keys that hide and show what surrounds the views.
+fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
+        if pressed(ctx, Modifiers::COMMAND, key) {
+            commands.push(Command::ShowArea(area, !state.look.shows(area)));
+        }
+    }
+}
+
+/// Keys that move in time, or that set the range that is played.
+fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
+    let (timeline, frames) = (&state.timeline, state.frame_count());
+    let last = frames.saturating_sub(1);
+    let here = timeline.frame;
+    let range = |first, end| Command::LoopRange(Some(timeline.range_from(first, end, frames)));
+    // With fewer modifiers a key is consumed whatever else is held: those with more go first.
+    let keys = [
+        (Modifiers::COMMAND, Key::Home, Command::Frame(0)),
+        (Modifiers::COMMAND, Key::End, Command::Frame(last)),
+        (Modifiers::SHIFT, Key::ArrowLeft, Command::Frame(here.saturating_sub(TEN))),
+        (Modifiers::SHIFT, Key::ArrowRight, Command::Frame((here + TEN).min(last))),
+        (Modifiers::NONE, Key::ArrowLeft, Command::Step(-1)),
+        (Modifiers::NONE, Key::ArrowRight, Command::Step(1)),
+        (Modifiers::SHIFT, Key::I, Command::LoopRange(None)),
+        (Modifiers::NONE, Key::I, range(Some(here), None)),
+        (Modifiers::NONE, Key::O, range(None, Some(here))),
+    ];
+    let pressed = keys.into_iter().filter(|(modifiers, key, _)| input.consume_key(*modifiers, *key));
+    pressed.map(|(_, _, command)| command).collect()
+}
+
+/// Frames that Shift and an arrow step.
+const TEN: usize = 10;
+
+/// How much faster or slower a bracket makes flying.
+const FASTER: f64 = 1.5;
 
 /// Whether a shortcut was pressed; consumes it.
 fn pressed(ctx: &egui::Context, modifiers: Modifiers, key: Key) -> bool {

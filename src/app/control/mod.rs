@@ -7,6 +7,7 @@ mod receive;
 mod remembered;
 mod settings;
 mod update;
+mod view;
 mod window;
 
 pub(crate) use keyboard::{HELP, commands, gave_up_number};

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::app::model::{
-    Command, Content, Destination, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath, csv,
+    Command, Content, Destination, DockView, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
+    csv,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::{FileRequest, with_ending};
@@ -16,7 +17,7 @@ const NO_DIALOG: Duration = Duration::from_secs(2);
 
 const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
 
-const OTHER_ENDING: &str = "A picture is written as PNG; name it .png.";
+const OTHER_ENDING: &str = "A picture is written as PNG or EXR; name it .png or .exr.";
 
 impl OverlookApp {
     /// Carries out what concerns a path that is chosen or typed; gives back what does not.
@@ -96,7 +97,7 @@ impl OverlookApp {
         match path {
             // The dialog asks before a file of the chosen name is replaced; not for folders, nor for a name with an added ending.
             Some(path)
-                if (purpose == Purpose::ExportPictures
+                if (matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr)
                     || named(purpose, path.clone()).as_ref() != Some(&path))
                     && path.to_str().is_some() =>
             {
@@ -145,16 +146,74 @@ impl OverlookApp {
                     self.state.warn_of_scene("Nothing to save", format!("There is no {} yet.", table.name()));
                 }
             },
-            Purpose::SavePicture => match self.state.shown_picture().cloned() {
-                Some(picture) => self.workers.file.submit(FileRequest::SavePicture { path, picture }),
-                None => self.notify_in_motion(),
-            },
-            Purpose::ExportPictures => self.export_path(ExportTarget { path, film_rate: None }),
+            Purpose::SavePicture => self.save_picture(path),
+            Purpose::SaveShot => self.save_shot(path),
+            Purpose::ExportExr => {
+                self.export_path(ExportTarget { path, film_rate: None, linear: true });
+            }
+            Purpose::SavePath => self.save_path(path),
+            Purpose::LoadPath => {
+                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                    self.workers.file.submit(FileRequest::LoadPath { path, scene });
+                }
+            }
+            Purpose::ExportPictures => {
+                self.export_path(ExportTarget { path, film_rate: None, linear: false });
+            }
             Purpose::ExportFilm => {
                 let film_rate = Some(f64::from(self.state.timeline.frames_per_second));
-                self.export_path(ExportTarget { path, film_rate });
+                self.export_path(ExportTarget { path, film_rate, linear: false });
             }
         }
+    }
+
+    fn save_picture(&mut self, path: PathBuf) {
+        let shown = self.state.live_shown.as_ref();
+        let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
+        let picture = self.state.shown_picture().cloned();
+        match picture.zip(rendered) {
+            Some((picture, rendered)) => {
+                let display = self.state.display;
+                self.workers.file.submit(FileRequest::SavePicture { path, picture, rendered, display });
+            }
+            None => self.notify_in_motion(),
+        }
+    }
+
+    /// Takes a picture of the window once it is drawn without the field that the path was typed into.
+    fn save_shot(&mut self, path: PathBuf) {
+        let path = if path.extension().is_some() { path } else { path.with_extension("png") };
+        if !self.visible_views().contains(&DockView::Live) {
+            let text = "The live view is behind another one; bring it to the front, then try again.";
+            return self.state.warn_of_scene("No view to save", text);
+        }
+        self.shot_wanted = Some(path);
+        let (shot, ctx) = (self.shot.clone(), self.ctx.clone());
+        let taken = egui::ScreenshotCallback::new(move |image| {
+            *shot.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(image);
+            ctx.request_repaint();
+        });
+        self.ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
+    }
+
+    /// Writes the picture of the window that was taken, if one was.
+    pub(crate) fn take_shot(&mut self) {
+        let taken = self.shot.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
+        let Some(picture) = taken else { return };
+        let Some(path) = self.shot_wanted.take() else { return };
+        let scale = picture.size[0] as f32 / self.ctx.content_rect().width().max(1.0);
+        let area = self.state.live.area;
+        let area = [area.left(), area.top(), area.width(), area.height()]
+            .map(|side| (side * scale).round().max(0.0) as usize);
+        self.workers.file.submit(FileRequest::SaveShot { path, picture, area });
+    }
+
+    fn save_path(&mut self, path: PathBuf) {
+        let Some(scene) = self.state.scene.clone().filter(|_| !self.refuses(Purpose::SavePath)) else {
+            return;
+        };
+        let (camera_path, size) = (self.state.inspector.path.clone(), self.state.export_size());
+        self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size });
     }
 
     fn save_store(&mut self, path: PathBuf) {
@@ -185,12 +244,21 @@ impl OverlookApp {
         }
         let title = match purpose {
             Purpose::SaveStore => "Nothing to save yet",
-            Purpose::ExportPictures | Purpose::ExportFilm => "Nothing to export yet",
+            Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => "Nothing to export yet",
+            Purpose::SavePath => "No camera path to save",
+            Purpose::LoadPath => "No scene for a camera path",
             _ => return false,
         };
-        let exports = matches!(purpose, Purpose::ExportPictures | Purpose::ExportFilm);
+        let exports = matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm);
         let text = if self.state.scene.is_none() {
             "Open a capture or a store first."
+        } else if purpose == Purpose::LoadPath {
+            return false;
+        } else if purpose == Purpose::SavePath {
+            if self.state.inspector.path.pictures() > 0 {
+                return false;
+            }
+            NO_KEYS
         } else if !self.state.is_whole_ready() && self.state.stopped {
             "The whole capture is not pruned with these settings; recompute it (below), then try again."
         } else if !self.state.is_whole_ready() {
@@ -212,9 +280,11 @@ fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::SaveSettings => "settings.toml".to_owned(),
         Purpose::SavePicture => "picture.png".to_owned(),
         Purpose::SaveTable(table) => table.file().to_owned(),
-        Purpose::ExportPictures => "pictures".to_owned(),
+        Purpose::SaveShot => "view.png".to_owned(),
+        Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
         Purpose::ExportFilm => "video.mp4".to_owned(),
-        Purpose::OpenFile | Purpose::OpenFolder | Purpose::LoadSettings => String::new(),
+        Purpose::SavePath => "transforms.json".to_owned(),
+        Purpose::OpenFile | Purpose::OpenFolder | Purpose::LoadSettings | Purpose::LoadPath => String::new(),
     }
 }
 

@@ -8,9 +8,9 @@ use egui::{TextureFilter, TextureOptions};
 use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
-    self, Accuracy, CompareChoice, CompareKey, DockView, Exported, LivePicture, Message, NoticeKind,
-    OpenScene, OrbitCamera, Origin, PictureDifference, PixelSource, Probed, ShownComparison, ShownPicture,
-    SourceLook, Spot, Texture, Whole, and_others, method_of,
+    self, Accuracy, CompareChoice, CompareKey, Display, DockView, Exported, LivePicture, Message, NoticeKind,
+    OpenScene, OrbitCamera, Origin, PictureDifference, PixelSource, Probed, Ruler, ShownCameras,
+    ShownComparison, ShownPicture, SourceLook, Spot, Texture, Unit, Whole, and_others, method_of,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::error::Error;
@@ -76,6 +76,8 @@ impl OverlookApp {
                 self.refresh_busy();
             }
             Message::Exported { path, exported } => self.exported(&path, &exported),
+            Message::PathSaved { path, saved } => self.path_saved(&path, saved),
+            Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),
             Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
             Message::DestinationChecked { destination, taken } => {
@@ -200,6 +202,11 @@ impl OverlookApp {
         state.live_shown = None;
         state.timeline.frame = 0;
         state.timeline.playing = false;
+        state.timeline.range = None;
+        state.live.cameras = ShownCameras::default();
+        state.live.ruler = Ruler::default();
+        state.live.unit = Unit::default();
+        state.display = Display::default();
         state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
         state.live.orbit = OrbitCamera::home(scene);
         state.inspector.saved = scene.capture().map(|_| state.settings.clone());

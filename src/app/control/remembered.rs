@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::app::dock::Dock;
-use crate::app::model::{SettingsSlot, State};
+use crate::app::model::{Guides, SettingsSlot, State};
 use crate::settings::Settings;
 
 const KEY: &str = "overlook";
@@ -27,6 +27,7 @@ pub(crate) struct Memory {
     is_b_on: bool,
     frames_per_second: f32,
     show_cameras: bool,
+    guides: Guides,
     layout: String,
     introduced: bool,
     presets: Vec<(String, String)>,
@@ -55,6 +56,7 @@ impl Memory {
             is_b_on: history.slot == SettingsSlot::B,
             frames_per_second: state.timeline.frames_per_second,
             show_cameras: state.live.show_cameras,
+            guides: state.live.guides,
             layout: dock.to_json(),
             introduced: state.inspector.introduced,
             presets: (state.inspector.presets.iter())
@@ -79,6 +81,7 @@ impl Memory {
         state.inspector.history.slot = if self.is_b_on { SettingsSlot::B } else { SettingsSlot::A };
         state.timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
         state.live.show_cameras = self.show_cameras;
+        state.live.guides = self.guides;
         state.inspector.introduced = self.introduced;
         state.inspector.presets = (self.presets.into_iter())
             .filter_map(|(name, text)| Some((name, Settings::from_toml(&text, "preset").ok()?)))

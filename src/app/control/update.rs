@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::paths::lasting;
 use crate::app::model::{
-    self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, StoppableWork,
+    self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, StoppableWork, ViewCommand,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::OpenRequest;
@@ -22,6 +22,7 @@ impl OverlookApp {
             .and_then(|command| self.apply_to_inspector(command))
             .and_then(|command| self.apply_to_path(command))
             .and_then(|command| self.apply_to_window(command))
+            .and_then(|command| self.apply_to_view(command))
             .and_then(|command| self.apply_to_views(command));
         match rest {
             Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_))) => self.ask_to_open(command),
@@ -40,6 +41,8 @@ impl OverlookApp {
                 step if step > 0 => egui::gui_zoom::zoom_in(&self.ctx),
                 _ => egui::gui_zoom::zoom_out(&self.ctx),
             },
+            Some(Command::Display(display)) => self.state.display = display,
+            Some(Command::LiveArea(area)) => self.state.live.area = area,
             Some(Command::Dark(dark)) => self.state.dark = dark,
             Some(Command::Holes(holes)) => self.show_holes(holes),
             Some(Command::Dismiss(id)) => self.state.notices.retain(|notice| notice.id != id),
@@ -59,6 +62,8 @@ impl OverlookApp {
                 timeline.playing = frames > 1 && !timeline.playing;
                 timeline.elapsed_secs = 0.0;
             }
+            Command::LoopRange(range) => timeline.range = range,
+            Command::PingPong(on) => (timeline.ping_pong, timeline.backward) = (on, false),
             Command::FramesPerSecond(rate) => timeline.frames_per_second = rate.clamp(1.0, 120.0),
             other => return Some(other),
         }
@@ -202,6 +207,9 @@ impl OverlookApp {
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }
+        if self.state.live.ruler.active {
+            return self.apply(Command::View(ViewCommand::Measure(false)));
+        }
         if self.state.inspector.path.playing.take().is_some() || self.state.look.maximized.take().is_some() {
             return;
         }
@@ -231,6 +239,11 @@ fn only_looks(command: &Command) -> bool {
             | Command::Holes(_)
             | Command::ShowCameras(_)
             | Command::Workspace(_)
+            | Command::View(_)
+            | Command::Display(_)
+            | Command::LiveArea(_)
+            | Command::LoopRange(_)
+            | Command::PingPong(_)
             | Command::Maximize(_)
             | Command::ShowArea(..)
             | Command::ShowTotals(_)

@@ -26,7 +26,8 @@ pub(super) fn tree_of(workspace: Workspace) -> Tree<DockView> {
     let root = match workspace {
         Workspace::Explore => {
             let live = tabs(&mut tiles, &[DockView::Live, DockView::Compare]);
-            let side = tabs(&mut tiles, &[DockView::Thresholds, DockView::Path]);
+            let side =
+                tabs(&mut tiles, &[DockView::View, DockView::Color, DockView::Path, DockView::Thresholds]);
             beside(&mut tiles, [live, side], 1.0 - SIDE_SHARE)
         }
         Workspace::Inspect => {
@@ -59,7 +60,7 @@ pub(super) fn tree_of(workspace: Workspace) -> Tree<DockView> {
 
 /// Two rows of views, and the settings beside both.
 fn with_side(tiles: &mut Tiles<DockView>, rows: [TileId; 2]) -> TileId {
-    let side = tabs(tiles, &[DockView::Thresholds, DockView::Report]);
+    let side = tabs(tiles, &[DockView::Thresholds, DockView::Report, DockView::View, DockView::Color]);
     let rows = tiles.insert_container(Linear::new_binary(LinearDir::Vertical, rows, 1.0 - LOWER_SHARE));
     beside(tiles, [rows, side], 1.0 - SIDE_SHARE)
 }

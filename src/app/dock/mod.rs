@@ -171,8 +171,8 @@ fn maximized_ui(ui: &mut Ui, view: DockView, mut draw: impl FnMut(&mut Ui, DockV
         ui.set_min_width(width);
         ui.add_space(space::MEDIUM);
         let tokens = Tokens::in_ui(ui);
-        let name = egui::Label::new(egui::RichText::new(view.name_and_help().0).color(tokens.text));
-        let name = ui.add(name.sense(Sense::click()));
+        let name = egui::RichText::new(view.name_and_help().0).color(tokens.text);
+        let name = ui.add(egui::Button::new(name).frame(false));
         restores |= name.on_hover_text("Double-click to restore.").double_clicked();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_space(space::MEDIUM);
@@ -213,9 +213,9 @@ mod tests {
         assert!(again.holds(DockView::Log));
         again.show_workspace(Workspace::Explore);
         assert!(!again.holds(DockView::Log));
-        let mut old = layouts::tree_of(Workspace::Inspect);
-        old.tiles.insert_pane(DockView::Stability);
-        let old = Dock::from_json(&serde_json::to_string(&old).unwrap());
+        let mut old = Dock::new();
+        old.open(DockView::Stability);
+        let old = Dock::from_json(&serde_json::to_string(old.tree_mut()).unwrap());
         assert!(old.holds(DockView::Stability) && old.workspace() == Workspace::Inspect);
     }
 

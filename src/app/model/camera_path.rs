@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use super::orbit_camera::OrbitCamera;
 use crate::capture::Intrinsics;
+use crate::capture::transforms::PathView;
 use crate::render::Vantage;
 use crate::render::film;
 
@@ -30,13 +31,15 @@ pub(crate) struct CameraPath {
     pub pictures_per_leg: usize,
     /// Columns and rows of exported pictures, where they were chosen.
     pub size: Option<[u32; 2]>,
+    /// The keys as they were saved or opened last.
+    pub saved: Vec<SavedPathKey>,
     /// The picture that is played; `None` while it does not play.
     pub playing: Option<f32>,
 }
 
 impl Default for CameraPath {
     fn default() -> Self {
-        Self { keys: Vec::new(), pictures_per_leg: 48, size: None, playing: None }
+        Self { keys: Vec::new(), pictures_per_leg: 48, size: None, saved: Vec::new(), playing: None }
     }
 }
 
@@ -67,6 +70,33 @@ impl CameraPath {
         orbit.lens = lens_between([from.orbit.lens, to.orbit.lens], share);
         orbit.pivot_distance = between(from.orbit.pivot_distance, to.orbit.pivot_distance);
         Some(SavedPathKey { orbit, frame: between(from.frame as f64, to.frame as f64).round() as usize })
+    }
+
+    /// Whether the keys stand in a file, as far as there are any.
+    pub(crate) fn is_saved(&self) -> bool {
+        self.keys.is_empty() || self.keys == self.saved
+    }
+
+    /// Takes over how many pictures lie between keys, and their size, from the pictures of a path.
+    pub(crate) fn take_pace_of(&mut self, views: &[PathView]) {
+        let mut keys = views.iter().enumerate().filter(|(_, view)| view.is_key).map(|(index, _)| index);
+        if let (Some(first), Some(second)) = (keys.next(), keys.next())
+            && second > first + 1
+        {
+            self.pictures_per_leg = second - first;
+        }
+        self.size = views.first().map(|view| [view.camera.intrinsics.width, view.camera.intrinsics.height]);
+    }
+
+    /// The pictures of the path as a manifest holds them, of a scene whose frames have these numbers.
+    pub(crate) fn views(&self, size: [u32; 2], frame_numbers: &[i64]) -> Vec<PathView> {
+        let vantages = self.vantages(size, frame_numbers.len()).into_iter().enumerate();
+        let view = |(index, Vantage { camera, frame }): (usize, Vantage)| PathView {
+            camera,
+            frame_number: frame_numbers.get(frame).copied().unwrap_or_default(),
+            is_key: index % self.pictures_per_leg == 0,
+        };
+        vantages.map(view).collect()
     }
 
     /// Every picture's vantage, for pictures of `width` by `height` pixels of a scene of `frames` frames.
@@ -104,6 +134,8 @@ pub(crate) struct ExportTarget {
     pub path: PathBuf,
     /// How many pictures a film shows a second; `None` for a folder.
     pub film_rate: Option<f64>,
+    /// Whether a folder receives EXR of linear color and depth in place of PNG.
+    pub linear: bool,
 }
 
 impl ExportTarget {
@@ -139,7 +171,7 @@ mod tests {
             orbit.world_from_camera.translation = *position;
             SavedPathKey { orbit, frame: index * 10 }
         });
-        CameraPath { keys: keys.collect(), pictures_per_leg: 8, size: None, playing: None }
+        CameraPath { keys: keys.collect(), pictures_per_leg: 8, ..CameraPath::default() }
     }
 
     #[test]

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use super::chart_axis::Quantity;
 use super::charts::Study;
 use super::comparison::CompareLook;
+use super::display::Display;
 use super::live_picture::{ColorBy, HoleDisplay};
 use super::picture_zoom::PictureZoom;
 use super::pixel::Spot;
@@ -14,6 +15,7 @@ use super::purpose::Purpose;
 use super::source_picture::Overlay;
 use super::table::Table;
 use super::view::DockView;
+use super::view_look::ViewCommand;
 use super::workspace::{Area, Workspace};
 use crate::settings::Settings;
 
@@ -93,6 +95,18 @@ pub(crate) enum Command {
     OpenView(DockView),
     ResetLayout,
     Workspace(Workspace),
+    /// What concerns the live view's camera and what surrounds its picture.
+    View(ViewCommand),
+    /// Show colors otherwise in both views.
+    Display(Display),
+    /// Where the live view and its legend lie in the window, points.
+    LiveArea(egui::Rect),
+    /// First and last frame of what is played; all frames by `None`.
+    LoopRange(Option<[usize; 2]>),
+    /// Whether playback turns back at either end.
+    PingPong(bool),
+    /// Take every key out of the camera path.
+    ClearPath,
     /// Let a view fill the window, or put it back where it fills it already; `None` for the view under the pointer.
     Maximize(Option<DockView>),
     ShowArea(Area, bool),

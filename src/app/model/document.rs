@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::command::{Command, HelpPage};
+use super::display::Display;
 use super::inspector::Inspector;
 use super::live_picture::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
 use super::notice::{Notice, NoticeKind, and_others};
@@ -15,7 +16,9 @@ use super::results::{Accuracy, Inspected, Whole, method_of};
 use super::scene::{Content, OpenScene};
 use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
+use super::timeline::Timeline;
 use super::view::DockView;
+use super::view_look::{Guides, Ruler, ShownCameras, Unit};
 use super::workspace::WindowLook;
 use crate::job::Progress;
 use crate::preprocess::PreparedScan;
@@ -23,19 +26,6 @@ use crate::preprocess::diagnostics::Report;
 use crate::preprocess::inspect::FrameInspection;
 use crate::samples::SampleSet;
 use crate::settings::{Fill, Settings};
-
-/// Where in time.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Timeline {
-    pub frame: usize,
-    /// Whether it advances.
-    pub playing: bool,
-    /// Whether it will by itself, once all is known of what is open.
-    pub plays_once_ready: bool,
-    pub frames_per_second: f32,
-    /// Seconds since the last advance.
-    pub elapsed_secs: f32,
-}
 
 /// How the left view looks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -58,6 +48,15 @@ pub(crate) struct LiveLook {
     pub holes: HoleDisplay,
     pub show_cameras: bool,
     pub size: [u32; 2],
+    pub guides: Guides,
+    /// The cameras whose samples are shown.
+    pub cameras: ShownCameras,
+    pub ruler: Ruler,
+    pub unit: Unit,
+    /// Where the view and its legend lie in the window, points.
+    pub area: egui::Rect,
+    /// How fast keys fly, in the speed of a first run.
+    pub fly_speed: f64,
     /// Whether the GPU may paint on the device that draws the window.
     pub shares_device: bool,
 }
@@ -130,6 +129,8 @@ pub(crate) struct State {
     pub open_after_question: Option<Command>,
     pub dark: bool,
     pub look: WindowLook,
+    /// How both views show color.
+    pub display: Display,
     /// What was open lately, the latest first.
     pub recent: Vec<PathBuf>,
     /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
@@ -361,6 +362,12 @@ impl Default for State {
                 holes: HoleDisplay::Filled,
                 show_cameras: true,
                 size: FIRST_SIZE,
+                guides: Guides::default(),
+                cameras: ShownCameras::default(),
+                ruler: Ruler::default(),
+                unit: Unit::default(),
+                area: egui::Rect::NOTHING,
+                fly_speed: 1.0,
                 shares_device: false,
             },
             live_shown: None,
@@ -370,6 +377,7 @@ impl Default for State {
             open_after_question: None,
             dark: true,
             look: WindowLook::default(),
+            display: Display::default(),
             recent: Vec::new(),
             busy: Vec::new(),
         }

@@ -112,7 +112,8 @@ impl Inspector {
         };
         let charts = &self.charts;
         let parts = [
-            counted(self.path.keys.len(), "key").map(|keys| format!("the camera path ({keys})")),
+            counted(if self.path.is_saved() { 0 } else { self.path.keys.len() }, "key")
+                .map(|keys| format!("the camera path ({keys})")),
             counted(charts.sweep.len(), "point").map(|points| format!("the sweep ({points})")),
             counted(charts.stress.len(), "point").map(|points| format!("the stress test ({points})")),
             charts.studying.then(|| "what is being measured".to_owned()),

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use egui::ColorImage;
 
+use super::display::{Display, PictureHistogram};
 use super::source_picture::{AGREEMENT, MOTION};
+use super::view_look::ShownCameras;
 use crate::preprocess::inspect::FrameInspection;
 use crate::render::gpu::ScreenTexture;
 use crate::render::{Painter, Picture, RenderStats, Vantage};
@@ -78,6 +80,9 @@ pub(crate) struct LiveKey {
     /// What was found at the frame, where colors tell of agreement; `None` while it is worked out, and for stores.
     pub inspection: Option<Arc<FrameInspection>>,
     pub holes: HoleDisplay,
+    pub display: Display,
+    /// The cameras whose samples are shown.
+    pub cameras: ShownCameras,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
     /// Whether the next picture follows at once: then its pixels are not read back, and may stay on the GPU.
@@ -102,6 +107,8 @@ impl PartialEq for LiveKey {
             && self.color_by == other.color_by
             && self.inspection.as_ref().map(Arc::as_ptr) == other.inspection.as_ref().map(Arc::as_ptr)
             && self.holes == other.holes
+            && self.cameras == other.cameras
+            && self.display == other.display
             && self.dark == other.dark
             && self.in_motion == other.in_motion
     }
@@ -117,6 +124,8 @@ pub(crate) struct LivePicture {
     /// Columns and rows.
     pub size: [usize; 2],
     pub pixels: PixelSource,
+    /// How bright it is; `None` where its colors are no picture's, and in motion.
+    pub histogram: Option<PictureHistogram>,
     pub stats: RenderStats,
     pub painter: Painter,
     /// Why the renderer of the settings did not paint.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::camera_path::Exported;
+use super::camera_path::{CameraPath, Exported};
 use super::comparison::{CompareKey, PictureDifference};
 use super::histogram::ThresholdHistogram;
 use super::live_picture::{LiveKey, LivePicture};
@@ -12,6 +12,7 @@ use super::purpose::{Destination, Purpose};
 use super::results::{Accuracy, CameraMemory, Inspected};
 use super::scene::OpenScene;
 use super::source_picture::{SourceKey, SourcePicture};
+use crate::capture::transforms::PathView;
 use crate::error::Error;
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::Point;
@@ -102,6 +103,17 @@ pub(crate) enum Message {
         path: PathBuf,
         exported: Exported,
     },
+    /// A camera path is written.
+    PathSaved {
+        path: PathBuf,
+        saved: CameraPath,
+    },
+    /// A camera path is read.
+    PathLoaded {
+        scene: u64,
+        path: PathBuf,
+        views: Vec<PathView>,
+    },
     SettingsLoaded {
         path: PathBuf,
         settings: Settings,
@@ -141,7 +153,8 @@ impl Message {
             | Self::Histograms { scene, .. }
             | Self::MemoryMapped { scene, .. }
             | Self::Swept { scene, .. }
-            | Self::Stressed { scene, .. } => Some(*scene),
+            | Self::Stressed { scene, .. }
+            | Self::PathLoaded { scene, .. } => Some(*scene),
             Self::SourcePainted { key, .. } => Some(key.scene),
             Self::LivePainted { key, .. } => Some(key.scene),
             Self::Compared { key, .. } => Some(key.scene.id),

@@ -12,6 +12,7 @@ mod charts;
 mod command;
 mod comparison;
 pub(crate) mod csv;
+mod display;
 mod document;
 mod frame_timer;
 mod histogram;
@@ -22,6 +23,7 @@ mod notice;
 mod orbit_camera;
 mod picture_zoom;
 mod pixel;
+mod pose;
 mod presets;
 mod purpose;
 mod results;
@@ -31,9 +33,11 @@ mod source_picture;
 mod table;
 mod text;
 mod texture;
+mod timeline;
 mod undo;
 pub(crate) mod verdict_text;
 mod view;
+mod view_look;
 mod workspace;
 
 pub(crate) use camera_path::{CameraPath, ExportTarget, Exported, NO_KEYS, SavedPathKey};
@@ -45,6 +49,7 @@ pub(crate) use comparison::{
     CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareSide, CompareVantage, DisplayColors, Mode,
     PictureDifference, ShownComparison,
 };
+pub(crate) use display::{Background, Channel, Display, EXPOSURES, LEVELS, PictureHistogram, ToneCurve};
 pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
@@ -54,6 +59,7 @@ pub(crate) use notice::{Notice, NoticeKind, and_others};
 pub(crate) use orbit_camera::OrbitCamera;
 pub(crate) use picture_zoom::PictureZoom;
 pub(crate) use pixel::{ProbeKey, Probed, Spot};
+pub(crate) use pose::{ANGLES_OF_VIEW, ViewAngles};
 pub(crate) use presets::{PRESETS, keep};
 pub(crate) use purpose::{Destination, Purpose, TypedPath};
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
@@ -64,4 +70,5 @@ pub(crate) use text::{bytes, count, percent, sentence, significant, time_left, w
 pub(crate) use texture::Texture;
 pub(crate) use undo::SettingsSlot;
 pub(crate) use view::DockView;
+pub(crate) use view_look::{FLY_SPEEDS, FrameGuide, Guides, Ruler, ShownCameras, Unit, ViewCommand};
 pub(crate) use workspace::{Area, Workspace};

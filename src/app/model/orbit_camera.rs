@@ -33,7 +33,7 @@ pub(crate) struct OrbitCamera {
     home_distance: f64,
     /// The lens, as the camera it was taken from had it.
     pub lens: Intrinsics,
-    up_in_world: DVec3,
+    pub(super) up_in_world: DVec3,
 }
 
 impl OrbitCamera {

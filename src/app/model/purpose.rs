@@ -22,21 +22,29 @@ pub(crate) enum Purpose {
     SaveTable(Table),
     /// Write the pictures of the camera path into a folder.
     ExportPictures,
+    /// Write the picture of the live view with all that lies over it, and its legend.
+    SaveShot,
+    /// Write the pictures of the camera path into a folder, as EXR with depth.
+    ExportExr,
     /// Write a film of the camera path.
     ExportFilm,
+    /// Write the camera path as a manifest.
+    SavePath,
+    /// Read a camera path from a manifest.
+    LoadPath,
 }
 
 impl Purpose {
     /// Whether something is written to the path.
     pub(crate) fn writes(self) -> bool {
-        !matches!(self, Self::OpenFile | Self::OpenFolder | Self::LoadSettings)
+        !matches!(self, Self::OpenFile | Self::OpenFolder | Self::LoadSettings | Self::LoadPath)
     }
 
     /// Name of the worker that reads or writes there.
     pub(crate) fn worker(self) -> &'static str {
         match self {
             Self::OpenFile | Self::OpenFolder => "Open",
-            Self::ExportPictures | Self::ExportFilm => "Export",
+            Self::ExportPictures | Self::ExportExr | Self::ExportFilm => "Export",
             _ => "File",
         }
     }
@@ -52,6 +60,10 @@ impl Purpose {
             Self::SavePicture => "Save the picture",
             Self::SaveTable(_) => "Save a table as CSV",
             Self::ExportPictures => "Export pictures into a folder",
+            Self::SaveShot => "Save the view with its legend",
+            Self::ExportExr => "Export EXR pictures into a folder",
+            Self::SavePath => "Save the camera path",
+            Self::LoadPath => "Open a camera path",
             Self::ExportFilm => "Export a video",
         }
     }
@@ -67,6 +79,10 @@ impl Purpose {
             Self::SaveTable(_) => "Save … as CSV to path",
             Self::ExportPictures => "Pictures to path…",
             Self::ExportFilm => "Video to path…",
+            Self::SaveShot => "Save view with legend to path…",
+            Self::ExportExr => "EXR pictures to path…",
+            Self::SavePath => "Save camera path to path…",
+            Self::LoadPath => "Open camera path from path…",
         }
     }
 }

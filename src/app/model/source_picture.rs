@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::ColorImage;
 
+use super::display::{Display, PictureHistogram};
 use crate::grid::Grid;
 use crate::preprocess::inspect::FrameInspection;
 
@@ -81,6 +82,7 @@ pub(crate) struct SourceKey {
     pub against: Option<usize>,
     /// The camera that alone is shown in its color; `None` for all.
     pub isolated: Option<usize>,
+    pub display: Display,
     /// Dark or light, as overlays use colors of the theme.
     pub dark: bool,
     /// The verdicts; `None` for the bare picture.
@@ -91,7 +93,8 @@ impl PartialEq for SourceKey {
     fn eq(&self, other: &Self) -> bool {
         let inputs = |key: &Self| {
             let inspection = key.inspection.as_ref().map(Arc::as_ptr);
-            (key.scene, key.camera, key.frame, key.overlay, key.against, key.isolated, key.dark, inspection)
+            let look = (key.overlay, key.against, key.isolated, key.dark, key.display);
+            (key.scene, key.camera, key.frame, look, inspection)
         };
         inputs(self) == inputs(other)
     }
@@ -163,4 +166,6 @@ pub(crate) struct SourcePicture {
     /// Columns and rows of the picture itself.
     pub size: [usize; 2],
     pub legend: Legend,
+    /// How bright it is; `None` where its colors are no picture's.
+    pub histogram: Option<PictureHistogram>,
 }

@@ -19,11 +19,13 @@ pub(crate) enum DockView {
     Stability,
     Path,
     Log,
+    View,
+    Color,
 }
 
 impl DockView {
     /// Every view in the order of the menu: its name on its tab, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 14] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 16] = [
         (Self::Source, "Source", "What a camera saw, and what became of each of its pixels."),
         (Self::Live, "Live view", "The kept samples, rendered from any viewpoint."),
         (
@@ -40,6 +42,16 @@ impl DockView {
         (Self::Report, "Report", "What was pruned, by which rule and for which camera."),
         (Self::Tradeoff, "Sweep", "What each setting costs, and how close it comes to the truth."),
         (Self::Stability, "Stress test", "When accuracy breaks under disturbances."),
+        (
+            Self::View,
+            "View",
+            "The live view's lens, pose and guides, and the cameras whose samples it shows.",
+        ),
+        (
+            Self::Color,
+            "Color",
+            "How both views show color: exposure, tone curve, channel, background; histograms.",
+        ),
         (Self::Path, "Camera path", "A camera path: set keys, play it, export it as pictures."),
         (Self::Log, "Log", "What happened, in order."),
     ];
@@ -54,7 +66,7 @@ impl DockView {
         match self {
             Self::Source => Some(Area::Source),
             Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => None,
-            Self::Thresholds | Self::Report => Some(Area::Side),
+            Self::Thresholds | Self::Report | Self::View | Self::Color => Some(Area::Side),
             _ => Some(Area::Lower),
         }
     }
@@ -63,7 +75,7 @@ impl DockView {
     pub(crate) fn neighbor(self) -> Self {
         match self {
             Self::Source | Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => Self::Live,
-            Self::Thresholds | Self::Report => Self::Thresholds,
+            Self::Thresholds | Self::Report | Self::View | Self::Color => Self::Thresholds,
             _ => Self::Pixel,
         }
     }

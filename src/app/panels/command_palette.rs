@@ -124,7 +124,9 @@ const CAMERA_KEYS: [[&str; 2]; 9] = [
 ];
 
 fn entries(state: &State) -> Vec<PaletteEntry> {
-    let mut entries = Vec::new();
+    let view_entries = super::view_entries::view_entries(state).into_iter();
+    let mut entries: Vec<_> =
+        view_entries.map(|(name, keys, command)| PaletteEntry { name, keys, command }).collect();
     // Those of a store are not its own, and cannot be seen beside it.
     let turns = state.has_thresholds();
     let mut add = |name: String, keys: &'static str, command: Command| {

@@ -1,5 +1,7 @@
 //! The areas of the window around the views.
 
+mod camera_list;
+mod color_panel;
 mod command_palette;
 mod help;
 mod histogram;
@@ -18,9 +20,11 @@ mod timeline;
 mod top_bar;
 mod totals;
 mod view_entries;
+mod view_panel;
 mod welcome;
 mod workspaces;
 
+pub(crate) use color_panel::color_panel_ui;
 pub(crate) use command_palette::palette_ui;
 pub(crate) use help::help_ui;
 pub(crate) use memory_view::memory_ui;
@@ -34,4 +38,5 @@ pub(crate) use time::time_ui;
 pub(crate) use timeline::timeline_ui;
 pub(crate) use top_bar::top_bar_ui;
 pub(crate) use totals::totals_ui;
+pub(crate) use view_panel::view_panel_ui;
 pub(crate) use welcome::{closing_ui, introduction_ui};

@@ -10,7 +10,7 @@ use crate::app::widgets::{note, text_field_ui, weak};
 fn replaced_words(typed: &TypedPath) -> String {
     let path = typed.text.trim();
     match typed.purpose {
-        Purpose::ExportPictures => {
+        Purpose::ExportPictures | Purpose::ExportExr => {
             format!(
                 "Replace pictures in {path}? It holds files already; those of the same name will be replaced."
             )
@@ -29,10 +29,13 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         }
         Purpose::SaveStore => ("Save", ".ovl file"),
         Purpose::SaveSettings => ("Save", ".toml file"),
-        Purpose::SavePicture => ("Save", ".png file"),
         Purpose::SaveTable(_) => ("Save", ".csv file"),
-        Purpose::ExportPictures => ("Export", "folder"),
+        Purpose::SaveShot => ("Save", ".png file"),
+        Purpose::SavePicture => ("Save", ".png or .exr file"),
+        Purpose::ExportPictures | Purpose::ExportExr => ("Export", "folder"),
         Purpose::ExportFilm => ("Export", ".mp4, .mkv or .mov file"),
+        Purpose::SavePath => ("Save", "transforms.json"),
+        Purpose::LoadPath => ("Load", "transforms.json"),
         Purpose::LoadSettings => ("Load", ".toml file"),
     };
     let title = if action == "Open" { "Open a capture or a store" } else { purpose.title() };

@@ -13,6 +13,8 @@ fn export_menu_ui(ui: &mut Ui, commands: &mut Commands) {
         for (name, help, command) in [
             ("Pictures…", PICTURES, Command::AskPath(Purpose::ExportPictures)),
             ("Pictures to path…", PICTURES, Command::TypePath(Purpose::ExportPictures)),
+            ("EXR pictures…", EXR, Command::AskPath(Purpose::ExportExr)),
+            ("EXR pictures to path…", EXR, Command::TypePath(Purpose::ExportExr)),
             ("Video…", VIDEO, Command::AskPath(Purpose::ExportFilm)),
             ("Video to path…", VIDEO, Command::TypePath(Purpose::ExportFilm)),
         ] {
@@ -24,6 +26,7 @@ fn export_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     menu.response.on_disabled_hover_text("A path needs two keys at least.");
 }
 
+const EXR: &str = "A folder of numbered EXR pictures: linear color, coverage and depth.";
 const PICTURES: &str = "A folder of numbered PNG pictures.";
 const VIDEO: &str = "A video at the frame rate of the timeline, through the ffmpeg on this machine.";
 
@@ -52,6 +55,7 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if ui.button("Add key here (K)").clicked() {
                 commands.push(Command::AddKey);
             }
+            path_file_ui(ui, false, commands);
         });
         return;
     }
@@ -73,6 +77,7 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         }
         size_ui(ui, state.export_size(), commands);
         ui.add_space(space::MEDIUM);
+        path_file_ui(ui, ready, commands);
         ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
         let [width, height] = state.export_size();
         let facts = format!("{} pictures, {width}×{height}", path.pictures());
@@ -80,6 +85,26 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
     keys_ui(ui, state, commands);
 }
+
+/// The path's file.
+fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
+    ui.menu_button("Path file…", |ui| {
+        for (name, needs_path, command) in [
+            ("Save camera path…", true, Command::AskPath(Purpose::SavePath)),
+            ("Save camera path to path…", true, Command::TypePath(Purpose::SavePath)),
+            ("Open camera path…", false, Command::AskPath(Purpose::LoadPath)),
+            ("Open camera path from path…", false, Command::TypePath(Purpose::LoadPath)),
+            ("Remove all keys", true, Command::ClearPath),
+        ] {
+            let button = ui.add_enabled(ready || !needs_path, egui::Button::new(name));
+            if button.on_hover_text(PATH_FILE).clicked() {
+                commands.push(command);
+            }
+        }
+    });
+}
+
+const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
 
 fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let keys = &state.inspector.path.keys;

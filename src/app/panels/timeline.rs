@@ -1,7 +1,10 @@
 //! Time: play, scrub, step, and how much of each frame does not hold for all frames.
 
 use egui::{Align, DragValue, Layout, Rect, RichText, Sense, Ui, pos2, vec2};
-use egui_material_icons::icons::{ICON_PAUSE, ICON_PLAY_ARROW, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS};
+use egui_material_icons::icons::{
+    ICON_FIRST_PAGE, ICON_LAST_PAGE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_REPEAT, ICON_SKIP_NEXT,
+    ICON_SKIP_PREVIOUS, ICON_SWAP_HORIZ,
+};
 
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::theme::{Tokens, space};
@@ -41,12 +44,48 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if drag.changed() {
         commands.push(Command::FramesPerSecond(rate));
     }
+    loop_ui(ui, state, commands);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         if let Some(counts) = foreground(state) {
             let here = counts.get(timeline.frame).copied().unwrap_or(0);
             weak(ui, format!("{} time-varying samples", model::count(here)));
         }
     });
+}
+
+/// The range that is played, and how its ends are met.
+fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let (timeline, frames) = (&state.timeline, state.frame_count());
+    ui.add_space(space::SMALL);
+    let here = timeline.frame;
+    for (icon, name, help, range) in [
+        (
+            ICON_FIRST_PAGE,
+            "Loop from here",
+            "Loop from here (I)",
+            timeline.range_from(Some(here), None, frames),
+        ),
+        (ICON_LAST_PAGE, "Loop to here", "Loop to here (O)", timeline.range_from(None, Some(here), frames)),
+    ] {
+        if icon_button(ui, icon, name, help).clicked() {
+            commands.push(Command::LoopRange(Some(range)));
+        }
+    }
+    if let Some([first, last]) = timeline.range {
+        let text = format!("{} – {}", first + 1, last + 1);
+        let clear = ui.button(text).accessible_name("Loop over all frames");
+        if clear.on_hover_text("Loop over all frames again (Shift+I)").clicked() {
+            commands.push(Command::LoopRange(None));
+        }
+    }
+    let (icon, name) = if timeline.ping_pong {
+        (ICON_SWAP_HORIZ, "Play around the ends")
+    } else {
+        (ICON_REPEAT, "Play back and forth")
+    };
+    if icon_button(ui, icon, name, name).clicked() {
+        commands.push(Command::PingPong(!timeline.ping_pong));
+    }
 }
 
 fn foreground(state: &State) -> Option<&[u64]> {
@@ -70,6 +109,14 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     };
     if state.scene.is_none() {
         return;
+    }
+    if state.timeline.range.is_some() {
+        let [first, last] = state.timeline.played(frames);
+        let range = Rect::from_min_max(column(first).min, column(last).max);
+        painter.rect_filled(range, 2.0, tokens.raised_hovered);
+        for x in [range.left(), range.right()] {
+            painter.vline(x, range.y_range(), egui::Stroke::new(2.0, tokens.text_weak));
+        }
     }
     let here = column(state.timeline.frame);
     painter.rect_filled(here.expand2(vec2((1.5 - step / 2.0).max(0.0), 0.0)), 2.0, tokens.accent_faint);

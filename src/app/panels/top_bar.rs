@@ -94,6 +94,8 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ("Save settings to path…", "", true, Command::TypePath(Purpose::SaveSettings)),
             ("Save picture…", "", shown, Command::AskPath(Purpose::SavePicture)),
             ("Save picture to path…", "", shown, Command::TypePath(Purpose::SavePicture)),
+            ("Save view with legend…", "", shown, Command::AskPath(Purpose::SaveShot)),
+            ("Save view with legend to path…", "", shown, Command::TypePath(Purpose::SaveShot)),
             ("Copy picture", "", shown, Command::CopyPicture),
         ] {
             let why_not = if shown {

@@ -1,6 +1,8 @@
 //! What there is to do with the views and the live view's camera, for the command palette.
 
-use crate::app::model::{Area, Command, State, Workspace};
+use glam::DVec3;
+
+use crate::app::model::{Area, Command, Display, FrameGuide, Guides, Purpose, State, ViewCommand, Workspace};
 
 /// Names, keys and commands.
 pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)> {
@@ -21,8 +23,40 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     for (name, keys, command) in [
         ("Maximize or restore a view", "Shift+Space", Command::Maximize(None)),
         ("Full screen", "F11", Command::FullScreen),
+        ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
+        ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
+        ("Measure a distance", "M", Command::View(ViewCommand::Measure(true))),
+        ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
+        ("Loop over all frames", "Shift+I", Command::LoopRange(None)),
+        ("Play back and forth", "", Command::PingPong(true)),
+        ("Play around the ends", "", Command::PingPong(false)),
+        ("Save view with legend", "", Command::AskPath(Purpose::SaveShot)),
+        ("Export EXR pictures of the camera path", "", Command::AskPath(Purpose::ExportExr)),
+        ("Reset colors", "", Command::Display(Display::default())),
+        ("Save camera path", "", Command::AskPath(Purpose::SavePath)),
+        ("Open camera path", "", Command::AskPath(Purpose::LoadPath)),
     ] {
         entries.push((name.to_owned(), keys, command));
     }
+    for (name, axis) in [
+        ("+X", DVec3::NEG_X),
+        ("−X", DVec3::X),
+        ("+Y", DVec3::NEG_Y),
+        ("−Y", DVec3::Y),
+        ("+Z", DVec3::NEG_Z),
+        ("−Z", DVec3::Z),
+    ] {
+        let command = Command::View(ViewCommand::LookAlong(axis));
+        entries.push((format!("View from {name}"), "", command));
+    }
+    for (guide, name, _) in FrameGuide::ALL {
+        let guides = Guides { frame: guide, ..state.live.guides };
+        entries.push((format!("Frame guide: {name}"), "", Command::View(ViewCommand::Guides(guides))));
+    }
+    let cameras = state.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
+    entries.extend(cameras.map(|(index, camera)| {
+        let command = Command::View(ViewCommand::Solo(Some(index)));
+        (format!("Solo camera {}", camera.name), "", command)
+    }));
     entries
 }

@@ -4,17 +4,15 @@ use egui::{Painter, PointerButton, Rect, Response, RichText, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
+use super::cameras_overlay::{self, camera_at, seen_cameras};
 use super::legend;
-use super::overlays::{self, frustum};
-use super::source_view::{self, CAMERA_LIST_WIDTH, FOOTER};
-use crate::app::camera_cues;
+use super::source_view::{self, FOOTER};
+use super::{go_to, guides, overlays};
 use crate::app::model::verdict_text as words;
-use crate::app::model::{self, ColorBy, Command, Commands, HoleDisplay, Spot, State};
+use crate::app::model::{self, ColorBy, Command, Commands, HoleDisplay, Spot, State, ViewCommand};
 use crate::app::theme::Tokens;
-use crate::app::widgets::{
-    self, camera_choices, choice_ui, icon_button, one_line, picture, scrolled, segments_ui, waiting,
-};
-use crate::render::NO_IMAGE;
+use crate::app::widgets::{self, icon_button, one_line, picture, scrolled, segments_ui, waiting};
+use crate::render::{NO_IMAGE, Picture};
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -22,13 +20,14 @@ const ORBIT_PER_POINT: f64 = 0.008;
 /// Largest side of the live view in pixels that is asked for, so that turning stays smooth on large displays.
 const LARGEST_SIDE: f32 = 1600.0;
 
-/// Length of a camera's pyramid, as a share of its distance to what all look at.
-const PYRAMID: f64 = 0.12;
-
 /// Depths that differ by less than this share are taken for one surface.
 const NEARLY: f64 = 0.03;
 
 pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let area = ui.max_rect();
+    if area != state.live.area {
+        commands.push(Command::LiveArea(area));
+    }
     header_ui(ui, state, commands);
     let available = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(available.min, available.max - vec2(0.0, FOOTER));
@@ -55,7 +54,6 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 /// Places to go to, and whether cameras are drawn; from right to left.
 pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(scene) = &state.scene else { return };
     let (icon, name) = if state.live.show_cameras {
         (ICON_VIDEOCAM, "Hide cameras")
     } else {
@@ -67,14 +65,11 @@ pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Command
     if icon_button(ui, ICON_HOME, "Reset view", "Back to the start view (Home)").clicked() {
         commands.push(Command::Home);
     }
-    let mut places = vec![(usize::MAX, "Go to…", "View the scene from a camera.")];
-    places.extend(camera_choices(&scene.cameras));
-    if let Some(camera) = choice_ui(ui, "Go to camera", usize::MAX, &places, CAMERA_LIST_WIDTH) {
-        commands.push(Command::JumpTo(camera));
-    }
+    go_to::go_to_ui(ui, state, commands);
 }
 
-fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands) {
+fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
+    let canvas = guides::picture_area(room, state);
     let (response, painter) = widgets::canvas_ui(ui, canvas, "live picture", "Live picture");
     let pixels = canvas.size() * ui.ctx().pixels_per_point();
     let shrink = (LARGEST_SIDE / pixels.max_elem()).min(1.0);
@@ -87,15 +82,33 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     } else if !state.is_frame_failed() {
         waiting(ui, canvas, 28.0);
     }
-    if state.live.show_cameras {
-        cameras_overlay(ui, &painter, canvas, state);
+    let seen = state.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
+    let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
+    cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
+    let is_taken = cameras_overlay::answer(ui, &response, state, pointed_at, commands);
+    motion(ui, &response, canvas, state, (is_taken, commands));
+    guides::guides_ui(ui, &painter, canvas, state, commands);
+    mark_probe(&painter, canvas, state);
+    if state.live.ruler.active {
+        measure_ui(ui, &response, canvas, state, commands);
+    } else if !is_taken {
+        probe_ui(&response, canvas, state, commands);
     }
-    motion(ui, &response, canvas, state, commands);
-    probe_ui(&response, &painter, canvas, state, commands);
 }
 
-/// Marks the selected pixel, and selects the one under the pointer.
-fn probe_ui(response: &Response, painter: &Painter, canvas: Rect, state: &State, commands: &mut Commands) {
+/// A click picks a point to measure from or to.
+fn measure_ui(ui: &Ui, response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
+    if response.hovered() {
+        ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
+    }
+    let clicked = response.interact_pointer_pos().filter(|_| response.clicked());
+    if let Some(point) = clicked.and_then(|at| point_under(state, canvas, at)) {
+        commands.push(Command::View(ViewCommand::PickPoint(point)));
+    }
+}
+
+/// Marks the selected pixel.
+fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
     let probe = &state.inspector.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
     if let (Some(point), Some(orbit)) = (point, &state.live.orbit) {
@@ -107,6 +120,10 @@ fn probe_ui(response: &Response, painter: &Painter, canvas: Rect, state: &State,
             overlays::mark(&painter, at, is_seen, probe.pinned, Tokens::of(state.dark));
         }
     }
+}
+
+/// Selects the pixel under the pointer.
+fn probe_ui(response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
     let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };
     let [width, height] = shown.picture.size;
     let share = (pointer - canvas.min) / canvas.size();
@@ -118,77 +135,28 @@ fn probe_ui(response: &Response, painter: &Painter, canvas: Rect, state: &State,
 
 /// Whether a sample in the live picture shows the surface at this place and depth, and nothing before it.
 fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
-    let Some(picture) = state.live_shown.as_ref().and_then(|shown| shown.picture.rendered()) else {
-        return false;
-    };
+    let has_sample =
+        pixel_at(state, canvas, at).is_some_and(|(picture, place)| picture.image[place] != NO_IMAGE);
+    has_sample && inverse_depth_at(state, canvas, at).is_some_and(|w| (w * depth - 1.0).abs() < NEARLY)
+}
+
+/// Whether the live picture shows nothing nearer than this depth at a place; `None` where that is not known.
+pub(super) fn is_seen(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> Option<bool> {
+    inverse_depth_at(state, canvas, at).map(|inverse_depth| inverse_depth * depth <= 1.0)
+}
+
+/// Inverse depth of the live picture at a place; negative in holes, `None` where its pixels cannot be read.
+fn inverse_depth_at(state: &State, canvas: Rect, at: egui::Pos2) -> Option<f64> {
+    pixel_at(state, canvas, at).map(|(picture, place)| f64::from(picture.inverse_depth[place]))
+}
+
+/// The live picture, and its column and row at a place.
+fn pixel_at(state: &State, canvas: Rect, at: egui::Pos2) -> Option<(&Picture, (usize, usize))> {
+    let picture = state.live_shown.as_ref()?.picture.rendered()?;
     let share = (at - canvas.min) / canvas.size();
-    if share.x < 0.0 || share.y < 0.0 {
-        return false;
-    }
     let (width, height) = picture.image.size();
-    let (x, y) = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
-    let has_sample = picture.image.get(x, y).is_some_and(|image| *image != NO_IMAGE);
-    has_sample && (f64::from(picture.inverse_depth[(x, y)]) * depth - 1.0).abs() < NEARLY
-}
-
-fn cameras_overlay(ui: &Ui, painter: &Painter, canvas: Rect, state: &State) {
-    let (Some(scene), Some(orbit)) = (&state.scene, &state.live.orbit) else { return };
-    let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
-    let mut names = Vec::new();
-    for (index, camera) in scene.cameras.iter().enumerate() {
-        let to_pivot = (scene.pivot_in_world - camera.position_in_world()).length();
-        let apart = (vantage.position_in_world() - camera.position_in_world()).length();
-        let length = PYRAMID * to_pivot;
-        // From inside, a pyramid would only cross the picture: coming near, it fades.
-        let presence = (apart / length - 1.0).clamp(0.0, 1.0) as f32;
-        if presence == 0.0 {
-            continue;
-        }
-        let shape = frustum(camera, &vantage, length);
-        let selected = index == state.source.camera && state.has_capture();
-        let color = camera_cues::color(index).gamma_multiply(presence);
-        let stroke = egui::Stroke::new(if selected { 2.5 } else { 1.5 }, color);
-        for line in shape.lines {
-            painter.line_segment(line.map(|point| canvas.min + point.to_vec2()), stroke);
-        }
-        let apex = shape.apex.map(|apex| canvas.min + apex.to_vec2());
-        if let Some(apex) = apex.filter(|apex| canvas.contains(*apex)) {
-            names.push(CameraLabel { name: &camera.name, apex, is_chosen: selected, apart, presence });
-        }
-    }
-    names_overlay(ui, painter, canvas, names);
-}
-
-/// The name of a camera in view.
-struct CameraLabel<'a> {
-    name: &'a str,
-    apex: egui::Pos2,
-    is_chosen: bool,
-    /// How far away the camera is.
-    apart: f64,
-    /// How much of it is to be seen, 0 to 1.
-    presence: f32,
-}
-
-/// Of names that overlap only one is drawn: the chosen camera's, then the nearest.
-fn names_overlay(ui: &Ui, painter: &Painter, canvas: Rect, mut names: Vec<CameraLabel<'_>>) {
-    let tokens = Tokens::in_ui(ui);
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    names.sort_by(|a, b| b.is_chosen.cmp(&a.is_chosen).then(a.apart.total_cmp(&b.apart)));
-    let mut plates: Vec<Rect> = Vec::new();
-    for CameraLabel { name, apex, presence, .. } in names {
-        let text = tokens.on_scrim.gamma_multiply(presence);
-        let galley = painter.layout_no_wrap(name.to_owned(), font.clone(), text);
-        let size = galley.size() + vec2(8.0, 4.0);
-        let corner = (apex + vec2(6.0, -18.0)).clamp(canvas.min, (canvas.max - size).max(canvas.min));
-        let plate = Rect::from_min_size(corner, size);
-        if plates.iter().any(|other| other.intersects(plate)) {
-            continue;
-        }
-        plates.push(plate);
-        painter.rect_filled(plate, 4.0, tokens.scrim.gamma_multiply(presence));
-        painter.galley(plate.min + vec2(4.0, 2.0), galley, text);
-    }
+    let place = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
+    (share.min_elem() >= 0.0 && place.0 < width && place.1 < height).then_some((picture.as_ref(), place))
 }
 
 /// The surface point that the live picture shows at a place.
@@ -202,8 +170,15 @@ fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec
     (inverse_depth > 0.0).then(|| shown.key.vantage.camera.unproject(place, 1.0 / inverse_depth))
 }
 
-fn motion(ui: &Ui, response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
-    if response.double_clicked() {
+/// Turns, shifts and zooms the view; `is_taken` where a camera answers clicks.
+fn motion(
+    ui: &Ui,
+    response: &Response,
+    canvas: Rect,
+    state: &State,
+    (is_taken, commands): (bool, &mut Commands),
+) {
+    if response.double_clicked() && !is_taken && !state.live.ruler.active {
         commands.push(Command::Home);
         return;
     }

@@ -1,9 +1,12 @@
 //! The pictures, and what is drawn over them and said about them.
 
+mod cameras_overlay;
 mod cameras_view;
 mod chart_parts;
 mod chart_view;
 mod compare_view;
+mod go_to;
+mod guides;
 mod legend;
 mod live_view;
 mod overlays;

@@ -35,12 +35,12 @@ pub(crate) fn frustum(camera: &Camera, vantage: &Camera, length: f64) -> Frustum
     Frustum { lines, apex: projected(vantage, camera_from_world.transform_point3(apex)) }
 }
 
-fn projected(vantage: &Camera, point_in_camera: DVec3) -> Option<Pos2> {
+pub(super) fn projected(vantage: &Camera, point_in_camera: DVec3) -> Option<Pos2> {
     vantage.intrinsics.project(point_in_camera).map(|pixel| pos2(pixel.x as f32, pixel.y as f32))
 }
 
 /// The part of a segment in camera space that lies before the camera, no nearer than `near`.
-fn clipped([a, b]: [DVec3; 2], near: f64) -> Option<[DVec3; 2]> {
+pub(super) fn clipped([a, b]: [DVec3; 2], near: f64) -> Option<[DVec3; 2]> {
     let cut = |inside: DVec3, outside: DVec3| {
         let share = (inside.z - near) / (inside.z - outside.z);
         inside + (outside - inside) * share

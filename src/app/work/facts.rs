@@ -10,20 +10,27 @@ use crate::preprocess::inspect::{CameraInspection, FrameInspection, explain_pixe
 use crate::render::output::pick;
 use crate::samples::SampleSet;
 
-/// Largest side of a thumbnail, pixels.
-const SIDE: usize = 256;
+/// Largest side of a thumbnail, pixels: of many, smaller ones, as all are sent to the screen at once.
+fn side(cameras: usize) -> usize {
+    match cameras {
+        0..=16 => 256,
+        17..=64 => 128,
+        _ => 64,
+    }
+}
 
 /// How bright pruned pixels are.
 const DIMMED: f32 = 0.45;
 
 /// One picture per camera, in the capture's order.
 pub(crate) fn thumbnails(inspection: &FrameInspection) -> Vec<Arc<ColorImage>> {
-    inspection.cameras.iter().map(|camera| Arc::new(thumbnail(camera))).collect()
+    let side = side(inspection.cameras.len());
+    inspection.cameras.iter().map(|camera| Arc::new(thumbnail(camera, side))).collect()
 }
 
-fn thumbnail(camera: &CameraInspection) -> ColorImage {
+fn thumbnail(camera: &CameraInspection, side: usize) -> ColorImage {
     let (width, height) = camera.verdict.size();
-    let step = width.max(height).div_ceil(SIDE).max(1);
+    let step = width.max(height).div_ceil(side).max(1);
     let size = [width.div_ceil(step), height.div_ceil(step)];
     let mut pixels = Vec::with_capacity(size[0] * size[1]);
     for y in (0..height).step_by(step) {

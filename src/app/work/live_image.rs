@@ -5,18 +5,18 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage};
 use glam::DVec2;
 
+use super::develop::{background_at, displayed, histogram_of};
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix};
-use crate::app::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE};
+use crate::app::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE, ShownCameras};
 use crate::app::theme::Tokens;
-use crate::color::srgb8_from_linear;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::agreement::SampleAgreement;
 use crate::render::gpu::HolePattern;
 use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, WindowPicture, output};
-use crate::samples::SampleSet;
+use crate::samples::{DepthPlane, SampleImage, SampleSet};
 use crate::settings::RenderSettings;
 
 /// Frames whose samples are sent to a GPU in advance.
@@ -28,13 +28,62 @@ const DIMMED: f32 = 0.9;
 /// Opacity of the two stripes over filled holes: what fills them can be made out between the stripes.
 const HATCHING: [f32; 2] = [0.35, 0.85];
 
+/// The samples of the cameras that are on, kept while they stay the same: renderers know samples by where they are.
+#[derive(Default)]
+pub(crate) struct CameraFilter {
+    kept: Option<(Arc<SampleSet>, ShownCameras, Arc<SampleSet>)>,
+}
+
+impl CameraFilter {
+    /// The samples of the cameras that are on; images of others stay in their place, without samples.
+    fn of(&mut self, samples: Arc<SampleSet>, cameras: &ShownCameras) -> Arc<SampleSet> {
+        if cameras.shows_all() {
+            self.kept = None;
+            return samples;
+        }
+        if let Some((of, by, filtered)) = &self.kept
+            && Arc::ptr_eq(of, &samples)
+            && by == cameras
+        {
+            return filtered.clone();
+        }
+        let images = samples.images.iter().map(|image| {
+            if cameras.shows(image.camera as usize) {
+                image.clone()
+            } else {
+                Arc::new(without_samples(image))
+            }
+        });
+        let filtered = Arc::new(SampleSet { images: images.collect(), ..(*samples).clone() });
+        self.kept = Some((samples, cameras.clone(), filtered.clone()));
+        filtered
+    }
+}
+
+fn without_samples(image: &SampleImage) -> SampleImage {
+    SampleImage {
+        camera: image.camera,
+        span: image.span,
+        tiles: Vec::new(),
+        color: Vec::new(),
+        depth: DepthPlane::pack(&[], &[]),
+        normal: image.normal.as_ref().map(|_| Vec::new()),
+    }
+}
+
 /// Renders and colors the picture of `key`.
-pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result<LivePicture> {
+pub(crate) fn paint(
+    renderer: &mut Renderer,
+    filter: &mut CameraFilter,
+    key: &LiveKey,
+    job: &Job,
+) -> Result<LivePicture> {
     let next = key.vantage.frame + 1;
     let samples = match &key.playback {
         None => key.samples.clone(),
         Some(playback) => playback.seen_from(&key.vantage.camera, key.vantage.frame, job)?,
     };
+    let samples = filter.of(samples, &key.cameras);
     let (shown, _) = rayon::join(
         || shown(renderer, &samples, key, job),
         // Errors of reading ahead are reported when the frame is shown.
@@ -43,12 +92,15 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
             key.playback.as_ref().map(|playback| playback.read_ahead_from(&key.vantage.camera, ahead, job))
         },
     );
+    let mut histogram = None;
     let (size, pixels, stats) = match shown? {
         (WindowPicture::OnAdapter(texture), stats) => {
             ([texture.width() as usize, texture.height() as usize], PixelSource::OnAdapter(texture), stats)
         }
         (WindowPicture::InMemory(rendered), stats) => {
             let pixels = colored(&rendered, key);
+            let shows_picture = key.color_by == ColorBy::Picture && !key.in_motion;
+            histogram = shows_picture.then(|| histogram_of(&rendered.color, &pixels, |color| *color));
             let size = [pixels.width(), pixels.height()];
             let image = Arc::new(ColorImage::new(size, pixels.into_vec()));
             (size, PixelSource::InMemory { image, rendered }, stats)
@@ -59,6 +111,7 @@ pub(crate) fn paint(renderer: &mut Renderer, key: &LiveKey, job: &Job) -> Result
         samples,
         size,
         pixels,
+        histogram,
         stats,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
         notice: renderer.notice().map(str::to_owned),
@@ -91,8 +144,9 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let agreement = LiveAgreement::of(key);
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
-        let [r, g, b] = picture.color[(x, y)].map(srgb8_from_linear);
-        let own = Color32::from_rgb(r, g, b);
+        let shows_sky = key.color_by == ColorBy::Picture && picture.inverse_depth[(x, y)] == 0.0;
+        let background = background_at(key.display.background, (x, y)).filter(|_| shows_sky);
+        let own = background.unwrap_or_else(|| displayed(&key.display, picture.color[(x, y)]));
         if image == NO_IMAGE {
             let nth = (x + y) / stripe % 2;
             let pattern = [tokens.hole, tokens.hole_stripe][nth];
@@ -194,6 +248,7 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::model::Display;
     use crate::capture::{Camera, Intrinsics};
     use crate::render::Vantage;
     use crate::settings::Settings;
@@ -222,6 +277,8 @@ mod tests {
             color_by: ColorBy::Picture,
             inspection: None,
             holes: HoleDisplay::Filled,
+            cameras: ShownCameras::default(),
+            display: Display::default(),
             dark: true,
             in_motion: false,
             per_coarse_pixel: 1.0,
@@ -250,6 +307,31 @@ mod tests {
             key.holes = holes;
             assert_eq!(colored(&picture, &key)[(0, 0)], hatched, "there is nothing else to be shown");
         }
+    }
+
+    #[test]
+    fn a_camera_that_is_off_shows_no_sample_and_its_images_keep_their_place() {
+        let image = |camera: u32| {
+            let mut rows = [0; crate::samples::TILE];
+            rows[0] = 1;
+            let tiles = vec![crate::samples::SampleTile { tile_x: 0, tile_y: 0, first: 0, rows }];
+            Arc::new(SampleImage {
+                camera,
+                span: crate::samples::Span { start: 0, end: 1 },
+                color: vec![[half::f16::ONE; 3]],
+                depth: DepthPlane::pack(&tiles, &[0.5]),
+                normal: None,
+                tiles,
+            })
+        };
+        let samples = Arc::new(SampleSet { images: vec![image(0), image(1)], ..(*key(1.0).samples).clone() });
+        let mut filter = CameraFilter::default();
+        let all = filter.of(samples.clone(), &ShownCameras::default());
+        assert!(Arc::ptr_eq(&all, &samples));
+        let cameras = ShownCameras { solo: Some(1), ..ShownCameras::default() };
+        let one = filter.of(samples.clone(), &cameras);
+        assert_eq!(one.images.iter().map(|image| image.len()).collect::<Vec<_>>(), [0, 1]);
+        assert!(Arc::ptr_eq(&one, &filter.of(samples, &cameras)), "kept as long as nothing changes");
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod compare;
+mod develop;
 mod difference;
 mod facts;
 mod files;

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::app::model::{CameraPath, ExportTarget, OpenScene, Study};
+use crate::app::model::{CameraPath, Display, ExportTarget, OpenScene, Study};
 use crate::demo::DemoSpec;
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::Point;
 use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
 use crate::preprocess::inspect::FrameInspection;
+use crate::render::Picture;
 use crate::render::film::FilmSource;
 use crate::samples::SampleSet;
 use crate::settings::{CaptureSettings, RenderSettings, Settings};
@@ -62,9 +63,18 @@ pub(crate) enum FileRequest {
         path: PathBuf,
         settings: Settings,
     },
+    /// Write the picture of the live view, as PNG as it is shown or as EXR as it was rendered, by the path's ending.
     SavePicture {
         path: PathBuf,
         picture: Arc<egui::ColorImage>,
+        rendered: Arc<Picture>,
+        display: Display,
+    },
+    /// Write a part of the window: left, top, columns and rows of its picture.
+    SaveShot {
+        path: PathBuf,
+        picture: Arc<egui::ColorImage>,
+        area: [usize; 4],
     },
     LoadSettings {
         path: PathBuf,
@@ -73,6 +83,17 @@ pub(crate) enum FileRequest {
     SaveText {
         path: PathBuf,
         text: String,
+    },
+    /// Write the pictures of a camera path, of this size, as a manifest.
+    SavePath {
+        path: PathBuf,
+        scene: Arc<OpenScene>,
+        camera_path: CameraPath,
+        size: [u32; 2],
+    },
+    LoadPath {
+        path: PathBuf,
+        scene: u64,
     },
 }
 
@@ -84,10 +105,12 @@ impl FileRequest {
             | Self::SaveAgain { path, .. }
             | Self::SaveSettings { path, .. }
             | Self::SaveText { path, .. }
-            | Self::SavePicture { path, .. } => {
+            | Self::SavePicture { path, .. }
+            | Self::SaveShot { path, .. }
+            | Self::SavePath { path, .. } => {
                 ("Saving stopped", format!("Nothing was written to {}.", path.display()))
             }
-            Self::LoadSettings { path } => {
+            Self::LoadSettings { path } | Self::LoadPath { path, .. } => {
                 ("Loading stopped", format!("Nothing was read from {}.", path.display()))
             }
         }
@@ -120,6 +143,7 @@ pub(crate) struct ExportRequest {
     pub path: CameraPath,
     pub reel: FilmSource,
     pub settings: RenderSettings,
+    pub display: Display,
     /// Columns and rows of the pictures.
     pub size: [u32; 2],
     pub target: ExportTarget,

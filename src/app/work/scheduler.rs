@@ -165,6 +165,7 @@ impl Scheduler {
             overlay: state.source.overlay,
             against: state.source.against,
             isolated: state.inspector.isolated.filter(|_| state.source.overlay.names_cameras()),
+            display: state.display,
             dark: state.dark,
             inspection,
         };
@@ -199,7 +200,8 @@ impl Scheduler {
         let vantage = Vantage { camera: orbit.camera(width, height), frame };
         let on_gpu =
             state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
-        let in_motion = state.live.shares_device && on_gpu && rested < REST;
+        // The adapter shows colors as recorded.
+        let in_motion = state.live.shares_device && on_gpu && rested < REST && state.display.is_neutral();
         let key = LiveKey {
             scene: scene.id,
             samples: samples.clone(),
@@ -212,6 +214,8 @@ impl Scheduler {
                 .filter(|_| state.live.color_by == ColorBy::Agreement)
                 .cloned(),
             holes: state.live.holes,
+            cameras: state.live.cameras.clone(),
+            display: state.display,
             dark: state.dark,
             in_motion,
             per_coarse_pixel: f64::from(width) / f64::from(coarse[0]),
@@ -335,10 +339,11 @@ impl Scheduler {
     }
 
     fn request_thumbs(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
-        let Some(inspection) = state.inspection_here().filter(|_| visible.contains(&DockView::Cameras))
-        else {
-            return;
-        };
+        let guides =
+            state.live.show_cameras && state.live.guides.pictures && visible.contains(&DockView::Live);
+        // In motion they would be made anew for every frame, for nobody to look at.
+        let wanted = visible.contains(&DockView::Cameras) || (guides && !state.timeline.playing);
+        let Some(inspection) = state.inspection_here().filter(|_| wanted) else { return };
         let asked = self.thumbs.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, inspection));
         if let (false, Some(scene)) = (asked, &state.scene) {
             workers.thumbs.submit((scene.id, inspection.clone()));

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
+use super::develop::{background_at, displayed, histogram_of};
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix, recorded, sequential};
 use crate::app::model::{Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture, ranked};
@@ -38,7 +39,10 @@ pub(crate) fn paint_source(
 
 fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
     let tokens = Tokens::of(key.dark);
-    let picture = frame.color.map(|c| recorded(*c));
+    let linear = |c: &[half::f16; 3]| c.map(half::f16::to_f32);
+    let neutral = key.display.is_neutral();
+    let picture = if neutral { frame.color.map(|c| recorded(*c)) } else { shown_picture(key, frame) };
+    let histogram = (key.overlay == Overlay::Color).then(|| histogram_of(&frame.color, &picture, linear));
     let verdicts = key.inspection.as_ref().map(|inspection| &inspection.cameras[key.camera]);
     let (pixels, legend) = match (key.overlay, verdicts) {
         (Overlay::Depth, _) => depth(frame, tokens),
@@ -54,7 +58,16 @@ fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
     let size = [pixels.width(), pixels.height()];
     let pixels = thinned(pixels);
     let image = ColorImage::new([pixels.width(), pixels.height()], pixels.into_vec());
-    SourcePicture { image: Arc::new(image), size, legend }
+    SourcePicture { image: Arc::new(image), size, legend, histogram }
+}
+
+/// The picture by the person's choice of exposure, curve, channel and background.
+fn shown_picture(key: &SourceKey, frame: &Frame) -> Grid<Color32> {
+    Grid::from_fn(frame.color.width(), frame.color.height(), |x, y| {
+        let at_infinity = frame.inverse_depth[(x, y)] == 0.0;
+        let background = background_at(key.display.background, (x, y)).filter(|_| at_infinity);
+        background.unwrap_or_else(|| displayed(&key.display, frame.color[(x, y)].map(half::f16::to_f32)))
+    })
 }
 
 /// Every n-th pixel of a picture that graphics cards may refuse as a texture.

@@ -52,6 +52,7 @@ impl Workers {
         let (measuring, preparing) = (background.clone(), background.clone());
         let (progress, points) = (outbox.clone(), outbox.clone());
         let mut renderer = Renderer::sharing(shared);
+        let mut filter = live_image::CameraFilter::default();
         let mut comparer = Comparer::new(studying.clone());
         Ok(Self {
             open: Worker::start("Open", Supersede::Always, outbox, opening::open)?,
@@ -70,7 +71,7 @@ impl Workers {
                 move |(scene, key): (Arc<OpenScene>, _), _| source_image::paint_source(&scene, key, &decoder),
             )?,
             live: Worker::start("Live view", Supersede::Never, outbox, move |key, job| {
-                let picture = live_image::paint(&mut renderer, &key, job)?;
+                let picture = live_image::paint(&mut renderer, &mut filter, &key, job)?;
                 Ok(Message::LivePainted { key, picture: Arc::new(picture) })
             })?,
             measure: Worker::start("Measure accuracy", Supersede::Always, outbox, move |request, job| {

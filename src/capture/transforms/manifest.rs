@@ -215,6 +215,9 @@ pub(crate) struct PictureEntry {
     #[serde(default)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_file_path: Option<String>,
+    /// Whether a camera path has a key here.
+    #[serde(default)]
+    pub path_key: bool,
     /// Camera to world, row-major, OpenGL axes; 4 rows or 3.
     pub transform_matrix: Vec<Vec<f64>>,
     /// Keys of this entry alone.

@@ -1,0 +1,96 @@
+//! Where in time, and how time passes: over all frames or a range of them, around the ends or back and forth.
+
+/// Where in time.
+#[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "ways in which time passes, each by its name")]
+pub(crate) struct Timeline {
+    pub frame: usize,
+    /// Whether it advances.
+    pub playing: bool,
+    /// Whether it will by itself, once all is known of what is open.
+    pub plays_once_ready: bool,
+    pub frames_per_second: f32,
+    /// Seconds since the last advance.
+    pub elapsed_secs: f32,
+    /// First and last frame of what is played; all frames where there is none.
+    pub range: Option<[usize; 2]>,
+    /// Whether playback turns back at either end.
+    pub ping_pong: bool,
+    /// Whether it goes back now.
+    pub backward: bool,
+}
+
+impl Timeline {
+    /// First and last frame of what is played, of `frames` frames, one at least.
+    pub(crate) fn played(&self, frames: usize) -> [usize; 2] {
+        let last = frames.saturating_sub(1);
+        self.range.map_or([0, last], |[first, end]| {
+            let first = first.min(last);
+            [first, end.clamp(first, last)]
+        })
+    }
+
+    /// Lets time pass by some frames.
+    pub(crate) fn advance(&mut self, by: usize, frames: usize) {
+        let [first, last] = self.played(frames);
+        if !(first..=last).contains(&self.frame) {
+            (self.frame, self.backward) = (first, false);
+            return;
+        }
+        let (length, at) = (last - first, self.frame - first);
+        if !self.ping_pong || length == 0 {
+            self.frame = first + (at + by) % (length + 1);
+            return;
+        }
+        // There and back is one round.
+        let place = if self.backward { 2 * length - at } else { at };
+        let place = (place + by) % (2 * length);
+        self.backward = place >= length;
+        self.frame = first + if self.backward { 2 * length - place } else { place };
+    }
+
+    /// The range with another first frame, or another last one.
+    pub(crate) fn range_from(&self, first: Option<usize>, last: Option<usize>, frames: usize) -> [usize; 2] {
+        let [now_first, now_last] = self.played(frames);
+        match (first, last) {
+            (Some(first), _) => [first, now_last.max(first)],
+            (None, Some(last)) => [now_first.min(last), last],
+            (None, None) => [now_first, now_last],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn played(mut timeline: Timeline, steps: usize) -> Vec<usize> {
+        let step = |_| {
+            timeline.advance(1, 10);
+            timeline.frame
+        };
+        (0..steps).map(step).collect()
+    }
+
+    #[test]
+    fn time_passes_around_the_ends_of_the_range_or_back_and_forth() {
+        let all = Timeline { frame: 8, ..Timeline::default() };
+        assert_eq!(played(all, 3), [9, 0, 1]);
+        let range = Timeline { frame: 4, range: Some([3, 5]), ..Timeline::default() };
+        assert_eq!(played(range, 4), [5, 3, 4, 5]);
+        let outside = Timeline { frame: 9, ..range };
+        assert_eq!(played(outside, 2), [3, 4]);
+        let both_ways = Timeline { ping_pong: true, ..range };
+        assert_eq!(played(both_ways, 6), [5, 4, 3, 4, 5, 4]);
+        let one = Timeline { range: Some([4, 4]), ping_pong: true, ..range };
+        assert_eq!(played(one, 2), [4, 4]);
+    }
+
+    #[test]
+    fn an_end_that_is_moved_past_the_other_takes_it_along() {
+        let timeline = Timeline { range: Some([3, 5]), ..Timeline::default() };
+        assert_eq!(timeline.range_from(Some(7), None, 10), [7, 7]);
+        assert_eq!(timeline.range_from(None, Some(1), 10), [1, 1]);
+        assert_eq!(timeline.played(5), [3, 4], "a range of a longer capture is cut");
+    }
+}

@@ -1,0 +1,270 @@
+//! The live view's camera: moved by numbers, copied and pasted, along paths that are saved; and the cameras that it shows.
+
+use super::driver::{
+    SIZE, Window, choose, click, demo, open, open_view, settle, shows, small_demo, type_path, wait,
+};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+
+/// A window in the workspace that has the View panel beside the live view.
+fn explore() -> Window {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Workspace: Explore");
+    settle(&mut window);
+    window
+}
+
+fn position(window: &Window) -> [f64; 3] {
+    window.state().live_position().unwrap()
+}
+
+fn number(window: &Window, name: &str) -> f64 {
+    let named = window.query_all_by_label(name);
+    named.filter_map(|node| node.accesskit_node().numeric_value()).next().unwrap()
+}
+
+/// Presses at a place in the live picture, as often as asked.
+fn click_at(window: &mut Window, at: egui::Pos2, times: usize) {
+    window.hover_at(at);
+    window.run_steps(2);
+    for pressed in [true, false].repeat(times) {
+        let button = egui::PointerButton::Primary;
+        // Within one frame, as frames of the harness last longer than a double-click.
+        window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE });
+    }
+    window.run_steps(3);
+}
+
+#[test]
+fn the_lens_and_the_pose_are_numbers_that_can_be_set() {
+    let mut window = explore();
+    let before = position(&window);
+    let angle = number(&window, "Field of view");
+    window.get_by_role_and_label(Role::Slider, "Field of view").focus();
+    window.run_steps(2);
+    for _ in 0..5 {
+        window.key_press(Key::ArrowRight);
+        window.run_steps(2);
+    }
+    settle(&mut window);
+    assert!(number(&window, "Field of view") > angle);
+    assert_eq!(position(&window), before, "the lens alone changed, and no frame was stepped");
+    assert_eq!(window.state().frame(), 0);
+    for name in ["Position X", "Position Y", "Position Z", "Heading", "Pitch", "Roll"] {
+        assert!(window.query_by_label(name).is_some(), "{name}");
+    }
+    assert!(window.query_by_label_contains("focal length").is_some());
+    click(&mut window, "View from Z");
+    settle(&mut window);
+    assert!((number(&window, "Pitch") + 90.0).abs() < 0.1, "{}", number(&window, "Pitch"));
+    window.key_press(Key::Home);
+    settle(&mut window);
+    assert_eq!(position(&window), before);
+}
+
+#[test]
+fn a_copied_view_is_pasted_and_what_is_no_view_says_so() {
+    let mut window = explore();
+    let home = position(&window);
+    window.event(egui::Event::Copy);
+    window.step();
+    let mut copied = None;
+    for _ in 0..4 {
+        for command in &window.output().platform_output.commands {
+            if let egui::OutputCommand::CopyText(text) = command {
+                copied = Some(text.clone());
+            }
+        }
+        window.step();
+    }
+    let copied = copied.expect("text on the clipboard");
+    let views =
+        overlook::capture::transforms::path_from_json(copied.as_bytes(), "clipboard".as_ref()).unwrap();
+    assert_eq!(views[0].camera.world_from_camera.translation.to_array(), home);
+    super::driver::drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
+    assert_ne!(position(&window), home);
+    window.event(egui::Event::Paste(copied));
+    settle(&mut window);
+    let apart: f64 = position(&window).iter().zip(home).map(|(a, b)| (a - b).abs()).sum();
+    assert!(apart < 1e-9, "{apart}");
+    window.event(egui::Event::Paste("hello".to_owned()));
+    window.run_steps(3);
+    let notices = window.state().notices();
+    assert!(notices.iter().any(|notice| notice.starts_with("Nothing to paste")), "{notices:?}");
+    assert_eq!(window.state().scene_name(), Some("orrery"));
+}
+
+#[test]
+fn cameras_are_left_out_shown_alone_and_put_back() {
+    let mut window = explore();
+    let all = window.state().live_coverage().unwrap().1;
+    window.get_by_label("Leave out left").scroll_to_me();
+    window.run_steps(3);
+    click(&mut window, "Leave out left");
+    settle(&mut window);
+    assert!(shows(&window, "2 of 3 shown"));
+    let without = window.state().live_coverage().unwrap().1;
+    assert!(without < all, "{without} of {all}");
+    click(&mut window, "Solo left");
+    settle(&mut window);
+    assert!(shows(&window, "1 of 3 shown"));
+    let alone = window.state().live_coverage().unwrap().1;
+    assert!(alone > 0.0 && alone < all, "{alone} of {all}");
+    click(&mut window, "All off");
+    settle(&mut window);
+    assert_eq!(window.state().live_coverage().unwrap().1, 0.0);
+    click(&mut window, "All on");
+    settle(&mut window);
+    assert_eq!(window.state().live_coverage().unwrap().1, all);
+}
+
+#[test]
+fn a_pyramid_is_clicked_to_choose_its_camera_and_double_clicked_to_view_from_it() {
+    let mut window = explore();
+    let canvas = window.get_by_label("Live picture").rect();
+    // From farther away the cameras are in view.
+    window.key_down(Key::S);
+    for _ in 0..60 {
+        window.step();
+        if window.state().cameras_on_screen().len() > 1 {
+            break;
+        }
+    }
+    window.key_up(Key::S);
+    settle(&mut window);
+    let before = window.state().source_camera();
+    let seen = window.state().cameras_on_screen();
+    let (camera, at) = *seen.iter().find(|(camera, _)| *camera != before).expect("a camera in view");
+    let place = canvas.min + canvas.size() * at;
+    click_at(&mut window, place, 1);
+    assert_eq!(window.state().source_camera(), camera);
+    assert_eq!(window.state().probed_pixel(), None, "the picture behind was not clicked");
+    let away = position(&window);
+    std::thread::sleep(std::time::Duration::from_millis(600));
+    window.run_steps(3);
+    click_at(&mut window, place, 2);
+    settle(&mut window);
+    assert_ne!(position(&window), away);
+    let there = window.state().camera_position(camera);
+    assert_eq!(position(&window), there);
+}
+
+#[test]
+fn the_list_to_go_to_is_filtered_by_name() {
+    let mut window = explore();
+    click(&mut window, "Go to camera");
+    window.get_by_label("Filter cameras").type_text("lef");
+    window.run_steps(3);
+    assert!(window.query_by_role_and_label(Role::Button, "left").is_some());
+    window.get_by_label("Filter cameras").type_text("zzz");
+    window.run_steps(3);
+    assert!(shows(&window, "No camera of that name."));
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+}
+
+#[test]
+fn a_camera_path_is_saved_rendered_and_opened_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("transforms.json");
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    window.key_press(Key::K);
+    super::driver::drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
+    window.key_press(Key::Period);
+    window.run_steps(2);
+    window.key_press(Key::K);
+    settle(&mut window);
+    open_view(&mut window, "Camera path");
+    let there = position(&window);
+    type_path(&mut window, "Path file…", "Save camera path to path…", &file, "Save this path");
+    wait(&mut window, "the file", |window| window.state().notices().iter().any(|n| n.starts_with("Saved")));
+    let views = overlook::capture::transforms::open_views(&file).unwrap();
+    assert_eq!(views.len(), 49, "as render --views takes them");
+    click(&mut window, "Path file…");
+    click(&mut window, "Remove all keys");
+    assert!(window.query_by_label("Key 1").is_none());
+    window.key_press(Key::Home);
+    settle(&mut window);
+    type_path(&mut window, "Path file…", "Open camera path from path…", &file, "Load this path");
+    wait(&mut window, "the keys", |window| window.query_by_label("Key 2").is_some());
+    while !window.state().notices().is_empty() {
+        window.key_press(Key::Escape);
+        window.run_steps(2);
+    }
+    click(&mut window, "Key 2");
+    settle(&mut window);
+    let apart: f64 = position(&window).iter().zip(there).map(|(a, b)| (a - b).abs()).sum();
+    assert!(apart < 1e-9 && window.state().frame() == 1, "{apart}");
+    std::fs::write(&file, "no path").unwrap();
+    type_path(&mut window, "Path file…", "Open camera path from path…", &file, "Load this path");
+    wait(&mut window, "the message", |window| {
+        window.state().notices().iter().any(|notice| notice.contains("not a manifest"))
+    });
+}
+
+#[test]
+fn guides_frame_the_picture_lock_its_shape_and_measure_distances() {
+    let mut window = explore();
+    let free = window.get_by_label("Live picture").rect();
+    choose(&mut window, "Frame guide", "Camera");
+    click(&mut window, "Ground grid");
+    settle(&mut window);
+    assert!(shows(&window, "Ground grid"));
+    click(&mut window, "Lock aspect");
+    settle(&mut window);
+    let locked = window.get_by_label("Live picture").rect();
+    assert!((locked.aspect_ratio() - 4.0 / 3.0).abs() < 0.02 && locked.area() < free.area(), "{locked}");
+    window.key_press(Key::M);
+    window.run_steps(2);
+    click_at(&mut window, locked.min + locked.size() * vec2(0.45, 0.6), 1);
+    click_at(&mut window, locked.min + locked.size() * vec2(0.6, 0.62), 1);
+    let distance = window.state().measured_distance().expect("a distance");
+    assert!(distance > 0.01 && distance < 100.0, "{distance}");
+    assert_eq!(window.state().probed_pixel(), None, "no pixel was selected");
+    choose(&mut window, "Unit", "mm");
+    window.run_steps(2);
+    assert!(window.query_all_by_label_contains(" mm").next().is_some());
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert_eq!(window.state().measured_distance(), None);
+}
+
+#[test]
+fn arrows_step_and_a_range_loops_back_and_forth() {
+    let mut window = open(demo(2, 8, (64, 48)), SIZE);
+    settle(&mut window);
+    let press = |window: &mut Window, modifiers, key| {
+        window.key_press_modifiers(modifiers, key);
+        window.run_steps(2);
+        window.state().frame()
+    };
+    assert_eq!(press(&mut window, Modifiers::NONE, Key::ArrowRight), 1);
+    assert_eq!(press(&mut window, Modifiers::SHIFT, Key::ArrowRight), 7);
+    assert_eq!(press(&mut window, Modifiers::COMMAND, Key::Home), 0);
+    assert_eq!(press(&mut window, Modifiers::NONE, Key::ArrowLeft), 7);
+    press(&mut window, Modifiers::COMMAND, Key::Home);
+    for _ in 0..2 {
+        press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    }
+    press(&mut window, Modifiers::NONE, Key::I);
+    for _ in 0..2 {
+        press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    }
+    press(&mut window, Modifiers::NONE, Key::O);
+    assert!(window.query_by_label("Loop over all frames").is_some());
+    click(&mut window, "Play back and forth");
+    click(&mut window, "Play");
+    let mut seen = std::collections::BTreeSet::new();
+    for _ in 0..60 {
+        window.step();
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        seen.insert(window.state().frame());
+    }
+    assert!(seen.len() > 1 && seen.iter().all(|frame| (2..=4).contains(frame)), "{seen:?}");
+    click(&mut window, "Pause");
+    click(&mut window, "Loop over all frames");
+    assert!(window.query_by_label("Loop over all frames").is_none());
+}
