@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
 mod cameras_and_view;
+mod color;
 mod device;
 mod driver;
 mod film;

@@ -133,9 +133,6 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::Undo);
         }
     }
-    if pressed(ctx, Modifiers::NONE, Key::F11) {
-        commands.push(Command::FullScreen);
-    }
     let held = held_keys(ctx);
     if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
         return;
@@ -191,6 +188,9 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 
 /// Keys that hide and show what surrounds the views.
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    if pressed(ctx, Modifiers::NONE, Key::F11) {
+        commands.push(Command::FullScreen);
+    }
     for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
         if pressed(ctx, Modifiers::COMMAND, key) {
             commands.push(Command::ShowArea(area, !state.look.shows(area)));

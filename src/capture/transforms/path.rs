@@ -97,7 +97,8 @@ pub fn path_from_json(text: &[u8], place: &Path) -> Result<Vec<PathView>> {
             Err(Error::invalid(&place, what))
         };
         let intrinsics = pose::intrinsics(&keys, without_size, || 1.0, &place)?;
-        let world_from_camera = pose::world_from_camera(&entry.transform_matrix, &place)?;
+        let world_from_camera =
+            pose::world_from_camera(&entry.transform_matrix, keys.pose_convention(), &place)?;
         let frame_number = keys.frame.or(keys.time).unwrap_or(0.0) as i64;
         let camera = Camera { name: "path".to_owned(), intrinsics, world_from_camera };
         Ok(PathView { camera, frame_number, is_key: entry.path_key || !has_keys })

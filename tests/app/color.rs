@@ -1,0 +1,87 @@
+//! Color in both views, and what is saved of them.
+
+use std::path::Path;
+
+use super::driver::{SIZE, Window, choose, click, open, settle, small_demo, type_path, wait};
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+/// A window in the workspace that has the Color panel beside the live view.
+fn with_colors() -> Window {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    super::driver::open_view(&mut window, "Color");
+    window
+}
+
+/// Mean of the pixels of a part of the window, 0 to 255.
+fn brightness(window: &mut Window, name: &str) -> f64 {
+    let area = window.get_by_label(name).rect();
+    let [x, y, width, height] = [area.min.x, area.min.y, area.width(), area.height()].map(|side| side as u32);
+    let whole = image::DynamicImage::ImageRgba8(window.render().unwrap());
+    let part = whole.crop_imm(x, y, width, height).to_luma8();
+    part.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / f64::from(width * height)
+}
+
+/// Turns a slider up by some steps of its key.
+fn turn_up(window: &mut Window, name: &str, steps: usize) {
+    window.get_by_role_and_label(Role::Slider, name).focus();
+    window.run_steps(2);
+    for _ in 0..steps {
+        window.key_press(Key::ArrowRight);
+        window.run_steps(1);
+    }
+    settle(window);
+}
+
+fn saved(window: &mut Window, entry: &str, path: &Path) {
+    type_path(window, "Save", entry, path, "Save this path");
+    wait(window, "the file", |_| path.is_file());
+}
+
+#[test]
+fn exposure_brightens_both_views_alike_and_is_reset() {
+    let mut window = with_colors();
+    let before = ["Source picture", "Live picture"].map(|name| brightness(&mut window, name));
+    turn_up(&mut window, "Exposure", 12);
+    let after = ["Source picture", "Live picture"].map(|name| brightness(&mut window, name));
+    assert!(before.iter().zip(after).all(|(before, after)| after > 1.2 * before), "{before:?} {after:?}");
+    choose(&mut window, "Channel", "R");
+    choose(&mut window, "Tone curve", "Filmic");
+    settle(&mut window);
+    window.get_by_label("Reset colors").scroll_to_me();
+    window.run_steps(3);
+    click(&mut window, "Reset colors");
+    settle(&mut window);
+    let reset = ["Source picture", "Live picture"].map(|name| brightness(&mut window, name));
+    assert_eq!(reset, before);
+    for name in ["Histogram of the live view", "Histogram of the source"] {
+        assert!(window.query_by_label(name).is_some(), "{name}");
+    }
+    assert!(window.query_all_by_label_contains("at white").count() == 2);
+}
+
+#[test]
+fn pictures_are_saved_with_alpha_with_depth_and_with_their_legend() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = with_colors();
+    window.get_by_label("Background: Transparent").scroll_to_me();
+    window.run_steps(3);
+    choose(&mut window, "Background", "Transparent");
+    settle(&mut window);
+    let [png, exr, shot] = ["a.png", "a.exr", "view.png"].map(|name| folder.path().join(name));
+    saved(&mut window, "Save picture to path…", &png);
+    let picture = image::open(&png).unwrap().to_rgba8();
+    assert!(picture.pixels().any(|pixel| pixel.0[3] == 255));
+    saved(&mut window, "Save picture to path…", &exr);
+    let bytes = std::fs::read(&exr).unwrap();
+    assert!(bytes.starts_with(b"\x76\x2F\x31\x01"));
+    for channel in [b"A\0", b"Z\0"] {
+        assert!(bytes.windows(2).take(400).any(|window| window == channel), "{channel:?}");
+    }
+    saved(&mut window, "Save view with legend to path…", &shot);
+    let shot = image::open(&shot).unwrap();
+    let live = window.get_by_label("Live picture").rect();
+    assert!(shot.width() as f32 >= live.width() && shot.height() as f32 > live.height() + 30.0);
+}
