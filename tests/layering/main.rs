@@ -45,7 +45,7 @@ const STAGES: [(&str, &[&str]); 8] = [
         "render",
         &["input", "geometry", "splat", "free_space", "gather", "resolve", "fill", "output", "gpu", "film"],
     ),
-    ("app", &["model", "work", "control", "views", "panels"]),
+    ("app", &["model", "dock", "work", "control", "views", "panels"]),
     ("capture", &["exr", "pictures", "conventions", "transforms", "recording", "readers"]),
     ("demo", &["tracer", "scenes"]),
     ("store", &["container", "codec", "image", "file", "playback"]),

@@ -14,9 +14,9 @@ use super::pixel::Spot;
 use super::purpose::Purpose;
 use super::source_picture::Overlay;
 use super::table::Table;
-use super::view::DockView;
+use super::view::{Area, DockView};
 use super::view_look::ViewCommand;
-use super::workspace::{Area, Workspace};
+use super::workspace::Workspace;
 use crate::settings::Settings;
 
 /// One wish of the person at the window.

@@ -69,6 +69,6 @@ pub(crate) use table::Table;
 pub(crate) use text::{bytes, count, percent, sentence, significant, time_left, words};
 pub(crate) use texture::Texture;
 pub(crate) use undo::SettingsSlot;
-pub(crate) use view::DockView;
+pub(crate) use view::{Area, DockView};
 pub(crate) use view_look::{FLY_SPEEDS, FrameGuide, Guides, Ruler, ShownCameras, Unit, ViewCommand};
-pub(crate) use workspace::{Area, Workspace};
+pub(crate) use workspace::Workspace;

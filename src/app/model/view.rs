@@ -1,7 +1,5 @@
 //! The views of the window.
 
-use super::workspace::Area;
-
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub(crate) enum DockView {
@@ -79,4 +77,24 @@ impl DockView {
             _ => Self::Pixel,
         }
     }
+}
+
+/// Views that are hidden and shown together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Area {
+    /// The picture of a camera.
+    Source,
+    /// Settings and the report.
+    Side,
+    /// The views about pixels, cameras, time and memory.
+    Lower,
+}
+
+impl Area {
+    /// Every area in the order of the menu: its name, and the keys that hide and show it.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Source, "Source picture", ""),
+        (Self::Side, "Side panel", "Ctrl+B"),
+        (Self::Lower, "Lower panel", "Ctrl+J"),
+    ];
 }

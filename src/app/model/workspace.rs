@@ -1,6 +1,6 @@
 //! Workspaces: arrangements of the views, each for one kind of work; and what of the window is shown.
 
-use super::view::DockView;
+use super::view::{Area, DockView};
 
 /// An arrangement of the views for one kind of work.
 #[derive(
@@ -33,26 +33,6 @@ impl Workspace {
             "Two pictures of one place, beside the live view that they are taken from.",
         ),
         (Self::Measure, "Measure", "What each setting costs in size, time and accuracy."),
-    ];
-}
-
-/// Views that are hidden and shown together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Area {
-    /// The picture of a camera.
-    Source,
-    /// Settings and the report.
-    Side,
-    /// The views about pixels, cameras, time and memory.
-    Lower,
-}
-
-impl Area {
-    /// Every area in the order of the menu: its name, and the keys that hide and show it.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Source, "Source picture", ""),
-        (Self::Side, "Side panel", "Ctrl+B"),
-        (Self::Lower, "Lower panel", "Ctrl+J"),
     ];
 }
 

@@ -3,7 +3,7 @@
 use egui::{Align2, Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2, vec2};
 use glam::{DAffine3, DVec3};
 
-use super::live_view::is_seen;
+use super::live_pixels::is_seen;
 use super::overlays::{clipped, projected};
 use crate::app::model::{Command, Commands, FrameGuide, OrbitCamera, State, ViewCommand};
 use crate::app::theme::Tokens;

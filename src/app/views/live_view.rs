@@ -6,13 +6,14 @@ use glam::DVec2;
 
 use super::cameras_overlay::{self, camera_at, seen_cameras};
 use super::legend;
+use super::live_pixels::{inverse_depth_at, pixel_at};
 use super::source_view::{self, FOOTER};
 use super::{go_to, guides, overlays};
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, ColorBy, Command, Commands, HoleDisplay, Spot, State, ViewCommand};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{self, icon_button, one_line, picture, scrolled, segments_ui, waiting};
-use crate::render::{NO_IMAGE, Picture};
+use crate::render::NO_IMAGE;
 
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
@@ -138,25 +139,6 @@ fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
     let has_sample =
         pixel_at(state, canvas, at).is_some_and(|(picture, place)| picture.image[place] != NO_IMAGE);
     has_sample && inverse_depth_at(state, canvas, at).is_some_and(|w| (w * depth - 1.0).abs() < NEARLY)
-}
-
-/// Whether the live picture shows nothing nearer than this depth at a place; `None` where that is not known.
-pub(super) fn is_seen(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> Option<bool> {
-    inverse_depth_at(state, canvas, at).map(|inverse_depth| inverse_depth * depth <= 1.0)
-}
-
-/// Inverse depth of the live picture at a place; negative in holes, `None` where its pixels cannot be read.
-fn inverse_depth_at(state: &State, canvas: Rect, at: egui::Pos2) -> Option<f64> {
-    pixel_at(state, canvas, at).map(|(picture, place)| f64::from(picture.inverse_depth[place]))
-}
-
-/// The live picture, and its column and row at a place.
-fn pixel_at(state: &State, canvas: Rect, at: egui::Pos2) -> Option<(&Picture, (usize, usize))> {
-    let picture = state.live_shown.as_ref()?.picture.rendered()?;
-    let share = (at - canvas.min) / canvas.size();
-    let (width, height) = picture.image.size();
-    let place = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
-    (share.min_elem() >= 0.0 && place.0 < width && place.1 < height).then_some((picture.as_ref(), place))
 }
 
 /// The surface point that the live picture shows at a place.

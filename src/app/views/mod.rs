@@ -8,6 +8,7 @@ mod compare_view;
 mod go_to;
 mod guides;
 mod legend;
+mod live_pixels;
 mod live_view;
 mod overlays;
 mod pixel_view;
