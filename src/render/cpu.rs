@@ -23,12 +23,17 @@ use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::settings::{Kernel, RenderSettings};
 
+/// Finished pictures whose memory may be used again.
+const KEPT_PICTURES: usize = 2;
+
 /// Renders vantages, and keeps the background while the vantage is still.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
     cache: Option<VantageCache>,
     scratches: ScratchPool,
     finisher: Finisher,
+    /// The last finished pictures. A caller may hold one of them; the memory of the other is used again.
+    finished: Vec<Arc<Picture>>,
 }
 
 /// What is kept from one frame to the next while the vantage is still.
@@ -182,8 +187,13 @@ impl CpuRenderer {
         cache.tile_index = frame.into_background_index();
         self.cache = Some(cache);
         if changes_pictures(settings) {
-            fill_ms = self.finisher.finish(Arc::make_mut(&mut picture), samples, vantage, settings)?;
-            holes = picture.holes();
+            let mut finished = self.copy_of(&picture);
+            let changed = Arc::make_mut(&mut finished);
+            fill_ms = self.finisher.finish(changed, &picture.fronts, samples, vantage, settings)?;
+            holes = finished.holes();
+            self.finished.insert(0, finished.clone());
+            self.finished.truncate(KEPT_PICTURES);
+            picture = finished;
         }
         let stats = RenderStats {
             samples: painted,
@@ -193,6 +203,22 @@ impl CpuRenderer {
             background_reused,
         };
         Ok((picture, stats))
+    }
+}
+
+impl CpuRenderer {
+    /// A copy of a picture, without fronts, in the memory of a finished one that no caller holds if there is one.
+    fn copy_of(&mut self, picture: &Picture) -> Arc<Picture> {
+        let is_free = |kept: &mut Arc<Picture>| Arc::get_mut(kept).is_some();
+        let free = self.finished.iter_mut().position(is_free).map(|nth| self.finished.swap_remove(nth));
+        let mut copy = free
+            .filter(|kept| kept.image.size() == picture.image.size())
+            .unwrap_or_else(|| Arc::new(Picture::empty(picture.image.width(), picture.image.height())));
+        let planes = Arc::make_mut(&mut copy);
+        planes.color.as_mut_slice().copy_from_slice(picture.color.as_slice());
+        planes.inverse_depth.as_mut_slice().copy_from_slice(picture.inverse_depth.as_slice());
+        planes.image.as_mut_slice().copy_from_slice(picture.image.as_slice());
+        copy
     }
 }
 

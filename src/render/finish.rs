@@ -5,9 +5,10 @@ use std::time::Instant;
 
 use super::environment::{Environment, SkySums};
 use super::fill::fill_from;
-use super::free_space::{SeenDepths, cameras_to_ask, mark_holes};
+use super::free_space::{MarkPlanes, RayTest, SeenDepths, cameras_to_ask, mark_holes};
+use super::geometry::focal;
 use super::input::{FrameImages, FrameSamples};
-use super::vantage::{Picture, Vantage};
+use super::vantage::{FrontColor, Picture, Vantage};
 use crate::error::Result;
 use crate::samples::SampleSet;
 use crate::settings::{Fill, Kernel, RenderSettings};
@@ -17,6 +18,7 @@ use crate::settings::{Fill, Kernel, RenderSettings};
 pub(super) struct Finisher {
     background: Option<SeenFrame>,
     frame: Option<SeenFrame>,
+    planes: MarkPlanes,
 }
 
 /// What cameras saw according to some images of samples.
@@ -47,14 +49,15 @@ pub(super) fn changes_pictures(settings: &RenderSettings) -> bool {
 }
 
 impl Finisher {
-    /// Finds the holes of a picture that hide a surface, and fills all holes, as the settings demand. Returns the
-    /// milliseconds that filling took.
+    /// Finds the holes of a picture that hide a surface, and fills all holes, as the settings demand; `fronts` as in
+    /// [`Picture::fronts`]. Returns the milliseconds that filling took.
     ///
     /// # Errors
     /// `Unsupported` where a frame has more samples than can be numbered.
     pub(super) fn finish(
         &mut self,
         picture: &mut Picture,
+        fronts: &[FrontColor],
         samples: &Arc<SampleSet>,
         vantage: &Vantage,
         settings: &RenderSettings,
@@ -62,21 +65,21 @@ impl Finisher {
         let camera = &vantage.camera;
         let (mut environment, mut blended) = (None, Vec::new());
         if tests_free_space(settings) {
-            let seen = self.seen_at(samples, vantage)?;
-            environment = seen.environment.as_ref();
-            if environment.is_some() {
-                let (depths, cameras) = (&seen.depths, &samples.cameras);
-                blended = mark_holes(picture, depths, cameras, camera, settings.depth_tolerance);
+            self.see(samples, vantage)?;
+            environment = self.frame.as_ref().and_then(|seen| Some((seen, seen.environment.as_ref()?)));
+            if let Some((seen, _)) = environment {
+                let test = RayTest::new(&seen.depths, &samples.cameras, camera);
+                let tolerance = 1.0 + (settings.depth_tolerance + 1.0) / focal(camera);
+                blended = mark_holes(picture, fronts, &test, tolerance, &mut self.planes);
             }
         }
-        picture.fronts = Vec::new();
         let filling = Instant::now();
-        fill_from(picture, camera, settings, environment, &blended);
+        fill_from(picture, camera, settings, environment.map(|(_, environment)| environment), &blended);
         Ok(filling.elapsed().as_secs_f64() * 1e3)
     }
 
-    /// What cameras saw at the frame of a vantage; depths only where there is a sky, and only of the cameras to ask.
-    fn seen_at(&mut self, samples: &Arc<SampleSet>, vantage: &Vantage) -> Result<&SeenFrame> {
+    /// Finds what cameras saw at the frame of a vantage; depths only where there is a sky, and only of the cameras to ask.
+    fn see(&mut self, samples: &Arc<SampleSet>, vantage: &Vantage) -> Result<()> {
         let images = FrameImages::at(samples, vantage.frame);
         let (background, all) = (images.background().to_vec(), images.all().to_vec());
         let wanted = cameras_to_ask(&samples.cameras, &vantage.camera);
@@ -84,7 +87,8 @@ impl Finisher {
         if let Some(seen) = known
             && (seen.environment.is_none() || seen.depths.has(&wanted))
         {
-            return Ok(self.frame.insert(seen));
+            self.frame = Some(seen);
+            return Ok(());
         }
         let frame = FrameSamples::of(samples, vantage.frame, images, None)?;
         let (back, front) = (frame.background_tiles(), frame.foreground_tiles());
@@ -103,7 +107,8 @@ impl Finisher {
             before.depths.complete(&frame, &back, None, &wanted);
             depths.complete(&frame, &front, Some(&before.depths), &wanted);
         }
-        Ok(self.frame.insert(SeenFrame { samples: samples.clone(), images: all, depths, sky, environment }))
+        self.frame = Some(SeenFrame { samples: samples.clone(), images: all, depths, sky, environment });
+        Ok(())
     }
 }
 

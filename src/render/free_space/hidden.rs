@@ -3,10 +3,7 @@
 use rayon::prelude::*;
 
 use super::ray_test::{LineOfSight, RayTest};
-use super::seen_depth::SeenDepths;
 use super::surroundings::{REACH, SQUARE, Surroundings};
-use crate::capture::Camera;
-use crate::render::geometry::focal;
 use crate::render::vantage::{FrontColor, NO_IMAGE, Picture};
 use crate::simd::{self, VectorLoop, mask};
 
@@ -35,6 +32,16 @@ const COARSE: usize = 4;
 /// No part of the line of sight is hidden.
 const NOT_HIDDEN: f32 = -1.0;
 
+/// What [`mark_holes`] works on, kept from picture to picture.
+#[derive(Debug, Default)]
+pub(crate) struct MarkPlanes {
+    surroundings: Surroundings,
+    /// As in [`TestSquares`], of the whole picture.
+    hidden_until: Vec<f32>,
+    /// [`SHOWN`], or the mark of a hole.
+    marks: Vec<f32>,
+}
+
 /// The smallest inverse depth that the surface hidden in a hole may have, from the hole's own; 0 where that is not known.
 pub(crate) fn hidden_surface_limit(hole: f32) -> f32 {
     if hole > OPEN_HOLE && hole < HOLE { HOLE - hole } else { 0.0 }
@@ -42,36 +49,35 @@ pub(crate) fn hidden_surface_limit(hole: f32) -> f32 {
 
 /// Turns pixels into holes that nearer surfaces enclose and whose line of sight passes space that no camera has seen free, and
 /// marks all holes: their inverse depths become [`HOLE`], [`OPEN_HOLE`], [`SKY_HOLE`], or `−1 − w` where the surface that is hidden
-/// is no farther than inverse depth `w`.
+/// is no farther than inverse depth `w`. `fronts` are those of the picture; inverse depths that differ by no more than the factor
+/// `tolerance` belong to one surface.
 ///
 /// Returns the shown pixels whose colors may still be blended with those of samples that are no longer shown, ascending.
 pub(crate) fn mark_holes(
     picture: &mut Picture,
-    seen: &SeenDepths,
-    cameras: &[Camera],
-    target: &Camera,
-    depth_tolerance: f32,
+    fronts: &[FrontColor],
+    test: &RayTest<'_>,
+    tolerance: f32,
+    planes: &mut MarkPlanes,
 ) -> Vec<usize> {
-    let tolerance = 1.0 + (depth_tolerance + 1.0) / focal(target);
     let width = picture.image.width();
-    let test = RayTest::new(seen, cameras, target);
-    let surroundings = Surroundings::new(picture);
-    let mut hidden_until = vec![NOT_HIDDEN; picture.image.len()];
+    let MarkPlanes { surroundings, hidden_until, marks } = planes;
+    surroundings.set(picture);
+    hidden_until.resize(picture.image.len(), NOT_HIDDEN);
     hidden_until.par_chunks_mut(width * SQUARE).enumerate().for_each(|(row, hidden_until)| {
-        let (test, surroundings, fronts) = (&test, &surroundings, &picture.fronts);
+        hidden_until.fill(NOT_HIDDEN);
         simd::run(TestSquares { test, surroundings, fronts, width, row, hidden_until });
     });
     let images = picture.image.as_slice();
-    let mut marks = vec![SHOWN; picture.image.len()];
+    marks.resize(picture.image.len(), SHOWN);
     marks.par_chunks_mut(width * SQUARE).enumerate().for_each(|(row, marks)| {
-        let (test, surroundings, hidden_until) = (&test, &surroundings, &hidden_until);
-        let fronts = &picture.fronts;
+        marks.fill(SHOWN);
         simd::run(MarkSquares { test, surroundings, fronts, hidden_until, images, width, row, marks });
     });
-    show_fronts(picture, &mut marks);
-    let rims: Vec<_> = beside_turned(picture.image.as_slice(), &marks, width)
+    show_fronts(picture, fronts, marks);
+    let rims: Vec<_> = beside_turned(picture.image.as_slice(), marks, width)
         .into_par_iter()
-        .map(|pixel| (pixel, unblended(picture, &marks, pixel, tolerance)))
+        .map(|pixel| (pixel, unblended(picture, marks, pixel, tolerance)))
         .collect();
     let mut blended = Vec::new();
     for (pixel, color) in rims {
@@ -83,7 +89,8 @@ pub(crate) fn mark_holes(
     let color = picture.color.as_mut_slice().par_chunks_mut(width);
     let planes = color.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
     let planes = planes.zip(picture.image.as_mut_slice().par_chunks_mut(width));
-    planes.zip(marks.par_chunks(width)).for_each(|(((color, inverse_depth), image), marks)| {
+    let rows = planes.zip(marks.par_chunks(width)).filter(|(_, marks)| has_mark(marks));
+    rows.for_each(|(((color, inverse_depth), image), marks)| {
         for (x, mark) in marks.iter().enumerate().filter(|(_, mark)| **mark != SHOWN) {
             (color[x], inverse_depth[x], image[x]) = ([0.0; 3], *mark, NO_IMAGE);
         }
@@ -97,13 +104,22 @@ fn farthest_shown(fronts: &[FrontColor], pixel: usize, w: f32) -> f32 {
     fronts.get(pixel).map_or(w, |front| if front[3] >= 0.0 { front[3] } else { w })
 }
 
+/// Whether any of these pixels is not shown.
+fn has_mark(marks: &[f32]) -> bool {
+    marks.iter().fold(false, |any, mark| any | (*mark != SHOWN))
+}
+
 /// Shows only what is in front where a pixel's farthest surface is hidden, instead of a hole.
-fn show_fronts(picture: &mut Picture, marks: &mut [f32]) {
-    let colors = picture.color.as_mut_slice().par_iter_mut().with_min_len(4096);
-    colors.zip(&picture.fronts).zip(marks).for_each(|((color, front), mark)| {
-        if *mark != SHOWN && front[3] >= 0.0 {
-            *color = [front[0], front[1], front[2]];
-            *mark = SHOWN;
+fn show_fronts(picture: &mut Picture, fronts: &[FrontColor], marks: &mut [f32]) {
+    let width = picture.image.width();
+    let rows = picture.color.as_mut_slice().par_chunks_mut(width).zip(fronts.par_chunks(width));
+    let rows = rows.zip(marks.par_chunks_mut(width)).filter(|(_, marks)| has_mark(marks));
+    rows.for_each(|((colors, fronts), marks)| {
+        for ((color, front), mark) in colors.iter_mut().zip(fronts).zip(marks) {
+            if *mark != SHOWN && front[3] >= 0.0 {
+                *color = [front[0], front[1], front[2]];
+                *mark = SHOWN;
+            }
         }
     });
 }
@@ -187,15 +203,22 @@ impl VectorLoop for MarkSquares<'_> {
         };
         for (pixel, mark) in marks.iter_mut().enumerate() {
             let hidden_until = hidden_until[first + pixel];
+            if hidden_until < 0.0 {
+                continue;
+            }
             let at = surroundings.at((pixel % width, top + pixel / width));
             let w = farthest_shown(fronts, first + pixel, surroundings.w[at]);
-            if hidden_until >= 0.0 && surroundings.is_enclosed(at, w, is_hidden) {
+            if surroundings.is_enclosed(at, w, is_hidden) {
                 *mark = HOLE - hidden_until;
             }
         }
         let rows = marks.len() / width;
         let images = &images[first..][..marks.len()];
+        let is_hole = |images: &[u32]| images.iter().fold(false, |any, image| any | (*image == NO_IMAGE));
         for row in (0..rows).step_by(COARSE) {
+            if !is_hole(&images[row * width..(row + COARSE).min(rows) * width]) {
+                continue;
+            }
             for column in (0..width).step_by(COARSE) {
                 let rows = row..(row + COARSE).min(rows);
                 let columns = column..(column + COARSE).min(width);
@@ -246,7 +269,8 @@ fn around(pixel: usize, width: usize, height: usize) -> impl Iterator<Item = usi
 /// The shown pixels beside those that were turned into holes, ascending.
 fn beside_turned(images: &[u32], marks: &[f32], width: usize) -> Vec<usize> {
     let height = marks.len() / width;
-    let turned = (0..marks.len()).into_par_iter().with_min_len(4096);
+    let rows = (0..height).into_par_iter().filter(|row| has_mark(&marks[row * width..][..width]));
+    let turned = rows.flat_map_iter(|row| row * width..(row + 1) * width);
     let turned = turned.filter(|pixel| was_turned(images, marks, *pixel));
     let mut beside: Vec<usize> = turned
         .flat_map_iter(|pixel| {

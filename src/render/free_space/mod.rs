@@ -21,6 +21,6 @@ mod ray_test;
 mod seen_depth;
 mod surroundings;
 
-pub(crate) use hidden::{HOLE, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, mark_holes};
-pub(crate) use ray_test::cameras_to_ask;
+pub(crate) use hidden::{HOLE, MarkPlanes, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, mark_holes};
+pub(crate) use ray_test::{RayTest, cameras_to_ask};
 pub(crate) use seen_depth::SeenDepths;

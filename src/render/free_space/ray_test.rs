@@ -27,7 +27,7 @@ pub(super) enum LineOfSight {
 }
 
 /// Tests lines of sight of the vantage.
-pub(super) struct RayTest<'a> {
+pub(crate) struct RayTest<'a> {
     views: Vec<CellView<'a>>,
 }
 
@@ -54,7 +54,7 @@ pub(crate) fn cameras_to_ask(cameras: &[Camera], target: &Camera) -> Vec<usize> 
 
 impl<'a> RayTest<'a> {
     /// For lines of sight of `target`, of which what `cameras_to_ask` saw must be known.
-    pub(super) fn new(seen: &'a SeenDepths, cameras: &[Camera], target: &Camera) -> Self {
+    pub(crate) fn new(seen: &'a SeenDepths, cameras: &[Camera], target: &Camera) -> Self {
         let view = |camera: usize| {
             let cells = cell_camera(&cameras[camera]);
             let cells_from_target = Projector::new(target, &cells);

@@ -50,6 +50,7 @@ impl DepthRange {
 }
 
 /// The surroundings of the pixels of a picture.
+#[derive(Debug, Default)]
 pub(super) struct Surroundings {
     /// Columns of the picture with a border of [`REACH`] pixels on each side.
     pub(super) across: usize,
@@ -65,13 +66,25 @@ pub(super) struct Surroundings {
 
 impl Surroundings {
     /// Of the pixels of a picture.
+    #[cfg(test)]
     pub(super) fn new(picture: &Picture) -> Self {
+        let mut surroundings = Self::default();
+        surroundings.set(picture);
+        surroundings
+    }
+
+    /// Takes in the pixels of a picture instead of those of an earlier one.
+    pub(super) fn set(&mut self, picture: &Picture) {
         let (width, height) = picture.image.size();
         let across = width + 2 * REACH;
         // As many more at the end as are read at once.
-        let mut w = vec![OUTSIDE; across * (height + 2 * REACH) + SQUARE];
-        let rows =
-            w.par_chunks_mut(across).skip(REACH).zip(picture.inverse_depth.as_slice().par_chunks(width));
+        let length = across * (height + 2 * REACH) + SQUARE;
+        if (self.across, self.w.len()) != (across, length) {
+            // The border stays as it is.
+            (self.across, self.w) = (across, vec![OUTSIDE; length]);
+        }
+        let rows = self.w.par_chunks_mut(across).skip(REACH);
+        let rows = rows.zip(picture.inverse_depth.as_slice().par_chunks(width));
         rows.for_each(|(row, from)| {
             row[REACH..][..width].iter_mut().zip(from).for_each(|(w, from)| *w = from.max(0.0));
         });
@@ -79,9 +92,9 @@ impl Surroundings {
         let depths = picture.inverse_depth.as_slice().par_chunks(width * SQUARE);
         let squares: Vec<DepthRange> =
             depths.flat_map_iter(|rows| ranges(rows, width, squares_across)).collect();
-        let around =
+        self.around =
             (0..squares.len()).map(|square| joined_around(&squares, squares_across, square)).collect();
-        Self { across, w, squares_across, squares, around }
+        (self.squares_across, self.squares) = (squares_across, squares);
     }
 
     /// Where a pixel of the picture is in `w`.

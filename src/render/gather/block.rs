@@ -117,14 +117,19 @@ impl GatherScratch {
         self.edge_pixels.clear();
         self.voted_points.clear();
         for (nth, edges) in edges.chunks(subpixels).enumerate() {
+            if edges.iter().all(|edges| *edges == 0) {
+                continue;
+            }
+            let around = [0, subpixels - 1].map(|row| patch.edge_row(nth * subpixels + row));
             let mut left = edges.iter().fold(0, |all, row| all | row);
             while left != 0 {
                 let first = left.trailing_zeros() as usize % BLOCK / subpixels * subpixels;
                 left &= !(((1 << subpixels) - 1) << first);
                 for (row, edges) in edges.iter().enumerate() {
                     for column in (first..first + subpixels).filter(|column| edges >> column & 1 == 1) {
+                        let around = &around[row];
                         let row = nth * subpixels + row;
-                        let edge_pixel = patch.edge_pixel(column, row);
+                        let edge_pixel = patch.edge_pixel(column, row, around);
                         if let Some(key) = edge_pixel.voted_key() {
                             let (x, y) = ((patch.left + column) as f32, (patch.top + row) as f32);
                             self.voted_points.push(x, y, inverse_depth_of(key));

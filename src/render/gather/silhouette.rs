@@ -44,6 +44,9 @@ fn snapped(share: f32) -> f32 {
 /// A surface is extrapolated beyond its edge if its inverse depth changes by at most this many tolerances a pixel.
 const MAX_SLOPE: f32 = 8.0;
 
+/// Directions to the neighbors of a pixel.
+const NEIGHBORS: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+
 /// Directions in which two opposite neighbors are looked for.
 const CRACK_DIRECTIONS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
 
@@ -145,9 +148,10 @@ impl Patch {
         Self { keys: [[0; SIDE]; SIDE], left: 0, top: 0, surface_ratio: 1.0, subpixels: 1 }
     }
 
+    /// The key of a pixel of the block.
     #[inline(always)]
-    fn key(&self, x: usize, y: usize, (dx, dy): (isize, isize)) -> u64 {
-        core_of(self.keys[(y + RING).wrapping_add_signed(dy)][(x + RING).wrapping_add_signed(dx)])
+    fn key(&self, x: usize, y: usize) -> u64 {
+        core_of(self.keys[y + RING][x + RING])
     }
 
     /// For every pixel of the block whether something is to be decided about it: it shows no core sample, a farther surface or a hole
@@ -201,13 +205,68 @@ impl Patch {
         if self.subpixels == 2 { CRACK_STEPS.len() } else { 1 }
     }
 
-    /// What is to be decided about pixel `(x, y)` of the block.
+    /// What surfaces lie around the pixels of a row of the block, sixteen at a time.
     #[inline(always)]
-    pub(super) fn edge_pixel(&self, x: usize, y: usize) -> EdgePixel {
-        let own = self.key(x, y, (0, 0));
-        let own_w = inverse_depth_of(own);
-        if let Some(crack) = self.crack(own_w, x, y) {
-            return EdgePixel::Crack { own, crack };
+    pub(super) fn edge_row(&self, y: usize) -> EdgeRow {
+        let mut w = [[0.0_f32; SIDE]; 2 * RING + 1];
+        for (w, keys) in w.iter_mut().zip(&self.keys[y..]) {
+            for x in 0..SIDE {
+                w[x] = inverse_depth_of(core_of(keys[x]));
+            }
+        }
+        let flat = w.as_flattened();
+        let middle = RING * SIDE + RING;
+        let own = beside(flat, middle, 0);
+        let mut row = EdgeRow {
+            crack_w: [-1.0; BLOCK],
+            crack_step: [0; BLOCK],
+            far_w: [f32::INFINITY; BLOCK],
+            far_step: [0; BLOCK],
+            beside_hole: 0,
+        };
+        for (ahead, back) in &CRACK_STEPS[..self.crack_widths()] {
+            for (dx, dy) in CRACK_DIRECTIONS {
+                let step = dx + dy * SIDE as isize;
+                let (a, b) = (beside(flat, middle, ahead * step), beside(flat, middle, -back * step));
+                for x in 0..BLOCK {
+                    let mean = 0.5 * (a[x] + b[x]);
+                    let (near, far) = (a[x].max(b[x]), a[x].min(b[x]));
+                    let is_found = (far >= 0.0)
+                        & (far >= near * self.surface_ratio)
+                        & (own[x] < mean * self.surface_ratio)
+                        & (mean > row.crack_w[x]);
+                    row.crack_w[x] = if is_found { mean } else { row.crack_w[x] };
+                    row.crack_step[x] = if is_found { (ahead * step) as i32 } else { row.crack_step[x] };
+                }
+            }
+        }
+        let mut beside_hole = [0_u32; BLOCK];
+        for (dx, dy) in NEIGHBORS {
+            let step = dx + dy * SIDE as isize;
+            let (neighbor, beyond) = (beside(flat, middle, step), beside(flat, middle, 2 * step));
+            for x in 0..BLOCK {
+                let limit = own[x] * self.surface_ratio;
+                let w = extrapolated(neighbor[x], beyond[x], self.surface_ratio);
+                let is_farther =
+                    (neighbor[x] >= 0.0) & (neighbor[x] < limit) & (w < limit) & (w < row.far_w[x]);
+                row.far_w[x] = if is_farther { w } else { row.far_w[x] };
+                row.far_step[x] = if is_farther { step as i32 } else { row.far_step[x] };
+                beside_hole[x] |= u32::from(neighbor[x] < 0.0) << x;
+            }
+        }
+        row.beside_hole = joined(&beside_hole);
+        row
+    }
+
+    /// What is to be decided about pixel `(x, y)` of the block, given what lies around the pixels of its row.
+    #[inline(always)]
+    pub(super) fn edge_pixel(&self, x: usize, y: usize, row: &EdgeRow) -> EdgePixel {
+        let own = self.key(x, y);
+        let at = (y + RING) * SIDE + x + RING;
+        let slot_at = |step: i32| slot_of(self.keys.as_flattened()[at.wrapping_add_signed(step as isize)]);
+        let key_of = |w: f32, step: i32| key(nearness(w, CORE), slot_at(step));
+        if row.crack_w[x] >= 0.0 {
+            return EdgePixel::Crack { own, crack: key_of(row.crack_w[x], row.crack_step[x]) };
         }
         if own == 0 {
             // A fringe is voted on like a crack.
@@ -216,59 +275,42 @@ impl Patch {
                 fringe => EdgePixel::Crack { own, crack: fringe | u64::from(CORE) << 32 },
             };
         }
-        match self.farther(own_w, x, y) {
-            None => EdgePixel::Decided(PixelSurfaces::One(own)),
-            Some(far) => EdgePixel::Rim { own, far },
+        if row.far_w[x] < f32::INFINITY {
+            return EdgePixel::Rim { own, far: key_of(row.far_w[x], row.far_step[x]) };
         }
-    }
-
-    /// The farthest surface behind `own_w` that a neighbor shows, extrapolated to `(x, y)`; 0 if the only other neighbors are
-    /// holes, `None` if there are no others.
-    #[inline(always)]
-    fn farther(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
-        let limit = own_w * self.surface_ratio;
-        let mut farthest: Option<(f32, u64)> = None;
-        let mut beside_hole = false;
-        for step in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)] {
-            let neighbor = self.key(x, y, step);
-            beside_hole |= neighbor == 0;
-            if neighbor == 0 || inverse_depth_of(neighbor) >= limit {
-                continue;
-            }
-            let w = self.extrapolated(neighbor, (x, y), step);
-            if w < limit && farthest.is_none_or(|(farthest, _)| w < farthest) {
-                farthest = Some((w, key(nearness(w, CORE), slot_of(neighbor))));
-            }
+        // Beside nothing but holes.
+        if row.beside_hole >> x & 1 == 1 {
+            return EdgePixel::Rim { own, far: 0 };
         }
-        farthest.map(|(_, key)| key).or(beside_hole.then_some(0))
+        EdgePixel::Decided(PixelSurfaces::One(own))
     }
+}
 
-    /// Inverse depth at `(x, y)` of the surface that the neighbor in direction `(dx, dy)` shows, extrapolated from the pixel beyond
-    /// that neighbor.
-    #[inline(always)]
-    fn extrapolated(&self, neighbor: u64, (x, y): (usize, usize), (dx, dy): (isize, isize)) -> f32 {
-        let w = inverse_depth_of(neighbor);
-        let beyond = self.key(x, y, (2 * dx, 2 * dy));
-        let step = w - inverse_depth_of(beyond);
-        let largest = MAX_SLOPE * (1.0 - self.surface_ratio) * w;
-        if beyond != 0 && step.abs() <= largest { (w + step).max(0.0) } else { w }
-    }
+/// What surfaces lie around the pixels of a row of a block. Steps lead to a neighbor in the keys of a [`Patch`].
+pub(super) struct EdgeRow {
+    /// Inverse depth of the nearest surface that two opposite neighbors show in front of the pixel; negative if there is none.
+    crack_w: [f32; BLOCK],
+    /// To one of these neighbors.
+    crack_step: [i32; BLOCK],
+    /// Inverse depth of the farthest surface behind the pixel's that a neighbor shows, extrapolated to the pixel; infinite if there
+    /// is none.
+    far_w: [f32; BLOCK],
+    /// To this neighbor.
+    far_step: [i32; BLOCK],
+    /// Whether a neighbor is a hole: a mask of columns.
+    beside_hole: u32,
+}
 
-    /// The nearest surface in front of `own_w` that two opposite neighbors show.
-    #[inline(always)]
-    fn crack(&self, own_w: f32, x: usize, y: usize) -> Option<u64> {
-        let mut nearest: Option<(f32, u64)> = None;
-        let steps = CRACK_STEPS[..self.crack_widths()].iter();
-        let steps = steps.flat_map(|steps| CRACK_DIRECTIONS.map(|direction| (direction, *steps)));
-        for ((dx, dy), (ahead, back)) in steps {
-            let (a, b) = (self.key(x, y, (ahead * dx, ahead * dy)), self.key(x, y, (-back * dx, -back * dy)));
-            let (wa, wb) = (inverse_depth_of(a), inverse_depth_of(b));
-            let mean = 0.5 * (wa + wb);
-            let alike = a != 0 && b != 0 && wa.min(wb) >= wa.max(wb) * self.surface_ratio;
-            if alike && own_w < mean * self.surface_ratio && nearest.is_none_or(|(w, _)| mean > w) {
-                nearest = Some((mean, key(nearness(mean, CORE), slot_of(a))));
-            }
-        }
-        nearest.map(|(_, key)| key)
-    }
+/// The inverse depths of a block's row, moved by a step.
+#[inline(always)]
+fn beside(flat: &[f32], first: usize, step: isize) -> [f32; BLOCK] {
+    flat[first.wrapping_add_signed(step)..].first_chunk::<BLOCK>().copied().unwrap_or_default()
+}
+
+/// Inverse depth beside a pixel of inverse depth `w`, extrapolated from the one `beyond` it.
+#[inline(always)]
+fn extrapolated(w: f32, beyond: f32, surface_ratio: f32) -> f32 {
+    let step = w - beyond;
+    let largest = MAX_SLOPE * (1.0 - surface_ratio) * w;
+    if (beyond >= 0.0) & (step.abs() <= largest) { (w + step).max(0.0) } else { w }
 }

@@ -67,9 +67,7 @@ impl PixelParts {
         for (key, share) in parts.into_iter().filter(|(_, share)| *share > 0.0) {
             let w = inverse_depth_of(key);
             let is_same = |surface: &SharedSurface| {
-                let first = inverse_depth_of(surface.key);
-                // One sample is one surface, however slanted.
-                slot_of(surface.key) == slot_of(key) || first.min(w) >= first.max(w) * surface_ratio
+                is_same_surface((surface.key, inverse_depth_of(surface.key)), (key, w), surface_ratio)
             };
             let known = self.surfaces[..self.count].iter().position(is_same);
             let nth = known.unwrap_or(self.count) % MOST_SURFACES;
@@ -107,14 +105,19 @@ pub(super) fn set_surfaces_of_pairs(
             let at = row / 2 * rows.width + patch.left / 2 + column / 2;
             let x = (patch.left + column) as f32;
             rows.color[at] = [0.0; 3];
-            if (edges[row] | edges[row + 1]) & 3 << column == 0 {
-                let first = &patch.keys[row + RING][column + RING..];
-                let second = &patch.keys[row + 1 + RING][column + RING..];
-                let sum = inverse_depth_of(first[0])
-                    + inverse_depth_of(first[1])
-                    + inverse_depth_of(second[0])
-                    + inverse_depth_of(second[1]);
-                let (key, w) = (first[0], 0.25 * sum);
+            let mut surfaces = [PixelSurfaces::Hole; 4];
+            for ((right, below), surfaces) in SUBPIXELS.into_iter().zip(&mut surfaces) {
+                let (column, row) = (column + right, row + below);
+                *surfaces = if edges[row] >> column & 1 == 1 {
+                    let Some(edge_pixel) = edge_pixels.next() else { continue };
+                    let votes = edge_pixel.voted_key().and_then(|_| votes.next().copied());
+                    edge_pixel.decide(votes.unwrap_or_default(), 2)
+                } else {
+                    PixelSurfaces::One(patch.keys[row + RING][column + RING])
+                };
+            }
+            let is_edge = (edges[row] | edges[row + 1]) & 3 << column != 0;
+            if let Some((key, w)) = one_surface(&surfaces, is_edge, patch.surface_ratio) {
                 let pixel = StripPixel { x: x + 0.5, y: y + 0.5, at: at as u32 };
                 points.push((key, w), frame.camera_of(slot_of(key)), pixel, (1.0, 0.0));
                 rows.inverse_depth[at] = w;
@@ -125,15 +128,7 @@ pub(super) fn set_surfaces_of_pairs(
                 continue;
             }
             let mut parts = PixelParts::default();
-            for (right, below) in SUBPIXELS {
-                let (column, row) = (column + right, row + below);
-                let surfaces = if edges[row] >> column & 1 == 1 {
-                    let Some(edge_pixel) = edge_pixels.next() else { continue };
-                    let votes = edge_pixel.voted_key().and_then(|_| votes.next().copied());
-                    edge_pixel.decide(votes.unwrap_or_default(), 2)
-                } else {
-                    PixelSurfaces::One(patch.keys[row + RING][column + RING])
-                };
+            for ((right, below), surfaces) in SUBPIXELS.into_iter().zip(surfaces) {
                 parts.add(surfaces, (x + right as f32, y + below as f32), patch.surface_ratio);
             }
             let ResolvedPixel { inverse_depth, image, front } = push_parts(&parts, frame, at, points);
@@ -144,6 +139,29 @@ pub(super) fn set_surfaces_of_pairs(
             }
         }
     }
+}
+
+/// The surface that all sub-pixels of a pixel show, by the key of the first and their mean inverse depth; `None` if there are several,
+/// or holes. Without an edge there is only one.
+#[inline(always)]
+fn one_surface(surfaces: &[PixelSurfaces; 4], is_edge: bool, surface_ratio: f32) -> Option<(u64, f32)> {
+    let mut keys = [0; 4];
+    for (key, surfaces) in keys.iter_mut().zip(surfaces) {
+        let PixelSurfaces::One(one) = *surfaces else { return None };
+        *key = one;
+    }
+    let w = keys.map(inverse_depth_of);
+    let is_same = |key: u64, other: f32| is_same_surface((keys[0], w[0]), (key, other), surface_ratio);
+    if is_edge && !(1..4).all(|nth| is_same(keys[nth], w[nth])) {
+        return None;
+    }
+    Some((keys[0], 0.25 * (w[0] + w[1] + w[2] + w[3])))
+}
+
+/// Whether two samples, with their keys and inverse depths, show one surface: a sample alone does, however slanted.
+#[inline(always)]
+fn is_same_surface((a, a_w): (u64, f32), (b, b_w): (u64, f32), surface_ratio: f32) -> bool {
+    slot_of(a) == slot_of(b) || a_w.min(b_w) >= a_w.max(b_w) * surface_ratio
 }
 
 /// What a pixel shows, apart from colors.

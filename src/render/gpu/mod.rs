@@ -177,7 +177,8 @@ impl GpuRenderer {
                 target.read(context)
             })?;
         if changes_pictures(settings) {
-            stats.fill_ms = self.finisher.finish(&mut picture, samples, vantage, settings)?;
+            let fronts = std::mem::take(&mut picture.fronts);
+            stats.fill_ms = self.finisher.finish(&mut picture, &fronts, samples, vantage, settings)?;
         }
         stats.holes = picture.holes();
         stats.milliseconds = started.elapsed().as_secs_f64() * 1e3;
