@@ -152,18 +152,24 @@ fn loss_is_over_the_views_that_are_left_and_the_warning_names_the_dial_at_which_
     let job = Job::new();
     let points = stress::run(&alone, &plan, &scene.truth, &job, |_, _| ()).unwrap();
     let [all, half] = [0.0, 50.0].map(|dial| points.iter().find(|point| point.dial == dial).unwrap());
-    assert!(!half.views.is_empty() && half.views.len() < all.views.len(), "frame 1 is gone");
+    assert!(
+        !half.point.views.is_empty() && half.point.views.len() < all.point.views.len(),
+        "frame 1 is gone"
+    );
     // Of each vantage one frame is left.
     let mean = |point: &StressPoint| {
-        let of =
-            point.views.iter().filter(|view| half.views.iter().any(|left| left.file_path == view.file_path));
-        of.map(|view| view.psnr_filled_db).sum::<f64>() / half.views.len() as f64
+        let of = point
+            .point
+            .views
+            .iter()
+            .filter(|view| half.point.views.iter().any(|left| left.file_path == view.file_path));
+        of.map(|view| view.psnr_filled_db).sum::<f64>() / half.point.views.len() as f64
     };
     assert!((half.loss_db - (mean(all) - mean(half))).abs() < 1e-9);
     assert!((half.loss_db - (all.point.psnr_filled_db - half.point.psnr_filled_db)).abs() > 1e-6);
     let warnings = job.warnings();
     let named = warnings.iter().filter(|line| line.contains("'missing camera' at 50 % of frames: view '"));
-    assert_eq!(named.count(), all.views.len() - half.views.len(), "{warnings:?}");
+    assert_eq!(named.count(), all.point.views.len() - half.point.views.len(), "{warnings:?}");
 }
 
 #[test]

@@ -103,6 +103,7 @@ impl Charts {
     /// Marks which points no other beats in both quantities that are shown.
     fn mark_front(&mut self) {
         let [along, up] = self.axes;
+        sweep::mark_behind_best(&mut self.sweep);
         sweep::mark_pareto(&mut self.sweep, |point| along.cost(point), |point| -up.cost(point));
     }
 

@@ -128,9 +128,10 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
     let mut lines = vec![setting_names::label(&point_name(point))];
     lines.extend(axes.map(|quantity| format!("{}: {}", quantity.name(), quantity.words(point))));
     lines.push(format!(
-        "{:.2} ± {:.2} dB with holes filled, SSIM {:.3}, coverage {:.1} %",
+        "{:.2} dB with holes filled, {:.2} ± {:.2} dB behind the best, SSIM {:.3}, coverage {:.1} %",
         point.psnr_filled_db,
-        point.psnr_filled_db_se,
+        point.behind_best_db,
+        point.behind_best_db_se,
         point.ssim,
         100.0 * point.coverage
     ));

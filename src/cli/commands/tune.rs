@@ -26,6 +26,9 @@ pub(crate) struct TuneArgs {
     /// Take the most accurate setting that renders a view within so many milliseconds on this machine, holes not filled.
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = parse_milliseconds)]
     max_ms: Option<f64>,
+    /// Give up at most so many dB of the most accurate setting, with 95 % confidence.
+    #[arg(long, value_name = "DB", default_value_t = tune::AT_MOST_DB, allow_negative_numbers = true, value_parser = parse_decibels, conflicts_with_all = ["max_bytes", "max_ms"])]
+    at_most: f64,
     /// Keep all cameras.
     #[arg(long)]
     all_cameras: bool,
@@ -60,7 +63,14 @@ impl TuneArgs {
         };
         let budget = self.max_bytes.map(TuneBudget::Bytes).or(self.max_ms.map(TuneBudget::Milliseconds));
         let done = journal.as_ref().map(output::Journal::points).unwrap_or_default();
-        let plan = TunePlan { settings, budget, whole: Some(opened), drop_cameras: !self.all_cameras, done };
+        let plan = TunePlan {
+            settings,
+            budget,
+            whole: Some(opened),
+            at_most_db: self.at_most,
+            drop_cameras: !self.all_cameras,
+            done,
+        };
         let tuned =
             output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
@@ -74,6 +84,11 @@ impl TuneArgs {
         written?;
         if self.json { Ok(()) } else { output::print(&format!("Wrote {}", self.out.display())) }
     }
+}
+
+fn parse_decibels(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| "write a number of dB, 0 or more, as in 0.1".to_owned())
 }
 
 fn parse_milliseconds(text: &str) -> Result<f64, String> {

@@ -201,19 +201,37 @@ fn quoted(text: &str) -> String {
 /// One line per point; a star marks the Pareto front.
 pub(crate) fn sweep_table(points: &[Point]) -> String {
     let mut text = format!(
-        "{:<52} {:>15} {:>15} {:>7} {:>7} {:>7} {:>12} {:>10} {:>8}",
-        "setting", "filled dB ± SE", "PSNR dB ± SE", "SSIM", "FLIP", "cover", "samples", "bytes", "ms"
+        "{:<52} {:>9} {:>13} {:>15} {:>7} {:>7} {:>7} {:>12} {:>10} {:>8}",
+        "setting",
+        "filled dB",
+        "behind ± SE",
+        "PSNR dB ± SE",
+        "SSIM",
+        "FLIP",
+        "cover",
+        "samples",
+        "bytes",
+        "ms"
     );
     for point in points {
         let star = if point.pareto { '*' } else { ' ' };
         let Point {
-            label, psnr_filled_db, psnr_filled_db_se, psnr_db, psnr_db_se, ssim, flip, coverage, ..
+            label,
+            psnr_filled_db,
+            behind_best_db,
+            behind_best_db_se,
+            psnr_db,
+            psnr_db_se,
+            ssim,
+            flip,
+            coverage,
+            ..
         } = point;
         let (samples, bytes) = (text::count(point.samples), text::bytes(point.bytes));
         let milliseconds = point.milliseconds;
         let _ = write!(
             text,
-            "\n{star} {label:<50} {psnr_filled_db:>8.2} ± {psnr_filled_db_se:>4.2} {psnr_db:>8.2} ± {psnr_db_se:>4.2} \
+            "\n{star} {label:<50} {psnr_filled_db:>9.2} {behind_best_db:>6.2} ± {behind_best_db_se:>4.2} {psnr_db:>8.2} ± {psnr_db_se:>4.2} \
              {ssim:>7.4} {flip:>7.4} {coverage:>7.4} {samples:>12} {bytes:>10} {milliseconds:>8.1}"
         );
     }

@@ -44,7 +44,7 @@ fn mebibytes(point: &Point) -> f64 {
 
 /// Ends of a point's bar, dB.
 fn bar_db(point: &Point) -> [f64; 2] {
-    [-1.0, 1.0].map(|sign| point.psnr_filled_db + sign * point.psnr_filled_db_se)
+    [-1.0, 1.0].map(|sign| point.psnr_filled_db + sign * point.behind_best_db_se)
 }
 
 /// Draws a sweep of a capture.
@@ -61,7 +61,8 @@ pub(crate) fn pareto(capture: &str, points: &[Point]) -> Chart {
         Anchor::Start,
         (17.0, color::FAINT),
         &format!(
-            "{} settings and baselines; PSNR over all pixels that some camera saw, holes filled alike; bars are ± 1 standard error",
+            "{} settings and baselines; PSNR over all pixels that some camera saw, holes filled alike; bars are ± 1 standard error of the \
+             difference to the most accurate one",
             points.len()
         ),
     );
@@ -215,9 +216,9 @@ mod tests {
     #[test]
     fn the_bars_of_uncertain_points_stay_within_the_panel() {
         let measured = TrialResult { bytes: 1, milliseconds: 1.0, ..TrialResult::default() };
-        let point = |psnr_filled_db, psnr_filled_db_se| Point {
+        let point = |psnr_filled_db, behind_best_db_se| Point {
             psnr_filled_db,
-            psnr_filled_db_se,
+            behind_best_db_se,
             ..Point::new(&Trial::new("t", Settings::default()), Series::Variation, &measured)
         };
         let chart = pareto("scene", &[point(30.0, 4.0), point(30.5, 0.1)]);

@@ -16,13 +16,11 @@ mod shapes;
 
 pub use disturbance::Disturbance;
 
-use std::collections::HashSet;
-
 use serde::{Deserialize, Serialize};
 
 use super::scoring::nothing_to_compare;
 use super::sweep::{self, Point, Series};
-use super::trial::{MeanEstimate, TimeLeft, Trial, TrialResult, Workbench};
+use super::trial::{PairedDifference, TimeLeft, Trial, Workbench};
 use super::truth::{self, Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
@@ -101,19 +99,6 @@ pub struct StressPoint {
     /// What was measured.
     #[serde(flatten)]
     pub point: Point,
-    /// Accuracy view by view.
-    pub views: Vec<ViewAccuracy>,
-}
-
-/// Accuracy at one view.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ViewAccuracy {
-    /// The view's own name.
-    pub file_path: String,
-    /// Views of one number are of one vantage.
-    pub vantage: usize,
-    /// See [`Point::psnr_filled_db`].
-    pub psnr_filled_db: f64,
 }
 
 /// Where a method fails.
@@ -186,6 +171,7 @@ pub fn run(
         job.warn(no_points_warning(step));
     }
     for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
+        sweep::mark_behind_best(methods.iter_mut().map(|method| &mut method.point));
         sweep::mark_pareto_of_stores(methods.iter_mut().map(|method| &mut method.point));
     }
     Ok(points)
@@ -233,20 +219,8 @@ impl StressPoint {
     /// The point with its loss since the first of `points` of its disturbance and method.
     fn with_loss(self, points: &[Self]) -> Self {
         let first = points.iter().find(|other| other.is_like(&self));
-        let loss =
-            first.and_then(|first| Some(first.accuracy_at(&self.views)? - self.accuracy_at(&first.views)?));
-        Self { loss_db: loss.unwrap_or_default(), ..self }
-    }
-
-    /// Accuracy over the views that are among `others`; `None` if there are none.
-    fn accuracy_at(&self, others: &[ViewAccuracy]) -> Option<f64> {
-        let names: HashSet<&str> = others.iter().map(|view| view.file_path.as_str()).collect();
-        let shared: Vec<&ViewAccuracy> =
-            self.views.iter().filter(|view| names.contains(view.file_path.as_str())).collect();
-        let vantages = shared.chunk_by(|before, after| before.vantage == after.vantage);
-        let vantages: Vec<Vec<f64>> =
-            vantages.map(|views| views.iter().map(|view| view.psnr_filled_db).collect()).collect();
-        (!shared.is_empty()).then(|| MeanEstimate::over_vantages(&vantages).mean)
+        let loss = first.and_then(|first| PairedDifference::between(&first.point.views, &self.point.views));
+        Self { loss_db: loss.map_or(0.0, |loss| loss.db.mean), ..self }
     }
 }
 
@@ -305,21 +279,8 @@ impl Disturbed {
             kept_share: point.samples as f64 / self.pixels as f64,
             loss_db: 0.0,
             point,
-            views: view_by_view(&measured),
         })
     }
-}
-
-fn view_by_view(measured: &TrialResult) -> Vec<ViewAccuracy> {
-    let vantages = measured.vantages.iter().enumerate();
-    let views = vantages.flat_map(|(vantage, views)| {
-        views.iter().map(move |(name, scores)| ViewAccuracy {
-            file_path: name.clone(),
-            vantage,
-            psnr_filled_db: scores.psnr_all_db,
-        })
-    });
-    views.collect()
 }
 
 /// Where each method fails under each disturbance, in the order of the points.

@@ -6,7 +6,7 @@ mod plan;
 mod point;
 
 pub use plan::{Planned, SweepPlan, paper, variations};
-pub use point::{Point, Series, mark_pareto, mark_pareto_of_stores};
+pub use point::{Point, Series, mark_behind_best, mark_pareto, mark_pareto_of_stores};
 
 use super::trial::{TimeLeft, Workbench};
 use super::truth::{Recorded, Truth};
@@ -47,6 +47,7 @@ pub fn run(
     }
     let mut points: Vec<Point> = points.into_iter().flatten().collect();
     only_the_best_single_camera(&mut points);
+    mark_behind_best(&mut points);
     mark_pareto_of_stores(&mut points);
     Ok(points)
 }

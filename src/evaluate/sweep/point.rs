@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::evaluate::metrics::Scores;
-use crate::evaluate::trial::{MeanEstimate, Trial, TrialResult, kernel_cost};
+use crate::evaluate::trial::{MeanEstimate, PairedDifference, Trial, TrialResult, ViewAccuracy, kernel_cost};
 use crate::settings::{Precision, Settings};
 
 /// What a point is.
@@ -83,8 +83,13 @@ pub struct Point {
     /// The same over all of these pixels, holes filled (`pushpull`) whatever the settings say: neither leaving holes nor being
     /// good at easy pixels improves it. Points are ranked by it.
     pub psnr_filled_db: f64,
-    /// Its standard error.
+    /// Its standard error over vantages: mostly the vantages' own difference. What tells points apart is `behind_best_db_se`.
     pub psnr_filled_db_se: f64,
+    /// What the point gives up of the most accurate one, dB: the mean of the differences at the vantages that both were scored at.
+    /// See [`mark_behind_best`]; 0 until then.
+    pub behind_best_db: f64,
+    /// Its standard error.
+    pub behind_best_db_se: f64,
     /// See [`Scores::ssim`].
     pub ssim: f64,
     /// Its standard error.
@@ -124,6 +129,8 @@ pub struct Point {
     /// Whether no other point is both more accurate (`psnr_filled_db`) and smaller, see [`mark_pareto`]; in a stress test, among
     /// the methods at the same value of the dial.
     pub pareto: bool,
+    /// Accuracy view by view.
+    pub views: Vec<ViewAccuracy>,
 }
 
 impl Point {
@@ -161,6 +168,8 @@ impl Point {
             psnr_db_se: psnr.standard_error,
             psnr_filled_db: psnr_filled.mean,
             psnr_filled_db_se: psnr_filled.standard_error,
+            behind_best_db: 0.0,
+            behind_best_db_se: 0.0,
             ssim: ssim.mean,
             ssim_se: ssim.standard_error,
             ms_ssim: of(&|scores| scores.ms_ssim).mean,
@@ -183,7 +192,24 @@ impl Point {
             seconds_preprocess: measured.seconds_preprocess,
             vantages: measured.vantages.len(),
             pareto: false,
+            views: measured.accuracy_by_view(),
         }
+    }
+}
+
+/// Sets `behind_best_db` and `behind_best_db_se` of points that were scored at views of one truth. The most accurate point of those that were
+/// scored at the most vantages loses nothing.
+pub fn mark_behind_best<'a>(points: impl IntoIterator<Item = &'a mut Point>) {
+    let mut points: Vec<&mut Point> = points.into_iter().collect();
+    let accuracy = |a: &&mut Point, b: &&mut Point| {
+        a.vantages.cmp(&b.vantages).then(a.psnr_filled_db.total_cmp(&b.psnr_filled_db))
+    };
+    let Some(best) = points.iter().max_by(|a, b| accuracy(a, b)).map(|best| best.views.clone()) else {
+        return;
+    };
+    for point in &mut points {
+        let loss = PairedDifference::between(&best, &point.views).map(|loss| loss.db).unwrap_or_default();
+        (point.behind_best_db, point.behind_best_db_se) = (loss.mean, loss.standard_error);
     }
 }
 

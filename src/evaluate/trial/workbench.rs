@@ -15,6 +15,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::baselines;
+use super::paired::ViewAccuracy;
 use super::standard_error::MeanEstimate;
 use crate::capture::TruthView;
 use crate::error::{Error, Result};
@@ -228,6 +229,21 @@ impl Workbench {
                 .mean,
             seconds_preprocess: mean(&|model| model.seconds),
         })
+    }
+}
+
+impl TrialResult {
+    /// Accuracy view by view, vantage after vantage.
+    pub(crate) fn accuracy_by_view(&self) -> Vec<ViewAccuracy> {
+        let vantages = self.vantages.iter().enumerate();
+        let views = vantages.flat_map(|(vantage, views)| {
+            views.iter().map(move |(name, scores)| ViewAccuracy {
+                file_path: name.clone(),
+                vantage,
+                psnr_filled_db: scores.psnr_all_db,
+            })
+        });
+        views.collect()
     }
 }
 

@@ -1,4 +1,5 @@
-//! Which cameras are needed: one is dropped if the others reproduce what it saw as accurately as any held-out view.
+//! Which cameras are needed: one is dropped if that surely costs no more than the plan allows, or, where cameras are the truth, if the
+//! others reproduce what it saw as accurately as held-out cameras are on average, less that much.
 //!
 //! With given views, accuracy is measured there, without the camera. Otherwise the camera's own frames are the truth, in full:
 //! what no other camera saw counts against dropping it. Cameras with the fewest samples are tried first: of two alike, that is
@@ -23,13 +24,13 @@ pub(super) fn drop_needless(
 ) -> Result<(Vec<String>, Vec<CameraCost>)> {
     let mut kept: Vec<String> = capture.cameras.iter().map(|camera| camera.name.clone()).collect();
     let mut costs = Vec::new();
-    let limit_db = search.limit_db();
+    let limit_db = search.best().psnr_filled_db - search.at_most_db();
     for name in by_samples(search, capture, &chosen.settings)? {
         if kept.len() == 1 {
             break;
         }
         let without: Vec<String> = kept.iter().filter(|other| **other != name).cloned().collect();
-        let psnr_filled_db = match search.truth {
+        let (psnr_filled_db, dropped) = match search.truth {
             Truth::Views(_) => {
                 let trial = Trial {
                     cameras: Some(without.clone()),
@@ -38,11 +39,14 @@ pub(super) fn drop_needless(
                         chosen.settings.clone(),
                     )
                 };
-                search.measure(&trial)?.psnr_filled_db
+                let point = search.measure(&trial)?;
+                (point.psnr_filled_db, search.is_good_enough(&point))
             }
-            Truth::HoldOut => at_its_own_place(search, capture, &without, &name, &chosen.settings)?,
+            Truth::HoldOut => {
+                let own_db = at_its_own_place(search, capture, &without, &name, &chosen.settings)?;
+                (own_db, own_db >= limit_db)
+            }
         };
-        let dropped = psnr_filled_db >= limit_db;
         if dropped {
             kept = without;
         }

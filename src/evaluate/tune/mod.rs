@@ -1,21 +1,21 @@
-//! The smallest model that is good enough: the simplest setting whose held-out accuracy is within one standard error of the best,
-//! without cameras whose absence costs nothing by the same rule.
+//! The smallest model that is good enough: the simplest setting that surely gives up next to nothing of the best one's accuracy
+//! (`choice`), without cameras whose absence costs as little.
 //!
-//! Source: the one-standard-error rule of Breiman, Friedman, Olshen and Stone, *Classification and Regression Trees*, 1984.
 //! *Simplest* means fewest bytes, then least work to render, counted in samples and kernels instead of time, so that the same
 //! capture gives the same answer.
 //!
 //! ```text
-//! every variation of one setting ─▶ best, limit = best − 1 SE ─▶ combine what saves bytes ─▶ cheaper kernel ─▶ cameras
+//! every variation of one setting ─▶ best ─▶ good enough by paired differences ─▶ combine what saves bytes ─▶ cheaper kernel ─▶ cameras
 //! ```
 
 mod cameras;
+mod choice;
 mod plan;
 mod search;
 mod whole;
 mod words;
 
-pub use plan::{CameraCost, TuneBudget, TunePlan, Tuned};
+pub use plan::{AT_MOST_DB, CameraCost, TuneBudget, TunePlan, Tuned};
 
 use super::sweep::Point;
 use super::truth::Truth;
@@ -39,7 +39,8 @@ pub fn run(
     let mut search = Search::new(capture, plan, truth, job, Box::new(on_point))?;
     let chosen = search.choose()?;
     let best = search.best().clone();
-    let limit_db = plan.budget.is_none().then(|| search.limit_db());
+    let at_most_db = plan.budget.is_none().then_some(plan.at_most_db);
+    let cannot_tell = at_most_db.is_some() && search.cannot_tell();
     let (kept, camera_costs) = if plan.drop_cameras && plan.budget.is_none() {
         cameras::drop_needless(&mut search, capture, &chosen)?
     } else {
@@ -56,7 +57,8 @@ pub fn run(
         cameras: kept,
         camera_costs,
         best,
-        limit_db,
+        at_most_db,
+        cannot_tell,
         chosen,
         bytes_whole,
         points,

@@ -15,6 +15,9 @@ pub enum TuneBudget {
     Milliseconds(f64),
 }
 
+/// What may be given up by default, dB.
+pub const AT_MOST_DB: f64 = 0.1;
+
 /// What to tune, and the points that are known already.
 #[derive(Clone)]
 pub struct TunePlan {
@@ -24,6 +27,8 @@ pub struct TunePlan {
     pub budget: Option<TuneBudget>,
     /// The capture with all its frames if only some are used: a budget of bytes is for its store.
     pub whole: Option<Capture>,
+    /// What may be given up of the most accurate setting, dB, whatever the uncertainty.
+    pub at_most_db: f64,
     /// Whether cameras may be dropped.
     pub drop_cameras: bool,
     /// Points of an earlier run on the same capture and truth.
@@ -52,8 +57,10 @@ pub struct Tuned {
     pub camera_costs: Vec<CameraCost>,
     /// The most accurate point.
     pub best: Point,
-    /// Accuracy that is good enough, dB: the best less one standard error. `None` where a budget decided.
-    pub limit_db: Option<f64>,
+    /// What may be given up of the best, dB. `None` where a budget decided.
+    pub at_most_db: Option<f64>,
+    /// Whether there are too few vantages to tell settings apart, so that those that the search began with stay.
+    pub cannot_tell: bool,
     /// The point that was chosen, all cameras still there.
     pub chosen: Point,
     /// Upper bound of the bytes of the whole capture's store with all cameras, for a budget of bytes.

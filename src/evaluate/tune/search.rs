@@ -1,5 +1,6 @@
 //! The search for a setting: variations one by one, then those together that save bytes.
 
+use super::choice::{Candidate, LossRule, Reason, most_accurate};
 use super::plan::{TuneBudget, TunePlan};
 use super::whole::WholeStores;
 use crate::capture::Capture;
@@ -82,17 +83,28 @@ impl<'a> Search<'a> {
 
     /// The most accurate point so far; of equals the simplest, of these the first.
     pub(super) fn best(&self) -> &Point {
-        let better = |a: &&Point, b: &&Point| {
-            a.psnr_filled_db.total_cmp(&b.psnr_filled_db).then(simplicity(b).cmp(&simplicity(a)))
-        };
         // There is always the point of the initial settings.
-        self.points.iter().rev().max_by(better).unwrap_or(&self.points[0])
+        &self.points[most_accurate(&candidates(&self.points)).unwrap_or(0)]
     }
 
-    /// Accuracy that is good enough, dB.
-    pub(super) fn limit_db(&self) -> f64 {
-        let best = self.best();
-        best.psnr_filled_db - best.psnr_filled_db_se
+    /// What may be given up of the best, dB.
+    pub(super) fn at_most_db(&self) -> f64 {
+        self.plan.at_most_db
+    }
+
+    /// The rule that settings are chosen by.
+    fn rule(&self) -> LossRule {
+        LossRule { at_most_db: self.plan.at_most_db, comparisons: self.expected }
+    }
+
+    /// Whether a point surely gives up no more than the plan allows.
+    pub(super) fn is_good_enough(&self, point: &Point) -> bool {
+        self.rule().is_good_enough(&point.views, &self.best().views)
+    }
+
+    /// Whether too few vantages tell settings apart, so that the search ends where it began.
+    pub(super) fn cannot_tell(&self) -> bool {
+        matches!(self.rule().choose(&candidates(&self.points)), Some((_, Reason::CannotTell)))
     }
 
     /// Everything measured, in order.
@@ -157,7 +169,7 @@ impl<'a> Search<'a> {
     /// Whether to continue from a point: it is good enough, or the budget is not met yet.
     fn may_lead_on(&self, point: &Point) -> bool {
         match self.plan.budget {
-            None => point.psnr_filled_db >= self.limit_db(),
+            None => self.is_good_enough(point),
             Some(_) => self.starts_beyond,
         }
     }
@@ -190,10 +202,10 @@ impl<'a> Search<'a> {
     /// Of everything measured: the simplest that is good enough, or the most accurate within the budget.
     fn chosen(&mut self) -> Result<Point> {
         if self.plan.budget.is_none() {
-            let limit_db = self.limit_db();
-            let good = self.points.iter().filter(|point| point.psnr_filled_db >= limit_db);
-            let chosen = good.min_by_key(|point| simplicity(point)).cloned();
-            return chosen.ok_or_else(|| Error::invalid("tuning", "nothing could be measured"));
+            let chosen = self.rule().choose(&candidates(&self.points));
+            return chosen
+                .map(|(nth, _)| self.points[nth].clone())
+                .ok_or_else(|| Error::invalid("tuning", "nothing could be measured"));
         }
         let mut best_first = self.points.clone();
         best_first.sort_by(|a, b| {
@@ -228,6 +240,15 @@ impl<'a> Search<'a> {
         };
         Ok(Error::invalid("budget", what))
     }
+}
+
+/// Points as the rule compares them.
+fn candidates(points: &[Point]) -> Vec<Candidate<'_>> {
+    points.iter().map(candidate).collect()
+}
+
+fn candidate(point: &Point) -> Candidate<'_> {
+    Candidate { views: &point.views, psnr_filled_db: point.psnr_filled_db, cost: simplicity(point) }
 }
 
 /// Fewest bytes first, then least work: no clock, so that runs agree. Of equals, the first measured is preferred.

@@ -6,7 +6,14 @@ use crate::settings::Settings;
 
 /// One sentence each.
 pub(super) fn of(tuned: &Tuned, plan: &TunePlan, frames: usize) -> Vec<String> {
-    let mut words = vec![good_enough(tuned, plan), chosen(tuned)];
+    let mut words = vec![good_enough(tuned, plan)];
+    if tuned.cannot_tell {
+        let vantages = tuned.best.vantages;
+        words.push(format!(
+            "{vantages} viewpoints are too few to tell simpler settings from worse ones: the settings stay as they were."
+        ));
+    }
+    words.push(chosen(tuned));
     words.extend(changes(&plan.settings, &tuned.settings));
     words.extend(tuned.bytes_whole.map(|bytes| {
         format!("The store of the whole capture takes {} at most with these settings.", mebibytes(bytes))
@@ -22,12 +29,13 @@ fn mebibytes(bytes: u64) -> String {
 }
 
 fn good_enough(tuned: &Tuned, plan: &TunePlan) -> String {
-    let Point { label, psnr_filled_db, psnr_filled_db_se, .. } = &tuned.best;
+    let Point { label, psnr_filled_db, .. } = &tuned.best;
     let tried = tuned.points.len();
-    match (tuned.limit_db, plan.budget) {
-        (Some(limit_db), _) => format!(
-            "Of {tried} settings tried, '{label}' comes closest to the truth: {psnr_filled_db:.2} ± {psnr_filled_db_se:.2} dB. \
-             Whatever reaches {limit_db:.2} dB cannot be told from it."
+    match (tuned.at_most_db, plan.budget) {
+        (Some(at_most_db), _) => format!(
+            "Of {tried} settings tried, '{label}' comes closest to the truth: {psnr_filled_db:.2} dB over {} viewpoints. Good enough \
+             is what gives up at most {at_most_db} dB of that with 95 % confidence, by the differences at each viewpoint.",
+            tuned.best.vantages
         ),
         (None, Some(TuneBudget::Milliseconds(milliseconds))) => {
             format!("Of {tried} settings tried, the most accurate within {milliseconds} ms was taken.")
@@ -84,14 +92,14 @@ fn over_time(point: &Point, frames: usize) -> String {
 }
 
 fn cameras(tuned: &Tuned) -> Vec<String> {
-    let Some(limit_db) = tuned.limit_db else { return Vec::new() };
+    let Some(at_most_db) = tuned.at_most_db else { return Vec::new() };
     let mut words: Vec<String> = tuned
         .camera_costs
         .iter()
         .filter(|cost| cost.dropped)
         .map(|cost| {
             format!(
-                "Camera '{}' can go: what it saw is told without it at {:.2} dB, and {limit_db:.2} is enough.",
+                "Camera '{}' can go: without it the accuracy is {:.2} dB, and {at_most_db} dB may be given up.",
                 cost.name, cost.psnr_filled_db
             )
         })
