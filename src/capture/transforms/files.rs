@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::manifest::{Keys, Manifest, NormalSpaceName, manifest_path};
+use super::raw_video::RawVideo;
 use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{
     ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
@@ -19,6 +20,8 @@ pub(crate) enum PictureFormat {
     Exr,
     /// PNG.
     Png,
+    /// Raw video.
+    Yuv,
 }
 
 /// The files of one frame, and how they are read.
@@ -40,6 +43,8 @@ pub(crate) struct PictureFiles {
     rules: DepthRules,
     /// `None` where normals are not to be read.
     pub normal_space: Option<NormalSpace>,
+    /// Where the pictures are raw video, which of them and how it is read.
+    pub raw_video: RawVideo,
     /// `None` leaves it to the format: EXR is linear, PNG is sRGB.
     pub is_linear: Option<bool>,
 }
@@ -106,6 +111,7 @@ impl PictureFiles {
                 ..DepthRules::default()
             },
             normal_space,
+            raw_video: RawVideo::new(keys, place)?,
             is_linear: keys.color_space.as_deref().map(is_linear),
         })
     }
@@ -288,6 +294,7 @@ pub(crate) fn format_of(path: &Path, place: &str) -> Result<PictureFormat> {
     match extension.as_str() {
         "exr" => Ok(PictureFormat::Exr),
         "png" => Ok(PictureFormat::Png),
+        "yuv" => Ok(PictureFormat::Yuv),
         other => Err(Error::unsupported(
             place,
             format!("pictures of type '{other}' are not supported; convert them to EXR or PNG"),

@@ -22,6 +22,7 @@ mod path;
 mod png;
 mod pose;
 mod position_depth;
+mod raw_video;
 mod same_camera;
 mod source;
 mod write;
