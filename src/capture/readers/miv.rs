@@ -9,7 +9,7 @@ use super::place::Place;
 use super::reader::{Description, Reader, Reading};
 use super::views::{entry, lens};
 use crate::capture::miv::{SequenceCamera, SequenceFile, pose, projection};
-use crate::capture::transforms::{Keys, Manifest, Origin};
+use crate::capture::transforms::{Keys, Manifest, Origin, RawVideoKeys};
 use crate::capture::yuv::{PixelFormat, pictures_in};
 use crate::error::{Error, Result};
 
@@ -66,9 +66,12 @@ impl Reader for Miv {
                 one.keys = Keys {
                     camera: Some(camera.name.clone()),
                     frame: Some(picture as f64),
-                    picture_in_file: Some(picture),
-                    pixel_format: Some(texture.format.name()),
-                    depth_pixel_format: Some(depth.format.name()),
+                    raw_video: RawVideoKeys {
+                        picture_in_file: Some(picture),
+                        pixel_format: Some(texture.format.name()),
+                        depth_pixel_format: Some(depth.format.name()),
+                        ..keys.raw_video.clone()
+                    },
                     ..keys.clone()
                 };
                 frames.push(one);
@@ -140,8 +143,11 @@ fn keys_of(camera: &SequenceCamera, place: &str) -> Result<Keys> {
     Ok(Keys {
         w: Some(f64::from(lens_of.width)),
         h: Some(f64::from(lens_of.height)),
-        depth_range: Some((near, far.is_finite().then_some(far))),
-        depth_zero_is_unknown: camera.has_invalid_depth,
+        raw_video: RawVideoKeys {
+            depth_range: Some((near, far.is_finite().then_some(far))),
+            depth_zero_is_unknown: camera.has_invalid_depth,
+            ..RawVideoKeys::default()
+        },
         ..lens(lens_of.fx, lens_of.fy, lens_of.cx, lens_of.cy, 0.5)
     })
 }

@@ -111,7 +111,7 @@ impl PictureFiles {
                 ..DepthRules::default()
             },
             normal_space,
-            raw_video: RawVideo::new(keys, place)?,
+            raw_video: RawVideo::new(&keys.raw_video, place)?,
             is_linear: keys.color_space.as_deref().map(is_linear),
         })
     }
@@ -197,6 +197,15 @@ impl PictureFiles {
             misses_from: f32::from(u16::MAX),
             ..self.rules
         })
+    }
+
+    /// The rules for depth of raw video, which is in world units already.
+    ///
+    /// # Errors
+    /// `Invalid` for positions, which take three channels.
+    pub(crate) fn raw_video_rules(&self, place: &str) -> Result<DepthRules> {
+        let rules = self.png_depth_rules(place)?;
+        Ok(DepthRules { unit_scale: 1.0, misses_from: f32::MAX, ..rules })
     }
 
     /// The rules for a depth channel of an EXR file.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::files::{PictureFiles, PictureFormat, format_of};
 use super::load::{ExrPicture, no_depth, normals_of_own, open_normal_file, place_of_depth, place_of_normals};
-use super::{png, raw_video};
+use super::png;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, ExrFile};
 use crate::error::{Error, Result};
@@ -53,7 +53,7 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
     match format_of(&files.color, place)? {
         PictureFormat::Png | PictureFormat::Yuv if files.depth.is_none() => return Err(no_depth(place)),
         PictureFormat::Png => png::check(&files.color, place, size)?,
-        PictureFormat::Yuv => raw_video::check_color(files, place, size)?,
+        PictureFormat::Yuv => files.raw_video.check_color(&files.color, place, size)?,
         PictureFormat::Exr => {
             let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
             picture.color()?;
@@ -84,7 +84,7 @@ fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &
         return Ok(picture.depth()?.kind());
     }
     if format_of(path, place)? == PictureFormat::Yuv {
-        raw_video::check_depth(path, files, place, camera.intrinsics.size())?;
+        files.raw_video.check_depth(path, place, camera.intrinsics.size())?;
         return Ok(files.raw_video_rules(place)?.kind);
     }
     png::check_depth(path, place, camera.intrinsics.size())?;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::files::{PictureFiles, PictureFormat, format_of};
-use super::{png, raw_video};
+use super::png;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{
     ChannelNames, ChannelPlane, ChannelWishes, ColorPlanes, DataWindow, DepthKind, DepthRules, DepthTrouble,
@@ -188,7 +188,7 @@ fn read_color_file(
         return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
     if format_of(&files.color, place)? == PictureFormat::Yuv {
-        let color = ColorPlanes::Single(raw_video::color(files, place, size)?);
+        let color = ColorPlanes::Single(files.raw_video.color(&files.color, place, size)?);
         return Ok(PictureParts { color, alpha: None, depth: None, normal: None });
     }
     let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
@@ -227,7 +227,7 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         return planes.take_depth(channels, &picture, camera);
     }
     if format_of(path, place)? == PictureFormat::Yuv {
-        let (values, half_step) = raw_video::depth(path, files, place, camera.intrinsics.size())?;
+        let (values, half_step) = files.raw_video.depth(path, place, camera.intrinsics.size())?;
         let inverse_depth = files.raw_video_rules(place)?.inverse_depth_plane(values, camera);
         // Levels are even in 1/z: their relative error grows with distance.
         let farthest = quantile_of_hits(&inverse_depth, 1.0 - NEARLY_ALL);

@@ -2,11 +2,48 @@
 
 use std::path::Path;
 
-use super::files::PictureFiles;
-use super::manifest::Keys;
-use crate::capture::exr::{DepthKind, DepthRules};
+use serde::{Deserialize, Serialize};
+
 use crate::capture::yuv::{ColorMatrix, DepthRange, PixelFormat, YuvFile};
 use crate::error::{Error, Result};
+
+/// The manifest's keys of raw video.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct RawVideoKeys {
+    /// Which picture of its files, from 0, where they hold several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture_in_file: Option<u64>,
+    /// Format of raw video of color, by ffmpeg's name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_format: Option<String>,
+    /// Format of raw video of depth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_pixel_format: Option<String>,
+    /// Weights and range of raw video of color.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yuv_color: Option<String>,
+    /// Near and far plane of raw video of depth, whose levels run evenly in 1/z; far is null where it is infinite.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_range: Option<(f64, Option<f64>)>,
+    /// Whether level 0 of raw video of depth means that there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_zero_is_unknown: Option<bool>,
+}
+
+impl RawVideoKeys {
+    /// These keys, and where one is missing that of `file`.
+    pub(super) fn or(self, file: Self) -> Self {
+        Self {
+            picture_in_file: self.picture_in_file.or(file.picture_in_file),
+            pixel_format: self.pixel_format.or(file.pixel_format),
+            depth_pixel_format: self.depth_pixel_format.or(file.depth_pixel_format),
+            yuv_color: self.yuv_color.or(file.yuv_color),
+            depth_range: self.depth_range.or(file.depth_range),
+            depth_zero_is_unknown: self.depth_zero_is_unknown.or(file.depth_zero_is_unknown),
+        }
+    }
+}
 
 /// What the manifest says of raw video.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,7 +60,7 @@ impl RawVideo {
     ///
     /// # Errors
     /// `Invalid` and `Unsupported` for values that mean nothing.
-    pub(super) fn new(keys: &Keys, place: &str) -> Result<Self> {
+    pub(super) fn new(keys: &RawVideoKeys, place: &str) -> Result<Self> {
         let format = |key: &str, name: &Option<String>| {
             name.as_ref().map(|name| PixelFormat::of_key(key, name, place)).transpose()
         };
@@ -50,67 +87,49 @@ impl RawVideo {
             range: range.transpose()?,
         })
     }
-}
 
-/// Linear red, green and blue.
-pub(super) fn color(files: &PictureFiles, place: &str, size: (usize, usize)) -> Result<[Vec<f32>; 3]> {
-    color_file(files, place, size)?.color(files.raw_video.index, files.raw_video.matrix)
-}
+    /// The file of color at `path`.
+    ///
+    /// # Errors
+    /// `Invalid` where the manifest does not say its format.
+    fn color_file<'a>(&self, path: &'a Path, place: &'a str, size: (usize, usize)) -> Result<YuvFile<'a>> {
+        let format = self.color.ok_or_else(|| missing(place, "pixel_format"))?;
+        Ok(YuvFile::new(path, place, format, size))
+    }
 
-/// Checks that a picture of color is there.
-pub(super) fn check_color(files: &PictureFiles, place: &str, size: (usize, usize)) -> Result<()> {
-    color_file(files, place, size)?.check(files.raw_video.index)
-}
+    /// Linear red, green and blue.
+    pub(super) fn color(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<[Vec<f32>; 3]> {
+        self.color_file(path, place, size)?.color(self.index, self.matrix)
+    }
 
-fn color_file<'a>(files: &'a PictureFiles, place: &'a str, size: (usize, usize)) -> Result<YuvFile<'a>> {
-    let format = files.raw_video.color.ok_or_else(|| missing(place, "pixel_format"))?;
-    Ok(YuvFile::new(&files.color, place, format, size))
-}
+    /// Checks that a picture of color is there.
+    pub(super) fn check_color(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<()> {
+        self.color_file(path, place, size)?.check(self.index)
+    }
 
-/// Depth in world units, and half a level of it as a share of a depth of 1.
-pub(super) fn depth(
-    path: &Path,
-    files: &PictureFiles,
-    place: &str,
-    size: (usize, usize),
-) -> Result<(Vec<f32>, f32)> {
-    let (file, range) = depth_file(path, files, place, size)?;
-    Ok((file.depth(files.raw_video.index, &range)?, file.half_step(&range)))
-}
+    /// Depth in world units, and half a level of it as inverse depth.
+    pub(super) fn depth(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<(Vec<f32>, f32)> {
+        let (file, range) = self.depth_file(path, place, size)?;
+        Ok((file.depth(self.index, &range)?, file.half_step(&range)))
+    }
 
-/// Checks that a picture of depth is there.
-pub(super) fn check_depth(
-    path: &Path,
-    files: &PictureFiles,
-    place: &str,
-    size: (usize, usize),
-) -> Result<()> {
-    depth_file(path, files, place, size)?.0.check(files.raw_video.index)
-}
+    /// Checks that a picture of depth is there.
+    pub(super) fn check_depth(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<()> {
+        self.depth_file(path, place, size)?.0.check(self.index)
+    }
 
-fn depth_file<'a>(
-    path: &'a Path,
-    files: &PictureFiles,
-    place: &'a str,
-    size: (usize, usize),
-) -> Result<(YuvFile<'a>, DepthRange)> {
-    let format = files.raw_video.depth.ok_or_else(|| missing(place, "depth_pixel_format"))?;
-    let range = files.raw_video.range.ok_or_else(|| missing(place, "depth_range"))?;
-    Ok((YuvFile::new(path, place, format, size), range))
+    fn depth_file<'a>(
+        &self,
+        path: &'a Path,
+        place: &'a str,
+        size: (usize, usize),
+    ) -> Result<(YuvFile<'a>, DepthRange)> {
+        let format = self.depth.ok_or_else(|| missing(place, "depth_pixel_format"))?;
+        let range = self.range.ok_or_else(|| missing(place, "depth_range"))?;
+        Ok((YuvFile::new(path, place, format, size), range))
+    }
 }
 
 fn missing(place: &str, key: &str) -> Error {
     Error::invalid(place, format!("raw video says nothing of itself; give {key} in the manifest"))
-}
-
-impl PictureFiles {
-    /// The rules for depth of raw video, which is in world units already.
-    ///
-    /// # Errors
-    /// `Invalid` for positions, which take three channels.
-    pub(super) fn raw_video_rules(&self, place: &str) -> Result<DepthRules> {
-        let rules = self.png_depth_rules(place)?;
-        let kind = self.depth_kind.unwrap_or(DepthKind::PlanarZ);
-        Ok(DepthRules { kind, unit_scale: 1.0, zero_is_unknown: true, misses_from: f32::MAX, ..rules })
-    }
 }
