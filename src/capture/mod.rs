@@ -16,12 +16,14 @@ mod depth_claim;
 pub mod exr;
 mod frame;
 mod frame_cache;
+pub mod miv;
 mod open;
 mod parts;
 mod pose_convention;
 mod readers;
 mod recording;
 pub mod transforms;
+mod yuv;
 
 pub(crate) use camera::is_believable_size;
 pub use camera::{Camera, Intrinsics};

@@ -8,6 +8,7 @@
 //! and quirks, and nothing of pictures' bytes, which the manifest's keys describe.
 
 mod convertible;
+mod miv;
 mod nerfstudio;
 mod place;
 mod reader;
@@ -24,7 +25,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 
 /// All readers, in the order in which they are asked. A manifest comes first: it is what users correct by hand.
-const READERS: &[&dyn Reader] = &[&nerfstudio::Nerfstudio, &tum::Tum];
+const READERS: &[&dyn Reader] = &[&nerfstudio::Nerfstudio, &miv::Miv, &tum::Tum];
 
 /// Finds out what `path` is, and reads it.
 ///

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::manifest::{Keys, Manifest, NormalSpaceName, manifest_path};
+use super::raw_video::RawVideo;
 use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{
     ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
@@ -19,6 +20,8 @@ pub(crate) enum PictureFormat {
     Exr,
     /// PNG.
     Png,
+    /// Raw video.
+    Yuv,
 }
 
 /// The files of one frame, and how they are read.
@@ -40,6 +43,8 @@ pub(crate) struct PictureFiles {
     rules: DepthRules,
     /// `None` where normals are not to be read.
     pub normal_space: Option<NormalSpace>,
+    /// Where the pictures are raw video, which of them and how it is read.
+    pub raw_video: RawVideo,
     /// `None` leaves it to the format: EXR is linear, PNG is sRGB.
     pub is_linear: Option<bool>,
 }
@@ -106,6 +111,7 @@ impl PictureFiles {
                 ..DepthRules::default()
             },
             normal_space,
+            raw_video: RawVideo::new(&keys.raw_video, place)?,
             is_linear: keys.color_space.as_deref().map(is_linear),
         })
     }
@@ -191,6 +197,15 @@ impl PictureFiles {
             misses_from: f32::from(u16::MAX),
             ..self.rules
         })
+    }
+
+    /// The rules for depth of raw video, which is in world units already.
+    ///
+    /// # Errors
+    /// `Invalid` for positions, which take three channels.
+    pub(crate) fn raw_video_rules(&self, place: &str) -> Result<DepthRules> {
+        let rules = self.png_depth_rules(place)?;
+        Ok(DepthRules { unit_scale: 1.0, misses_from: f32::MAX, ..rules })
     }
 
     /// The rules for a depth channel of an EXR file.
@@ -288,6 +303,7 @@ pub(crate) fn format_of(path: &Path, place: &str) -> Result<PictureFormat> {
     match extension.as_str() {
         "exr" => Ok(PictureFormat::Exr),
         "png" => Ok(PictureFormat::Png),
+        "yuv" => Ok(PictureFormat::Yuv),
         other => Err(Error::unsupported(
             place,
             format!("pictures of type '{other}' are not supported; convert them to EXR or PNG"),

@@ -18,6 +18,9 @@ pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
     }
     match format {
         PictureFormat::Png => png::size(path, place),
+        PictureFormat::Yuv => {
+            Err(Error::invalid(place, "raw video does not say how large it is; give w and h"))
+        }
         PictureFormat::Exr => {
             let window = ExrFile::open(path, place)?.window(None)?;
             Ok((window.width, window.height))
@@ -48,8 +51,9 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
     let mut probe = HeaderFacts { has_normals: files.normal.is_some(), ..HeaderFacts::default() };
     let mut kind = None;
     match format_of(&files.color, place)? {
-        PictureFormat::Png if files.depth.is_none() => return Err(no_depth(place)),
+        PictureFormat::Png | PictureFormat::Yuv if files.depth.is_none() => return Err(no_depth(place)),
         PictureFormat::Png => png::check(&files.color, place, size)?,
+        PictureFormat::Yuv => files.raw_video.check_color(&files.color, place, size)?,
         PictureFormat::Exr => {
             let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
             picture.color()?;
@@ -78,6 +82,10 @@ fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &
     if format_of(path, place)? == PictureFormat::Exr {
         let picture = ExrPicture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
         return Ok(picture.depth()?.kind());
+    }
+    if format_of(path, place)? == PictureFormat::Yuv {
+        files.raw_video.check_depth(path, place, camera.intrinsics.size())?;
+        return Ok(files.raw_video_rules(place)?.kind);
     }
     png::check_depth(path, place, camera.intrinsics.size())?;
     Ok(files.png_depth_rules(place)?.kind)

@@ -187,6 +187,10 @@ fn read_color_file(
         let (color, alpha) = png::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
         return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
+    if format_of(&files.color, place)? == PictureFormat::Yuv {
+        let color = ColorPlanes::Single(files.raw_video.color(&files.color, place, size)?);
+        return Ok(PictureParts { color, alpha: None, depth: None, normal: None });
+    }
     let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
     let depth = match (&files.depth, need) {
         (Some(_), _) => None,
@@ -221,6 +225,18 @@ fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         let channels = picture.depth()?;
         let mut planes = DecodedPlanes::decode(&picture, &channels.indices())?;
         return planes.take_depth(channels, &picture, camera);
+    }
+    if format_of(path, place)? == PictureFormat::Yuv {
+        let (values, half_step) = files.raw_video.depth(path, place, camera.intrinsics.size())?;
+        let inverse_depth = files.raw_video_rules(place)?.inverse_depth_plane(values, camera);
+        // Levels are even in 1/z: their relative error grows with distance.
+        let farthest = quantile_of_hits(&inverse_depth, 1.0 - NEARLY_ALL);
+        return Ok(DepthPart {
+            step_relative: if farthest > 0.0 { half_step / farthest } else { 0.0 },
+            inverse_depth,
+            name: path.display().to_string(),
+            trouble: DepthTrouble::MayBeUnmeasured,
+        });
     }
     let rules = files.png_depth_rules(place)?;
     let inverse_depth = rules.inverse_depth_plane(png::depth(path, place, camera.intrinsics.size())?, camera);

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::lens::LensKeys;
+use super::raw_video::RawVideoKeys;
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 use crate::error::{Error, Result, one_line};
 
@@ -133,6 +134,9 @@ pub(crate) struct Keys {
     /// Up in world space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
+    /// How pictures in raw video are read.
+    #[serde(flatten)]
+    pub raw_video: RawVideoKeys,
     /// Which way `transform_matrix` maps; camera to world where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform_direction: Option<PoseDirection>,
@@ -193,7 +197,7 @@ impl Keys {
             camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, camera_model, lens,
             applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
             depth_unit_scale_factor, integer_depth_scale, near_clip, far_clip, normal_space, antialiased_color,
-            pixel_center_offset, color_space, up, transform_direction, camera_axes);
+            pixel_center_offset, color_space, up, raw_video, transform_direction, camera_axes);
         Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }
 }

@@ -22,6 +22,7 @@ mod path;
 mod png;
 mod pose;
 mod position_depth;
+mod raw_video;
 mod same_camera;
 mod source;
 mod write;
@@ -32,6 +33,7 @@ pub(crate) use manifest::{Keys, MANIFEST_NAME, Manifest, PictureEntry, manifest_
 pub(crate) use origin::Origin;
 pub use path::{PathView, path_from_json, path_to_json};
 pub(crate) use pose::opengl_matrix;
+pub(crate) use raw_video::RawVideoKeys;
 pub(crate) use write::picture_name;
 pub use write::write_capture;
 

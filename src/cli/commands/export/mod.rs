@@ -1,5 +1,6 @@
 //! `overlook export`: what a store holds, in forms that other programs read.
 
+mod miv;
 mod path;
 mod pictures;
 mod ply;
@@ -26,6 +27,8 @@ enum ExportKind {
     Pictures(pictures::PicturesArgs),
     /// A video along a camera path, through the ffmpeg on this machine.
     Video(video::VideoArgs),
+    /// A capture as MPEG immersive video, which TMIV and RVS read: cameras as JSON, texture and depth as raw video.
+    Miv(miv::MivArgs),
     /// The store again, with another precision or coding.
     Store(store::StoreArgs),
 }
@@ -36,6 +39,7 @@ impl ExportArgs {
             ExportKind::Points(args) => args.run(),
             ExportKind::Pictures(args) => args.run(),
             ExportKind::Video(args) => args.run(),
+            ExportKind::Miv(args) => args.run(),
             ExportKind::Store(args) => args.run(),
         }
     }

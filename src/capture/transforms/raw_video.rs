@@ -1,0 +1,135 @@
+//! Pictures in raw video, as the manifest's keys describe it.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::capture::yuv::{ColorMatrix, DepthRange, PixelFormat, YuvFile};
+use crate::error::{Error, Result};
+
+/// The manifest's keys of raw video.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct RawVideoKeys {
+    /// Which picture of its files, from 0, where they hold several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture_in_file: Option<u64>,
+    /// Format of raw video of color, by ffmpeg's name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_format: Option<String>,
+    /// Format of raw video of depth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_pixel_format: Option<String>,
+    /// Weights and range of raw video of color.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yuv_color: Option<String>,
+    /// Near and far plane of raw video of depth, whose levels run evenly in 1/z; far is null where it is infinite.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_range: Option<(f64, Option<f64>)>,
+    /// Whether level 0 of raw video of depth means that there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_zero_is_unknown: Option<bool>,
+}
+
+impl RawVideoKeys {
+    /// These keys, and where one is missing that of `file`.
+    pub(super) fn or(self, file: Self) -> Self {
+        Self {
+            picture_in_file: self.picture_in_file.or(file.picture_in_file),
+            pixel_format: self.pixel_format.or(file.pixel_format),
+            depth_pixel_format: self.depth_pixel_format.or(file.depth_pixel_format),
+            yuv_color: self.yuv_color.or(file.yuv_color),
+            depth_range: self.depth_range.or(file.depth_range),
+            depth_zero_is_unknown: self.depth_zero_is_unknown.or(file.depth_zero_is_unknown),
+        }
+    }
+}
+
+/// What the manifest says of raw video.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RawVideo {
+    index: u64,
+    color: Option<PixelFormat>,
+    depth: Option<PixelFormat>,
+    matrix: ColorMatrix,
+    range: Option<DepthRange>,
+}
+
+impl RawVideo {
+    /// Takes what the manifest's keys say; `place` is the entry.
+    ///
+    /// # Errors
+    /// `Invalid` and `Unsupported` for values that mean nothing.
+    pub(super) fn new(keys: &RawVideoKeys, place: &str) -> Result<Self> {
+        let format = |key: &str, name: &Option<String>| {
+            name.as_ref().map(|name| PixelFormat::of_key(key, name, place)).transpose()
+        };
+        let matrix = keys.yuv_color.as_deref().map(|name| {
+            ColorMatrix::from_name(name).ok_or_else(|| {
+                let what = format!("yuv_color '{name}' is unknown; there are {}", ColorMatrix::NAMES);
+                Error::invalid(place, what)
+            })
+        });
+        let range = keys.depth_range.map(|(near, far)| {
+            let far = far.unwrap_or(f64::INFINITY);
+            if near > 0.0 && near < far {
+                let zero_is_unknown = keys.depth_zero_is_unknown.unwrap_or(false);
+                return Ok(DepthRange { near, far, zero_is_unknown });
+            }
+            let what = format!("depth_range is [{near}, {far}]; it is [near, far], with 0 < near < far");
+            Err(Error::invalid(place, what))
+        });
+        Ok(Self {
+            index: keys.picture_in_file.unwrap_or(0),
+            color: format("pixel_format", &keys.pixel_format)?,
+            depth: format("depth_pixel_format", &keys.depth_pixel_format)?,
+            matrix: matrix.transpose()?.unwrap_or_default(),
+            range: range.transpose()?,
+        })
+    }
+
+    /// The file of color at `path`.
+    ///
+    /// # Errors
+    /// `Invalid` where the manifest does not say its format.
+    fn color_file<'a>(&self, path: &'a Path, place: &'a str, size: (usize, usize)) -> Result<YuvFile<'a>> {
+        let format = self.color.ok_or_else(|| missing(place, "pixel_format"))?;
+        Ok(YuvFile::new(path, place, format, size))
+    }
+
+    /// Linear red, green and blue.
+    pub(super) fn color(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<[Vec<f32>; 3]> {
+        self.color_file(path, place, size)?.color(self.index, self.matrix)
+    }
+
+    /// Checks that a picture of color is there.
+    pub(super) fn check_color(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<()> {
+        self.color_file(path, place, size)?.check(self.index)
+    }
+
+    /// Depth in world units, and half a level of it as inverse depth.
+    pub(super) fn depth(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<(Vec<f32>, f32)> {
+        let (file, range) = self.depth_file(path, place, size)?;
+        Ok((file.depth(self.index, &range)?, file.half_step(&range)))
+    }
+
+    /// Checks that a picture of depth is there.
+    pub(super) fn check_depth(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<()> {
+        self.depth_file(path, place, size)?.0.check(self.index)
+    }
+
+    fn depth_file<'a>(
+        &self,
+        path: &'a Path,
+        place: &'a str,
+        size: (usize, usize),
+    ) -> Result<(YuvFile<'a>, DepthRange)> {
+        let format = self.depth.ok_or_else(|| missing(place, "depth_pixel_format"))?;
+        let range = self.range.ok_or_else(|| missing(place, "depth_range"))?;
+        Ok((YuvFile::new(path, place, format, size), range))
+    }
+}
+
+fn missing(place: &str, key: &str) -> Error {
+    Error::invalid(place, format!("raw video says nothing of itself; give {key} in the manifest"))
+}

@@ -1,0 +1,12 @@
+//! Raw planar video (`.yuv`): pictures one after the other, without a header.
+//!
+//! A file's name or its manifest says size and format. Planes follow each other: all of luma, then, halved both ways, U and V.
+//! Samples of more than 8 bits are little-endian 16-bit words, low-aligned.
+
+mod color;
+mod format;
+mod picture;
+
+pub(crate) use color::ColorMatrix;
+pub(crate) use format::PixelFormat;
+pub(crate) use picture::{DepthRange, YuvFile, encode_color, encode_levels, pictures_in};
