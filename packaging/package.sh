@@ -19,7 +19,7 @@ rm -rf "$out"
 mkdir -p "$files"
 cargo build --release --locked
 cargo bundle-licenses --format json --output "$out/licenses.json" 2>"$out/licenses.log"
-cargo run --locked --quiet --example package_files -- "$files" "$out/licenses.json"
+cargo run --release --locked --quiet --example package_files -- "$files" "$out/licenses.json"
 
 # What is linked and what the manifest names decide the package's dependencies; nothing is built again.
 cargo deb --locked --no-build --output "$out/"
