@@ -18,6 +18,7 @@ mod frame;
 mod frame_cache;
 mod open;
 mod parts;
+pub mod pictures;
 mod pose_convention;
 mod readers;
 mod recording;
