@@ -149,7 +149,7 @@ fn redwood_poses_are_read_from_a_log_of_any_line_length_and_from_json() {
     check(&folder, "Redwood");
     folder.put("trajectory.log", &log.as_bytes()[..log.len() - 9]);
     assert!(
-        refusal(&folder).contains("trajectory.log: 18 numbers are left behind pose 2"),
+        refusal(&folder).contains("trajectory.log: 15 numbers are left behind pose 2"),
         "{}",
         refusal(&folder)
     );

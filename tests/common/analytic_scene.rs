@@ -80,7 +80,12 @@ pub(crate) fn check(capture: &Capture, views: usize) {
                 if distance(point) < 0.1 * footprint { on += 1 } else { off += 1 }
             }
         }
-        assert!(on * 100 > 88 * width * height, "{}: {on} of {} on the surface", camera.name, width * height);
+        assert!(
+            on * 100 > 88 * width * height,
+            "{}: {on} on the surface and {off} off it of {}",
+            camera.name,
+            width * height
+        );
         assert!(off * 100 < 3 * width * height, "{}: {off} off the surface", camera.name);
     }
 }

@@ -73,7 +73,7 @@ impl Distortion {
 
     /// The ray that the lens puts here; `None` where there is none.
     pub(crate) fn undistort(&self, distorted: DVec2) -> Option<DVec2> {
-        const ITERATIONS: usize = 30;
+        const ITERATIONS: usize = 100;
         const CLOSE: f64 = 1e-10;
         let target = distorted.length();
         let mut ideal =
