@@ -122,14 +122,12 @@ fn nonsense_in_the_manifest_is_named() {
         ("near_clip", json!(-1.0), "near_clip"),
         ("far_clip", json!(0.0), "far_clip"),
         ("up", json!([0, 0, 0]), "up"),
-        ("k1", json!(0.2), "undistort"),
         ("camera_angle_x", json!("wide"), "\"camera_angle_x\": invalid type"),
-        ("distortion_params", json!([0.3, 0, 0, 0]), "undistort"),
-        ("is_fisheye", json!(true), "undistort"),
+        ("distortion_params", json!([0, 0, 0, 0.3]), "undistort"),
         ("k5", json!(0.1), "undistort"),
         ("p3", json!(0.1), "undistort"),
         ("camera_type", json!("ORTHO"), "undistort"),
-        ("camera_model", json!("OPENCV_FISHEYE"), "undistort"),
+        ("camera_model", json!("THIN_PRISM_FISHEYE"), "undistort"),
         ("pixel_center_offset", json!(-40), "pixel_center_offset is -40"),
     ];
     for (key, value, word) in spoil {
@@ -277,12 +275,12 @@ fn a_folder_without_a_manifest_says_what_a_capture_is() {
 }
 
 #[test]
-fn a_jpeg_is_refused_with_what_to_do() {
+fn a_picture_of_another_type_is_refused_with_what_to_do() {
     let error = error_of(|folder, _, entries| {
-        folder.put("right/0001.jpg", b"");
-        entries[3]["file_path"] = "right/0001.jpg".into();
+        folder.put("right/0001.webp", b"");
+        entries[3]["file_path"] = "right/0001.webp".into();
     });
-    assert_names(&error, &["right/0001.jpg", "EXR or PNG"]);
+    assert_names(&error, &["right/0001.webp", "EXR, PNG or JPEG"]);
 }
 
 const PLACE: &str = "cam0/0003.exr (camera 'cam0', frame 3)";

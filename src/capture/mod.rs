@@ -19,6 +19,7 @@ mod frame_cache;
 pub mod miv;
 mod open;
 mod parts;
+pub mod pictures;
 mod pose_convention;
 mod readers;
 mod recording;

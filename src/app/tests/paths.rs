@@ -243,7 +243,7 @@ fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
             type_path(&mut app, Purpose::SavePicture, &jpg);
         }
         let typed = app.state.typed_path.take().unwrap();
-        assert_eq!(typed.reason.unwrap(), "A picture is written as PNG; name it .png.");
+        assert_eq!(typed.reason.unwrap(), "A picture is written as PNG or EXR; name it .png or .exr.");
     }
     app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(bare.clone()) });
     wait(&mut app, "the picture", |_| png.is_file());

@@ -25,6 +25,8 @@ pub(crate) enum NormalSpace {
     World,
     /// The camera's own, with OpenGL's axes: x right, y up, z toward the viewer.
     Camera,
+    /// The camera's own, with `OpenCV`'s axes: x right, y down, z away from the viewer.
+    CameraOpenCv,
 }
 
 impl NormalSpace {
@@ -33,6 +35,7 @@ impl NormalSpace {
         Some(match name {
             "world" => Self::World,
             "camera" => Self::Camera,
+            "camera_opencv" => Self::CameraOpenCv,
             _ => return None,
         })
     }
@@ -123,6 +126,7 @@ fn world_normals(
     let world_from_camera = camera.world_from_camera.matrix3;
     let world_from_recorded = match space {
         NormalSpace::World => DMat3::IDENTITY,
+        NormalSpace::CameraOpenCv => world_from_camera,
         NormalSpace::Camera => world_from_camera * DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)),
     };
     let width = camera.intrinsics.size().0.max(1);

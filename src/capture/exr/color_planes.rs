@@ -34,6 +34,14 @@ const NARROWED: usize = 256;
 const NOT_FINITE: u16 = 0x7c00;
 
 impl ColorPlanes {
+    /// As `f32`.
+    pub(crate) fn into_single(self) -> [Vec<f32>; 3] {
+        match self {
+            Self::Half(planes) => planes.map(|plane| plane.to_f32_vec()),
+            Self::Single(planes) => planes,
+        }
+    }
+
     /// The nearest half floats, channel by channel in turn; beyond the largest one the largest, and 0 for channels that are not
     /// finite. Pixels with such a channel lose their inverse depth; how many there were comes back too.
     ///

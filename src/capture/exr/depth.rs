@@ -54,6 +54,8 @@ pub(crate) struct DepthRules {
     pub(crate) kind: DepthKind,
     /// The value that means "nothing hit", beside those that always do.
     pub(crate) miss_value: Option<f64>,
+    /// The value that means "not measured", beside those that always do.
+    pub(crate) invalid_value: Option<f32>,
     /// Distance of the near plane, world units.
     pub(crate) near_clip: f64,
     /// Planar z from which on nothing was hit, world units.
@@ -72,6 +74,7 @@ impl Default for DepthRules {
         Self {
             kind: DepthKind::PlanarZ,
             miss_value: None,
+            invalid_value: None,
             near_clip: 0.0,
             far_clip: None,
             unit_scale: 1.0,
@@ -99,7 +102,8 @@ impl DepthRules {
         let inverse = self.inverse_of_planar(depth_z);
         let inverse = if value > 0.0 { inverse } else { INVALID_INVERSE_DEPTH };
         let inverse = if value == 0.0 { at_zero } else { inverse };
-        if is_miss { 0.0 } else { inverse }
+        let inverse = if is_miss { 0.0 } else { inverse };
+        if value == self.invalid_value.unwrap_or(f32::NAN) { INVALID_INVERSE_DEPTH } else { inverse }
     }
 
     /// Whether raw values measure backwards: some are negative, and no other is a distance.

@@ -48,7 +48,7 @@ pub(super) fn advice(place: &Place) -> Option<Error> {
     let has = |name: &str| place.has(name);
     let refuse = |name: &str, what: &str| Some(Error::unsupported(place.join(name).display(), what));
     if has("odometry.csv") && has("rgb.mp4") {
-        let what = "is a Stray Scanner recording with its colors in a video; decode it: ffmpeg -i rgb.mp4 -start_number 0 rgb/%06d.png, then open the folder again";
+        let what = "is a Stray Scanner recording with its colors in a video; decode it (ffmpeg -i rgb.mp4 -start_number 0 rgb/%06d.png), and write the poses of odometry.csv into a transforms.json beside it";
         return refuse("rgb.mp4", what);
     }
     if has("poses_bounds.npy") {

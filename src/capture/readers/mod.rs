@@ -11,7 +11,12 @@ mod convertible;
 mod miv;
 mod nerfstudio;
 mod place;
+mod pose_list;
 mod reader;
+mod redwood;
+mod replica;
+mod scannet;
+mod seven_scenes;
 mod text;
 mod tum;
 mod views;
@@ -22,10 +27,20 @@ pub(crate) use reader::{Reader, Reading};
 
 use std::path::Path;
 
+use crate::capture::transforms::other_file;
 use crate::error::{Error, Result};
 
 /// All readers, in the order in which they are asked. A manifest comes first: it is what users correct by hand.
-const READERS: &[&dyn Reader] = &[&nerfstudio::Nerfstudio, &miv::Miv, &tum::Tum];
+const READERS: &[&dyn Reader] = &[
+    &nerfstudio::Nerfstudio,
+    &miv::Miv,
+    &tum::Tum,
+    &redwood::Redwood,
+    &seven_scenes::SevenScenes,
+    &scannet::ScanNet,
+    &replica::Replica,
+    &pose_list::PoseList,
+];
 
 /// Finds out what `path` is, and reads it.
 ///
@@ -45,8 +60,10 @@ pub(crate) fn read(path: &Path) -> Result<Reading> {
 
 /// The error of a place that no reader recognizes.
 fn unknown(place: &Place) -> Error {
-    if let Some(error) = place.file.as_ref().and_then(|_| other_file(&place.path)) {
-        return error;
+    if place.file.is_some()
+        && let Ok(Some(what)) = other_file(&place.path)
+    {
+        return Error::invalid(place.path.display(), what);
     }
     let marks: Vec<&str> = READERS.iter().map(|reader| reader.marks()).collect();
     let what = format!(
@@ -58,20 +75,4 @@ fn unknown(place: &Place) -> Error {
         return Error::invalid(place.path.display(), what);
     }
     Error::invalid(place.path.display(), what)
-}
-
-/// The error of a file that is a store or a picture by its first bytes.
-fn other_file(path: &Path) -> Option<Error> {
-    use std::io::Read;
-    let mut start = [0; 4];
-    std::fs::File::open(path).ok()?.read_exact(&mut start).ok()?;
-    let what = match &start {
-        b"FORM" => "is a store; name the capture that it was made from: a folder, or its transforms.json",
-        b"\x76\x2F\x31\x01" | b"\x89PNG" => {
-            "is a picture; name the capture that it is of: the folder that holds its transforms.json"
-        }
-        [0xFF, 0xD8, ..] => "is a picture; name the capture that it is of: its folder",
-        _ => return None,
-    };
-    Some(Error::invalid(path.display(), what))
 }

@@ -41,6 +41,11 @@ impl Place {
         names.iter().all(|name| self.has(name))
     }
 
+    /// The first of these names that it has.
+    pub(crate) fn first_of<'a>(&self, names: &[&'a str]) -> Option<&'a str> {
+        names.iter().copied().find(|name| self.has(name))
+    }
+
     /// All names, sorted by bytes.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(String::as_str)

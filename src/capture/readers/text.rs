@@ -55,6 +55,19 @@ impl TextFile {
             is_data.then_some(Line { path: &self.path, number: index + 1, fields })
         })
     }
+    /// All numbers of the file in their order.
+    ///
+    /// # Errors
+    /// `Invalid` for what is no number.
+    pub(super) fn numbers(&self) -> Result<Vec<f64>> {
+        let mut numbers = Vec::new();
+        for line in self.lines() {
+            for field in &line.fields {
+                numbers.push(line.number_in(field)?);
+            }
+        }
+        Ok(numbers)
+    }
 }
 
 impl Line<'_> {

@@ -8,9 +8,9 @@
 use super::place::Place;
 use super::reader::{Description, Reader, Reading};
 use super::text::TextFile;
-use super::views::{entry, lens, name_as_views, pose_of_quaternion};
+use super::views::{entry, lens, pose_of_quaternion, recording};
 use crate::capture::recording::{Trajectory, nearest};
-use crate::capture::transforms::{Keys, Manifest, Origin};
+use crate::capture::transforms::{Keys, LensKeys};
 use crate::error::{Error, Result};
 
 /// How far the stamps of color and depth may be apart, seconds: the benchmark's own limit.
@@ -56,13 +56,11 @@ impl Reader for Tum {
             source: self.source().to_owned(),
             poses: "camera to world; camera x right, y down, z forward; meters; interpolated at the color's stamp".into(),
             depth: "planar z in 1/5000 m, 16-bit PNG; 0 is no depth".into(),
-            is_recording: true,
             ..Description::default()
         };
         let (colors, name) = stamped(&place.join("rgb.txt"))?;
         let (depths, _) = stamped(&place.join("depth.txt"))?;
         let trajectory = trajectory(&truth, &mut description)?;
-        description.found = colors.len();
         let depth_times: Vec<f64> = depths.iter().map(|depth| depth.time).collect();
         let mut frames = Vec::new();
         for color in colors {
@@ -76,21 +74,11 @@ impl Reader for Tum {
             };
             frames.push(entry(color.file_path, Some(depths[depth].file_path.clone()), &pose));
         }
-        if frames.is_empty() {
-            let what = "no picture has both depth and a pose near its stamp; are the stamps of all three files of one clock?";
-            return Err(Error::invalid(place.join("rgb.txt").display(), what));
-        }
-        name_as_views(&mut frames);
         let folder_name = place.folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let (lens, words) = lens_of(&format!("{folder_name} {name}"));
         description.lens = words;
         let keys = Keys { depth_unit_scale_factor: Some(DEPTH_UNIT), ..lens };
-        Ok(Reading {
-            manifest: Manifest { keys, frames },
-            origin: Origin { path: place.join("rgb.txt"), folder: place.folder.clone() },
-            inputs: LISTS.map(|name| place.join(name)).to_vec(),
-            description,
-        })
+        recording(place, keys, frames, description, LISTS.map(|name| place.join(name)).to_vec())
     }
 }
 
@@ -134,11 +122,19 @@ fn lens_of(names: &str) -> (Keys, String) {
     let names = names.to_ascii_lowercase();
     let has =
         |number: u32| names.contains(&format!("freiburg{number}")) || names.contains(&format!("fr{number}"));
-    let (sensor, [fx, fy, cx, cy]) = match (has(1), has(2), has(3)) {
-        (true, ..) => ("freiburg1", [517.3, 516.5, 318.6, 255.3]),
-        (_, true, _) => ("freiburg2", [520.9, 521.0, 325.1, 249.7]),
-        (_, _, true) => ("freiburg3", [535.4, 539.2, 320.1, 247.6]),
-        _ => ("the default of the sensor", [525.0, 525.0, 319.5, 239.5]),
+    let (sensor, [fx, fy, cx, cy], bent) = match (has(1), has(2), has(3)) {
+        (true, ..) => ("freiburg1", [517.3, 516.5, 318.6, 255.3], [0.2624, -0.9531, -0.0054, 0.0026, 1.1633]),
+        (_, true, _) => {
+            ("freiburg2", [520.9, 521.0, 325.1, 249.7], [0.2312, -0.7849, -0.0033, -0.0001, 0.9172])
+        }
+        (_, _, true) => ("freiburg3", [535.4, 539.2, 320.1, 247.6], [0.0; 5]),
+        _ => ("the default of the sensor", [525.0, 525.0, 319.5, 239.5], [0.0; 5]),
     };
-    (lens(fx, fy, cx, cy, 0.0), format!("{sensor}: {fx} {fy} {cx} {cy}"))
+    let [k1, k2, p1, p2, k3] = bent;
+    let mut keys = lens(fx, fy, cx, cy, 0.0);
+    if bent != [0.0; 5] {
+        keys.camera_model = Some("OPENCV".to_owned());
+        keys.lens = LensKeys::of(&[("k1", k1), ("k2", k2), ("p1", p1), ("p2", p2), ("k3", k3)]);
+    }
+    (keys, format!("{sensor}: {fx} {fy} {cx} {cy}, distortion {bent:?}"))
 }

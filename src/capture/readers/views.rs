@@ -1,12 +1,16 @@
 //! From poses and file names to entries of a manifest.
 
 use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
-use glam::{DAffine3, DQuat, DVec3, DVec4};
+use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
-use crate::capture::transforms::{Keys, PictureEntry, opengl_matrix};
+use super::place::{Place, names_in};
+use super::reader::{Description, Reading};
+use crate::capture::transforms::{Keys, Manifest, Origin, PictureEntry, opengl_matrix};
+use crate::error::{Error, Result};
 
-/// How far a quaternion's length, squared, may be from 1.
+/// How far a quaternion's length, squared, may be from 1, and the axes of a matrix from orthonormal.
 const RIGID_TOLERANCE: f64 = 1e-2;
 
 /// The pose of a unit quaternion `x y z w` and a translation; `None` where the quaternion is not of length 1, or a number is not
@@ -17,6 +21,19 @@ pub(super) fn pose_of_quaternion(xyzw: [f64; 4], translation: [f64; 3]) -> Optio
     let translation = DVec3::from(translation);
     (is_unit && translation.is_finite())
         .then(|| DAffine3::from_rotation_translation(DQuat::from_vec4(quaternion).normalize(), translation))
+}
+
+/// The pose of 12 or 16 numbers row by row; `None` where it is not rigid, or a number is not finite.
+pub(super) fn pose_of_rows(rows: &[f64]) -> Option<DAffine3> {
+    let [a, b, c, x, d, e, f, y, g, h, i, z, ..] = *rows else { return None };
+    let matrix = DMat3::from_cols(DVec3::new(a, d, g), DVec3::new(b, e, h), DVec3::new(c, f, i));
+    let is_rigid = (matrix.transpose() * matrix).abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE)
+        && matrix.determinant() > 0.0;
+    let translation = DVec3::new(x, y, z);
+    // Newton's iteration for the nearest rotation.
+    let turn = |matrix: DMat3| (matrix + matrix.inverse().transpose()) * 0.5;
+    (is_rigid && translation.is_finite())
+        .then(|| DAffine3::from_mat3_translation(turn(turn(turn(matrix))), translation))
 }
 
 /// An entry without keys of its own. `world_from_camera` has our axes: x right, y down, z forward.
@@ -56,4 +73,71 @@ pub(super) fn name_as_views(entries: &mut [PictureEntry]) {
         entry.keys.camera = Some(name);
         entry.keys.frame = Some(0.0);
     }
+}
+
+/// The reading of a recording by one moving camera, whose paths are relative to the place's folder.
+///
+/// # Errors
+/// `Invalid` where no picture is left.
+pub(super) fn recording(
+    place: &Place,
+    keys: Keys,
+    mut frames: Vec<PictureEntry>,
+    mut description: Description,
+    inputs: Vec<PathBuf>,
+) -> Result<Reading> {
+    let path = inputs.first().cloned().unwrap_or_else(|| place.folder.clone());
+    if frames.is_empty() {
+        let why = description.skipped.first().map_or_else(String::new, |skipped| {
+            format!(": {} {} (first: {})", skipped.count, skipped.reason, skipped.first)
+        });
+        let what = format!("no picture has color, depth and a pose{why}");
+        return Err(Error::invalid(path.display(), what));
+    }
+    name_as_views(&mut frames);
+    description.is_recording = true;
+    description.found = frames.len() + description.skipped.iter().map(|skipped| skipped.count).sum::<usize>();
+    let manifest = Manifest { keys, frames };
+    Ok(Reading { manifest, origin: Origin { path, folder: place.folder.clone() }, inputs, description })
+}
+
+/// Axes of cameras as `OpenCV` has them, in the words of a description.
+pub(super) const OPENCV_POSES: &str = "camera to world; camera x right, y down, z forward; meters";
+/// Depth of most sensors' exports.
+pub(super) const MILLIMETERS: &str = "planar z in millimeters, 16-bit PNG; 0 is no depth";
+
+/// Endings of pictures of color.
+const COLOR_ENDINGS: [&str; 3] = [".jpg", ".png", ".jpeg"];
+
+/// The pictures in a folder in the order of their numbers; none where there is no such folder.
+pub(super) fn pictures_in(folder: &Path, endings: &[&str]) -> Vec<String> {
+    let mut names = names_in(folder).unwrap_or_default();
+    names.retain(|name| endings.iter().any(|ending| name.to_ascii_lowercase().ends_with(ending)));
+    names
+}
+
+/// The pictures of color in a folder.
+pub(super) fn colors_in(folder: &Path) -> Vec<String> {
+    pictures_in(folder, &COLOR_ENDINGS)
+}
+
+/// A name without the last `.` and what follows.
+pub(super) fn stem(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+/// The number that a picture's name, without ending, ends in.
+pub(super) fn number_in(name: &str) -> Option<u64> {
+    let stem = stem(name);
+    let digits = stem.bytes().rev().take_while(u8::is_ascii_digit).count();
+    stem[stem.len() - digits..].parse().ok()
+}
+
+/// A JSON file.
+///
+/// # Errors
+/// `Io`, and `Invalid` with line and column where it is damaged or lacks something.
+pub(super) fn json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T> {
+    let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+    serde_json::from_slice(&bytes).map_err(|error| Error::invalid(path.display(), error.to_string()))
 }

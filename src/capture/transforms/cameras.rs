@@ -102,7 +102,10 @@ fn picture_files(folder: &Path, entry: &PictureEntry, keys: &Keys, manifest: &Pa
     let color = picture_path(folder, &entry.file_path, &others);
     let apart = |path: Option<PathBuf>| path.filter(|path| *path != color);
     let place = format!("{} ({})", manifest.display(), entry.file_path);
-    PictureFiles::new(color.clone(), apart(depth), apart(normal), keys, &place)
+    let [confidence, mask] = [resolve(&entry.confidence_file_path), resolve(&entry.mask_path)];
+    let mut files = PictureFiles::new(color.clone(), apart(depth), apart(normal), keys, &place)?;
+    (files.confidence, files.mask) = (confidence, mask);
+    Ok(files)
 }
 
 /// The name of every entry's camera: the manifest's, or one for each distinct pose in order of appearance.

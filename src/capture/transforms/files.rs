@@ -2,27 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use super::manifest::{Keys, Manifest, NormalSpaceName, manifest_path};
+use super::depth_camera::DepthCamera;
+use super::manifest::{Keys, Manifest, NormalSpaceName};
+use super::manifest_file::manifest_path;
 use super::raw_video::RawVideo;
 use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{
     ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
 };
+use crate::capture::pictures::{Distortion, PICTURE_EXTENSIONS, PictureFormat, format_of};
 use crate::error::{Error, Result};
 
-/// nerfstudio's unit of depth in PNG files: millimeters.
-const PNG_UNIT_SCALE: f64 = 1e-3;
-
-/// What pictures may be.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PictureFormat {
-    /// OpenEXR.
-    Exr,
-    /// PNG.
-    Png,
-    /// Raw video.
-    Yuv,
-}
+/// nerfstudio's unit of depth in PNG, TIFF and `NumPy` files: millimeters.
+const UNIT_SCALE: f64 = 1e-3;
 
 /// The files of one frame, and how they are read.
 #[derive(Clone, Debug)]
@@ -33,6 +25,14 @@ pub(crate) struct PictureFiles {
     pub depth: Option<PathBuf>,
     /// A file of its own.
     pub normal: Option<PathBuf>,
+    /// How sure the sensor is of each pixel of depth.
+    pub confidence: Option<PathBuf>,
+    /// Pixels that are 0 in it are left out.
+    pub mask: Option<PathBuf>,
+    /// What the color camera's lens does to the picture; `None` where it is a pinhole.
+    pub distortion: Option<Distortion>,
+    /// The depth camera, where it is another one than color's.
+    pub depth_camera: Option<DepthCamera>,
     wishes: ChannelWishes,
     /// What depth measures, where the manifest says so.
     pub depth_kind: Option<DepthKind>,
@@ -77,7 +77,7 @@ impl PictureFiles {
             Some(NormalSpaceName::Text(name)) => Some(NormalSpace::from_name(name).ok_or_else(|| {
                 Error::invalid(
                     place,
-                    format!("normal_space '{name}' is unknown; there are world, camera, null"),
+                    format!("normal_space '{name}' is unknown; there are world, camera, camera_opencv, null"),
                 )
             })?),
         };
@@ -94,6 +94,14 @@ impl PictureFiles {
             color,
             depth,
             normal,
+            confidence: None,
+            mask: None,
+            distortion: keys.distortion(place)?,
+            depth_camera: keys
+                .depth_camera
+                .as_ref()
+                .map(|depth| DepthCamera::new(depth, keys.pose_convention(), place))
+                .transpose()?,
             wishes: ChannelWishes {
                 is_apart: false,
                 layer: keys.layer.clone(),
@@ -106,6 +114,7 @@ impl PictureFiles {
             unit_scale: positive("depth_unit_scale_factor", keys.depth_unit_scale_factor)?,
             rules: DepthRules {
                 miss_value: keys.depth_miss_value,
+                invalid_value: keys.depth_invalid_value.map(|value| value as f32),
                 near_clip: positive("near_clip", near_clip)?.unwrap_or(0.0),
                 far_clip: positive("far_clip", keys.far_clip)?,
                 ..DepthRules::default()
@@ -118,9 +127,15 @@ impl PictureFiles {
 
     /// Looks for the files.
     pub(crate) fn check_exist(&self, place: &str) -> Result<()> {
-        for (what, path) in
-            [("picture", Some(&self.color)), ("depth", self.depth.as_ref()), ("normal", self.normal.as_ref())]
-        {
+        let more = [&self.depth, &self.normal, &self.confidence, &self.mask].map(Option::as_ref);
+        let [depth, normal, confidence, mask] = more;
+        for (what, path) in [
+            ("picture", Some(&self.color)),
+            ("depth", depth),
+            ("normal", normal),
+            ("confidence", confidence),
+            ("mask", mask),
+        ] {
             if let Some(path) = path
                 && !path.is_file()
             {
@@ -142,8 +157,8 @@ impl PictureFiles {
             Some(DepthKind::RayDistanceFromNearClip) => DepthMeasure::RayDistanceFromNearClip,
         };
         let file = self.depth.as_ref().unwrap_or(&self.color);
-        let is_png = matches!(format_of(file, ""), Ok(PictureFormat::Png));
-        let unit = self.unit_scale.unwrap_or(if is_png { PNG_UNIT_SCALE } else { 1.0 });
+        let is_exr = matches!(format_of(file, ""), Ok(PictureFormat::Exr));
+        let unit = self.unit_scale.unwrap_or(if is_exr { 1.0 } else { UNIT_SCALE });
         DepthClaim { measure, unit, near_clip: self.rules.near_clip }
     }
 
@@ -178,11 +193,11 @@ impl PictureFiles {
         ChannelWishes { is_apart: true, depth_channel: None, position_channel: None, ..self.wishes.clone() }
     }
 
-    /// The rules for a depth PNG.
+    /// The rules for a file of depth alone, whose whole numbers go up to `whole_up_to`, or which holds floats.
     ///
     /// # Errors
     /// `Invalid` for positions, which take three channels.
-    pub(crate) fn png_depth_rules(&self, place: &str) -> Result<DepthRules> {
+    pub(crate) fn map_depth_rules(&self, whole_up_to: Option<f32>, place: &str) -> Result<DepthRules> {
         let kind = self.depth_kind.unwrap_or_default();
         if kind == DepthKind::WorldPosition {
             return Err(Error::invalid(
@@ -192,9 +207,9 @@ impl PictureFiles {
         }
         Ok(DepthRules {
             kind,
-            unit_scale: self.unit_scale.unwrap_or(PNG_UNIT_SCALE),
+            unit_scale: self.unit_scale.unwrap_or(UNIT_SCALE),
             zero_is_unknown: true,
-            misses_from: f32::from(u16::MAX),
+            misses_from: whole_up_to.unwrap_or(MISS_DEPTH),
             ..self.rules
         })
     }
@@ -246,9 +261,6 @@ fn with_extension(path: PathBuf, others: &[&Path]) -> PathBuf {
     own.cloned().unwrap_or(path)
 }
 
-/// Pictures that are named without extension may have one of these.
-const PICTURE_EXTENSIONS: [&str; 4] = ["exr", "png", "EXR", "PNG"];
-
 /// The last part of a picture's name without the extension of a picture.
 pub(crate) fn without_extension(name: &str) -> &str {
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
@@ -295,18 +307,4 @@ pub(crate) fn places_of(manifest: &Manifest, folder: &Path) -> Vec<PathBuf> {
         }
     }
     pictures
-}
-
-/// The format of a file, by its extension.
-pub(crate) fn format_of(path: &Path, place: &str) -> Result<PictureFormat> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    match extension.as_str() {
-        "exr" => Ok(PictureFormat::Exr),
-        "png" => Ok(PictureFormat::Png),
-        "yuv" => Ok(PictureFormat::Yuv),
-        other => Err(Error::unsupported(
-            place,
-            format!("pictures of type '{other}' are not supported; convert them to EXR or PNG"),
-        )),
-    }
 }

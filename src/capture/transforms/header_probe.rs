@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use super::files::{PictureFiles, PictureFormat, format_of};
-use super::load::{ExrPicture, no_depth, normals_of_own, open_normal_file, place_of_depth, place_of_normals};
-use super::png;
+use super::depth_file;
+use super::files::PictureFiles;
+use super::load::{ExrPicture, no_depth};
+use super::normal_file::{normals_of_own, open_normal_file, place_of_normals};
 use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, ExrFile};
+use crate::capture::pictures::{self, PictureFormat, format_of};
 use crate::error::{Error, Result};
 
 /// Columns and rows of a picture, from its header.
@@ -17,7 +19,6 @@ pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
         return Err(Error::invalid(place, what));
     }
     match format {
-        PictureFormat::Png => png::size(path, place),
         PictureFormat::Yuv => {
             Err(Error::invalid(place, "raw video does not say how large it is; give w and h"))
         }
@@ -25,6 +26,7 @@ pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
             let window = ExrFile::open(path, place)?.window(None)?;
             Ok((window.width, window.height))
         }
+        _ => pictures::size(path, place),
     }
 }
 
@@ -51,9 +53,9 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
     let mut probe = HeaderFacts { has_normals: files.normal.is_some(), ..HeaderFacts::default() };
     let mut kind = None;
     match format_of(&files.color, place)? {
-        PictureFormat::Png | PictureFormat::Yuv if files.depth.is_none() => return Err(no_depth(place)),
-        PictureFormat::Png => png::check(&files.color, place, size)?,
-        PictureFormat::Yuv => files.raw_video.check_color(&files.color, place, size)?,
+        PictureFormat::Yuv if files.depth.is_some() => {
+            files.raw_video.check_color(&files.color, place, size)?;
+        }
         PictureFormat::Exr => {
             let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
             picture.color()?;
@@ -63,30 +65,21 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
             probe.has_normals |= picture.names.normal.is_some();
             probe.has_other_primaries = picture.file.has_other_primaries;
         }
+        _ if files.depth.is_none() => return Err(no_depth(place)),
+        _ => pictures::check(&files.color, place, size)?,
     }
     if let Some(path) = &files.depth {
-        kind = Some(probe_depth_file(path, files, camera, place)?);
+        kind = Some(depth_file::probe(path, files, camera, place)?);
     }
     probe.lacks_near_clip = kind == Some(DepthKind::RayDistanceFromNearClip) && !files.has_near_clip;
     probe.has_normals &= files.normal_space.is_some();
     if let (Some(path), true) = (&files.normal, probe.has_normals) {
         let place = &place_of_normals(path, place);
+        if format_of(path, place)? == PictureFormat::ColmapMap {
+            pictures::read_colmap_map(path, 3, place)?;
+            return Ok(probe);
+        }
         normals_of_own(&open_normal_file(path, files, camera, place)?)?;
     }
     Ok(probe)
-}
-
-/// Checks the header of a file of depth, and gives the kind of its values.
-fn probe_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthKind> {
-    let place = &place_of_depth(path, place);
-    if format_of(path, place)? == PictureFormat::Exr {
-        let picture = ExrPicture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
-        return Ok(picture.depth()?.kind());
-    }
-    if format_of(path, place)? == PictureFormat::Yuv {
-        files.raw_video.check_depth(path, place, camera.intrinsics.size())?;
-        return Ok(files.raw_video_rules(place)?.kind);
-    }
-    png::check_depth(path, place, camera.intrinsics.size())?;
-    Ok(files.png_depth_rules(place)?.kind)
 }

@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-use super::files::{PictureFiles, PictureFormat, format_of};
-use super::png;
+use super::depth_file;
+use super::files::PictureFiles;
+use super::normal_file;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{
     ChannelNames, ChannelPlane, ChannelWishes, ColorPlanes, DataWindow, DepthKind, DepthRules, DepthTrouble,
     ExrFile, Layers,
 };
-use crate::capture::frame::Frame;
+use crate::capture::frame::{Frame, INVALID_INVERSE_DEPTH};
+use crate::capture::pictures::{self, PictureFormat, format_of};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
@@ -40,7 +42,7 @@ pub(super) struct ExrPicture<'a> {
     window: DataWindow,
     files: &'a PictureFiles,
     wishes: ChannelWishes,
-    place: &'a str,
+    pub(super) place: &'a str,
 }
 
 impl<'a> ExrPicture<'a> {
@@ -99,7 +101,7 @@ impl<'a> ExrPicture<'a> {
         found.ok_or_else(|| self.missing(what, key))
     }
 
-    fn normal(&self) -> Result<[usize; 3]> {
+    pub(super) fn normal(&self) -> Result<[usize; 3]> {
         self.names
             .normal
             .ok_or_else(|| self.missing("normal", "name its layer as \"normal_channel\" in the manifest"))
@@ -108,10 +110,6 @@ impl<'a> ExrPicture<'a> {
 
 pub(super) fn place_of_depth(path: &Path, place: &str) -> String {
     format!("{place}, depth file {}", path.display())
-}
-
-pub(super) fn place_of_normals(path: &Path, place: &str) -> String {
-    format!("{place}, normal file {}", path.display())
 }
 
 pub(super) fn no_depth(place: &str) -> Error {
@@ -126,11 +124,45 @@ struct PictureParts {
     normal: Option<[Vec<f32>; 3]>,
 }
 
+impl PictureParts {
+    /// Color, alpha and normals as a pinhole shows them; depth is registered already.
+    fn undistort(&mut self, sources: &pictures::Sources) {
+        let color = std::mem::replace(&mut self.color, ColorPlanes::Single([const { Vec::new() }; 3]));
+        let planes = color.into_single();
+        self.color = ColorPlanes::Single(planes.map(|plane| sources.linear(&plane)));
+        self.alpha = self.alpha.take().map(|alpha| sources.linear(&alpha));
+        self.normal = self.normal.take().map(|planes| planes.map(|plane| sources.nearest(&plane, 0.0)));
+    }
+}
+
+/// Takes the depth of pixels whose mask is 0. A mask lies over the picture as it was taken, and may have another size.
+fn mask_out(
+    path: &Path,
+    files: &PictureFiles,
+    camera: &Camera,
+    place: &str,
+    depth: &mut [f32],
+) -> Result<()> {
+    let place = &format!("{place}, mask {}", path.display());
+    let ((columns, rows), mask) = pictures::gray(path, place)?;
+    let (width, height) = camera.intrinsics.size();
+    let at = |index: usize| mask[index / width * rows / height * columns + index % width * columns / width];
+    let scaled: Vec<u8> = (0..width * height).map(at).collect();
+    let mask = match &files.distortion {
+        Some(distortion) => pictures::sources(&camera.intrinsics, distortion).nearest(&scaled, 0),
+        None => scaled,
+    };
+    for (inverse, _) in depth.iter_mut().zip(mask).filter(|(_, mask)| *mask == 0) {
+        *inverse = INVALID_INVERSE_DEPTH;
+    }
+    Ok(())
+}
+
 pub(super) struct DepthPart {
     pub(super) inverse_depth: Vec<f32>,
     pub(super) step_relative: f32,
-    name: String,
-    trouble: DepthTrouble,
+    pub(super) name: String,
+    pub(super) trouble: DepthTrouble,
 }
 
 /// Decodes one frame; `place` names file, camera and frame in errors.
@@ -143,12 +175,17 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
     if let Some(path) = &files.depth
         && (path.is_file() || need != NeededPlanes::ColorOnly)
     {
-        parts.depth = Some(read_depth_file(path, files, camera, place)?);
+        parts.depth = Some(depth_file::read(path, files, camera, place)?);
+    } else if let Some(depth) = &mut parts.depth {
+        depth_file::register_own(depth, files, camera, place)?;
     }
     if let (Some(path), true) = (&files.normal, wants_normals) {
-        parts.normal = Some(read_normal_file(path, files, camera, place)?);
+        parts.normal = Some(normal_file::read(path, files, camera, place)?);
     }
-    let depth = match (parts.depth, need) {
+    if let Some(distortion) = &files.distortion {
+        parts.undistort(&pictures::sources(&camera.intrinsics, distortion));
+    }
+    let mut depth = match (parts.depth, need) {
         (Some(depth), _) => depth,
         (None, NeededPlanes::Geometry { .. }) => return Err(no_depth(place)),
         (None, NeededPlanes::ColorOnly) => DepthPart {
@@ -158,6 +195,9 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
             trouble: DepthTrouble::default(),
         },
     };
+    if let Some(mask) = &files.mask {
+        mask_out(mask, files, camera, place, &mut depth.inverse_depth)?;
+    }
     let layers = Layers {
         color: parts.color,
         alpha: parts.alpha,
@@ -183,13 +223,13 @@ fn read_color_file(
     need: NeededPlanes,
 ) -> Result<PictureParts> {
     let size = camera.intrinsics.size();
-    if format_of(&files.color, place)? == PictureFormat::Png {
-        let (color, alpha) = png::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
-        return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
-    }
     if format_of(&files.color, place)? == PictureFormat::Yuv {
         let color = ColorPlanes::Single(files.raw_video.color(&files.color, place, size)?);
         return Ok(PictureParts { color, alpha: None, depth: None, normal: None });
+    }
+    if format_of(&files.color, place)? != PictureFormat::Exr {
+        let (color, alpha) = pictures::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
+        return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
     let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
     let depth = match (&files.depth, need) {
@@ -218,39 +258,9 @@ fn read_color_file(
     Ok(PictureParts { color, alpha, depth, normal })
 }
 
-fn read_depth_file(path: &Path, files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthPart> {
-    let place = &place_of_depth(path, place);
-    if format_of(path, place)? == PictureFormat::Exr {
-        let picture = ExrPicture::open(path, files, files.wishes_of_depth_file(), camera, place)?;
-        let channels = picture.depth()?;
-        let mut planes = DecodedPlanes::decode(&picture, &channels.indices())?;
-        return planes.take_depth(channels, &picture, camera);
-    }
-    if format_of(path, place)? == PictureFormat::Yuv {
-        let (values, half_step) = files.raw_video.depth(path, place, camera.intrinsics.size())?;
-        let inverse_depth = files.raw_video_rules(place)?.inverse_depth_plane(values, camera);
-        // Levels are even in 1/z: their relative error grows with distance.
-        let farthest = quantile_of_hits(&inverse_depth, 1.0 - NEARLY_ALL);
-        return Ok(DepthPart {
-            step_relative: if farthest > 0.0 { half_step / farthest } else { 0.0 },
-            inverse_depth,
-            name: path.display().to_string(),
-            trouble: DepthTrouble::MayBeUnmeasured,
-        });
-    }
-    let rules = files.png_depth_rules(place)?;
-    let inverse_depth = rules.inverse_depth_plane(png::depth(path, place, camera.intrinsics.size())?, camera);
-    Ok(DepthPart {
-        step_relative: step_of_whole_units(&rules, &inverse_depth),
-        inverse_depth,
-        name: path.display().to_string(),
-        trouble: DepthTrouble::MayBeUnmeasured,
-    })
-}
-
 /// The relative error of depth in whole units grows toward the camera. That of nearly the nearest depth is taken, so that a few
 /// stray hits do not decide.
-fn step_of_whole_units(rules: &DepthRules, inverse_depth: &[f32]) -> f32 {
+pub(super) fn step_of_whole_units(rules: &DepthRules, inverse_depth: &[f32]) -> f32 {
     0.5 * rules.unit_scale as f32 * quantile_of_hits(inverse_depth, NEARLY_ALL)
 }
 
@@ -271,42 +281,14 @@ fn off_the_rays(apart_px: f64, camera: &Camera, place: &str) -> Error {
 }
 
 /// The share of hits that are no nearer than the depth whose quantization step is taken for all.
-const NEARLY_ALL: f64 = 0.99;
+pub(super) const NEARLY_ALL: f64 = 0.99;
 
 /// What a share of the finite values above 0 stays below, or 0.
-fn quantile_of_hits(values: &[f32], share: f64) -> f32 {
+pub(super) fn quantile_of_hits(values: &[f32], share: f64) -> f32 {
     let mut hits: Vec<f32> =
         values.iter().copied().filter(|value| *value > 0.0 && value.is_finite()).collect();
     let rank = (hits.len() as f64 * share) as usize;
     if hits.is_empty() { 0.0 } else { *hits.select_nth_unstable_by(rank, f32::total_cmp).1 }
-}
-
-fn read_normal_file(
-    path: &Path,
-    files: &PictureFiles,
-    camera: &Camera,
-    place: &str,
-) -> Result<[Vec<f32>; 3]> {
-    let place = &place_of_normals(path, place);
-    let picture = open_normal_file(path, files, camera, place)?;
-    Ok(DecodedPlanes::decode(&picture, &normals_of_own(&picture)?)?.take_three())
-}
-
-pub(super) fn open_normal_file<'a>(
-    path: &Path,
-    files: &'a PictureFiles,
-    camera: &Camera,
-    place: &'a str,
-) -> Result<ExrPicture<'a>> {
-    if format_of(path, place)? == PictureFormat::Png {
-        return Err(Error::unsupported(place, "normals in PNG are too coarse; save them as EXR"));
-    }
-    ExrPicture::open(path, files, files.wishes_of_normal_file(), camera, place)
-}
-
-/// The channels of a file of its own, which may hold the normal as its picture.
-pub(super) fn normals_of_own(picture: &ExrPicture) -> Result<[usize; 3]> {
-    picture.normal().or_else(|error| picture.names.only_vector.ok_or(error))
 }
 
 impl DepthChannels {
@@ -341,7 +323,7 @@ impl DecodedPlanes {
         self.take().into_single()
     }
 
-    fn take_three(&mut self) -> [Vec<f32>; 3] {
+    pub(super) fn take_three(&mut self) -> [Vec<f32>; 3] {
         [(); 3].map(|()| self.take_single())
     }
 

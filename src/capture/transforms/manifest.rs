@@ -1,34 +1,20 @@
 //! The keys of the manifest, as JSON has them.
 
-use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::depth_camera::DepthCameraKeys;
 use super::lens::LensKeys;
+use super::manifest_file::other_file;
 use super::raw_video::RawVideoKeys;
+use crate::capture::pictures::Distortion;
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 use crate::error::{Error, Result, one_line};
 
-/// Name of the manifest in a capture's folder.
-pub(crate) const MANIFEST_NAME: &str = "transforms.json";
-
 /// Largest manifest that is read: some 100,000 entries.
 const MAX_BYTES: u64 = 256 << 20;
-
-/// The manifest of a capture or of views: itself, or the one in the folder.
-pub(crate) fn manifest_path(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
-}
-
-/// The manifest of truth vantages that stands beside a capture (a folder, or its manifest), where there is one.
-pub(crate) fn truth_beside(capture: &Path) -> Option<PathBuf> {
-    let folder = if capture.is_dir() { capture } else { capture.parent()? };
-    let views = folder.join("novel").join(MANIFEST_NAME);
-    views.is_file().then_some(views)
-}
 
 /// Reads a camera's name; some writers number their cameras.
 fn camera_name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
@@ -82,6 +68,12 @@ pub(crate) struct Keys {
     /// Vertical angle of view, radians, where there is no `fl_y`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_y: Option<f64>,
+    /// Horizontal angle of view, degrees, instant-ngp's way; where there is neither `fl_x` nor `camera_angle_x`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x_fov: Option<f64>,
+    /// Vertical angle of view, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y_fov: Option<f64>,
     /// `PINHOLE`, or a model that is one where its distortion is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_model: Option<String>,
@@ -109,6 +101,18 @@ pub(crate) struct Keys {
     /// World units per unit of the depth files; 0.001 for PNG and 1 for EXR where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_unit_scale_factor: Option<f64>,
+    /// Another word for `integer_depth_scale`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_integer_scale: Option<f64>,
+    /// Units of the depth files per world unit: the reciprocal of `depth_unit_scale_factor`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_scale: Option<f64>,
+    /// The depth that means "not measured".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_invalid_value: Option<f64>,
+    /// The depth camera, where it has another lens or place than color's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_camera: Option<Box<DepthCameraKeys>>,
     /// instant-ngp's word for `depth_unit_scale_factor`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integer_depth_scale: Option<f64>,
@@ -177,15 +181,26 @@ impl Keys {
     }
 
     fn name_unit_of_depth(&mut self) {
-        self.depth_unit_scale_factor = self.depth_unit_scale_factor.or(self.integer_depth_scale.take());
+        let whole = self.integer_depth_scale.take().or(self.depth_integer_scale.take());
+        let divisor = self.depth_scale.take().map(|scale| 1.0 / scale);
+        self.depth_unit_scale_factor = self.depth_unit_scale_factor.or(whole).or(divisor);
+    }
+
+    /// What the lens does to the picture; `None` where it is a pinhole.
+    ///
+    /// # Errors
+    /// `Unsupported` for a lens that is not undone.
+    pub(crate) fn distortion(&self, place: &str) -> Result<Option<Distortion>> {
+        self.lens.distortion(self.camera_model.as_deref(), place)
     }
 
     /// These keys, and where they are missing the file's. Where a thing can be said in several ways (the lens by focal lengths and
     /// angles, the frame by number and time), these keys have one of them and none of the file's counts.
     pub(crate) fn or(mut self, file: &Self) -> Self {
         let mut file = file.clone();
-        let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y];
+        let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y, self.x_fov, self.y_fov];
         if own.iter().any(Option::is_some) {
+            (file.x_fov, file.y_fov) = (None, None);
             (file.fl_x, file.fl_y, file.camera_angle_x, file.camera_angle_y) = (None, None, None, None);
         }
         if self.frame.or(self.time).is_some() {
@@ -194,10 +209,11 @@ impl Keys {
         self.name_unit_of_depth();
         file.name_unit_of_depth();
         let both = own_or_file!(self, file;
-            camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, camera_model, lens,
+            camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, x_fov, y_fov, camera_model, lens,
             applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
-            depth_unit_scale_factor, integer_depth_scale, near_clip, far_clip, normal_space, antialiased_color,
-            pixel_center_offset, color_space, up, raw_video, transform_direction, camera_axes);
+            depth_unit_scale_factor, integer_depth_scale, depth_integer_scale, depth_scale, depth_invalid_value,
+            depth_camera, near_clip, far_clip, normal_space, antialiased_color, pixel_center_offset, color_space, up,
+            raw_video, transform_direction, camera_axes);
         Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }
 }
@@ -219,6 +235,14 @@ pub(crate) struct PictureEntry {
     #[serde(default)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_file_path: Option<String>,
+    /// How sure the sensor is of each pixel of depth: 0, 1, 2 or 0, 127, 255.
+    #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence_file_path: Option<String>,
+    /// A picture of which pixels of 0 are left out.
+    #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mask_path: Option<String>,
     /// Whether a camera path has a key here.
     #[serde(default)]
     pub path_key: bool,
@@ -232,14 +256,16 @@ pub(crate) struct PictureEntry {
 impl PictureEntry {
     /// The files that it names.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &String> {
-        let more = [&self.depth_file_path, &self.depth_path, &self.normal_file_path];
-        std::iter::once(&self.file_path).chain(more.into_iter().flatten())
+        let sensed = [&self.depth_file_path, &self.depth_path, &self.confidence_file_path];
+        let more = sensed.into_iter().chain([&self.normal_file_path, &self.mask_path]);
+        std::iter::once(&self.file_path).chain(more.flatten())
     }
 
     /// The files that it names, to be changed.
     pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
-        let more = [&mut self.depth_file_path, &mut self.depth_path, &mut self.normal_file_path];
-        std::iter::once(&mut self.file_path).chain(more.into_iter().flatten())
+        let sensed = [&mut self.depth_file_path, &mut self.depth_path, &mut self.confidence_file_path];
+        let more = sensed.into_iter().chain([&mut self.normal_file_path, &mut self.mask_path]);
+        std::iter::once(&mut self.file_path).chain(more.flatten())
     }
 }
 
@@ -325,24 +351,6 @@ fn wrong_key(object: &Value) -> Option<String> {
     object.as_object()?.iter().find_map(|(key, value)| {
         let alone = Value::Object([(key.clone(), value.clone())].into_iter().collect());
         Keys::deserialize(alone).err().map(|error| format!("\"{key}\": {error}"))
-    })
-}
-
-/// The advice on a file that is a store or a picture by its first bytes.
-fn other_file(path: &Path) -> Result<Option<&'static str>> {
-    let mut start = [0; 4];
-    let mut file = File::open(path).map_err(|error| Error::io(path, error))?;
-    if file.read_exact(&mut start).is_err() {
-        return Ok(None);
-    }
-    Ok(match &start {
-        b"FORM" => {
-            Some("is a store; name the capture that it was made from: a folder, or its transforms.json")
-        }
-        b"\x76\x2F\x31\x01" | b"\x89PNG" => {
-            Some("is a picture; name the capture that it is of: the folder that holds its transforms.json")
-        }
-        _ => None,
     })
 }
 

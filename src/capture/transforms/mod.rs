@@ -11,15 +11,18 @@
 //! Files without them read unchanged: one camera for each distinct pose.
 
 mod cameras;
+mod depth_camera;
+mod depth_file;
 mod files;
 mod frame_numbers;
 mod header_probe;
 mod lens;
 mod load;
 mod manifest;
+mod manifest_file;
+mod normal_file;
 mod origin;
 mod path;
-mod png;
 mod pose;
 mod position_depth;
 mod raw_video;
@@ -27,9 +30,12 @@ mod same_camera;
 mod source;
 mod write;
 
+pub(crate) use depth_camera::DepthCameraKeys;
 pub use files::picture_places;
 pub(crate) use files::places_of;
-pub(crate) use manifest::{Keys, MANIFEST_NAME, Manifest, PictureEntry, manifest_path, truth_beside};
+pub(crate) use lens::LensKeys;
+pub(crate) use manifest::{Keys, Manifest, PictureEntry};
+pub(crate) use manifest_file::{MANIFEST_NAME, manifest_path, other_file, truth_beside};
 pub(crate) use origin::Origin;
 pub use path::{PathView, path_from_json, path_to_json};
 pub(crate) use pose::opengl_matrix;

@@ -94,18 +94,20 @@ fn orthonormal(matrix: DMat3) -> DMat3 {
 /// width of its pixels over their height, for those that give one focal length for both directions.
 ///
 /// # Errors
-/// `Invalid` for missing, absurd or non-finite numbers, `Unsupported` for a lens that is no pinhole.
+/// `Invalid` for missing, absurd or non-finite numbers, `Unsupported` for too many pixels.
 pub(super) fn intrinsics(
     keys: &Keys,
     size: impl FnOnce() -> Result<(usize, usize)>,
     pixel_aspect: impl FnOnce() -> f64,
     place: &str,
 ) -> Result<Intrinsics> {
-    refuse_distortion(keys, place)?;
     let (width, height) = picture_size(keys, size, place)?;
     let (w, h) = (f64::from(width), f64::from(height));
+    let degrees = |value: Option<f64>| value.map(f64::to_radians);
     let fx = focal_px(keys.fl_x, "camera_angle_x", keys.camera_angle_x, w, place)?;
+    let fx = focal_px(fx, "x_fov, in radians,", degrees(keys.x_fov), w, place)?;
     let fy = focal_px(keys.fl_y, "camera_angle_y", keys.camera_angle_y, h, place)?;
+    let fy = focal_px(fy, "y_fov, in radians,", degrees(keys.y_fov), h, place)?;
     let (fx, fy) = match (fx, fy) {
         (Some(fx), Some(fy)) => (fx, fy),
         (Some(fx), None) => (fx, fx * pixel_aspect()),
@@ -193,24 +195,6 @@ fn side(name: &str, value: f64, place: &str) -> Result<u32> {
     } else {
         Err(Error::invalid(place, format!("{name} is {value}; a picture has 1 to {MAX_SIDE} pixels a side")))
     }
-}
-
-/// Models of lenses that are pinholes, or are where their distortion is 0.
-const PINHOLE_MODELS: [&str; 7] =
-    ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "PERSPECTIVE", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"];
-
-fn refuse_distortion(keys: &Keys, place: &str) -> Result<()> {
-    let is_known_model = keys
-        .camera_model
-        .as_deref()
-        .is_none_or(|model| PINHOLE_MODELS.iter().any(|known| model.eq_ignore_ascii_case(known)));
-    if !is_known_model || !keys.lens.is_pinhole() {
-        return Err(Error::unsupported(
-            place,
-            "only pinhole cameras without distortion are supported; undistort the pictures first",
-        ));
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -315,17 +299,23 @@ mod tests {
     }
 
     #[test]
-    fn models_of_lenses_are_pinholes_where_their_distortion_is_0() {
-        let with = |model: &str, k1: f64| {
-            let lens = LensKeys::from(serde_json::Map::from_iter([("k1".to_owned(), k1.into())]));
+    fn lenses_that_bend_are_known_and_others_refused() {
+        let with = |model: &str, key: &str, value: f64| {
+            let lens = LensKeys::from(serde_json::Map::from_iter([(key.to_owned(), value.into())]));
             let camera_model = Some(model.to_owned());
-            let keys = Keys { fl_x: Some(500.0), camera_model, lens, ..Keys::default() };
-            intrinsics(&keys, || Ok(SIZE), || 1.0, "")
+            Keys { fl_x: Some(500.0), camera_model, lens, ..Keys::default() }.distortion("")
         };
-        for model in PINHOLE_MODELS {
-            assert!(with(model, 0.0).is_ok() && with(model, 0.01).is_err(), "{model}");
+        for model in ["PINHOLE", "OPENCV", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"] {
+            assert_eq!(with(model, "k1", 0.0).unwrap(), None, "{model}");
+            assert!(with(model, "k1", 0.01).unwrap().is_some(), "{model}");
         }
-        assert!(with("OPENCV_FISHEYE", 0.0).is_err());
+        assert!(with("OPENCV_FISHEYE", "k1", 0.0).unwrap().is_some());
+        assert!(with("FOV", "omega", 0.9).unwrap().is_some());
+        for (model, key) in
+            [("OPENCV", "ftheta_p1"), ("THIN_PRISM_FISHEYE", "k1"), ("OPENCV", "k4"), ("PINHOLE", "p3")]
+        {
+            assert!(with(model, key, 0.01).is_err(), "{model} {key}");
+        }
     }
 
     #[test]

@@ -6,10 +6,11 @@
 use rayon::prelude::*;
 
 use super::cameras::{CameraFiles, PlacedEntry};
-use super::files::{PictureFiles, PictureFormat, format_of};
+use super::files::PictureFiles;
 use super::load::{DecodedPlanes, DepthChannels, ExrPicture};
 use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, median};
+use crate::capture::pictures::{PictureFormat, format_of};
 use crate::error::Result;
 
 /// How far depth may be off positions in the median, relative, where filters and rounding alone set them apart.
@@ -55,6 +56,9 @@ fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option
         None => (&files.color, files.wishes_of_color_file()),
     };
     if !files.leaves_depth_open() || format_of(path, place)? != PictureFormat::Exr {
+        return Ok(None);
+    }
+    if files.depth_camera.is_some() || files.distortion.is_some() {
         return Ok(None);
     }
     let picture = ExrPicture::open(path, files, wishes, camera, place)?;

@@ -44,11 +44,8 @@ impl FrameSource for FileSource {
 
     fn files(&self, camera: usize, frame: usize) -> Vec<std::path::PathBuf> {
         let files = &self.recording.entries[camera][frame].files;
-        [Some(&files.color), files.depth.as_ref(), files.normal.as_ref()]
-            .into_iter()
-            .flatten()
-            .cloned()
-            .collect()
+        let more = [&files.depth, &files.normal, &files.confidence, &files.mask];
+        std::iter::once(&files.color).chain(more.into_iter().flatten()).cloned().collect()
     }
 }
 

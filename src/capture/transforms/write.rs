@@ -13,7 +13,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::manifest::MANIFEST_NAME;
+use super::manifest_file::MANIFEST_NAME;
 use super::pose;
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::exr::write_frame;

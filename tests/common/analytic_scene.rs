@@ -1,0 +1,91 @@
+//! A scene of three planes and a ball whose surface is known exactly, seen by a camera that walks along.
+
+#![expect(dead_code, reason = "each test program uses its own part")]
+
+use glam::{DAffine3, DVec2, DVec3};
+use overlook::capture::{Camera, Capture, Intrinsics};
+
+const BALL: (DVec3, f64) = (DVec3::new(0.2, 2.2, 0.3), 0.5);
+
+/// How far the nearest surface is from a point: the wall y = 3, the floor z = −1, the side x = 1.5, the ball.
+pub(crate) fn distance(point: DVec3) -> f64 {
+    let planes = [3.0 - point.y, point.z + 1.0, 1.5 - point.x];
+    let ball = point.distance(BALL.0) - BALL.1;
+    planes.into_iter().map(f64::abs).fold(ball.abs(), f64::min)
+}
+
+/// Planar z along a ray of the camera.
+fn depth(camera: &Camera, pixel: DVec2) -> f64 {
+    let eye = camera.position_in_world();
+    let ray = camera.unproject(pixel, 1.0) - eye;
+    let to = |gap: f64, speed: f64| if speed > 1e-9 { gap / speed } else { f64::INFINITY };
+    let mut nearest = to(3.0 - eye.y, ray.y).min(to(eye.z + 1.0, -ray.z)).min(to(1.5 - eye.x, ray.x));
+    let (a, b) = (ray.length_squared(), ray.dot(eye - BALL.0));
+    let c = (eye - BALL.0).length_squared() - BALL.1 * BALL.1;
+    let root = b * b - a * c;
+    if root > 0.0 {
+        nearest = nearest.min((-b - root.sqrt()) / a);
+    }
+    nearest
+}
+
+/// Planar z of every pixel, row by row.
+pub(crate) fn depths(camera: &Camera) -> Vec<f64> {
+    let (width, height) = camera.intrinsics.size();
+    let at = |i: usize| DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+    (0..width * height).map(|i| depth(camera, at(i))).collect()
+}
+
+/// 8-bit color of every pixel: a pattern that follows the surface.
+pub(crate) fn colors(camera: &Camera) -> Vec<u8> {
+    let (width, height) = camera.intrinsics.size();
+    let color = |i: usize| {
+        let pixel = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let point = camera.unproject(pixel, depth(camera, pixel));
+        (point * 3.0).to_array().map(|value| (127.0 + 90.0 * value.sin()) as u8)
+    };
+    (0..width * height).flat_map(color).collect()
+}
+
+/// The camera at step `step` of its walk.
+pub(crate) fn camera(step: usize, intrinsics: Intrinsics) -> Camera {
+    let s = step as f64;
+    let (eye, target) = (DVec3::new(-0.3 + 0.25 * s, -0.5 + 0.05 * s, 0.1 * s), DVec3::new(0.1, 2.5, 0.0));
+    Camera::look_at(format!("step{step}"), intrinsics, eye, target, DVec3::Z)
+}
+
+/// The pose row by row, camera to world, x right, y down, z forward.
+pub(crate) fn rows(pose: &DAffine3) -> Vec<f64> {
+    let m = pose.matrix3;
+    let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], pose.translation[i]];
+    [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]].concat()
+}
+
+/// Checks that a capture shows the scene: samples lie on its surfaces within a tenth of a footprint, so that those of any two views
+/// meet, and nearly every pixel has one. Pixels at silhouettes, where depth of other pixels has to stay empty, are the rest.
+pub(crate) fn check(capture: &Capture, views: usize) {
+    assert_eq!((capture.cameras.len(), capture.frame_count()), (views, 1));
+    for (index, camera) in capture.cameras.iter().enumerate() {
+        let frame = capture.frame(index, 0).unwrap();
+        let (width, height) = camera.intrinsics.size();
+        let (mut on, mut off) = (0, 0);
+        for y in 0..height {
+            for x in 0..width {
+                let inverse = f64::from(frame.inverse_depth[(x, y)]);
+                if inverse <= 0.0 {
+                    continue;
+                }
+                let point = camera.unproject(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 1.0 / inverse);
+                let footprint = 1.0 / inverse / camera.intrinsics.fx;
+                if distance(point) < 0.1 * footprint { on += 1 } else { off += 1 }
+            }
+        }
+        assert!(
+            on * 100 > 88 * width * height,
+            "{}: {on} on the surface and {off} off it of {}",
+            camera.name,
+            width * height
+        );
+        assert!(off * 100 < 3 * width * height, "{}: {off} off the surface", camera.name);
+    }
+}
