@@ -1,12 +1,13 @@
 //! Folders as their programs write them open as what was seen: one analytic scene, written in the layout of every source.
 
-mod common;
+#[path = "common/folder.rs"]
+mod folder;
 #[path = "common/analytic_scene.rs"]
 mod scene;
 
 use std::fmt::Write;
 
-use common::Folder;
+use folder::Folder;
 use glam::{DAffine3, DQuat};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
 use overlook::capture::{self, Camera, Capture, Intrinsics, Source};
@@ -18,7 +19,7 @@ const VIEWS: usize = 3;
 /// With pixel centers at +0.5.
 const LENS: Intrinsics = Intrinsics { width: 64, height: 48, fx: 60.0, fy: 58.0, cx: 32.5, cy: 23.0 };
 
-fn picture(image: DynamicImage, format: ImageFormat) -> Vec<u8> {
+fn picture(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write_to(&mut bytes, format).unwrap();
     bytes.into_inner()
@@ -27,7 +28,7 @@ fn picture(image: DynamicImage, format: ImageFormat) -> Vec<u8> {
 fn color(camera: &Camera, format: ImageFormat) -> Vec<u8> {
     let Intrinsics { width, height, .. } = camera.intrinsics;
     let image: ImageBuffer<Rgb<u8>, _> = ImageBuffer::from_raw(width, height, scene::colors(camera)).unwrap();
-    picture(image.into(), format)
+    picture(&image.into(), format)
 }
 
 /// Depth in whole units, `per_unit` of them a meter.
@@ -39,7 +40,7 @@ fn depth_png(camera: &Camera, per_meter: f64) -> Vec<u8> {
     let Intrinsics { width, height, .. } = camera.intrinsics;
     let image: ImageBuffer<Luma<u16>, _> =
         ImageBuffer::from_raw(width, height, whole(camera, per_meter)).unwrap();
-    picture(image.into(), ImageFormat::Png)
+    picture(&image.into(), ImageFormat::Png)
 }
 
 fn cameras(lens: Intrinsics) -> Vec<Camera> {
@@ -170,7 +171,7 @@ fn seven_scenes_is_read_from_its_sequences_and_65535_is_no_depth() {
         let mut depth = whole(camera, 1000.0);
         depth[0] = 65535;
         let image: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(640, 480, depth).unwrap();
-        folder.put(&format!("{base}.depth.png"), &picture(image.into(), ImageFormat::Png));
+        folder.put(&format!("{base}.depth.png"), &picture(&image.into(), ImageFormat::Png));
         let pose = lines_of_four(&scene::rows(&camera.world_from_camera));
         folder.put(&format!("{base}.pose.txt"), pose.as_bytes());
     }
@@ -258,7 +259,10 @@ fn manifest(folder: &Folder, keys: serde_json::Value, ending: &str) -> Result<Ca
             })
         })
         .collect();
-    folder.open(keys, &entries)
+    let mut manifest = keys;
+    manifest["frames"] = entries.into();
+    folder.put("transforms.json", manifest.to_string().as_bytes());
+    open(folder)
 }
 
 #[test]

@@ -1,7 +1,5 @@
 //! A scene of three planes and a ball whose surface is known exactly, seen by a camera that walks along.
 
-#![expect(dead_code, reason = "each test program uses its own part")]
-
 use glam::{DAffine3, DVec2, DVec3};
 use overlook::capture::{Camera, Capture, Intrinsics};
 

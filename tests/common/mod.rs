@@ -2,8 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a fixture that cannot be made fails the test")]
 
+mod folder;
+
+pub(crate) use folder::Folder;
+
 use std::io::Cursor;
-use std::path::PathBuf;
 
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
@@ -55,31 +58,11 @@ pub(crate) fn entry(file_path: &str, camera: &str, time: i64) -> Value {
     })
 }
 
-/// A folder that vanishes with the test.
-pub(crate) struct Folder(tempfile::TempDir);
-
 impl Folder {
-    /// An empty folder.
-    pub(crate) fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    /// The path of a file in it.
-    pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// Writes a file.
-    pub(crate) fn put(&self, name: &str, bytes: &[u8]) {
-        let path = self.path(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
-
     /// Writes the manifest, `keys` being those of the file, and opens the capture.
     pub(crate) fn open(&self, mut keys: Value, entries: &[Value]) -> Result<Capture> {
         keys["frames"] = entries.into();
         self.put("transforms.json", keys.to_string().as_bytes());
-        transforms::open(self.0.path(), &CaptureSettings::default())
+        transforms::open(&self.path(""), &CaptureSettings::default())
     }
 }

@@ -121,7 +121,7 @@ fn of_a_pixel_that_is_kept_in_motion_nobody_is_asked_to_click_it() {
 fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
     let app = ready(2, 4);
     let counted = app.state.report().unwrap().foreground_per_frame[0];
-    let words = format!("{} samples that do not hold for all frames", model::count(counted));
+    let words = format!("{} time-varying samples", model::count(counted));
     let mut dock = Dock::new();
     assert!(says(&words, |ui| window::window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
     assert!(view_says(&app.state, DockView::Report, "Repeated over time"));

@@ -6,7 +6,7 @@ use crate::app::colormap::sequential;
 use crate::app::model::{Background, Channel, Display, LEVELS, PictureHistogram, ToneCurve};
 use crate::color::{linear_from_srgb, srgb_from_linear, srgb8_from_linear};
 use crate::grid::Grid;
-use crate::render::Picture;
+use crate::render::{NO_IMAGE, Picture};
 
 /// Weights of red, green and blue in luminance (Rec.709).
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
@@ -104,7 +104,7 @@ pub(crate) fn developed(display: &Display, picture: &Picture) -> Option<Picture>
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let at_infinity = picture.inverse_depth[(x, y)] == 0.0;
         if at_infinity && display.background == Background::Transparent {
-            developed.inverse_depth[(x, y)] = -1.0;
+            (developed.inverse_depth[(x, y)], developed.image[(x, y)]) = (-1.0, NO_IMAGE);
             developed.color[(x, y)] = [0.0; 3];
             continue;
         }

@@ -219,7 +219,7 @@ impl PictureFiles {
     /// # Errors
     /// `Invalid` for positions, which take three channels.
     pub(crate) fn raw_video_rules(&self, place: &str) -> Result<DepthRules> {
-        let rules = self.png_depth_rules(place)?;
+        let rules = self.map_depth_rules(None, place)?;
         Ok(DepthRules { unit_scale: 1.0, misses_from: f32::MAX, ..rules })
     }
 
