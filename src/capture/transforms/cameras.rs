@@ -9,7 +9,7 @@ use super::files::{PictureFiles, picture_path};
 use super::manifest::{Keys, Manifest, PictureEntry};
 use super::origin::Origin;
 use super::same_camera::refuse_motion;
-use super::{frame_numbers, header_probe, pose};
+use super::{frame_numbers, header_probe, intrinsics, pose};
 use crate::capture::camera::Camera;
 use crate::capture::pose_convention::upright;
 use crate::error::{Error, Result};
@@ -51,7 +51,7 @@ impl PlacedEntry {
     ) -> Result<Camera> {
         Ok(Camera {
             name: self.camera_name.clone(),
-            intrinsics: pose::intrinsics(&self.keys, size, pixel_aspect, &self.place)?,
+            intrinsics: intrinsics::intrinsics(&self.keys, size, pixel_aspect, &self.place)?,
             world_from_camera: self.world_from_camera,
         })
     }

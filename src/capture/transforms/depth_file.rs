@@ -5,10 +5,10 @@ use std::path::Path;
 use glam::DAffine3;
 
 use super::depth_camera::shared_grid;
-use super::files::PictureFiles;
-use super::load::{
+use super::exr_picture::{
     DecodedPlanes, DepthPart, ExrPicture, NEARLY_ALL, place_of_depth, quantile_of_hits, step_of_whole_units,
 };
+use super::files::PictureFiles;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, DepthTrouble, ExrFile};
 use crate::capture::pictures::{

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::depth_file;
+use super::exr_picture::{ExrPicture, no_depth};
 use super::files::PictureFiles;
-use super::load::{ExrPicture, no_depth};
 use super::normal_file::{normals_of_own, open_normal_file, place_of_normals};
 use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, ExrFile};

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::camera_name::camera_name;
 use super::depth_camera::DepthCameraKeys;
 use super::lens::LensKeys;
 use super::manifest_file::other_file;
@@ -15,20 +16,6 @@ use crate::error::{Error, Result, one_line};
 
 /// Largest manifest that is read: some 100,000 entries.
 const MAX_BYTES: u64 = 256 << 20;
-
-/// Reads a camera's name; some writers number their cameras.
-fn camera_name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged)]
-    enum CameraName {
-        Text(String),
-        Number(i64),
-    }
-    Ok(Option::<CameraName>::deserialize(deserializer)?.map(|name| match name {
-        CameraName::Text(text) => text,
-        CameraName::Number(number) => number.to_string(),
-    }))
-}
 
 /// Keys of the whole file or of one entry; an entry's wins.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -10,12 +10,15 @@
 //! recording by several static cameras, and its own keys (CAPTURES.md lists them) say how depth and normals are to be read.
 //! Files without them read unchanged: one camera for each distinct pose.
 
+mod camera_name;
 mod cameras;
 mod depth_camera;
 mod depth_file;
+mod exr_picture;
 mod files;
 mod frame_numbers;
 mod header_probe;
+mod intrinsics;
 mod lens;
 mod load;
 mod manifest;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use super::exr_picture::{DecodedPlanes, ExrPicture};
 use super::files::PictureFiles;
-use super::load::{DecodedPlanes, ExrPicture};
 use crate::capture::camera::Camera;
 use crate::capture::pictures::{self, PictureFormat, format_of};
 use crate::error::{Error, Result};

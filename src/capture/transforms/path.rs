@@ -12,7 +12,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::manifest::Manifest;
-use super::pose;
+use super::{intrinsics, pose};
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 
@@ -96,7 +96,7 @@ pub fn path_from_json(text: &[u8], place: &Path) -> Result<Vec<PathView>> {
             let what = "has no \"w\" and \"h\"; write the columns and rows of its pictures";
             Err(Error::invalid(&place, what))
         };
-        let intrinsics = pose::intrinsics(&keys, without_size, || 1.0, &place)?;
+        let intrinsics = intrinsics::intrinsics(&keys, without_size, || 1.0, &place)?;
         let world_from_camera =
             pose::world_from_camera(&entry.transform_matrix, keys.pose_convention(), &place)?;
         let frame_number = keys.frame.or(keys.time).unwrap_or(0.0) as i64;

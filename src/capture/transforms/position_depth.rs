@@ -6,8 +6,8 @@
 use rayon::prelude::*;
 
 use super::cameras::{CameraFiles, PlacedEntry};
+use super::exr_picture::{DecodedPlanes, DepthChannels, ExrPicture};
 use super::files::PictureFiles;
-use super::load::{DecodedPlanes, DepthChannels, ExrPicture};
 use crate::capture::camera::Camera;
 use crate::capture::exr::{DepthKind, median};
 use crate::capture::pictures::{PictureFormat, format_of};
