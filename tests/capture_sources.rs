@@ -67,10 +67,15 @@ fn open(folder: &Folder) -> Result<Capture> {
 
 /// Opens the folder, checks the scene, and that the manifest that it amounts to opens as the same capture.
 fn check(folder: &Folder, source: &str) {
+    check_coarse(folder, source, 1.0);
+}
+
+/// The same where a pixel of depth is so many pixels of color wide.
+fn check_coarse(folder: &Folder, source: &str, depth_pixel: f64) {
     let found = Source::find(&folder.path("")).unwrap();
     assert!(found.description().source.contains(source), "{:?}", found.description());
     let capture = found.open(&CaptureSettings::default()).unwrap();
-    scene::check(&capture, VIEWS);
+    scene::check(&capture, VIEWS, depth_pixel);
     let manifest = folder.path("elsewhere/again.json");
     std::fs::create_dir(manifest.parent().unwrap()).unwrap();
     found.write_manifest(&manifest).unwrap();
@@ -156,7 +161,7 @@ fn redwood_poses_are_read_from_a_log_of_any_line_length_and_from_json() {
     );
     std::fs::remove_file(folder.path("trajectory.log")).unwrap();
     folder.put("camera_trajectory.json", json!({ "parameters": parameters }).to_string().as_bytes());
-    scene::check(&open(&folder).unwrap(), VIEWS);
+    scene::check(&open(&folder).unwrap(), VIEWS, 1.0);
     folder.put("camera_trajectory.json", b"{\"parameters\": [");
     assert!(refusal(&folder).contains("line 1 column"));
 }
@@ -201,7 +206,7 @@ fn scannet_depth_has_a_lens_and_a_size_of_its_own_and_lost_poses_are_left_out() 
     }
     let description = Source::find(&folder.path("")).unwrap().description().clone();
     assert_eq!((description.skipped.len(), description.skipped[0].first.as_str()), (1, "99.jpg"));
-    check(&folder, "ScanNet");
+    check_coarse(&folder, "ScanNet", LENS.fx / small.fx);
 }
 
 #[test]
@@ -291,10 +296,10 @@ fn nerfstudio_depth_may_be_smaller_in_numpy_or_tiff_and_its_unit_a_divisor() {
         folder.put(&format!("depths/{step}.tiff"), &tiff.into_inner());
         folder.put(&format!("depths/{step}.png"), &depth_png(&camera, 4000.0));
     }
-    scene::check(&manifest(&folder, json!({"depth_unit_scale_factor": 1}), "npy").unwrap(), VIEWS);
-    scene::check(&manifest(&folder, json!({"depth_scale": 1.0}), "tiff").unwrap(), VIEWS);
-    scene::check(&manifest(&folder, json!({"depth_scale": 4000.0}), "png").unwrap(), VIEWS);
-    scene::check(&manifest(&folder, json!({"depth_integer_scale": 0.00025}), "png").unwrap(), VIEWS);
+    scene::check(&manifest(&folder, json!({"depth_unit_scale_factor": 1}), "npy").unwrap(), VIEWS, 2.0);
+    scene::check(&manifest(&folder, json!({"depth_scale": 1.0}), "tiff").unwrap(), VIEWS, 2.0);
+    scene::check(&manifest(&folder, json!({"depth_scale": 4000.0}), "png").unwrap(), VIEWS, 2.0);
+    scene::check(&manifest(&folder, json!({"depth_integer_scale": 0.00025}), "png").unwrap(), VIEWS, 2.0);
 }
 
 #[test]
@@ -314,5 +319,8 @@ fn sources_that_another_program_has_to_convert_say_how() {
     folder.put("rgb.mp4", b"");
     assert!(refusal(&folder).contains("ffmpeg -i rgb.mp4"));
     let said = refusal(&Folder::new());
-    assert!(said.contains("looked for: transforms.json; rgb.txt"), "{said}");
+    assert!(
+        said.contains("looked for: transforms.json; ") && said.contains("; rgb.txt, depth.txt"),
+        "{said}"
+    );
 }

@@ -62,7 +62,7 @@ fn paint(set: &Arc<SampleSet>, camera: &Camera, settings: &RenderSettings) -> Ar
     assert_eq!(picture.image.size(), camera.intrinsics.size());
     assert_eq!(stats.holes, picture.holes());
     let anything = picture.holes() < picture.image.len() as u64;
-    let filled = settings.fill == Fill::PushPull && anything;
+    let filled = settings.fill != Fill::None && anything;
     for (pixel, image) in picture.image.as_slice().iter().enumerate() {
         let (color, inverse_depth) =
             (picture.color.as_slice()[pixel], picture.inverse_depth.as_slice()[pixel]);

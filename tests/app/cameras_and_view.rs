@@ -102,6 +102,8 @@ fn cameras_are_left_out_shown_alone_and_put_back() {
     let mut window = explore();
     // Tall enough for the whole panel.
     window.set_size(vec2(SIZE[0], 1200.0));
+    // A picture of the new size is asked for once the layout has one.
+    window.run_steps(4);
     settle(&mut window);
     let all = window.state().live_coverage().unwrap().1;
     click(&mut window, "Leave out left");

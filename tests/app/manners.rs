@@ -116,15 +116,16 @@ fn a_camera_path_is_lost_only_after_a_question() {
     window.run_steps(2);
     for _ in 0..2 {
         drop_on(&mut window, &capture);
-        window.run_steps(3);
-        assert!(shows(&window, "Open something else?") && shows(&window, "the camera path (2 keys)"));
+        // The path is looked at first, on a thread of its own.
+        wait(&mut window, "the question", |window| shows(window, "Open something else?"));
+        assert!(shows(&window, "the camera path (2 keys)"));
         window.key_press(Key::Escape);
         window.run_steps(3);
         assert!(!shows(&window, "Open something else?"));
     }
     assert_eq!(window.state().scene_name(), Some("orrery"));
     drop_on(&mut window, &capture);
-    window.run_steps(3);
+    wait(&mut window, "the question", |window| shows(window, "Open something else?"));
     for key in [Key::Tab, Key::Enter] {
         window.key_press(key);
         window.run_steps(3);

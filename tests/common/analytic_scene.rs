@@ -5,11 +5,12 @@ use overlook::capture::{Camera, Capture, Intrinsics};
 
 const BALL: (DVec3, f64) = (DVec3::new(0.2, 2.2, 0.3), 0.5);
 
-/// How far the nearest surface is from a point: the wall y = 3, the floor z = −1, the side x = 1.5, the ball.
-pub(crate) fn distance(point: DVec3) -> f64 {
-    let planes = [3.0 - point.y, point.z + 1.0, 1.5 - point.x];
+/// How far the nearest surface is from a point, and the next one: the wall y = 3, the floor z = −1, the side x = 1.5, the ball.
+fn distances(point: DVec3) -> [f64; 2] {
     let ball = point.distance(BALL.0) - BALL.1;
-    planes.into_iter().map(f64::abs).fold(ball.abs(), f64::min)
+    let mut all = [3.0 - point.y, point.z + 1.0, 1.5 - point.x, ball].map(f64::abs);
+    all.sort_by(f64::total_cmp);
+    [all[0], all[1]]
 }
 
 /// Planar z along a ray of the camera.
@@ -60,8 +61,9 @@ pub(crate) fn rows(pose: &DAffine3) -> Vec<f64> {
 }
 
 /// Checks that a capture shows the scene: samples lie on its surfaces within a tenth of a footprint, so that those of any two views
-/// meet, and nearly every pixel has one. Pixels at silhouettes, where depth of other pixels has to stay empty, are the rest.
-pub(crate) fn check(capture: &Capture, views: usize) {
+/// meet, and nearly every pixel has one. Pixels at silhouettes, where depth of other pixels has to stay empty, are the rest. Where two
+/// surfaces meet within a pixel of depth, which is `depth_pixel` pixels of color wide, depth between the pixels cuts the corner.
+pub(crate) fn check(capture: &Capture, views: usize, depth_pixel: f64) {
     assert_eq!((capture.cameras.len(), capture.frame_count()), (views, 1));
     for (index, camera) in capture.cameras.iter().enumerate() {
         let frame = capture.frame(index, 0).unwrap();
@@ -75,7 +77,9 @@ pub(crate) fn check(capture: &Capture, views: usize) {
                 }
                 let point = camera.unproject(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 1.0 / inverse);
                 let footprint = 1.0 / inverse / camera.intrinsics.fx;
-                if distance(point) < 0.1 * footprint { on += 1 } else { off += 1 }
+                let [nearest, next] = distances(point);
+                let is_at_crease = depth_pixel > 1.0 && next < 1.5 * depth_pixel * footprint;
+                if nearest < 0.1 * footprint || is_at_crease { on += 1 } else { off += 1 }
             }
         }
         assert!(

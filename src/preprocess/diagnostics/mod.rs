@@ -1,12 +1,14 @@
 //! What preprocessing reports beside the samples: counts, residuals between cameras, warnings.
 
 mod calibration_warnings;
+mod depth_reading;
 mod log_histogram;
 mod pair_residuals;
 mod report;
 mod suspect;
 
 pub use calibration_warnings::{CalibrationWarning, calibration_warnings};
+pub use depth_reading::DepthReading;
 pub(crate) use pair_residuals::Residuals;
 pub use pair_residuals::{PairResiduals, Residual};
 pub(crate) use report::Tally;

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::calibration_warnings::{calibration_warnings, shared_warning};
+use super::depth_reading::{DepthReading, better_reading};
 use super::pair_residuals::PairResiduals;
 use super::suspect::Suspect;
 use crate::capture::conventions::{self, DepthClaim, Finding, PoseConvention};
@@ -123,6 +124,9 @@ pub struct Report {
     /// How poses and depth would fit far better between cameras than as the capture says, where they would.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conventions: Option<Finding>,
+    /// How depth would fit far better by how far samples are apart, where agreement does not tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub better_reading: Option<DepthReading>,
     /// Mixed pixels, whose color is blended across a silhouette or whose depth lies between its sides, and what became of them: of
     /// those `found` some `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or
     /// `kept`. They are not looked for where mixed pixels are kept or the first camera wins, blended ones only where the capture's
@@ -188,8 +192,9 @@ impl Report {
         let normals = normals.map(|sentence| (Suspect::Normals, sentence));
         if let Some(shared) = shared_warning(&self.residuals, self.noise_footprints()) {
             // Cameras that are noisy beside each other disagree whatever their depth is taken for.
-            let reading =
-                self.conventions.as_ref().and_then(Finding::warning).map(|found| format!("; {found}"));
+            let found = self.conventions.as_ref().and_then(Finding::warning);
+            let found = found.or(self.better_reading.map(DepthReading::sentence));
+            let reading = found.map(|found| format!("; {found}"));
             if reading.is_some() || !self.is_noisy() {
                 let sentence = shared.sentence() + &reading.unwrap_or_default();
                 return normals.into_iter().chain([(Suspect::Depth, sentence)]).collect();
@@ -293,6 +298,9 @@ impl Tally {
                 if is_lasting { layers[camera].inverse_depth[pixel] } else { INVALID_INVERSE_DEPTH }
             });
             self.report.conventions = Some(found).filter(|found| found.warning().is_some());
+            if self.report.conventions.is_none() {
+                self.report.better_reading = better_reading(cameras, layers);
+            }
         }
         for (camera, layer) in self.report.cameras.iter_mut().zip(layers) {
             let Some(noise) = &layer.noise_between else { continue };

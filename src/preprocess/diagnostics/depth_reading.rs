@@ -1,0 +1,105 @@
+//! Whether depth would fit between cameras if it were read otherwise than the capture says.
+//!
+//! Purpose: cameras that disagree may be noisy, or what all of them have in common is wrong. It is wrong only if something else
+//! would be better: distances along the ray taken for depths along the axis, or the other way around, or another unit. Narrow lenses
+//! hardly change how many points agree ([`crate::capture::conventions`]); how far apart they are still tells.
+//!
+//! Source: none in the paper, which takes depth for granted. The samples of a lattice are carried into the other cameras under
+//! each reading; how far they are off there, relative to their depth, is compared by the median.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::capture::Camera;
+use crate::preprocess::layers::CameraLayer;
+use crate::preprocess::temporal::ROOT;
+
+/// How depth might be meant, other than the capture says.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DepthReading {
+    /// As distance along the pixel's ray, where it was read as depth along the optical axis.
+    RayDistance,
+    /// As depth along the optical axis, where it was read as distance along the pixel's ray.
+    PlanarZ,
+    /// In a unit that is so many times as large.
+    Scaled(f64),
+}
+
+/// Units that are mistaken for each other.
+const SCALES: [f64; 8] = [1e-3, 1e-2, 0.1, 0.3048, 3.280_84, 10.0, 100.0, 1000.0];
+
+/// Another reading has to leave less than this share of the distances.
+const BETTER: f64 = 0.5;
+
+/// Samples of each camera that are looked at, about, and the fewest readings that say anything.
+const SAMPLES: usize = 512;
+const MIN_READINGS: usize = 512;
+
+impl DepthReading {
+    /// In words.
+    #[must_use]
+    pub fn sentence(self) -> String {
+        match self {
+            Self::RayDistance => "depth fits better as distance along the ray (depth_kind)".to_owned(),
+            Self::PlanarZ => "depth fits better as depth along the optical axis (depth_kind)".to_owned(),
+            Self::Scaled(factor) => {
+                format!("depth fits better {factor} times as large (depth_unit_scale_factor)")
+            }
+        }
+    }
+
+    /// The depth along the axis that is meant, given the one that was read and the length of the ray to depth 1.
+    fn meant(self, depth: f64, ray: f64) -> f64 {
+        match self {
+            Self::RayDistance => depth / ray,
+            Self::PlanarZ => depth * ray,
+            Self::Scaled(factor) => depth * factor,
+        }
+    }
+}
+
+/// The reading that fits best, where one does far better than the one that the capture claims.
+pub(crate) fn better_reading(cameras: &[Camera], layers: &[CameraLayer]) -> Option<DepthReading> {
+    let others = [DepthReading::RayDistance, DepthReading::PlanarZ].into_iter();
+    let others: Vec<DepthReading> = others.chain(SCALES.map(DepthReading::Scaled)).collect();
+    let claimed = misfit(cameras, layers, DepthReading::Scaled(1.0))?;
+    let misfits =
+        others.into_par_iter().filter_map(|reading| Some((misfit(cameras, layers, reading)?, reading)));
+    let best = misfits.collect::<Vec<_>>().into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    best.filter(|(misfit, _)| *misfit < BETTER * claimed).map(|(_, reading)| reading)
+}
+
+/// How far apart depths lie under a reading, relative, median; `None` where too few can be compared.
+fn misfit(cameras: &[Camera], layers: &[CameraLayer], reading: DepthReading) -> Option<f64> {
+    let depth_at = |camera: usize, x: usize, y: usize| {
+        let layer = &layers[camera];
+        let pixel = y * layer.width + x;
+        let inverse_depth = f64::from(layer.inverse_depth[pixel]);
+        let center = glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let ray = cameras[camera].intrinsics.ray_in_camera(center).length();
+        (layer.level[pixel] == ROOT && inverse_depth > 0.0)
+            .then(|| (center, reading.meant(inverse_depth.recip(), ray)))
+    };
+    let mut off = Vec::new();
+    for (index, layer) in layers.iter().enumerate() {
+        let step = (layer.width * layer.height() / SAMPLES).isqrt().max(1);
+        let lattice = (0..layer.height()).step_by(step);
+        let lattice = lattice.flat_map(|y| (0..layer.width).step_by(step).map(move |x| (x, y)));
+        for (center, depth) in lattice.filter_map(|(x, y)| depth_at(index, x, y)) {
+            let point = cameras[index].unproject(center, depth);
+            for (other, camera) in cameras.iter().enumerate().filter(|(other, _)| *other != index) {
+                let Some((at, expected)) = camera.project(point) else { continue };
+                let (width, height) = (layers[other].width as f64, layers[other].height() as f64);
+                if at.x >= 0.0 && at.y >= 0.0 && at.x < width && at.y < height {
+                    let found = depth_at(other, at.x as usize, at.y as usize);
+                    off.extend(found.map(|(_, found)| (found / expected - 1.0).abs()));
+                }
+            }
+        }
+    }
+    (off.len() >= MIN_READINGS).then(|| {
+        off.sort_unstable_by(f64::total_cmp);
+        off[off.len() / 2]
+    })
+}
