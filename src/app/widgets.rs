@@ -178,7 +178,9 @@ pub(crate) fn dot(ui: &mut Ui, camera: usize) {
 /// A field for a line of text, which has the keyboard while nothing else has; `name` names it for screen readers. Gives whether
 /// the text was changed, and whether Enter was pressed.
 pub(crate) fn text_field_ui(ui: &mut Ui, text: &mut String, hint: &str, name: &str) -> (bool, bool) {
-    let field = TextEdit::singleline(text).desired_width(f32::INFINITY).margin(Vec2::new(8.0, 6.0));
+    // An identity of its own: what comes and goes above the field must not take the keyboard from it.
+    let field = TextEdit::singleline(text).id_salt(name);
+    let field = field.desired_width(f32::INFINITY).margin(Vec2::new(8.0, 6.0));
     let field = ui.add(field.hint_text(hint)).accessible_name(name);
     let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     if !entered && ui.memory(|memory| memory.focused().is_none()) {
