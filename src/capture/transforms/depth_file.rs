@@ -30,16 +30,20 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         return finish(&mut depth, &grid, files, camera, place).map(|()| depth);
     }
     if format_of(path, place)? == PictureFormat::Yuv {
+        let grid = grid_of(camera.intrinsics.size(), files, camera, place)?;
         let (values, half_step) = files.raw_video.depth(path, place, camera.intrinsics.size())?;
-        let inverse_depth = files.raw_video_rules(place)?.inverse_depth_plane(values, camera);
+        let rules = files.raw_video_rules(place)?;
+        refuse_bent_rays(rules.kind, &grid, place)?;
+        let inverse_depth = rules.inverse_depth_plane(values, &camera_of(&grid, camera));
         // Levels are even in 1/z: their relative error grows with distance.
         let farthest = quantile_of_hits(&inverse_depth, 1.0 - NEARLY_ALL);
-        return Ok(DepthPart {
+        let mut depth = DepthPart {
             step_relative: if farthest > 0.0 { half_step / farthest } else { 0.0 },
             inverse_depth,
             name: path.display().to_string(),
             trouble: DepthTrouble::MayBeUnmeasured,
-        });
+        };
+        return finish(&mut depth, &grid, files, camera, place).map(|()| depth);
     }
     let map = DepthMap::read(path, place)?;
     let grid = grid_of(map.size, files, camera, place)?;
@@ -77,6 +81,7 @@ pub(super) fn probe(path: &Path, files: &PictureFiles, camera: &Camera, place: &
         return Ok(picture.depth()?.kind());
     }
     if format_of(path, place)? == PictureFormat::Yuv {
+        grid_of(camera.intrinsics.size(), files, camera, place)?;
         files.raw_video.check_depth(path, place, camera.intrinsics.size())?;
         return Ok(files.raw_video_rules(place)?.kind);
     }

@@ -202,7 +202,7 @@ impl PictureFiles {
         if kind == DepthKind::WorldPosition {
             return Err(Error::invalid(
                 place,
-                "a PNG holds no positions, which take three channels; save them as EXR, or name another depth_kind",
+                "a file of depth alone holds no positions, which take three channels; save them as EXR, or name another depth_kind",
             ));
         }
         Ok(DepthRules {
