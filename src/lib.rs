@@ -22,7 +22,7 @@
 //! | trade-offs | [`evaluate::sweep`], [`evaluate::stress`], [`evaluate::tune`] | what each setting buys, where it breaks, what is enough |
 //! | speed | `evaluate::bench` | how fast each stage is, as a share of what the machine can do |
 //!
-//! [`cli`] and [`app`] are the command line and the window over these same calls.
+//! [`cli`] and [`app`] are the command line and the window over these same calls, `python` the module for notebooks.
 //!
 //! # Frames and units
 //!
@@ -49,6 +49,8 @@ pub mod evaluate;
 pub mod grid;
 pub mod job;
 pub mod preprocess;
+#[cfg(feature = "python")]
+pub mod python;
 mod random;
 pub mod render;
 pub mod samples;

@@ -16,7 +16,7 @@ const LAYERS: [&[&str]; 9] = [
     &["store", "preprocess"],
     &["render"],
     &["evaluate"],
-    &["cli", "app"],
+    &["cli", "app", "python"],
     &["lib"],
     &["main"],
 ];
@@ -54,7 +54,7 @@ const STAGES: [(&str, &[&str]); 8] = [
 ];
 
 /// Outside libraries that only some files may use, as prefixes of paths below `src`.
-const CONFINED: [(&str, &[&str]); 11] = [
+const CONFINED: [(&str, &[&str]); 13] = [
     ("egui", &["app/"]),
     ("epaint", &["app/"]),
     ("egui_tiles", &["app/"]),
@@ -66,6 +66,8 @@ const CONFINED: [(&str, &[&str]); 11] = [
     ("clap", &["cli/", "main.rs"]),
     ("indicatif", &["cli/"]),
     ("resvg", &["evaluate/chart/"]),
+    ("pyo3", &["python/"]),
+    ("numpy", &["python/"]),
 ];
 
 /// Files that know bytes, not cameras, as prefixes of paths below `src`.

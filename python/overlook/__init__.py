@@ -1,0 +1,40 @@
+"""See, prune and explore animated scenes recorded as color and depth by several cameras.
+
+    capture = overlook.open("capture")              # any folder that `overlook info` understands
+    store = capture.preprocess()                    # keeps the best-sampled pixel of every surface point
+    camera = capture.cameras[0]
+    color, depth, coverage = store.render(camera.pose, camera.lens, frame=0)
+
+Camera space: x right, y down, z forward. World space: right-handed, meters unless the capture says otherwise. Pixel (x, y) is
+column x and row y, its center at +0.5; arrays are indexed [y, x]. Color is linear Rec.709. Depth is planar z: infinite at the
+sky, NaN where there is none. A call may run for long: it lets other threads run, and Ctrl-C stops it.
+"""
+
+from ._engine import (
+    Camera,
+    Capture,
+    Error,
+    Frame,
+    Lens,
+    Samples,
+    Store,
+    __version__,
+    demo,
+    evaluate,
+    open,
+    open_store,
+)
+
+__all__ = [
+    "Camera",
+    "Capture",
+    "Error",
+    "Frame",
+    "Lens",
+    "Samples",
+    "Store",
+    "demo",
+    "evaluate",
+    "open",
+    "open_store",
+]
