@@ -8,7 +8,8 @@ cd "$(dirname "$0")"
 need_rust
 need_packages gcc libc6-dev \
     libvulkan1 mesa-vulkan-drivers libegl1 \
-    xvfb libxcursor1 libxi6 libxkbcommon-x11-0 xdotool imagemagick || exit 1
+    xvfb libxcursor1 libxi6 libxkbcommon-x11-0 xdotool imagemagick \
+    python3-venv || exit 1
 
 step() { printf '\n== %s\n' "$*"; }
 
@@ -16,6 +17,7 @@ step "formatting"
 cargo fmt --check
 step "lints"
 cargo clippy --locked --all-targets -- -D warnings
+cargo clippy --locked --package overlook-python -- -D warnings
 step "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --quiet
 step "tests"
@@ -27,3 +29,8 @@ fi
 # The software adapter was installed above, and so was what a real window needs: where they are missing, the renderer on the one and
 # the program in the other must not go untested.
 OVERLOOK_REQUIRE_GPU=1 OVERLOOK_REQUIRE_WINDOW=1 cargo test --locked --no-fail-fast
+step "Python module"
+# Built like the tests, so that most of it is built already. Its own tests compare it with the command line.
+python3 -m venv target/python
+MATURIN_PEP517_ARGS="--profile dev" target/python/bin/pip install --quiet --disable-pip-version-check ".[test]"
+OVERLOOK="$PWD/target/debug/overlook" target/python/bin/python -m pytest --quiet
