@@ -10,8 +10,9 @@ use pyo3::types::{PyDict, PyModule};
 
 use super::camera::PyCamera;
 use super::choices::settings_over;
+use super::exceptions::to_exception;
 use super::store::PyStore;
-use super::{arrays, to_exception, work};
+use super::{arrays, work};
 use crate::capture::{self, Capture, Frame, TruthView, transforms};
 use crate::demo::{Demo, DemoSpec};
 use crate::error::Error;

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
 
-use super::to_exception;
+use super::exceptions::to_exception;
 use crate::settings::Settings;
 
 /// These settings over `base`, named as `overlook settings` names them.

@@ -15,23 +15,11 @@ mod arrays;
 mod camera;
 mod capture;
 mod choices;
+mod exceptions;
 mod store;
 mod work;
 
-use pyo3::prelude::*;
-
-pyo3::create_exception!(
-    overlook,
-    Error,
-    pyo3::exceptions::PyException,
-    "What is wrong, where, and what to do about it."
-);
-
 pub use camera::{PyCamera, PyLens};
 pub use capture::{PyCapture, PyFrame, demo, evaluate, open};
+pub use exceptions::Error;
 pub use store::{PySamples, PyStore, open_store};
-
-/// The exception that an error of the engine becomes.
-fn to_exception(error: &crate::error::Error) -> PyErr {
-    Error::new_err(error.to_string())
-}

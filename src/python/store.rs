@@ -12,7 +12,8 @@ use pyo3::types::{PyDict, PyModule};
 
 use super::camera::{PyCamera, PyLens, pose_of};
 use super::choices::settings_over;
-use super::{arrays, to_exception, work};
+use super::exceptions::to_exception;
+use super::{arrays, work};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;

@@ -7,7 +7,7 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use super::to_exception;
+use super::exceptions::to_exception;
 use crate::error::Result;
 use crate::job::{Job, Progress};
 

@@ -304,8 +304,17 @@ fn the_files_that_the_architecture_names_exist() {
                 name == &ending || name.ends_with(&format!("/{ending}")) || is_folder()
             })
         };
-        let of_root =
-            ["src/", "tests/", "assets/", "shaders/", "fuzz/", "benches/", "examples/", "packaging/"];
+        let of_root = [
+            "src/",
+            "tests/",
+            "assets/",
+            "shaders/",
+            "fuzz/",
+            "benches/",
+            "examples/",
+            "packaging/",
+            "python/",
+        ];
         let exists = if of_root.iter().any(|start| word.starts_with(start)) { exists } else { is_source() };
         assert!(exists, "ARCHITECTURE.md names `{word}`");
     }
