@@ -9,6 +9,7 @@
 //! |---|---|---|
 //! | collection | [`capture`], [`demo`] | reads what was recorded: cameras, color, depth, normals; or traces a built-in scene |
 //! | data model | [`samples`] | samples of all cameras over spans of frames, in tiles |
+//! | alignment | [`alignment`] | finds what the rig got wrong (poses, exposure), and mends what pays |
 //! | noise | [`preprocess::noise`] | measures how noisy the frames are |
 //! | normals | [`preprocess::normals`] | takes given normals or estimates them from depth |
 //! | temporal redundancy | [`preprocess::temporal`] | finds the longest spans of frames over which a pixel stays the same |
@@ -39,6 +40,7 @@
 //! *Vantage*: a virtual camera at a frame. `ARCHITECTURE.md` has the whole glossary.
 #![warn(clippy::unwrap_used, clippy::expect_used)]
 
+pub mod alignment;
 pub mod app;
 pub mod capture;
 pub mod cli;

@@ -137,6 +137,11 @@ impl Capture {
         self.source.place(self.source_cameras[camera], frame)
     }
 
+    /// The files that one frame is read from.
+    pub(crate) fn files_of(&self, camera: usize, frame: usize) -> Vec<std::path::PathBuf> {
+        self.source.files(self.source_cameras[camera], frame)
+    }
+
     /// Every file that a frame is read from, each once.
     #[must_use]
     pub fn files(&self) -> Vec<std::path::PathBuf> {

@@ -24,6 +24,7 @@ Examples:
   overlook preprocess scene --out scene.ovl                 drop what is redundant
   overlook render scene.ovl --views scene/novel/transforms.json --out pictures
   overlook evaluate scene                                   accuracy against no pruning and first camera wins
+  overlook align scene --out aligned.json                   poses without what the rig got wrong
   overlook sweep scene --out sweep                          accuracy against time and bytes, for many settings
   overlook stress scene --out stress                        where methods fail
   overlook tune scene --out tuned.toml                      the simplest settings that are as good as the best
@@ -63,6 +64,8 @@ enum CliCommand {
     Preprocess(commands::preprocess::PreprocessArgs),
     /// Render a store from any viewpoints, and score the pictures where the truth is known.
     Render(commands::render::RenderArgs),
+    /// Measure what the rig got wrong, and write corrected poses for other programs.
+    Align(commands::align::AlignArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
     Evaluate(commands::evaluate::EvaluateArgs),
     /// Try many settings and all baselines: accuracy against time and bytes, with the Pareto front.
@@ -141,6 +144,7 @@ impl Cli {
             Some(CliCommand::Info(args)) => args.run(),
             Some(CliCommand::Preprocess(args)) => args.run(),
             Some(CliCommand::Render(args)) => args.run(),
+            Some(CliCommand::Align(args)) => args.run(),
             Some(CliCommand::Evaluate(args)) => args.run(),
             Some(CliCommand::Sweep(args)) => args.run(),
             Some(CliCommand::Stress(args)) => args.run(),

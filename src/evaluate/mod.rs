@@ -19,6 +19,6 @@ pub mod trial;
 pub mod truth;
 pub mod tune;
 
-pub use scoring::{Evaluation, MeanScore, ViewScore, evaluate, vantage_order};
-pub(crate) use scoring::{Scoreboard, frame_of, render_view};
+pub use scoring::{AlignedScore, Evaluation, MeanScore, ViewScore, evaluate, vantage_order};
+pub(crate) use scoring::{Scoreboard, add_aligned, frame_of, render_view};
 pub use trial::{MethodComparison, MethodScore, compare};

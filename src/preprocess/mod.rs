@@ -37,7 +37,7 @@ use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet, Span, samples_in_memory};
-use crate::settings::Settings;
+use crate::settings::{AlignSettings, Settings};
 use agreement::Consensus;
 use diagnostics::{Report, Residuals, Tally};
 use inspect::{CameraInspection, FrameInspection};
@@ -111,7 +111,7 @@ fn preprocess_into(
 /// As [`preprocess`].
 pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<PreparedScan>> {
     settings.validate("settings")?;
-    Ok(Arc::new(temporal::scan(capture, settings, job)?.into()))
+    Ok(Arc::new(PreparedScan::new(capture, settings, job)?))
 }
 
 /// Everything after [`scan`]: cheap enough to be repeated whenever a threshold of pruning changes. Where the scan does not
@@ -132,15 +132,16 @@ fn prune_into(
     settings.validate("settings")?;
     let started = Instant::now();
     let other;
-    let scan = if scan.serves(&settings.spans) {
+    let scan = if scan.serves(settings) {
         scan
     } else {
-        other = temporal::scan(capture, settings, job)?.into();
+        other = PreparedScan::new(capture, settings, job)?;
         &other
     };
+    let capture = scan.capture();
     job.start("Pruning the background", 1);
     let background = PrunedBackground::of(capture, scan, settings, job)?;
-    let normal_errors = scan.normal_errors(capture, &settings.normals, job)?;
+    let normal_errors = scan.normal_errors(&settings.normals, job)?;
     let mut tally = Tally::new((capture, scan), &normal_errors, settings);
     tally.add_noise_between(&capture.cameras, &background.layers);
     tally.add(scan.tree(&settings.spans).root(), &background.decided);
@@ -162,7 +163,11 @@ fn prune_into(
     images.sort();
     let mut report = tally.finish(images.facts());
     report.residuals = residuals.finish();
+    report.alignment = scan.alignment().cloned();
     report.seconds = started.elapsed().as_secs_f64();
+    // What changed nothing leaves no trace: a capture that is right gives the same store whatever is looked for.
+    let align = if scan.alignment().is_some() { settings.align.clone() } else { AlignSettings::default() };
+    let settings = &Settings { align, ..settings.clone() };
     Ok(BufferedResult { outline: sample_set(capture, settings, Vec::new()), images, report })
 }
 
@@ -220,12 +225,12 @@ pub fn inspect_frame(
             format!("there is no frame {frame}; there are {}", capture.frame_count()),
         ));
     }
-    let spans = scan.map_or_else(|| settings.spans.clone(), |scan| scan.served(&settings.spans));
-    let settings = &Settings { spans, ..settings.clone() };
+    let settings = &scan.map_or_else(|| settings.clone(), |scan| scan.served(settings));
+    let capture = scan.map_or(capture, PreparedScan::capture);
     let pairs = CameraPairs::new(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
     let complete = match scan {
-        Some(scan) => scan.frame_layers(capture, &pairs, settings, frame, job)?,
+        Some(scan) => scan.frame_layers(&pairs, settings, frame, job)?,
         None => Arc::new(FrameLayers::unscanned(capture, &pairs, settings, frame, job)?),
     };
     let all = complete.prune(&pairs, settings, job)?;
@@ -273,11 +278,11 @@ pub fn prepare_frame(
     job: &Job,
 ) -> Result<Option<usize>> {
     settings.validate("settings")?;
-    if frame >= capture.frame_count() || !scan.serves(&settings.spans) {
+    if frame >= capture.frame_count() || !scan.serves(settings) {
         return Ok(None);
     }
-    let pairs = CameraPairs::new(&capture.cameras);
-    scan.frame_layers(capture, &pairs, settings, frame, job)?.prepare(&pairs, settings, job)
+    let pairs = CameraPairs::new(&scan.capture().cameras);
+    scan.frame_layers(&pairs, settings, frame, job)?.prepare(&pairs, settings, job)
 }
 
 /// Packs kept samples.

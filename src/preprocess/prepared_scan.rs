@@ -11,26 +11,67 @@ use super::layers::CameraLayer;
 use super::normals::{NormalErrors, compare_with_given};
 use super::pruning::{PrunedBackground, SpanStack, StaticLayer, rated, static_layers};
 use super::registration::CameraPairs;
-use super::temporal::TemporalScan;
+use super::temporal::{self, TemporalScan};
+use crate::alignment::{self, Aligned, Alignment};
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{
-    AgreementRule, MixedPixels, NormalSettings, PruningMethod, RateModel, Settings, SpanSettings,
+    AgreementRule, AlignSettings, MixedPixels, NormalSettings, PruningMethod, RateModel, Settings,
+    SpanSettings,
 };
 
 /// The pass over all frames of one capture, and what was last made of it.
 #[derive(Debug)]
 pub struct PreparedScan {
     scan: TemporalScan,
+    aligned: Aligned,
+    align: AlignSettings,
     static_layers: Last<StaticKey, Arc<Vec<StaticLayer>>>,
     frame: Last<PreparedFrameKey, Arc<FrameLayers>>,
     normal_errors: Last<f32, AllNormalErrors>,
 }
 
-impl From<TemporalScan> for PreparedScan {
-    fn from(scan: TemporalScan) -> Self {
-        Self { scan, static_layers: Last::default(), frame: Last::default(), normal_errors: Last::default() }
+impl PreparedScan {
+    /// Mends what the rig got wrong, and passes over all frames.
+    ///
+    /// # Errors
+    /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be written, and `Cancelled`.
+    pub(crate) fn new(capture: &Capture, settings: &Settings, job: &Job) -> Result<Self> {
+        let aligned = alignment::align(capture, &settings.align, job)?;
+        let scan = temporal::scan(&aligned.capture, settings, job)?;
+        Ok(Self {
+            scan,
+            aligned,
+            align: settings.align.clone(),
+            static_layers: Last::default(),
+            frame: Last::default(),
+            normal_errors: Last::default(),
+        })
+    }
+
+    /// The capture that was scanned: the one that was given, without what the rig got wrong.
+    #[must_use]
+    pub fn capture(&self) -> &Capture {
+        &self.aligned.capture
+    }
+
+    /// What was mended; `None` where nothing was.
+    #[must_use]
+    pub fn alignment(&self) -> Option<&Alignment> {
+        self.aligned.alignment.as_ref()
+    }
+
+    /// Whether the scan serves these settings, or the frames have to be passed over again.
+    #[must_use]
+    pub fn serves(&self, settings: &Settings) -> bool {
+        self.align == settings.align && self.scan.serves(&settings.spans)
+    }
+
+    /// The settings closest to these that the scan serves.
+    pub(crate) fn served(&self, settings: &Settings) -> Settings {
+        let spans = self.scan.served(&settings.spans);
+        Settings { spans, align: self.align.clone(), ..settings.clone() }
     }
 }
 
@@ -88,7 +129,6 @@ impl PreparedScan {
     /// the frame stay.
     pub(crate) fn frame_layers(
         &self,
-        capture: &Capture,
         pairs: &CameraPairs<'_>,
         settings: &Settings,
         frame: usize,
@@ -107,24 +147,24 @@ impl PreparedScan {
         if let Some(layers) = self.frame.get(&key) {
             return Ok(layers);
         }
-        let background = PrunedBackground::undecided(self.rated_layers(capture, settings, job)?);
-        let stack = SpanStack::new(capture, Some(&self.scan), pairs, settings, background);
+        let background = PrunedBackground::undecided(self.rated_layers(settings, job)?);
+        let stack = SpanStack::new(self.capture(), Some(&self.scan), pairs, settings, background);
         let layers = Arc::new(FrameLayers::at(frame, stack, job)?);
         self.frame.set(key, layers.clone());
         Ok(layers)
     }
 
     /// Every camera's static pixels, ready to be pruned.
-    fn rated_layers(&self, capture: &Capture, settings: &Settings, job: &Job) -> Result<Vec<CameraLayer>> {
+    fn rated_layers(&self, settings: &Settings, job: &Job) -> Result<Vec<CameraLayer>> {
         let key = (settings.normals.clone(), settings.spans.clone());
         let layers = if let Some(layers) = self.static_layers.get(&key) {
             layers
         } else {
-            let layers = Arc::new(static_layers(capture, &self.scan, settings, job)?);
+            let layers = Arc::new(static_layers(self.capture(), &self.scan, settings, job)?);
             self.static_layers.set(key, layers.clone());
             layers
         };
-        rated(capture, layers.as_ref().clone(), settings, job)
+        rated(self.capture(), layers.as_ref().clone(), settings, job)
     }
 
     /// Per camera, estimated against given normals on the first frame; empty where none are given. That frame is read again where
@@ -132,12 +172,8 @@ impl PreparedScan {
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), and `Cancelled`.
-    pub(crate) fn normal_errors(
-        &self,
-        capture: &Capture,
-        settings: &NormalSettings,
-        job: &Job,
-    ) -> Result<AllNormalErrors> {
+    pub(crate) fn normal_errors(&self, settings: &NormalSettings, job: &Job) -> Result<AllNormalErrors> {
+        let capture = self.capture();
         if self.edge == settings.edge || !capture.has_normals {
             return Ok(Arc::new(self.cameras.iter().map(|camera| camera.normal_errors.clone()).collect()));
         }

@@ -3,6 +3,16 @@
 use super::choice::choice;
 
 choice! {
+    /// Whether something that the rig got wrong is mended.
+    pub enum Correction {
+        /// Everything is taken as the capture gives it.
+        Off = "off",
+        /// What is wrong is measured, and mended where samples that took no part in measuring agree that it pays.
+        Auto = "auto",
+    }
+}
+
+choice! {
     /// Where normals come from.
     pub enum NormalSource {
         /// Given normals where the capture has them, estimated ones elsewhere.

@@ -16,8 +16,8 @@ mod choices;
 mod section;
 
 pub use choices::{
-    AgreementRule, Backend, Coding, Fill, Instructions, Kernel, MixedPixels, NormalEstimator, NormalSource,
-    Precision, PruningMethod, RateModel, SpanLevels,
+    AgreementRule, Backend, Coding, Correction, Fill, Instructions, Kernel, MixedPixels, NormalEstimator,
+    NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
 };
 pub use section::{Field, ValueKind};
 
@@ -33,6 +33,16 @@ section! {
     pub struct CaptureSettings in "capture" {
         /// Memory for decoded frames that may be asked for again.
         cache: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
+    }
+}
+
+section! {
+    /// What the rig got wrong, mended before anything else.
+    pub struct AlignSettings in "align" {
+        /// Whether cameras are turned and moved so that they agree about where surfaces are.
+        poses: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
+        /// Whether colors are multiplied so that cameras agree about them: exposure and white balance.
+        exposure: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
     }
 }
 
@@ -135,6 +145,8 @@ section! {
 pub struct Settings {
     /// Reading the capture.
     pub capture: CaptureSettings,
+    /// What the rig got wrong.
+    pub align: AlignSettings,
     /// Surface normals.
     pub normals: NormalSettings,
     /// Temporal redundancy.
@@ -151,7 +163,7 @@ impl Settings {
     /// Every setting, section by section.
     pub fn fields() -> impl Iterator<Item = &'static Field> {
         let preprocessing = [NormalSettings::FIELDS, SpanSettings::FIELDS, PruningSettings::FIELDS];
-        let all = [CaptureSettings::FIELDS].into_iter().chain(preprocessing);
+        let all = [CaptureSettings::FIELDS, AlignSettings::FIELDS].into_iter().chain(preprocessing);
         all.chain([StoreSettings::FIELDS, RenderSettings::FIELDS]).flatten()
     }
 

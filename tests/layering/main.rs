@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use imports::Imports;
 
 /// Modules from the bottom up. A module may use those before it and itself.
-const LAYERS: [&[&str]; 9] = [
+const LAYERS: [&[&str]; 10] = [
     &["error", "grid", "job", "color", "random", "settings", "simd", "whole_file"],
     &["capture"],
+    &["alignment"],
     &["samples", "demo"],
     &["store", "preprocess"],
     &["render"],

@@ -91,9 +91,10 @@ impl OverlookApp {
     }
 
     fn scanned(&mut self, scan: Arc<PreparedScan>) {
-        let spans = &self.state.settings.spans;
+        let settings = &self.state.settings;
         // Of settings that were taken back; what serves those on the sliders is here.
-        let late = !scan.serves(spans) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(spans));
+        let late =
+            !scan.serves(settings) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(settings));
         if !late {
             self.state.scan = Some(scan);
         }

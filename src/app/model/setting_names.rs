@@ -8,6 +8,7 @@ pub(crate) const SECTIONS: &[(&str, &str, bool)] = &[
     ("pruning", "Redundancy between cameras", true),
     ("spans", "Temporal redundancy", true),
     ("render", "Rendering", true),
+    ("align", "Alignment", false),
     ("normals", "Surface normals", false),
     ("store", "Store encoding", false),
     ("capture", "Loading", false),
@@ -16,6 +17,8 @@ pub(crate) const SECTIONS: &[(&str, &str, bool)] = &[
 /// What every setting is called, by its path: no two alike.
 const NAMES: &[(&str, &str)] = &[
     ("capture.cache", "Frame cache"),
+    ("align.poses", "Correct poses"),
+    ("align.exposure", "Correct exposure"),
     ("normals.source", "Normals from"),
     ("normals.estimator", "Normal estimation"),
     ("normals.edge", "Depth edge"),

@@ -137,7 +137,7 @@ impl Comparer {
         let Some(scan) = &key.scan else { return Ok(None) };
         self.scans.retain(|(scene, _)| *scene == key.scene.id);
         let own = self.scans.iter().map(|(_, scan)| scan);
-        if let Some(scan) = own.chain([scan]).find(|scan| scan.serves(&settings.spans)) {
+        if let Some(scan) = own.chain([scan]).find(|scan| scan.serves(settings)) {
             return Ok(Some(scan.clone()));
         }
         let capture = capture_of(&key.scene)?;

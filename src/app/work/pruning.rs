@@ -13,7 +13,7 @@ use crate::preprocess;
 pub(crate) fn prune_whole(request: PruneRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
     let PruneRequest { scene, scan, settings, .. } = request;
     let capture = scene.source()?;
-    let scan = if let Some(scan) = scan.filter(|scan| scan.serves(&settings.spans)) {
+    let scan = if let Some(scan) = scan.filter(|scan| scan.serves(&settings)) {
         scan
     } else {
         let scan = preprocess::scan(capture, &settings, job)?;

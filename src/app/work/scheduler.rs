@@ -124,7 +124,7 @@ impl Scheduler {
             scene: scene.id,
             frame: state.timeline.frame,
             method: method_of(&state.settings),
-            scan_serves: state.scan.as_ref().map(|scan| scan.serves(&state.settings.spans)),
+            scan_serves: state.scan.as_ref().map(|scan| scan.serves(&state.settings)),
         };
         if self.inspect.as_ref() != Some(&key) {
             workers.inspect.submit(prune_request(state, scene));

@@ -19,6 +19,10 @@ pub(crate) struct EvaluateArgs {
     /// Vantages whose truth is known [default: the capture's novel/transforms.json].
     #[arg(long, value_name = "TRANSFORMS", conflicts_with = "hold_out")]
     views: Option<PathBuf>,
+    /// Also score each view from where its own true picture says that it was taken, at its own exposure: poses of recordings are
+    /// wrong by some pixels, those of views as those of cameras.
+    #[arg(long)]
+    align_views: bool,
     #[command(flatten)]
     held_out: HoldOutArgs,
     #[command(flatten)]
@@ -46,7 +50,7 @@ impl EvaluateArgs {
         self.painting.apply(&mut settings.render);
         let capture = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, views) = self.truth(capture)?;
-        let comparison = output::watched(|job| compare(&capture, &views, &settings, job))?;
+        let comparison = output::watched(|job| compare(&capture, &views, &settings, self.align_views, job))?;
         let MethodComparison { as_set, no_pruning, first_camera } = &comparison;
         let notices = [as_set, no_pruning, first_camera].map(|compared| compared.evaluation.notice.clone());
         output::warn(&notices.into_iter().flatten().collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>());

@@ -1,5 +1,6 @@
 //! One file per subcommand.
 
+pub(super) mod align;
 pub(super) mod bench;
 pub(super) mod demo;
 pub(super) mod evaluate;

@@ -9,6 +9,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::alignment::Alignment;
 use crate::capture::{self, Capture};
 use crate::cli::input::{self, HoldOutArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
@@ -146,6 +147,9 @@ impl PreprocessArgs {
             if let Some(noise) = camera.noise_between() {
                 let _ = writeln!(text, "    {noise}");
             }
+        }
+        for line in result.report.alignment.iter().flat_map(Alignment::sentences) {
+            let _ = writeln!(text, "  corrected {line}");
         }
         if let Some((off, a, b)) = farthest_apart(&result.report) {
             let [a, b] = [a, b].map(|camera| &result.report.cameras[camera].name);

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::capture::{TruthView, transforms};
+use crate::capture::{Camera, TruthView, transforms};
 use crate::cli::input::{self, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use crate::error::{Error, Result};
-use crate::evaluate::{Evaluation, Scoreboard, frame_of, render_view, vantage_order};
+use crate::evaluate::{Evaluation, Scoreboard, add_aligned, frame_of, render_view, vantage_order};
 use crate::job::Job;
 use crate::render::Renderer;
 use crate::settings::RenderSettings;
@@ -25,6 +25,10 @@ pub(crate) struct RenderArgs {
     /// Folder for the pictures, each under its view's own name.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Also score each view from where its own true picture says that it was taken, at its own exposure: poses of recordings are
+    /// wrong by some pixels, those of views as those of cameras. Pictures are written as the views say.
+    #[arg(long)]
+    align_views: bool,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -45,7 +49,8 @@ impl RenderArgs {
         let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
         let views = transforms::open_views_of(&self.views, frames_are_ranked)?;
         let paths = self.picture_paths(&views)?;
-        let evaluation = output::watched(|job| paint(&playback, &views, &paths, &settings, job))?;
+        let evaluation =
+            output::watched(|job| paint(&playback, &views, &paths, (&settings, self.align_views), job))?;
         output::warn(evaluation.notice.as_slice());
         output::warn(&playback.store().damage());
         if self.json {
@@ -83,12 +88,12 @@ fn paint(
     playback: &Playback,
     views: &[TruthView],
     paths: &[PicturePaths],
-    settings: &RenderSettings,
+    (settings, align_views): (&RenderSettings, bool),
     job: &Job,
 ) -> Result<Evaluation> {
     let info = playback.store().info();
-    let frame_of = |view| frame_of(view, &info.name, &info.frame_numbers);
-    let frames = views.iter().map(frame_of).collect::<Result<Vec<_>>>()?;
+    let index_of = |view| frame_of(view, &info.name, &info.frame_numbers);
+    let frames = views.iter().map(index_of).collect::<Result<Vec<_>>>()?;
     let mut renderer = Renderer::strict(settings.backend)?;
     let mut scores = Scoreboard::default();
     job.start("Painting views", views.len());
@@ -103,5 +108,12 @@ fn paint(
         scores.add(view, painted);
         job.advance(1);
     }
-    Ok(scores.finish().in_order_of_views(&order))
+    let mut evaluation = scores.finish().in_order_of_views(&order);
+    if align_views {
+        let seen = |view: &TruthView, camera: &Camera| {
+            playback.seen_from(camera, frame_of(view, &info.name, &info.frame_numbers)?, job)
+        };
+        add_aligned(&mut evaluation, &mut renderer, &views.iter().collect::<Vec<_>>(), settings, seen, job)?;
+    }
+    Ok(evaluation)
 }

@@ -52,6 +52,12 @@ pub(crate) fn view_table(evaluation: &Evaluation) -> String {
     }
     let mean = &evaluation.mean;
     line("mean", of_mean(mean), mean.milliseconds, mean.samples as u64);
+    if let Some(psnr) = mean.psnr_aligned_db {
+        let _ = write!(
+            text,
+            "\nViews aligned by their own pictures, at their own exposure: {psnr:.2} dB over pixels that got a sample"
+        );
+    }
     if let Some(steps) = mean.flicker_steps {
         let _ = write!(text, "\nFlicker at still viewpoints: {steps:.2} 8-bit steps");
     }

@@ -4,10 +4,12 @@
 //! TruthView ─ render_view ─▶ PaintedView ─ Scoreboard ─▶ Evaluation (a ViewScore each, and their mean)
 //! ```
 
+mod aligned_view;
 mod scoreboard;
 mod view;
 
+pub(crate) use aligned_view::add_aligned;
 pub(crate) use scoreboard::{Scoreboard, evaluate_with, nothing_to_compare, with_truth};
 pub use scoreboard::{evaluate, vantage_order};
-pub use view::{Evaluation, MeanScore, ViewScore};
+pub use view::{AlignedScore, Evaluation, MeanScore, ViewScore};
 pub(crate) use view::{frame_of, render_view, unknown_truth_warning};

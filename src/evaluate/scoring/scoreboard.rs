@@ -37,6 +37,7 @@ impl Scoreboard {
         };
         let mean = MeanScore {
             psnr_db: mean_score(&|scores| Some(scores.psnr_db)),
+            psnr_aligned_db: None,
             psnr_all_db: mean_score(&|scores| Some(scores.psnr_all_db)),
             ssim: mean_score(&|scores| Some(scores.ssim)),
             ms_ssim: mean_score(&|scores| Some(scores.ms_ssim)),

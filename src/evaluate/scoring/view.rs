@@ -12,6 +12,23 @@ use crate::render::{Painter, Picture, RenderStats, Renderer, Vantage};
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 
+/// How close a picture comes to the truth once the view is aligned.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AlignedScore {
+    /// See [`Scores::psnr_db`](crate::evaluate::metrics::Scores::psnr_db).
+    pub psnr_db: f64,
+    /// See [`Scores::psnr_all_db`](crate::evaluate::metrics::Scores::psnr_all_db).
+    pub psnr_all_db: f64,
+    /// See [`Scores::ssim`](crate::evaluate::metrics::Scores::ssim).
+    pub ssim: f64,
+    /// Angle by which the view was turned, degrees.
+    pub degrees: f64,
+    /// How far it was moved, in the capture's unit.
+    pub distance: f64,
+    /// Red, green and blue were multiplied by two to the power of this.
+    pub stops: [f64; 3],
+}
+
 /// What one view cost and, where its truth is known, how close to it the picture came.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ViewScore {
@@ -20,6 +37,9 @@ pub struct ViewScore {
     /// Closeness to the truth; `None` where no pixel of it is known.
     #[serde(flatten)]
     pub scores: Option<Scores>,
+    /// Closeness once the view is aligned by its own true picture; `None` where that was not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aligned: Option<AlignedScore>,
     /// Wall-clock milliseconds of painting, and of filling holes where the settings fill.
     pub milliseconds: f64,
     /// Samples that were projected.
@@ -35,6 +55,9 @@ pub struct MeanScore {
     /// See [`Scores::psnr_db`]; `None` where no view has truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
+    /// See [`AlignedScore::psnr_db`]; `None` where views were not aligned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr_aligned_db: Option<f64>,
     /// See [`Scores::psnr_all_db`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr_all_db: Option<f64>,
@@ -144,6 +167,7 @@ pub(crate) fn render_view(
     let score = ViewScore {
         file_path: view.file_path.clone(),
         scores: pair.as_ref().filter(|pair| pair.has_truth()).map(Pair::scores),
+        aligned: None,
         milliseconds: stats.milliseconds,
         samples: stats.samples,
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),

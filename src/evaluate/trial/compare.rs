@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::workbench::{FoldSamples, stored};
 use crate::capture::{Capture, TruthView};
 use crate::error::Result;
-use crate::evaluate::scoring::{Evaluation, evaluate_with, frame_of, with_truth};
+use crate::evaluate::scoring::{Evaluation, add_aligned, evaluate_with, frame_of, with_truth};
 use crate::job::Job;
 use crate::preprocess;
 use crate::render::Renderer;
@@ -39,7 +39,8 @@ pub struct MethodComparison {
 }
 
 /// Scores the given settings, no pruning, and first camera wins. The frames are scanned once. Samples are read back from a file,
-/// so that its precision shows in the scores.
+/// so that its precision shows in the scores. With `align_views`, views are also scored once they are aligned by their own true
+/// pictures.
 ///
 /// # Errors
 /// Those of preprocessing, the store and [`evaluate`](crate::evaluate::evaluate); a view at a frame that the capture lacks is
@@ -48,6 +49,7 @@ pub fn compare(
     capture: &Capture,
     views: &[TruthView],
     settings: &Settings,
+    align_views: bool,
     job: &Job,
 ) -> Result<MethodComparison> {
     let mut renderer = Renderer::strict(settings.render.backend)?;
@@ -60,7 +62,18 @@ pub fn compare(
         settings.pruning.method = method;
         let pruned = preprocess::prune(capture, &scan, &settings, job)?;
         let FoldSamples { samples, bytes: bytes_store, .. } = stored(&pruned.samples, &pruned.report, job)?;
-        let evaluation = evaluate_with(&mut renderer, &samples, views, &settings.render, job)?;
+        let mut evaluation = evaluate_with(&mut renderer, &samples, views, &settings.render, job)?;
+        if align_views {
+            let views = with_truth(views, job);
+            add_aligned(
+                &mut evaluation,
+                &mut renderer,
+                &views,
+                &settings.render,
+                |_, _| Ok(samples.clone()),
+                job,
+            )?;
+        }
         let (samples_kept, bytes_memory) = (samples.sample_count(), samples.bytes());
         Ok(MethodScore { method, samples_kept, bytes_memory, bytes_store, evaluation })
     };

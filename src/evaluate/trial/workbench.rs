@@ -28,8 +28,8 @@ use crate::preprocess::{self, PreparedScan};
 use crate::render::Renderer;
 use crate::samples::SampleSet;
 use crate::settings::{
-    Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings, Settings,
-    SpanSettings,
+    AlignSettings, Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings,
+    Settings, SpanSettings,
 };
 
 /// What is done to the samples after pruning.
@@ -123,7 +123,7 @@ struct FoldState {
 }
 
 /// What a scan depends on.
-type ScanKey = (NormalSettings, SpanSettings, Option<Vec<String>>);
+type ScanKey = (AlignSettings, NormalSettings, SpanSettings, Option<Vec<String>>);
 
 /// Scans and models cached per fold: those of the last trials, and the unpruned one that baselines thin.
 const KEPT: usize = 3;
@@ -283,8 +283,8 @@ impl FoldState {
     }
 
     fn scan(&mut self, trial: &Trial, job: &Job) -> Result<(Arc<PreparedScan>, f64)> {
-        let Settings { normals, spans, .. } = &trial.settings;
-        let key = (normals.clone(), spans.clone(), trial.cameras.clone());
+        let Settings { align, normals, spans, .. } = &trial.settings;
+        let key = (align.clone(), normals.clone(), spans.clone(), trial.cameras.clone());
         if let Some((_, scan, seconds)) = self.scans.iter().find(|(known, ..)| *known == key) {
             return Ok((scan.clone(), *seconds));
         }

@@ -9,6 +9,7 @@ use super::calibration_warnings::{calibration_warnings, shared_warning};
 use super::depth_reading::{DepthReading, better_reading};
 use super::pair_residuals::PairResiduals;
 use super::suspect::Suspect;
+use crate::alignment::Alignment;
 use crate::capture::conventions::{self, DepthClaim, Finding, PoseConvention};
 use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
 use crate::error::{Error, Result};
@@ -121,6 +122,9 @@ pub struct Report {
     pub rate_disputes: Vec<Vec<u64>>,
     /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
     pub residuals: Vec<Vec<PairResiduals>>,
+    /// What the rig got wrong and was mended; `None` where nothing was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment: Option<Alignment>,
     /// How poses and depth would fit far better between cameras than as the capture says, where they would.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conventions: Option<Finding>,

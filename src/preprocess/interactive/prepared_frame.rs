@@ -233,7 +233,7 @@ mod tests {
             settings.pruning.overlap = overlap;
             let scan = scan(&capture, &settings, &Job::new()).unwrap();
             let pairs = CameraPairs::new(&capture.cameras);
-            let complete = scan.frame_layers(&capture, &pairs, &settings, 2, &Job::new()).unwrap();
+            let complete = scan.frame_layers(&pairs, &settings, 2, &Job::new()).unwrap();
             assert!(complete.path.len() > 2);
             let original = complete.prune(&pairs, &settings, &Job::new()).unwrap();
             let bytes = complete.prepare(&pairs, &settings, &Job::new()).unwrap();

@@ -1,0 +1,199 @@
+//! Exposure and white balance: one gain per camera and channel.
+//!
+//! Purpose: cameras that see one surface are to show it in one color. Source: gains by least squares over pairs of overlapping
+//! pictures (M. Brown and D. Lowe, *Automatic Panoramic Image Stitching using Invariant Features*, IJCV 2007). What differs: a
+//! pair gives the median ratio of its samples, in a coarse picture, so that highlights and what is not the same surface do not
+//! count; ratios are logarithms, so that the mean gain is held by their sum.
+
+use rayon::prelude::*;
+
+use super::judge::Judgment;
+use super::normal_equations::NormalEquations;
+use super::solver::{Problem, Weighing};
+use crate::grid::Grid;
+
+/// Half the side of the square whose mean color is compared, pixels.
+const RADIUS: usize = 2;
+/// Colors beyond these are too dark to tell a ratio, or may be cut off: linear.
+const USABLE: [f32; 2] = [0.004, 0.85];
+/// A pair with fewer samples tells nothing.
+const LEAST_SAMPLES: usize = 40;
+/// A gain that changes less, in stops, does not show.
+pub(crate) const LEAST_STOPS: f64 = 0.02;
+/// Samples differ at least so much for reasons other than the gain, natural logarithm.
+const LEAST_SPREAD: f64 = 0.02;
+
+/// What was found of one camera's exposure.
+#[derive(Clone, Debug)]
+pub(crate) struct GainCorrection {
+    pub(crate) kept: bool,
+    /// Natural logarithm of what colors are multiplied with, per channel, and its standard error.
+    pub(crate) log_gain: [f64; 3],
+    pub(crate) standard_error: [f64; 3],
+    pub(crate) judgment: Judgment,
+}
+
+/// The logarithms of colors of two cameras at one sample: the sample's own, and what the other shows.
+struct Reading {
+    own: [f64; 3],
+    found: [f64; 3],
+    judges: bool,
+}
+
+/// Per pair and channel: the median difference of logarithms, its weight, and the spread.
+struct Ratio {
+    pair: [usize; 2],
+    difference: [f64; 3],
+    weight: [f64; 3],
+    spread: [f64; 3],
+}
+
+/// Gains under which cameras agree about colors. Those that do not pay are 0.
+pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCorrection> {
+    let readings: Vec<([usize; 2], Vec<Reading>)> = problem
+        .pairs
+        .par_iter()
+        .zip(&weighing.pairs)
+        .map(|(pair, weighed)| (*pair, readings(problem, (weighing.level, weighed.gate), *pair)))
+        .collect();
+    let ratios: Vec<Ratio> = readings.iter().filter_map(|(pair, readings)| ratio(*pair, readings)).collect();
+    let cameras = problem.views.len();
+    let mut corrections = vec![
+        GainCorrection {
+            kept: false,
+            log_gain: [0.0; 3],
+            standard_error: [0.0; 3],
+            judgment: Judgment::default()
+        };
+        cameras
+    ];
+    for channel in 0..3 {
+        let mut equations = NormalEquations::new(cameras);
+        for Ratio { pair: [a, b], difference, weight, .. } in &ratios {
+            let weight = weight[channel];
+            equations.add(*a, *a, weight);
+            equations.add(*b, *b, weight);
+            equations.add(*a, *b, -weight);
+            equations.right[*a] += weight * difference[channel];
+            equations.right[*b] -= weight * difference[channel];
+        }
+        hold_mean(&mut equations);
+        let Some(factor) = equations.factor() else { continue };
+        for (camera, gain) in factor.solve(&equations.right).into_iter().enumerate() {
+            corrections[camera].log_gain[channel] = gain;
+            corrections[camera].standard_error[channel] =
+                factor.inverse_block::<1>(camera)[0][0].max(0.0).sqrt();
+        }
+    }
+    // All that are worth it are applied; what is left is judged camera by camera beside them.
+    let spreads = spreads(&ratios, &readings);
+    let found: Vec<[f64; 3]> = corrections.iter().map(|correction| correction.log_gain).collect();
+    for (camera, correction) in corrections.iter_mut().enumerate() {
+        let losses = readings.iter().zip(&spreads).filter(|((pair, _), _)| pair.contains(&camera));
+        let losses = losses.flat_map(|((pair, readings), spread)| {
+            let [a, b] = *pair;
+            let found = &found;
+            readings.iter().filter(|reading| reading.judges).map(move |reading| {
+                let off = |gain_a: [f64; 3], gain_b: [f64; 3]| -> f64 {
+                    (0..3)
+                        .map(|channel| {
+                            let off = reading.own[channel] + gain_a[channel]
+                                - reading.found[channel]
+                                - gain_b[channel];
+                            super::solver::loss(off, spread[channel])
+                        })
+                        .sum()
+                };
+                let before_a = if a == camera { [0.0; 3] } else { found[a] };
+                let before_b = if b == camera { [0.0; 3] } else { found[b] };
+                [off(before_a, before_b), off(found[a], found[b])]
+            })
+        });
+        correction.judgment = Judgment::of(&losses.collect::<Vec<_>>());
+        let stops = correction.log_gain.iter().fold(0.0_f64, |most, gain| most.max(gain.abs()))
+            / std::f64::consts::LN_2;
+        let errors = correction.standard_error.iter().fold(0.0_f64, |most, error| most.max(*error))
+            / std::f64::consts::LN_2;
+        correction.kept = correction.judgment.pays() && stops > LEAST_STOPS && stops > 3.0 * errors;
+    }
+    corrections
+}
+
+/// The spreads of each pair that has a ratio; of others nothing counts.
+fn spreads(ratios: &[Ratio], readings: &[([usize; 2], Vec<Reading>)]) -> Vec<[f64; 3]> {
+    let of_pair = |(pair, _): &([usize; 2], Vec<Reading>)| {
+        ratios.iter().find(|ratio| ratio.pair == *pair).map_or([1e-9; 3], |ratio| ratio.spread)
+    };
+    readings.iter().map(of_pair).collect()
+}
+
+fn hold_mean(equations: &mut NormalEquations) {
+    const WEIGHT: f64 = 1e3;
+    const PULL: f64 = 1.0;
+    let size = equations.size();
+    for a in 0..size {
+        equations.add(a, a, PULL);
+        for b in 0..=a {
+            equations.add(a, b, WEIGHT / size as f64);
+        }
+    }
+}
+
+fn readings(problem: &Problem, (level, gate): (usize, f64), pair: [usize; 2]) -> Vec<Reading> {
+    let views = problem.pair(pair);
+    let [own, other] = pair.map(|camera| &problem.views[camera]);
+    let samples = problem.samples[pair[0]].iter();
+    let readings = samples.filter_map(|sample| {
+        views.terms(sample, level, gate)?;
+        let point = own.camera.unproject(sample.pixel, 1.0 / sample.inverse_depth);
+        let (image, _) = other.camera.project(point)?;
+        let own = mean_log_color(&own.frame.color, sample.pixel.x, sample.pixel.y)?;
+        let found = mean_log_color(&other.frame.color, image.x, image.y)?;
+        Some(Reading { own, found, judges: sample.judges })
+    });
+    readings.collect()
+}
+
+fn mean_log_color(color: &Grid<[half::f16; 3]>, u: f64, v: f64) -> Option<[f64; 3]> {
+    let (width, height) = color.size();
+    let (x, y) = (u as usize, v as usize);
+    if x < RADIUS || y < RADIUS || x + RADIUS >= width || y + RADIUS >= height {
+        return None;
+    }
+    let mut sum = [0.0_f32; 3];
+    for row in y - RADIUS..=y + RADIUS {
+        for column in x - RADIUS..=x + RADIUS {
+            for (sum, value) in sum.iter_mut().zip(color[(column, row)]) {
+                let value = f32::from(value);
+                if value > USABLE[1] {
+                    return None;
+                }
+                *sum += value;
+            }
+        }
+    }
+    let count = ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as f32;
+    let mean = sum.map(|sum| sum / count);
+    mean.iter().all(|mean| *mean >= USABLE[0]).then(|| mean.map(|mean| f64::from(mean.ln())))
+}
+
+fn ratio(pair: [usize; 2], readings: &[Reading]) -> Option<Ratio> {
+    let fitting: Vec<&Reading> = readings.iter().filter(|reading| !reading.judges).collect();
+    if fitting.len() < LEAST_SAMPLES {
+        return None;
+    }
+    let mut ratio = Ratio { pair, difference: [0.0; 3], weight: [0.0; 3], spread: [0.0; 3] };
+    for channel in 0..3 {
+        let mut differences: Vec<f64> =
+            fitting.iter().map(|reading| reading.found[channel] - reading.own[channel]).collect();
+        let middle = differences.len() / 2;
+        let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let mut away: Vec<f64> = differences.iter().map(|difference| (difference - median).abs()).collect();
+        let spread = (*away.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745).max(LEAST_SPREAD);
+        ratio.difference[channel] = median;
+        ratio.spread[channel] = spread;
+        // The median has π/2 the variance of the mean, and neighbors are not independent.
+        ratio.weight[channel] = fitting.len() as f64 / (4.0 * spread * spread);
+    }
+    Some(ratio)
+}

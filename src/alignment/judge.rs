@@ -1,0 +1,85 @@
+//! Whether a correction pays: judged by samples that took no part in finding it.
+
+use glam::DAffine3;
+
+use super::solver::{Problem, Weighing, loss};
+
+/// What samples that took no part say about a correction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Judgment {
+    /// Mean loss without and with the correction: 0 where cameras agree, 1 where they have nothing in common.
+    pub(crate) before: f64,
+    pub(crate) after: f64,
+    /// Standard error of the difference, over samples.
+    pub(crate) standard_error: f64,
+    /// Samples that judged.
+    pub(crate) samples: usize,
+}
+
+/// A correction pays where the loss falls by more than so many standard errors, and by this share.
+const STANDARD_ERRORS: f64 = 2.0;
+const LEAST_FALL: f64 = 0.01;
+/// Fewer samples judge nothing.
+const LEAST_SAMPLES: usize = 50;
+
+impl Judgment {
+    pub(crate) fn pays(&self) -> bool {
+        let fall = self.before - self.after;
+        self.samples >= LEAST_SAMPLES
+            && fall > STANDARD_ERRORS * self.standard_error
+            && fall > LEAST_FALL * self.before
+    }
+
+    /// Of losses without and with a correction, one pair for each sample.
+    pub(crate) fn of(losses: &[[f64; 2]]) -> Self {
+        let n = losses.len().max(1) as f64;
+        let [before, after] = [0, 1].map(|which| losses.iter().map(|loss| loss[which]).sum::<f64>() / n);
+        let fall = before - after;
+        let square: f64 = losses.iter().map(|loss| (loss[0] - loss[1] - fall).powi(2)).sum();
+        let standard_error = (square / n / (n - 1.0).max(1.0)).sqrt();
+        Self { before, after, standard_error, samples: losses.len() }
+    }
+
+    /// Of one camera's pose beside `then`, all others being corrected.
+    pub(crate) fn of_pose(problem: &Problem, weighing: &Weighing, camera: usize, then: DAffine3) -> Self {
+        let mut uncorrected = problem.views[camera].clone();
+        uncorrected.camera.world_from_camera = then;
+        let mut losses = Vec::new();
+        let pairs = problem.pairs.iter().zip(&weighing.pairs);
+        for (pair, weighed) in pairs.filter(|(pair, _)| pair.contains(&camera)) {
+            let now = problem.pair(*pair);
+            let views = pair.map(|index| if index == camera { &uncorrected } else { &problem.views[index] });
+            let gains = pair.map(|index| problem.log_gains[index]);
+            let before = super::residuals::PairOfViews::new(views, gains, problem.scale, problem.color_alone);
+            for sample in problem.samples[pair[0]].iter().filter(|sample| sample.judges) {
+                // What no camera sees either way says nothing.
+                let [before, after] = [&before, &now].map(|views| {
+                    views.terms(sample, weighing.level, f64::INFINITY).map(|terms| {
+                        let kinds = [terms.distance, terms.color].into_iter().zip(weighed.sigmas);
+                        let off = kinds.filter_map(|(term, sigma)| Some(loss(term?.residual, sigma)));
+                        off.sum::<f64>()
+                    })
+                });
+                if let (Some(before), Some(after)) = (before, after) {
+                    losses.push([before, after]);
+                }
+            }
+        }
+        Self::of(&losses)
+    }
+}
+
+impl Problem {
+    /// Terms that one sample has on average: they are not independent.
+    pub(crate) fn terms_per_sample(&self, weighing: &Weighing) -> f64 {
+        let mut terms = 0;
+        for (pair, weighed) in self.pairs.iter().zip(&weighing.pairs) {
+            let views = self.pair(*pair);
+            let of_pair = self.samples[pair[0]].iter().step_by(8);
+            terms +=
+                of_pair.filter(|sample| views.terms(sample, weighing.level, weighed.gate).is_some()).count();
+        }
+        let samples: usize = self.samples.iter().map(|samples| samples.len().div_ceil(8)).sum();
+        (terms as f64 / samples.max(1) as f64).max(1.0)
+    }
+}

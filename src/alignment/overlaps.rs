@@ -1,0 +1,63 @@
+//! Which cameras are compared with which.
+
+use rayon::prelude::*;
+
+use super::reference_view::ReferenceView;
+use super::surface_samples::SurfaceSample;
+
+/// Cameras that one camera's samples are carried into, at most, where there are more than [`FEW`].
+const MOST_TARGETS: usize = 8;
+/// Up to so many cameras all pairs are compared.
+const FEW: usize = 10;
+/// Samples of a camera that tell how much another one sees of it.
+const PROBES: usize = 96;
+/// Two cameras overlap where one sees this share of the other's samples.
+const LEAST_SHARE: f64 = 0.08;
+/// A sample counts as seen where depths differ by less, relative.
+const SAME_DEPTH_RELATIVE: f64 = 0.15;
+
+/// The pairs of source and target that overlap. Of many cameras each is compared with some that see most of it and some that see
+/// less, so that all hang together.
+pub(crate) fn overlapping_pairs(views: &[ReferenceView], samples: &[Vec<SurfaceSample>]) -> Vec<[usize; 2]> {
+    let most = if views.len() <= FEW { views.len() } else { MOST_TARGETS };
+    let of_source = |source: usize| {
+        let mut shares: Vec<(f64, usize)> = (0..views.len())
+            .filter(|target| *target != source)
+            .map(|target| (share_seen(&views[source], &samples[source], &views[target]), target))
+            .filter(|(share, _)| *share >= LEAST_SHARE)
+            .collect();
+        shares.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut chosen = Vec::new();
+        // The ranks 0, 1, 2, 3, then ever farther apart.
+        let (mut rank, mut gap) = (0, 1);
+        while rank < shares.len() && chosen.len() < most {
+            chosen.push([source, shares[rank].1]);
+            if most < shares.len() && chosen.len() >= most / 2 {
+                gap += 1;
+            }
+            rank += gap;
+        }
+        chosen
+    };
+    let pairs: Vec<Vec<[usize; 2]>> = (0..views.len()).into_par_iter().map(of_source).collect();
+    pairs.into_iter().flatten().collect()
+}
+
+fn share_seen(source: &ReferenceView, samples: &[SurfaceSample], target: &ReferenceView) -> f64 {
+    let step = (samples.len() / PROBES).max(1);
+    let (mut seen, mut all) = (0, 0);
+    for sample in samples.iter().step_by(step) {
+        all += 1;
+        let point = source.camera.unproject(sample.pixel, 1.0 / sample.inverse_depth);
+        let Some((image, depth)) = target.camera.project(point) else { continue };
+        let inside = image.x >= 0.0 && image.y >= 0.0;
+        let found = inside
+            .then(|| target.frame.inverse_depth.get(image.x as usize, image.y as usize))
+            .flatten()
+            .map_or(0.0, |depth| f64::from(*depth));
+        if (found * depth - 1.0).abs() < SAME_DEPTH_RELATIVE {
+            seen += 1;
+        }
+    }
+    f64::from(seen) / f64::from(all.max(1))
+}

@@ -1,0 +1,125 @@
+//! What alignment looks at of one camera: the pictures of one frame, in several resolutions, and where nothing moves.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::capture::{Camera, Capture, Frame};
+use crate::error::Result;
+use crate::grid::Grid;
+use crate::job::Job;
+
+/// Resolutions of the brightness: each half as fine as the one before.
+pub(crate) const LEVELS: usize = 4;
+
+/// A pixel that differs by more between two frames moves: relative inverse depth, and brightness.
+const STILL_DEPTH_RELATIVE: f32 = 0.02;
+const STILL_BRIGHTNESS: f32 = 0.05;
+
+/// One camera with what it saw at one frame.
+#[derive(Clone)]
+pub(crate) struct ReferenceView {
+    /// The camera; its pose and lens change while alignment goes on.
+    pub(crate) camera: Camera,
+    /// Color and depth as they were recorded.
+    pub(crate) frame: Arc<Frame>,
+    /// Brightness at every resolution, the finest first: the square root of luminance, which has noise of about the same width
+    /// everywhere and grows in proportion to a change of exposure.
+    pub(crate) brightness: Vec<Grid<f32>>,
+    /// Pixels that are as they are in another frame; `None` where there is only one frame.
+    pub(crate) is_still: Option<Grid<bool>>,
+}
+
+impl ReferenceView {
+    /// The view of a camera from the frame that is aligned, and another one that tells what moves.
+    pub(crate) fn new(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
+        let finest = brightness(&frame);
+        let is_still = other.map(|other| {
+            let (depth, there) = (frame.inverse_depth.as_slice(), other.inverse_depth.as_slice());
+            let other = brightness(other);
+            let light = finest.as_slice().iter().zip(other.as_slice());
+            let still = depth.iter().zip(there).zip(light).map(|((depth, there), (light, then))| {
+                (depth - there).abs() <= STILL_DEPTH_RELATIVE * depth.abs().max(there.abs())
+                    && (light - then).abs() <= STILL_BRIGHTNESS
+            });
+            Grid::from_vec(finest.width(), finest.height(), still.collect())
+        });
+        let mut levels = vec![finest];
+        while levels.len() < LEVELS {
+            let coarser = halved(&levels[levels.len() - 1]);
+            levels.push(coarser);
+        }
+        Self { camera, frame, brightness: levels, is_still }
+    }
+
+    /// All views of a capture at its first frame; what moves is told by the frame in the middle.
+    ///
+    /// # Errors
+    /// Whatever the capture gives (naming file and frame), and `Cancelled`.
+    pub(crate) fn all_of(capture: &Capture, job: &Job) -> Result<Vec<Self>> {
+        let cameras = capture.cameras.par_iter().enumerate();
+        let views = cameras.map(|(index, camera)| {
+            job.check()?;
+            let middle = capture.frame_count() / 2;
+            let other = if middle > 0 { Some(capture.frame(index, middle)?) } else { None };
+            Ok(Self::new(camera.clone(), capture.frame(index, 0)?, other.as_deref()))
+        });
+        views.collect()
+    }
+
+    /// Whether the pixel is known to stay as it is.
+    pub(crate) fn is_still(&self, x: usize, y: usize) -> bool {
+        self.is_still.as_ref().is_none_or(|still| still[(x, y)])
+    }
+
+    /// Brightness at an image position in pixels of the finest level, and how it changes with the position, per such pixel;
+    /// `None` near the border and beyond.
+    pub(crate) fn brightness_at(&self, level: usize, u: f64, v: f64) -> Option<[f64; 3]> {
+        let picture = &self.brightness[level];
+        let scale = 0.5_f64.powi(level as i32);
+        let (x, y) = (u * scale - 0.5, v * scale - 0.5);
+        let (column, row) = (x.floor(), y.floor());
+        let (width, height) = picture.size();
+        if !(column >= 1.0 && row >= 1.0 && column + 2.0 < width as f64 && row + 2.0 < height as f64) {
+            return None;
+        }
+        let (right, down) = (x - column, y - row);
+        let start = (row as usize - 1) * width + column as usize - 1;
+        let values = picture.as_slice();
+        let at = |dx: usize, dy: usize| f64::from(values[start + dy * width + dx]);
+        let mix = |a: f64, b: f64, share: f64| a + (b - a) * share;
+        let along = |dy: usize| mix(at(1, dy), at(2, dy), right);
+        let value = mix(along(1), along(2), down);
+        // Central differences, interpolated as the value is.
+        let slope = |dy: usize| mix(at(2, dy) - at(0, dy), at(3, dy) - at(1, dy), right);
+        let across = mix(slope(1), slope(2), down);
+        let downward = mix(along(2) - along(0), along(3) - along(1), down);
+        Some([value, 0.5 * across * scale, 0.5 * downward * scale])
+    }
+}
+
+fn brightness(frame: &Frame) -> Grid<f32> {
+    let (width, height) = frame.size();
+    let of = |color: &[half::f16; 3]| {
+        let [r, g, b] = color.map(f32::from);
+        (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, BRIGHTEST).sqrt()
+    };
+    Grid::from_vec(width, height, frame.color.as_slice().iter().map(of).collect())
+}
+
+/// Luminance beyond this is a light or its mirror image, and tells nothing.
+const BRIGHTEST: f32 = 2.0;
+
+/// The mean of every 2×2 pixels; a last odd column or row is left out.
+fn halved(picture: &Grid<f32>) -> Grid<f32> {
+    let (width, height) = ((picture.width() / 2).max(1), (picture.height() / 2).max(1));
+    let right = usize::from(picture.width() > 1);
+    let below = usize::from(picture.height() > 1);
+    Grid::from_fn(width, height, |x, y| {
+        let [x, y] = [2 * x, 2 * y];
+        0.25 * (picture[(x, y)]
+            + picture[(x + right, y)]
+            + picture[(x, y + below)]
+            + picture[(x + right, y + below)])
+    })
+}

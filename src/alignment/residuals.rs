@@ -1,0 +1,198 @@
+//! How far apart two cameras are about one sample, and how that changes with their poses, exposure and lenses.
+//!
+//! Purpose: the residuals that alignment makes small. Source: point to plane (Y. Chen and G. Medioni, *Object Modelling by
+//! Registration of Multiple Range Images*, 1992), and color against color (Q.-Y. Zhou and V. Koltun, *Color Map Optimization for
+//! 3D Reconstruction with Consumer Depth Cameras*, SIGGRAPH 2014). What differs: the plane is that of the sample that is carried,
+//! fitted once, and the point is what the other camera measured where the sample falls, as it is; both distances count in
+//! footprints, times the ratio of inverse depths, in which the noise of triangulation is the same everywhere.
+
+use glam::{DAffine3, DVec2, DVec3};
+
+use super::reference_view::ReferenceView;
+use super::surface_samples::SurfaceSample;
+use crate::capture::Intrinsics;
+
+/// Unknowns of one camera: rotation and translation in camera space, the logarithm of its gain, and its lens: the logarithm of
+/// the focal length, and the principal point.
+pub(crate) const UNKNOWNS: usize = 10;
+/// The first of the gain, and of the lens.
+pub(crate) const GAIN: usize = 6;
+pub(crate) const LENS: usize = 7;
+
+/// A residual and its derivatives by the unknowns of the sample's camera and of the other one.
+#[derive(Clone, Copy)]
+pub(crate) struct Term {
+    pub(crate) residual: f64,
+    pub(crate) source: [f64; UNKNOWNS],
+    pub(crate) target: [f64; UNKNOWNS],
+}
+
+/// What two cameras say about one sample.
+pub(crate) struct Terms {
+    /// In footprints; `None` where the other camera has no depth there.
+    pub(crate) distance: Option<Term>,
+    /// In brightness; `None` near the border of the picture.
+    pub(crate) color: Option<Term>,
+}
+
+/// Both cameras of a pair, from where one sample after the other is carried.
+pub(crate) struct PairOfViews<'a> {
+    target: &'a ReferenceView,
+    target_from_source: DAffine3,
+    source_lens: Intrinsics,
+    /// Gains of source and target.
+    gains: [f64; 2],
+    scale: Scale,
+    /// No depth in the target is looked at.
+    color_alone: bool,
+}
+
+/// What makes unknowns and residuals comparable: all cameras are taken to have this.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    /// Typical inverse depth, 1/unit.
+    pub(crate) inverse_depth: f64,
+    /// Typical focal length, pixels.
+    pub(crate) focal: f64,
+}
+
+/// The samples that one target sees from the side, or not from the front, tell little.
+const LEAST_COSINE: f64 = 0.15;
+/// Neighboring pixels of the target differ by more at an edge of depth, relative.
+const EDGE_RELATIVE: f32 = 0.03;
+/// Bounds of the ratio of inverse depths that distances are multiplied with.
+const NEARNESS: [f64; 2] = [0.2, 2.0];
+
+impl<'a> PairOfViews<'a> {
+    pub(crate) fn new(
+        [source, target]: [&'a ReferenceView; 2],
+        log_gains: [f64; 2],
+        scale: Scale,
+        color_alone: bool,
+    ) -> Self {
+        let target_from_source = target.camera.camera_from_world() * source.camera.world_from_camera;
+        let source_lens = source.camera.intrinsics;
+        // Only the ratio of both gains counts: else all would go to nothing, where nothing disagrees.
+        let louder = log_gains[1] - log_gains[0];
+        Self {
+            target,
+            target_from_source,
+            source_lens,
+            gains: [(-0.5 * louder).exp(), (0.5 * louder).exp()],
+            scale,
+            color_alone,
+        }
+    }
+
+    /// What the target says about a sample of the source; `None` where it does not see the place, or sees another surface: farther
+    /// away than `gate` footprints.
+    pub(crate) fn terms(&self, sample: &SurfaceSample, level: usize, gate: f64) -> Option<Terms> {
+        let ray = self.source_lens.ray_in_camera(sample.pixel);
+        let point = ray / sample.inverse_depth;
+        let there = self.target_from_source.transform_point3(point);
+        let normal = self.target_from_source.matrix3 * sample.normal_in_camera;
+        if normal.dot(there) < LEAST_COSINE * there.length() {
+            return None;
+        }
+        let lens = &self.target.camera.intrinsics;
+        let image = lens.project(there)?;
+        let distance = if self.color_alone {
+            None
+        } else {
+            let term = self.distance(sample, (point, normal), image)?;
+            if term.residual.abs() > gate {
+                return None;
+            }
+            Some(term)
+        };
+        let color = self.color(sample, (point, there, image), level);
+        Some(Terms { distance, color })
+    }
+
+    fn distance(
+        &self,
+        sample: &SurfaceSample,
+        (point, normal): (DVec3, DVec3),
+        image: DVec2,
+    ) -> Option<Term> {
+        let depth = &self.target.frame.inverse_depth;
+        let (width, height) = depth.size();
+        if !(image.x >= 1.0
+            && image.y >= 1.0
+            && image.x < width as f64 - 1.0
+            && image.y < height as f64 - 1.0)
+        {
+            return None;
+        }
+        let (column, row) = (image.x as usize, image.y as usize);
+        let values = depth.as_slice();
+        let at = row * width + column;
+        let here = values[at];
+        if here <= 0.0 || !self.target.is_still(column, row) {
+            return None;
+        }
+        let limit = EDGE_RELATIVE * here;
+        for neighbor in [at - 1, at + 1, at - width, at + width] {
+            if values[neighbor] > 0.0 && (values[neighbor] - here).abs() > limit {
+                return None;
+            }
+        }
+        let lens = &self.target.camera.intrinsics;
+        let found = lens.ray_in_camera(DVec2::new(column as f64 + 0.5, row as f64 + 0.5)) / f64::from(here);
+        let nearness = (sample.inverse_depth / self.scale.inverse_depth).clamp(NEARNESS[0], NEARNESS[1]);
+        let unit = self.scale.focal * sample.inverse_depth * nearness;
+        let in_source = self.target_from_source.inverse().transform_point3(found);
+        let residual = sample.normal_in_camera.dot(in_source - point) * unit;
+        let (n, m) = (sample.normal_in_camera * unit, normal * unit);
+        let mut term = Term { residual, source: [0.0; UNKNOWNS], target: [0.0; UNKNOWNS] };
+        self.set_pose(&mut term.source, -point.cross(n), -n);
+        self.set_pose(&mut term.target, found.cross(m), m);
+        set_lens(&mut term.source, &self.source_lens, point, -n);
+        set_lens(&mut term.target, lens, found, m);
+        Some(term)
+    }
+
+    fn color(
+        &self,
+        sample: &SurfaceSample,
+        (point, there, image): (DVec3, DVec3, DVec2),
+        level: usize,
+    ) -> Option<Term> {
+        let [found, across, down] = self.target.brightness_at(level, image.x, image.y)?;
+        let lens = &self.target.camera.intrinsics;
+        let [own_gain, gain] = self.gains;
+        let (across, down) = (across * gain, down * gain);
+        let (found, own) = (found * gain, sample.brightness[level] * own_gain);
+        let slope = DVec3::new(
+            across * lens.fx,
+            down * lens.fy,
+            -(across * lens.fx * there.x + down * lens.fy * there.y) / there.z,
+        ) / there.z;
+        let back = self.target_from_source.matrix3.transpose() * slope;
+        let mut term = Term { residual: found - own, source: [0.0; UNKNOWNS], target: [0.0; UNKNOWNS] };
+        self.set_pose(&mut term.source, point.cross(back), back);
+        self.set_pose(&mut term.target, -there.cross(slope), -slope);
+        term.target[GAIN] = 0.5 * (found + own);
+        term.source[GAIN] = -term.target[GAIN];
+        set_lens(&mut term.source, &self.source_lens, point, back);
+        term.target[LENS] = (across * (image.x - lens.cx) + down * (image.y - lens.cy)) / lens.fx;
+        term.target[LENS + 1] = across;
+        term.target[LENS + 2] = down;
+        Some(term)
+    }
+
+    /// Derivatives by rotation and translation, which count in footprints.
+    fn set_pose(&self, unknowns: &mut [f64; UNKNOWNS], rotation: DVec3, translation: DVec3) {
+        let rotation = rotation / self.scale.focal;
+        let translation = translation / (self.scale.focal * self.scale.inverse_depth);
+        unknowns[..3].copy_from_slice(&rotation.to_array());
+        unknowns[3..6].copy_from_slice(&translation.to_array());
+    }
+}
+
+/// Derivatives by the lens of a point that was unprojected, where the residual changes by `slope` with the point.
+fn set_lens(unknowns: &mut [f64; UNKNOWNS], lens: &Intrinsics, point: DVec3, slope: DVec3) {
+    unknowns[LENS] = -(slope.x * point.x + slope.y * point.y) / lens.fx;
+    unknowns[LENS + 1] = -slope.x * point.z / lens.fx;
+    unknowns[LENS + 2] = -slope.y * point.z / lens.fy;
+}

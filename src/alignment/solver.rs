@@ -1,0 +1,308 @@
+//! Gauss–Newton over all cameras at once.
+//!
+//! Purpose: the poses, and on request the lenses, under which cameras agree best. Source: iteratively reweighted least squares with
+//! Tukey's biweight, whose width is measured by the median of the residuals; from coarse pictures and wide gates to fine ones.
+//! What differs: a weak pull toward what the capture says keeps unknowns where they are that nothing is known of.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use rayon::prelude::*;
+
+use super::normal_equations::NormalEquations;
+use super::reference_view::ReferenceView;
+use super::residuals::{GAIN, LENS, PairOfViews, Scale, Term, UNKNOWNS};
+use super::surface_samples::SurfaceSample;
+use crate::error::Result;
+use crate::job::Job;
+
+/// Unknowns of a camera that are its own; the others belong to its group of equal lenses.
+const OWN: usize = LENS;
+/// Unknowns of a group.
+const OF_GROUP: usize = UNKNOWNS - LENS;
+
+/// Everything that is solved for.
+#[derive(Clone)]
+pub(crate) struct Problem {
+    pub(crate) views: Vec<ReferenceView>,
+    pub(crate) samples: Vec<Vec<SurfaceSample>>,
+    /// Cameras whose samples are carried, and where to.
+    pub(crate) pairs: Vec<[usize; 2]>,
+    pub(crate) scale: Scale,
+    /// Logarithm of each camera's gain of brightness.
+    pub(crate) log_gains: Vec<f64>,
+    /// What has been added to each camera's unknowns of the pose, in the order of [`UNKNOWNS`], up to now.
+    pub(crate) moved: Vec<[f64; 6]>,
+    /// Cameras whose poses may change.
+    pub(crate) is_free: Vec<bool>,
+    /// The group of cameras with the same lens that each belongs to, and whether lenses may change.
+    pub(crate) lens_group: Vec<usize>,
+    pub(crate) lenses_are_free: bool,
+    /// Depth of the targets is not looked at.
+    pub(crate) color_alone: bool,
+}
+
+/// One stage of the search: how coarse it is, and how long.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stage {
+    /// Distances beyond this, in footprints, are other surfaces.
+    pub(crate) gate: f64,
+    /// Resolution of the brightness that is compared.
+    pub(crate) level: usize,
+    /// Steps at most.
+    pub(crate) steps: usize,
+}
+
+/// How the residuals of one pair are weighed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairWeighing {
+    /// Distances beyond this, in footprints, are other surfaces.
+    pub(crate) gate: f64,
+    /// Standard deviations of distances, footprints, and of brightness.
+    pub(crate) sigmas: [f64; 2],
+}
+
+/// How residuals are weighed: pair by pair, so that those of one wrong camera are not taken for strays of the others.
+#[derive(Clone, Debug)]
+pub(crate) struct Weighing {
+    /// Resolution of the brightness that is compared.
+    pub(crate) level: usize,
+    /// In the order of [`Problem::pairs`].
+    pub(crate) pairs: Vec<PairWeighing>,
+}
+
+/// Residuals beyond so many standard deviations do not count: Tukey's constant for 95 % efficiency.
+const TUKEY: f64 = 4.685;
+/// Φ⁻¹(0.75).
+const MEDIAN_PER_SIGMA: f64 = 0.6745;
+/// Standard deviations are never taken for less: rounding of pictures and of positions.
+const LEAST_SIGMAS: [f64; 2] = [0.02, 0.004];
+/// Standard deviations are never taken for more, and with fewer readings for so much.
+const WIDEST: [f64; 2] = [20.0, 0.3];
+const LEAST_READINGS: usize = 20;
+/// Distances up to this may be of one surface whatever the noise, footprints.
+const LEAST_GATE: f64 = 2.0;
+/// How far the capture may be wrong: standard deviations of the pull toward it, footprints and logarithm of gain.
+const TRUST: [f64; 2] = [30.0, 0.5];
+/// Pull of the mean toward where it was: only relative poses are known.
+const MEAN_WEIGHT: f64 = 1e4;
+
+/// One pair's share of the normal equations.
+struct Share {
+    matrix: [[f64; 2 * UNKNOWNS]; 2 * UNKNOWNS],
+    right: [f64; 2 * UNKNOWNS],
+    terms: f64,
+}
+
+impl Share {
+    fn new() -> Self {
+        Self { matrix: [[0.0; 2 * UNKNOWNS]; 2 * UNKNOWNS], right: [0.0; 2 * UNKNOWNS], terms: 0.0 }
+    }
+
+    fn add(&mut self, term: &Term, sigma: f64) {
+        let relative = term.residual / (TUKEY * sigma);
+        if relative.abs() >= 1.0 {
+            return;
+        }
+        let weight = (1.0 - relative * relative).powi(2) / (sigma * sigma);
+        let mut all = [0.0; 2 * UNKNOWNS];
+        all[..UNKNOWNS].copy_from_slice(&term.source);
+        all[UNKNOWNS..].copy_from_slice(&term.target);
+        for row in 0..2 * UNKNOWNS {
+            let weighted = weight * all[row];
+            for column in 0..2 * UNKNOWNS {
+                self.matrix[row][column] += weighted * all[column];
+            }
+            self.right[row] -= weighted * term.residual;
+        }
+        self.terms += 1.0;
+    }
+}
+
+/// Tukey's loss of a residual, from 0 to 1.
+pub(crate) fn loss(residual: f64, sigma: f64) -> f64 {
+    let relative = (residual / (TUKEY * sigma)).abs().min(1.0);
+    1.0 - (1.0 - relative * relative).powi(3)
+}
+
+impl Problem {
+    pub(crate) fn pair(&self, [source, target]: [usize; 2]) -> PairOfViews<'_> {
+        let gains = [self.log_gains[source], self.log_gains[target]];
+        PairOfViews::new([&self.views[source], &self.views[target]], gains, self.scale, self.color_alone)
+    }
+
+    /// How residuals are weighed, as wide as they are now.
+    pub(crate) fn weighing(&self, stage: &Stage) -> Weighing {
+        let of_pair = |pair: &[usize; 2]| {
+            let views = self.pair(*pair);
+            let mut found = [Vec::new(), Vec::new()];
+            // A part of the samples tells the width of all.
+            for sample in self.samples[pair[0]].iter().step_by(2) {
+                if let Some(terms) = views.terms(sample, stage.level, stage.gate) {
+                    found[0].extend(terms.distance.map(|term| term.residual.abs()));
+                    found[1].extend(terms.color.map(|term| term.residual.abs()));
+                }
+            }
+            let widest = [0.3 * stage.gate.min(WIDEST[0]), WIDEST[1]];
+            let mut sigmas = widest;
+            for (kind, magnitudes) in found.iter_mut().enumerate() {
+                if magnitudes.len() >= LEAST_READINGS {
+                    let middle = magnitudes.len() / 2;
+                    let median = *magnitudes.select_nth_unstable_by(middle, f64::total_cmp).1;
+                    sigmas[kind] = (median / MEDIAN_PER_SIGMA).clamp(LEAST_SIGMAS[kind], widest[kind]);
+                }
+            }
+            PairWeighing { gate: stage.gate.min((TUKEY * sigmas[0]).max(LEAST_GATE)), sigmas }
+        };
+        Weighing { level: stage.level, pairs: self.pairs.par_iter().map(of_pair).collect() }
+    }
+
+    /// Where each of a camera's unknowns is among those that are solved for.
+    fn places(&self, camera: usize) -> [Option<usize>; UNKNOWNS] {
+        std::array::from_fn(|unknown| {
+            let own = camera * OWN + unknown;
+            let of_group = self.views.len() * OWN + self.lens_group[camera] * OF_GROUP;
+            match unknown {
+                GAIN => Some(own),
+                LENS.. => self.lenses_are_free.then(|| of_group + unknown - LENS),
+                _ => self.is_free[camera].then_some(own),
+            }
+        })
+    }
+
+    fn unknowns(&self) -> usize {
+        let groups = self.lens_group.iter().max().map_or(0, |last| last + 1);
+        self.views.len() * OWN + if self.lenses_are_free { groups * OF_GROUP } else { 0 }
+    }
+
+    /// The normal equations of all pairs.
+    pub(crate) fn equations(&self, weighing: &Weighing) -> NormalEquations {
+        let of_pair = |(pair, weighed): (&[usize; 2], &PairWeighing)| {
+            let views = self.pair(*pair);
+            let mut share = Share::new();
+            for sample in self.samples[pair[0]].iter().filter(|sample| !sample.judges) {
+                let Some(terms) = views.terms(sample, weighing.level, weighed.gate) else { continue };
+                for (term, sigma) in [terms.distance, terms.color].into_iter().zip(weighed.sigmas) {
+                    if let Some(term) = term {
+                        share.add(&term, sigma);
+                    }
+                }
+            }
+            share
+        };
+        let shares: Vec<Share> = self.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
+        let mut equations = NormalEquations::new(self.unknowns());
+        for (pair, share) in self.pairs.iter().zip(&shares) {
+            let places: Vec<Option<usize>> = pair.iter().flat_map(|camera| self.places(*camera)).collect();
+            for (row, place) in places.iter().enumerate() {
+                let Some(place) = *place else { continue };
+                equations.right[place] += share.right[row];
+                for (column, other) in places.iter().enumerate() {
+                    if let Some(other) = other.filter(|other| *other <= place) {
+                        equations.add(place, other, share.matrix[row][column]);
+                    }
+                }
+            }
+        }
+        self.add_priors(&mut equations);
+        equations
+    }
+
+    fn add_priors(&self, equations: &mut NormalEquations) {
+        let cameras = self.views.len();
+        let pull = [1.0 / (TRUST[0] * TRUST[0]), 1.0 / (TRUST[1] * TRUST[1])];
+        for unknown in 0..equations.size() {
+            let is_gain = unknown < cameras * OWN && unknown % OWN == GAIN;
+            equations.add(unknown, unknown, pull[usize::from(is_gain)]);
+            if is_gain {
+                equations.right[unknown] -= pull[1] * self.log_gains[unknown / OWN];
+            } else if unknown < cameras * OWN {
+                equations.right[unknown] -= pull[0] * self.moved[unknown / OWN][unknown % OWN];
+            }
+        }
+        // The mean of all gains is fixed, and that of all poses where none is fixed.
+        let weight = MEAN_WEIGHT / cameras as f64;
+        for a in 0..cameras {
+            for b in 0..=a {
+                equations.add(a * OWN + GAIN, b * OWN + GAIN, weight);
+            }
+        }
+        if self.is_free.iter().any(|free| !free) {
+            return;
+        }
+        let axes: Vec<DMat3> = self.views.iter().map(|view| view.camera.world_from_camera.matrix3).collect();
+        for a in 0..cameras {
+            for b in 0..=a {
+                let product = axes[a].transpose() * axes[b];
+                for row in 0..3 {
+                    for column in 0..3 {
+                        if a == b && column > row {
+                            continue;
+                        }
+                        let value = weight * product.col(column)[row];
+                        for part in [0, 3] {
+                            equations.add(a * OWN + part + row, b * OWN + part + column, value);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Moves all cameras by a solution.
+    fn step(&mut self, step: &[f64]) {
+        for camera in 0..self.views.len() {
+            let own: [f64; OWN] = std::array::from_fn(|unknown| step[camera * OWN + unknown]);
+            self.log_gains[camera] += own[GAIN];
+            if self.is_free[camera] {
+                let pose = &mut self.views[camera].camera.world_from_camera;
+                *pose = moved(pose, &own[..6], self.scale);
+                for (total, part) in self.moved[camera].iter_mut().zip(own) {
+                    *total += part;
+                }
+            }
+            if self.lenses_are_free {
+                let start = self.views.len() * OWN + self.lens_group[camera] * OF_GROUP;
+                let lens = &mut self.views[camera].camera.intrinsics;
+                let ratio = (step[start] / lens.fx).exp();
+                lens.fx *= ratio;
+                lens.fy *= ratio;
+                lens.cx += step[start + 1];
+                lens.cy += step[start + 2];
+            }
+        }
+    }
+
+    /// Steps until nothing moves any more.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub(crate) fn iterate(&mut self, stage: &Stage, job: &Job) -> Result<()> {
+        for _ in 0..stage.steps {
+            job.check()?;
+            let equations = self.equations(&self.weighing(stage));
+            let Some(factor) = equations.factor() else { break };
+            let step = factor.solve(&equations.right);
+            self.step(&step);
+            let own = &step[..self.views.len() * OWN];
+            let largest = own.chunks(OWN).flat_map(|own| &own[..GAIN]).fold(0.0_f64, |a, b| a.max(b.abs()));
+            if largest < SETTLED {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A step below this, in footprints, changes nothing.
+const SETTLED: f64 = 0.003;
+
+/// A pose moved by rotation and translation in camera space, which count in footprints.
+pub(crate) fn moved(pose: &DAffine3, step: &[f64], scale: Scale) -> DAffine3 {
+    let rotation = DVec3::from_slice(&step[..3]) / scale.focal;
+    let translation = DVec3::from_slice(&step[3..6]) / (scale.focal * scale.inverse_depth);
+    let mut moved =
+        *pose * DAffine3::from_rotation_translation(DQuat::from_scaled_axis(rotation), translation);
+    // Rounding must not add up to a shear.
+    let (_, rotation, _) = moved.to_scale_rotation_translation();
+    moved.matrix3 = DMat3::from_quat(rotation.normalize());
+    moved
+}

@@ -1,0 +1,74 @@
+//! Where a picture that took no part was taken from: its own colors beside a rendering.
+//!
+//! Purpose: a recording's held-out pictures have wrong poses as its cameras do; scored at those, a better model may look worse.
+//! Source: as [`super::solver`], with the rendering as the one source and the picture, without its depth, as the target.
+
+use std::sync::Arc;
+
+use super::reference_view::ReferenceView;
+use super::residuals::Scale;
+use super::solver::{PairWeighing, Problem, Stage, Weighing, loss};
+use super::surface_samples::surface_samples;
+use crate::capture::{Camera, Frame};
+use crate::error::Result;
+use crate::job::Job;
+
+/// Samples of the rendering that are looked for in the picture.
+const SAMPLES: usize = 6000;
+/// Fewer do not tell a pose.
+const LEAST_SAMPLES: usize = 200;
+/// Resolutions, and steps at each.
+const STAGES: [(usize, usize); 4] = [(3, 6), (2, 5), (1, 5), (0, 5)];
+
+/// The pose from which `picture` was taken, by its colors beside a rendering from `camera`; the camera itself where they do not tell.
+///
+/// # Errors
+/// `Cancelled`.
+pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job) -> Result<Camera> {
+    let source = ReferenceView::new(camera.clone(), Arc::new(rendering), None);
+    let target = ReferenceView::new(camera.clone(), Arc::new(picture.clone()), None);
+    let mut samples = surface_samples(&source, SAMPLES);
+    // There is no second opinion of what was painted.
+    for sample in &mut samples {
+        sample.judges = false;
+    }
+    if samples.len() < LEAST_SAMPLES {
+        return Ok(camera.clone());
+    }
+    let mut depths: Vec<f64> = samples.iter().map(|sample| sample.inverse_depth).collect();
+    let middle = depths.len() / 2;
+    let inverse_depth = *depths.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let scale = Scale { inverse_depth, focal: camera.intrinsics.fx };
+    let mut problem = Problem {
+        views: vec![source, target],
+        samples: vec![samples, Vec::new()],
+        pairs: vec![[0, 1]],
+        scale,
+        log_gains: vec![0.0; 2],
+        moved: vec![[0.0; 6]; 2],
+        is_free: vec![false, true],
+        lens_group: vec![0, 1],
+        lenses_are_free: false,
+        color_alone: true,
+    };
+    for (level, steps) in STAGES {
+        problem.iterate(&Stage { gate: f64::INFINITY, level, steps }, job)?;
+    }
+    let weighing = problem.weighing(&Stage { gate: f64::INFINITY, level: 1, steps: 0 });
+    let after = mean_color_loss(&problem, &weighing);
+    let aligned = problem.views[1].camera.clone();
+    problem.views[1].camera = camera.clone();
+    let before = mean_color_loss(&problem, &weighing);
+    Ok(if after < before { aligned } else { camera.clone() })
+}
+
+/// Mean loss of brightness of the one pair.
+fn mean_color_loss(problem: &Problem, weighing: &Weighing) -> f64 {
+    let views = problem.pair(problem.pairs[0]);
+    let PairWeighing { gate, sigmas } = weighing.pairs[0];
+    let terms =
+        problem.samples[0].iter().filter_map(|sample| views.terms(sample, weighing.level, gate)?.color);
+    let (sum, count) =
+        terms.fold((0.0, 0), |(sum, count), term| (sum + loss(term.residual, sigmas[1]), count + 1));
+    sum / f64::from(count.max(1))
+}
