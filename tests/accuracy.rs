@@ -35,7 +35,7 @@ fn compare_rules(capture: &Capture, views: &[TruthView], kernel: Kernel, bounds:
     let mut settings = Settings::default();
     settings.render.kernel = kernel;
     settings.render.fill = Fill::None;
-    let comparison = compare(capture, views, &settings, &Job::new()).unwrap();
+    let comparison = compare(capture, views, &settings, false, &Job::new()).unwrap();
     let mean = |compared: &MethodScore| compared.evaluation.mean.clone();
     let all = mean(&comparison.no_pruning);
     let lost = |compared: &MethodScore| {
