@@ -29,8 +29,13 @@ fn misplaced(capture: &Capture, of: impl Fn(usize) -> bool, degrees: f64, distan
     wrong
 }
 
+/// Everything that can be corrected.
+fn everything() -> AlignSettings {
+    AlignSettings { poses: Correction::Auto, exposure: Correction::Auto }
+}
+
 fn aligned(capture: &Capture) -> Aligned {
-    align(capture, &AlignSettings::default(), &Job::new()).unwrap()
+    align(capture, &everything(), &Job::new()).unwrap()
 }
 
 /// How far cameras are off, seen from the first one: degrees, and footprints at the distance of 4 m.
@@ -81,11 +86,9 @@ fn a_capture_that_is_right_is_left_alone_and_gives_the_samples_of_alignment_swit
     for scene in ["orrery", "four-cameras"] {
         let right = capture(scene, 0.0);
         assert!(aligned(&right).alignment.is_none(), "{scene}");
-        let mut off = Settings::default();
-        off.align = AlignSettings { poses: Correction::Off, exposure: Correction::Off };
-        let [on, off] = [Settings::default(), off]
+        let on = Settings { align: everything(), ..Settings::default() };
+        let [on, off] = [on, Settings::default()]
             .map(|settings| overlook::preprocess::preprocess(&right, &settings, &Job::new()).unwrap());
-        assert_eq!(on.samples.settings, Settings::default());
         assert_eq!(on.samples.settings, off.samples.settings);
         assert_eq!(on.samples.cameras, off.samples.cameras);
         assert!(on.samples.images == off.samples.images, "{scene}: other samples");

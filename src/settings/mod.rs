@@ -40,9 +40,9 @@ section! {
     /// What the rig got wrong, mended before anything else.
     pub struct AlignSettings in "align" {
         /// Whether cameras are turned and moved so that they agree about where surfaces are.
-        poses: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
+        poses: Correction = Correction::Off, "", ValueKind::Choice(Correction::NAMES);
         /// Whether colors are multiplied so that cameras agree about them: exposure and white balance.
-        exposure: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
+        exposure: Correction = Correction::Off, "", ValueKind::Choice(Correction::NAMES);
     }
 }
 
