@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DMat3, Mat3, Vec3};
 use half::f16;
 
+use crate::capture::conventions::{DepthClaim, PoseConvention};
 use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use crate::error::Result;
 
@@ -59,6 +60,14 @@ impl FrameSource for CorrectedFrames {
 
     fn frames_are_ranked(&self) -> bool {
         self.original.frames_are_ranked()
+    }
+
+    fn depth_claim(&self) -> DepthClaim {
+        self.original.source.depth_claim()
+    }
+
+    fn pose_convention(&self) -> PoseConvention {
+        self.original.source.pose_convention()
     }
 
     fn files(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
