@@ -6,11 +6,12 @@ mod log_histogram;
 mod pair_residuals;
 mod report;
 mod suspect;
+mod tally;
 
 pub use calibration_warnings::{CalibrationWarning, calibration_warnings};
 pub use depth_reading::DepthReading;
 pub(crate) use pair_residuals::Residuals;
 pub use pair_residuals::{PairResiduals, Residual};
-pub(crate) use report::Tally;
 pub use report::{CameraReport, DepthNoise, Report, STATIC_RULE, SpanReport};
 pub use suspect::Suspect;
+pub(crate) use tally::Tally;

@@ -1,0 +1,190 @@
+//! Counts verdicts while preprocessing runs, and makes the report of them.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::depth_reading::better_reading;
+use super::report::{CameraReport, DepthNoise, Report, STATIC_RULE, SpanReport};
+use crate::capture::conventions::{self, DepthClaim, PoseConvention};
+use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
+use crate::preprocess::layers::{CameraLayer, Rate};
+use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
+use crate::preprocess::normals::{self, NormalErrors};
+use crate::preprocess::pruning::{Decided, Rule, Verdict};
+use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, TemporalScan};
+use crate::samples::{ImageFacts, Span};
+use crate::settings::{NormalSource, Settings};
+
+/// Bytes of one input pixel as 8-bit color and 32-bit depth.
+const RAW_BYTES_PER_PIXEL: u64 = 3 + 4;
+
+fn range_facts(scan: &TemporalScan, settings: &Settings) -> Vec<RangeFacts> {
+    let of_camera = |(index, camera): (usize, &CameraScan)| {
+        let test = scan.static_test(index, &settings.spans);
+        let counted = camera.ranges.as_ref().map(|ranges| ranges.shares(&test));
+        counted.or_else(|| camera.shares.clone()).unwrap_or_default().facts(&test)
+    };
+    scan.cameras.par_iter().enumerate().map(of_camera).collect()
+}
+
+/// Counts verdicts while preprocessing runs.
+pub(crate) struct Tally {
+    report: Report,
+    frames: u64,
+    rate: Rate,
+    depth_claim: DepthClaim,
+    pose_convention: PoseConvention,
+    /// Whether nothing was counted yet: the span of all frames comes first, also where a frame is as long.
+    is_first: bool,
+}
+
+impl Tally {
+    /// Nothing is counted yet. `normal_errors` are those of each camera under `settings`.
+    pub(crate) fn new(
+        (capture, scan): (&Capture, &TemporalScan),
+        normal_errors: &[Vec<NormalErrors>],
+        settings: &Settings,
+    ) -> Self {
+        let frames = capture.frame_count() as u64;
+        let cameras: Vec<CameraReport> = capture
+            .cameras
+            .iter()
+            .zip(scan.cameras.iter().zip(range_facts(scan, settings)).zip(normal_errors))
+            .map(|(camera, ((scan, ranges), normal_errors))| CameraReport {
+                name: camera.name.clone(),
+                pixels: camera.intrinsics.pixel_count() as u64 * frames,
+                invalid: scan.invalid,
+                color_noise_steps: scan.noise.color_steps_overall,
+                depth_noise_relative: scan.noise.depth_relative,
+                depth_step_relative: scan.depth_step_relative,
+                ranges,
+                normal_errors: normal_errors.clone(),
+                normals_off_degrees: normals::contradiction(normal_errors)
+                    .filter(|_| settings.normals.source != NormalSource::Estimated),
+                ..CameraReport::default()
+            })
+            .collect();
+        let samples_in = capture.pixel_count();
+        let report = Report {
+            witnesses: vec![vec![0; cameras.len()]; cameras.len()],
+            rate_disputes: vec![vec![0; cameras.len()]; cameras.len()],
+            cameras,
+            samples_in,
+            bytes_raw: samples_in * RAW_BYTES_PER_PIXEL,
+            foreground_per_frame: vec![0; scan.frames],
+            ..Report::default()
+        };
+        let rate = Rate::resolve(settings.pruning.rate, &capture.cameras);
+        let (depth_claim, pose_convention) = (capture.source.depth_claim(), capture.source.pose_convention());
+        Self { report, frames, rate, depth_claim, pose_convention, is_first: true }
+    }
+
+    /// Notes how noisy cameras are beside each other, and, where they are, whether depth fits better if it is read otherwise.
+    pub(crate) fn add_noise_between(&mut self, cameras: &[Camera], layers: &[CameraLayer]) {
+        if layers.iter().any(|layer| layer.noise_between.is_some()) {
+            let claim = (self.depth_claim, self.pose_convention);
+            let found = conventions::check_pictures(cameras, claim, |camera, pixel| {
+                let is_lasting = layers[camera].level[pixel] == ROOT;
+                if is_lasting { layers[camera].inverse_depth[pixel] } else { INVALID_INVERSE_DEPTH }
+            });
+            self.report.conventions = Some(found).filter(|found| found.warning().is_some());
+            if self.report.conventions.is_none() {
+                self.report.better_reading = better_reading(cameras, layers);
+            }
+        }
+        for (camera, layer) in self.report.cameras.iter_mut().zip(layers) {
+            let Some(noise) = &layer.noise_between else { continue };
+            let mut is_met = [false; DEPTH_CLASSES];
+            for &inverse_depth in layer.inverse_depth.iter().filter(|inverse_depth| **inverse_depth > 0.0) {
+                is_met[depth_class(inverse_depth)] = true;
+            }
+            let met = (0..DEPTH_CLASSES).rev().filter(|class| is_met[*class]);
+            let of_class =
+                |class| DepthNoise { depth: depth_of_class(class), relative: noise.depth_relative[class] };
+            camera.depth_noise_between = met.map(of_class).collect();
+            let mut steps = noise.color_steps;
+            steps.sort_unstable_by(f32::total_cmp);
+            camera.color_noise_between_steps = steps[steps.len() / 2];
+        }
+    }
+
+    /// Counts what was decided on the samples of one span.
+    pub(crate) fn add(&mut self, span: Span, decided: &[Decided]) {
+        let mut kept_in_span = 0;
+        let is_root = span.len() as u64 == self.frames && self.is_first;
+        self.is_first = false;
+        for (camera, decided) in decided.iter().enumerate() {
+            let kept = self.count(camera, decided);
+            let samples = decided.pixels.len() as u64;
+            kept_in_span += kept;
+            if span.len() > 1 {
+                *self.report.pruned.entry(STATIC_RULE.to_owned()).or_default() +=
+                    samples * (span.len() as u64 - 1);
+            }
+            let counts = &mut self.report.cameras[camera];
+            let (pixels_of, kept_of) = if is_root {
+                (&mut counts.background_pixels, &mut counts.background_kept)
+            } else {
+                (&mut counts.foreground_pixels, &mut counts.foreground_kept)
+            };
+            *pixels_of += samples;
+            *kept_of += kept;
+        }
+        if !is_root {
+            let at_frames = &mut self.report.foreground_per_frame[span.start as usize..span.end as usize];
+            for kept in at_frames {
+                *kept += kept_in_span;
+            }
+        }
+    }
+
+    /// Samples kept.
+    fn count(&mut self, camera: usize, decided: &Decided) -> u64 {
+        let mut by_rule = [0_u64; Rule::ALL.len()];
+        for verdict in &decided.verdicts {
+            by_rule[verdict.rule as usize] += 1;
+            if !verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA {
+                self.report.witnesses[camera][verdict.witness_camera as usize] += 1;
+            }
+        }
+        for dispute in &decided.disputes {
+            let (used, other) = (dispute.camera as usize, dispute.other_camera as usize);
+            let (paper, footprint) = if self.rate == Rate::Paper { (used, other) } else { (other, used) };
+            self.report.rate_disputes[paper][footprint] += 1;
+        }
+        let [yielded, dropped] = [Rule::MixedYields, Rule::MixedDropped].map(|rule| by_rule[rule as usize]);
+        let mixed = [
+            ("found", decided.mixed),
+            ("yielded", yielded),
+            ("dropped", dropped),
+            ("outranked", decided.mixed.saturating_sub(yielded + dropped + decided.mixed_kept)),
+            ("kept", decided.mixed_kept),
+        ];
+        for (name, count) in mixed {
+            *self.report.mixed_pixels.entry(name.to_owned()).or_default() += count;
+        }
+        let mut kept = 0;
+        for (rule, count) in Rule::ALL.into_iter().zip(by_rule) {
+            if rule.keeps() {
+                kept += count;
+            } else if count > 0 {
+                *self.report.pruned.entry(rule.name().to_owned()).or_default() += count;
+            }
+        }
+        kept
+    }
+
+    pub(crate) fn finish<'a>(mut self, images: impl Iterator<Item = &'a ImageFacts>) -> Report {
+        let mut spans = BTreeMap::<_, u64>::new();
+        for image in images {
+            *spans.entry((std::cmp::Reverse(image.span.len()), image.span)).or_default() +=
+                image.samples as u64;
+            self.report.samples_kept += image.samples as u64;
+            self.report.bytes_memory += image.bytes as u64;
+        }
+        self.report.spans =
+            spans.into_iter().map(|((_, span), samples)| SpanReport { span, samples }).collect();
+        self.report
+    }
+}
