@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Tries the script for real: renders a small scene with `mitsuba`, and opens it in Overlook.
+
+    pip install mitsuba && python try_mitsuba.py OVERLOOK FOLDER [VARIANT]
+
+Two cameras record four frames of a ball that rolls over a textured floor; a third one between them is the truth. What Overlook renders
+there from the other two has to score above 30 dB, and nothing may be asked or warned of.
+"""
+
+import json
+import os
+import subprocess
+import sys
+
+import mitsuba as mi
+import numpy as np
+
+mi.set_variant(sys.argv[3] if len(sys.argv) > 3 else "scalar_rgb")
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from overlook_capture import render_capture
+
+FRAMES = 4
+
+
+def texture(waves):
+    """A smooth diffuse pattern."""
+    y, x = np.mgrid[0:256, 0:256] * (2 * np.pi / 256)
+    planes = [0.5 + 0.35 * np.sin(waves * x + shift) * np.cos(waves * y - shift) for shift in (0, 1, 2)]
+    bitmap = mi.Bitmap(np.stack(planes, -1).astype(np.float32))
+    return {"type": "diffuse", "reflectance": {"type": "bitmap", "bitmap": bitmap, "raw": True}}
+
+
+def scene(frame):
+    place = mi.ScalarTransform4f
+    return {
+        "type": "scene",
+        "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0},
+        "sun": {"type": "directional", "direction": [0.3, 0.6, -1.0], "irradiance": {"type": "rgb", "value": 2.5}},
+        "floor": {"type": "rectangle", "to_world": place().scale(20), "bsdf": texture(40)},
+        "wall": {
+            "type": "rectangle",
+            "to_world": place().translate([0, 4, 0]).rotate([1, 0, 0], 90).scale(20),
+            "bsdf": texture(40),
+        },
+        "ball": {
+            "type": "sphere",
+            "to_world": place().translate([0.15 * (frame - 1.5), 0, 0.8]).scale(0.8),
+            "bsdf": texture(6),
+        },
+    }
+
+
+def camera(x):
+    view = mi.ScalarTransform4f().look_at(origin=[x, -6, 2.5], target=[0, 0, 0.6], up=[0, 0, 1])
+    film = {"type": "hdrfilm", "width": 320, "height": 240, "rfilter": {"type": "gaussian"}}
+    return mi.load_dict({"type": "perspective", "fov": 40, "principal_point_offset_x": 0.02, "principal_point_offset_y": -0.03, "to_world": view, "film": film})
+
+
+def run(*words):
+    found = subprocess.run(words, capture_output=True, text=True, check=False)
+    if found.returncode != 0:
+        raise SystemExit(f"{' '.join(words)}\n{found.stdout}{found.stderr}")
+    return found.stdout
+
+
+def main():
+    overlook, folder = sys.argv[1], os.path.abspath(sys.argv[2])
+    load = lambda frame: mi.load_dict(scene(frame))
+    render_capture(load, {"left": camera(-0.5), "right": camera(0.5)}, folder, range(FRAMES))
+    novel = os.path.join(folder, "novel")
+    render_capture(load, {"between": camera(0.0)}, novel, range(FRAMES))
+    info = json.loads(run(overlook, "info", folder, "--json"))
+    assert (len(info["cameras"]), info["frames"], info["normals"]) == (2, FRAMES, True), info
+    assert not info["warnings"] and not info["conventions"]["is_warning"], info
+    store = os.path.join(folder, "capture.ovl")
+    run(overlook, "preprocess", folder, "--out", store)
+    views = os.path.join(novel, "transforms.json")
+    scores = json.loads(run(overlook, "render", store, "--views", views, "--out", os.path.join(folder, "shown"), "--json"))
+    mean = scores["mean"]
+    print(f"Mitsuba {mi.__version__}: {mean['psnr_db']:.2f} dB at the third camera, coverage {mean['coverage']:.3f}")
+    assert mean["psnr_db"] > 30, mean
+
+
+if __name__ == "__main__":
+    main()
