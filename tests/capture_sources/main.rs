@@ -1,8 +1,9 @@
 //! Folders as their programs write them open as what was seen: one analytic scene, written in the layout of every source.
 
-#[path = "common/folder.rs"]
+mod colmap;
+#[path = "../common/folder.rs"]
 mod folder;
-#[path = "common/analytic_scene.rs"]
+#[path = "../common/analytic_scene.rs"]
 mod scene;
 
 use std::fmt::Write;

@@ -46,6 +46,22 @@ pub(crate) fn depths(camera: &Camera) -> Vec<f64> {
     (0..width * height).map(|i| depth(camera, at(i))).collect()
 }
 
+/// The unit normals of every pixel's surface in world space, toward the camera, row by row.
+pub(crate) fn normals(camera: &Camera) -> Vec<DVec3> {
+    let (width, height) = camera.intrinsics.size();
+    let normal = |i: usize| {
+        let pixel = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let point = camera.unproject(pixel, depth(camera, pixel));
+        let outward = point - BALL.0;
+        let planes =
+            [(3.0 - point.y, DVec3::NEG_Y), (point.z + 1.0, DVec3::Z), (1.5 - point.x, DVec3::NEG_X)];
+        let ball = (outward.length() - BALL.1, outward.normalize_or_zero());
+        let all = planes.into_iter().chain([ball]);
+        all.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap().1
+    };
+    (0..width * height).map(normal).collect()
+}
+
 /// 8-bit color of every pixel: a pattern that follows the surface.
 pub(crate) fn colors(camera: &Camera) -> Vec<u8> {
     let (width, height) = camera.intrinsics.size();

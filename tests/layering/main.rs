@@ -47,7 +47,10 @@ const STAGES: [(&str, &[&str]); 8] = [
         &["input", "geometry", "splat", "free_space", "gather", "resolve", "fill", "output", "gpu", "film"],
     ),
     ("app", &["model", "dock", "work", "control", "views", "panels"]),
-    ("capture", &["exr", "yuv", "pictures", "conventions", "transforms", "miv", "recording", "readers"]),
+    (
+        "capture",
+        &["exr", "yuv", "pictures", "conventions", "transforms", "miv", "colmap", "recording", "readers"],
+    ),
     ("demo", &["tracer", "scenes"]),
     ("store", &["container", "codec", "image", "file", "playback"]),
     ("evaluate", &["metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "bench"]),

@@ -7,6 +7,7 @@
 //! A reader is one file or folder here, implements [`Reader`] and stands in [`READERS`]. It knows one source's layout, axes, units
 //! and quirks, and nothing of pictures' bytes, which the manifest's keys describe.
 
+mod colmap;
 mod convertible;
 mod miv;
 mod nerfstudio;
@@ -33,6 +34,7 @@ use crate::error::{Error, Result};
 /// All readers, in the order in which they are asked. A manifest comes first: it is what users correct by hand.
 const READERS: &[&dyn Reader] = &[
     &nerfstudio::Nerfstudio,
+    &colmap::Colmap,
     &miv::Miv,
     &tum::Tum,
     &redwood::Redwood,

@@ -37,7 +37,7 @@ pub(crate) use depth_camera::DepthCameraKeys;
 pub use files::picture_places;
 pub(crate) use files::places_of;
 pub(crate) use lens::LensKeys;
-pub(crate) use manifest::{Keys, Manifest, PictureEntry};
+pub(crate) use manifest::{Keys, Manifest, NormalSpaceName, PictureEntry};
 pub(crate) use manifest_file::{MANIFEST_NAME, manifest_path, other_file, truth_beside};
 pub(crate) use origin::Origin;
 pub use path::{PathView, path_from_json, path_to_json};

@@ -1,0 +1,249 @@
+//! COLMAP's dense workspaces.
+//!
+//! Source: COLMAP's `image_undistorter` and `patch_match_stereo`: `images/`, `sparse/` (or `sparse/0/`) with cameras and images,
+//! `stereo/depth_maps/NAME.geometric.bin` of planar z in the units of the poses, 0 for none, and `stereo/normal_maps/` of unit
+//! vectors in the camera's space (x right, y down, z forward). Every image has its own size and lens; a map may be smaller than its
+//! image. What differs: `.photometric.bin`, which is not filtered, is taken only where there is no `.geometric.bin` at all.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::{DAffine3, DVec3};
+
+use super::place::Place;
+use super::reader::{Description, Reader, Reading};
+use super::views::{entry, lens, recording};
+use crate::capture::colmap::{self, ColmapCamera, ColmapImage};
+use crate::capture::transforms::{Keys, LensKeys, NormalSpaceName, PictureEntry};
+use crate::error::{Error, Result};
+
+/// Largest file that is read: reconstructions of some 10,000 images.
+const MAX_BYTES: u64 = 16 << 30;
+
+/// How depth is computed of a reconstruction that has none.
+const DENSE: &str = "there is no stereo/depth_maps, and thus no depth; compute it: colmap image_undistorter --image_path IMAGES --input_path MODEL --output_path dense, then colmap patch_match_stereo --workspace_path dense, and open dense";
+
+/// COLMAP.
+pub(super) struct Colmap;
+
+/// Where the parts of a workspace lie below the place's folder: `""`, or a path that ends in `/`.
+struct Workspace {
+    /// The folder of `images/` and `stereo/`.
+    root: String,
+    /// The folder of the cameras and images.
+    model: String,
+}
+
+impl Reader for Colmap {
+    fn source(&self) -> &'static str {
+        "COLMAP workspace"
+    }
+
+    fn marks(&self) -> &'static str {
+        "stereo/depth_maps beside sparse/ with cameras.bin or cameras.txt, also within dense/ (COLMAP)"
+    }
+
+    fn recognizes(&self, place: &Place) -> bool {
+        let is_ours = place.file.as_deref().is_none_or(|file| {
+            ["cameras.bin", "images.bin", "cameras.txt", "images.txt", "points3D.bin"].contains(&file)
+        });
+        is_ours && !models(place).is_empty()
+    }
+
+    fn read(&self, place: &Place) -> Result<Reading> {
+        let found = models(place);
+        let with_depth = found.iter().filter(|it| place.join(&it.depth_maps()).is_dir());
+        // Of several reconstructions the one with the most images' worth of bytes; of equal ones the first.
+        let size = |it: &&Workspace| {
+            let images = ["images.bin", "images.txt"].map(|name| place.join(&format!("{}{name}", it.model)));
+            images.iter().find_map(|path| path.metadata().ok()).map_or(0, |data| data.len())
+        };
+        let Some(workspace) = with_depth.clone().rev().max_by_key(size) else {
+            return Err(Error::unsupported(place.path.display(), DENSE));
+        };
+        let mut description = Description {
+            source: self.source().to_owned(),
+            poses: "world to camera; camera x right, y down, z forward; units of the reconstruction, which are not metric".into(),
+            depth: "planar z in units of the poses, of stereo; 0 is no depth".into(),
+            lens: "every image has its own lens and size".into(),
+            ..Description::default()
+        };
+        if with_depth.count() > 1 {
+            let name = if workspace.root.is_empty() { "this folder" } else { &workspace.root };
+            description.notes.push(format!("of several reconstructions the largest is read, {name}"));
+        }
+        let (cameras, images, inputs) = model_of(place, &workspace.model)?;
+        let maps = Maps::find(place, workspace, &mut description);
+        let (mut frames, mut ups) = (Vec::new(), DVec3::ZERO);
+        for image in &images {
+            let Some(depth) = maps.of(place, "depth", &image.name) else {
+                description.skip("without a map of depth", image.name.clone());
+                continue;
+            };
+            let color = format!("{}images/{}", workspace.root, image.name);
+            if !place.join(&color).is_file() {
+                description.skip("that are not in images/", image.name.clone());
+                continue;
+            }
+            let Some(pose) = image.world_from_camera() else {
+                description.skip("without a pose", image.name.clone());
+                continue;
+            };
+            let camera = cameras.get(&image.camera).ok_or_else(|| {
+                let what = format!(
+                    "image '{}' is of camera {}, which cameras does not list",
+                    image.name, image.camera
+                );
+                Error::invalid(inputs[1].display(), what)
+            })?;
+            ups -= pose.matrix3.y_axis;
+            let normal = maps.of(place, "normal", &image.name);
+            frames.push(picture(color, depth, normal, &pose, camera, &inputs[0])?);
+        }
+        let up = ups.try_normalize().unwrap_or(DVec3::NEG_Y);
+        let keys = Keys {
+            depth_unit_scale_factor: Some(1.0),
+            depth_kind: Some("planar_z".to_owned()),
+            normal_space: Some(NormalSpaceName::Text("camera_opencv".to_owned())),
+            up: Some(up.to_array()),
+            ..Keys::default()
+        };
+        description.notes.push("up is the mean of the cameras' up, which COLMAP does not say".to_owned());
+        recording(place, keys, frames, description, inputs)
+    }
+}
+
+impl Workspace {
+    fn depth_maps(&self) -> String {
+        format!("{}stereo/depth_maps", self.root)
+    }
+}
+
+/// Reconstructions at a place: the place itself may be the model, the workspace or what holds them.
+fn models(place: &Place) -> Vec<Workspace> {
+    let numbered = |folder: &str| -> Vec<String> {
+        let digits = (0..10).map(|number| format!("{folder}{number}/"));
+        digits.filter(|name| place.join(name).is_dir()).collect()
+    };
+    let mut roots = vec![String::new(), "dense/".to_owned()];
+    roots.extend(numbered("dense/"));
+    roots.extend(numbered(""));
+    let mut found = Vec::new();
+    for root in roots {
+        let mut below = vec![format!("{root}sparse/")];
+        below.extend(numbered(&below[0]));
+        for model in below.into_iter().filter(|model| holds_model(place, model)) {
+            found.push(Workspace { root: root.clone(), model });
+        }
+    }
+    if holds_model(place, "") {
+        // The place is the model: its workspace holds it, as sparse/ or sparse/0/, or is the place itself.
+        let is_root = |root: &&&str| place.join(&format!("{root}images")).is_dir();
+        let root = ["", "../", "../../"].iter().find(is_root).unwrap_or(&"../");
+        found.push(Workspace { root: (*root).to_owned(), model: String::new() });
+    }
+    found
+}
+
+fn holds_model(place: &Place, model: &str) -> bool {
+    let has = |name: &str| place.join(&format!("{model}{name}")).is_file();
+    [".bin", ".txt"].iter().any(|ending| has(&format!("cameras{ending}")) && has(&format!("images{ending}")))
+}
+
+/// Cameras by their numbers, images in the order of their names, and the files they were read from: cameras, images.
+type Model = (BTreeMap<u64, ColmapCamera>, Vec<ColmapImage>, Vec<PathBuf>);
+
+fn model_of(place: &Place, model: &str) -> Result<Model> {
+    let is_binary =
+        ["cameras.bin", "images.bin"].iter().all(|name| place.join(&format!("{model}{name}")).is_file());
+    let ending = if is_binary { "bin" } else { "txt" };
+    let paths = ["cameras", "images"].map(|name| place.join(&format!("{model}{name}.{ending}")));
+    let [cameras, images] = [read(&paths[0])?, read(&paths[1])?];
+    let shown = paths.each_ref().map(|path| path.display().to_string());
+    let (cameras, mut images) = if is_binary {
+        (colmap::cameras_of_bytes(&cameras, &shown[0])?, colmap::images_of_bytes(&images, &shown[1])?)
+    } else {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (
+            colmap::cameras_of_text(&text(&cameras), &shown[0])?,
+            colmap::images_of_text(&text(&images), &shown[1])?,
+        )
+    };
+    images.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok((cameras.into_iter().map(|camera| (camera.id, camera)).collect(), images, paths.to_vec()))
+}
+
+fn read(path: &Path) -> Result<Vec<u8>> {
+    let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
+    if length > MAX_BYTES {
+        return Err(Error::invalid(
+            path.display(),
+            format!("{length} bytes are too many for a reconstruction"),
+        ));
+    }
+    std::fs::read(path).map_err(|error| Error::io(path, error))
+}
+
+/// Which maps of a workspace are read.
+struct Maps {
+    root: String,
+    /// `geometric` or `photometric`.
+    kind: &'static str,
+}
+
+impl Maps {
+    /// The filtered maps, or the others where there are none.
+    fn find(place: &Place, workspace: &Workspace, description: &mut Description) -> Self {
+        let folder = place.join(&workspace.depth_maps());
+        let kind = if holds_maps(&folder, ".geometric.bin") { "geometric" } else { "photometric" };
+        if kind == "photometric" {
+            let note = "the maps are not filtered (photometric); run colmap patch_match_stereo with --PatchMatchStereo.geom_consistency true for better ones";
+            description.notes.push(note.to_owned());
+        }
+        Self { root: workspace.root.clone(), kind }
+    }
+
+    /// The map of an image, `what` being `depth` or `normal`.
+    fn of(&self, place: &Place, what: &str, image: &str) -> Option<String> {
+        let path = format!("{}stereo/{what}_maps/{image}.{}.bin", self.root, self.kind);
+        place.join(&path).is_file().then_some(path)
+    }
+}
+
+/// Whether a folder, or one in it, has a file that ends so.
+fn holds_maps(folder: &Path, ending: &str) -> bool {
+    let names = super::place::names_in(folder).unwrap_or_default();
+    names.iter().any(|name| name.ends_with(ending))
+        || names.iter().any(|name| !name.contains('.') && holds_maps(&folder.join(name), ending))
+}
+
+/// The entry of an image.
+fn picture(
+    color: String,
+    depth: String,
+    normal: Option<String>,
+    pose: &DAffine3,
+    camera: &ColmapCamera,
+    path: &Path,
+) -> Result<PictureEntry> {
+    if !camera.model.is_read() {
+        let what = format!(
+            "camera {} is of model {}, which is not undone; undistort the images (colmap image_undistorter), and open that folder",
+            camera.id, camera.model.name
+        );
+        return Err(Error::unsupported(path.display(), what));
+    }
+    let named = || camera.model.parameters.iter().copied().zip(camera.parameters.iter().copied());
+    let number =
+        |names: [&str; 2]| named().find(|(name, _)| names.contains(name)).map_or(0.0, |(_, value)| value);
+    let [fx, fy, cx, cy] = [["f", "fx"], ["f", "fy"], ["cx", ""], ["cy", ""]].map(number);
+    let bent: Vec<(&str, f64)> = named().filter(|(name, _)| name.starts_with(['k', 'p', 'o'])).collect();
+    let own = Keys {
+        w: Some(camera.width as f64),
+        h: Some(camera.height as f64),
+        camera_model: Some(camera.model.name.to_owned()),
+        lens: LensKeys::of(&bent),
+        ..lens(fx, fy, cx, cy, 0.5)
+    };
+    Ok(PictureEntry { normal_file_path: normal, keys: own, ..entry(color, Some(depth), pose) })
+}
