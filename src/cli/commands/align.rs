@@ -13,7 +13,7 @@ use crate::capture::{Camera, Capture};
 use crate::cli::input::{self, SettingsArgs};
 use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
-use crate::settings::Settings;
+use crate::settings::{AlignSettings, Correction, Settings};
 use crate::whole_file;
 
 #[derive(Debug, Args)]
@@ -40,7 +40,13 @@ struct AlignOutput<'a> {
 
 impl AlignArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        let settings = self.settings.over(Settings::default())?;
+        // Who asks for corrections wants all of them, unless settings say otherwise.
+        let all = AlignSettings { poses: Correction::Auto, exposure: Correction::Auto };
+        let settings = self.settings.over(Settings { align: all, ..Settings::default() })?;
+        if settings.align == AlignSettings::default() {
+            let what = "every part of align is off; set at least one to auto".to_owned();
+            return Err(CommandError::Usage(what));
+        }
         if let Some(out) = &self.out {
             output::check_file(out, "transforms.json")?;
             self.settings.refuse_inputs(out)?;
