@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Measures the window's own work per frame (logic and ui, painting apart) in a real window of 1280×800 on a virtual display,
-# CPU renderer, while a sweep and reruns of the whole capture are under way and somebody flies, points and drags.
+# CPU renderer, while a sweep and recomputing of the whole capture are under way and somebody flies, points and drags.
 # Usage: benches/window_pace.sh [SECONDS] [PATH of a capture]   (needs Xvfb and xdotool; builds the release program first)
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -21,13 +21,13 @@ window=$(xdotool search --sync --onlyvisible --name '^Overlook$' | head -n 1)
 xdotool windowfocus --sync "$window"
 say() { xdotool key ctrl+p; sleep 0.4; xdotool type --delay 15 "$1"; sleep 0.4; xdotool key Return; sleep 0.4; }
 sleep 12
-say "skip the introduction"
-say "set render.backend to cpu"
+say "close the introduction"
+say "renderer: cpu"
 say "run a sweep"
-say "log and reset frame times"
+say "frame times: write"
 end=$((SECONDS + seconds))
 while [ $SECONDS -lt $end ]; do
-    say "rerun"
+    say "recompute the whole"
     # Points at the source picture, orbits in the live view, drags a threshold's line and lets go.
     for step in $(seq 1 40); do xdotool mousemove $((60 + step * 8)) $((200 + step * 5)); sleep 0.02; done
     xdotool mousemove 650 300 mousedown 1
@@ -36,9 +36,9 @@ while [ $SECONDS -lt $end ]; do
     for step in $(seq 1 10); do xdotool mousemove_relative -- 2 0; sleep 0.03; done
     xdotool mouseup 1 key ctrl+z
 done
-say "open view: speed and accuracy"
+say "open view: sweep"
 [ -z "${PICTURE:-}" ] || import -window root "$PICTURE"
-say "log and reset frame times"
+say "frame times: write"
 sleep 1
 kill $program
 wait $program 2>/dev/null || true

@@ -8,27 +8,27 @@ suite=${SUITE:-bookworm}
 work=$(mktemp -d)
 trap 'umount "$work/root/proc" 2>/dev/null || true; rm -rf "$work"' EXIT
 
+# What the package depends on, the first of each choice, is there before it: so dpkg alone decides whether that is enough.
+needs=$(dpkg-deb -f "$deb" Depends | tr ',' '\n' | sed 's/[|(].*//; s/ //g' | paste -sd,)
 mmdebstrap --quiet --variant=minbase \
-    --include=xvfb,xdotool,desktop-file-utils,shared-mime-info,hicolor-icon-theme,man-db,xauth "$suite" "$work/root"
+    --include="$needs,libgl1-mesa-dri,xvfb,xdotool,desktop-file-utils,shared-mime-info,hicolor-icon-theme,man-db" "$suite" "$work/root"
 mount -t proc proc "$work/root/proc"
 inside() { chroot "$work/root" env DEBIAN_FRONTEND=noninteractive HOME=/root XDG_RUNTIME_DIR=/tmp/runtime "$@"; }
 inside mkdir -p -m 700 /tmp/runtime
 cp "$deb" "$work/root/tmp/overlook.deb"
 
-# What the package's own dependencies bring is not the package's trace: they stay.
-inside apt-get install -y -q --no-install-recommends libegl1 libgl1-mesa-dri >/dev/null
-inside apt-get install -y -q --no-install-recommends /tmp/overlook.deb >/dev/null
-inside apt-get remove -y -q overlook >/dev/null
 listing() { inside find / -xdev -path /proc -prune -o -path /tmp -prune -o -path /var/lib/dpkg -prune -o -path /var/lib/apt -prune \
     -o -path /var/log -prune -o -path /var/cache -prune -o -type f -print -o -type l -print | sort; }
 listing >"$work/before"
-inside apt-get install -y -q --no-install-recommends /tmp/overlook.deb >/dev/null
+inside dpkg -i /tmp/overlook.deb >/dev/null
 listing >"$work/with"
 echo "The package is $(stat -c %s "$deb") bytes; installed it takes $(inside dpkg-query -W -f '${Installed-Size}' overlook) KiB."
 
 inside desktop-file-validate /usr/share/applications/overlook.desktop
-type=$(inside grep -l 'application/x-overlook-store' /usr/share/mime/globs2)
-[ -n "$type" ] || { echo "the file type is not known to the system" >&2; exit 1; }
+inside grep -q 'application/x-overlook-store' /usr/share/mime/globs2 || {
+    echo "the file type is not known to the system" >&2
+    exit 1
+}
 inside man -w overlook-render >/dev/null
 inside overlook --version
 command=$(inside sed -n 's/^Exec=\([^ ]*\).*/\1/p' /usr/share/applications/overlook.desktop)
@@ -55,7 +55,7 @@ inside sh -c '
 '
 inside rm -rf /root/.local /root/.cache /root/.config
 
-inside apt-get purge -y -q overlook >/dev/null
+inside dpkg --purge overlook >/dev/null
 listing >"$work/after"
 if ! diff "$work/before" "$work/after"; then
     echo "the package left the files above behind" >&2
