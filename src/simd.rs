@@ -124,6 +124,13 @@ pub(crate) fn whole(number: f32) -> u32 {
     (number + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
+/// √(a² + b²) by double precision, which is exact to the last bit but one rounding: that of the C library would be a call.
+#[inline(always)]
+pub(crate) fn root_of_squares(a: f32, b: f32) -> f32 {
+    let (a, b) = (f64::from(a), f64::from(b));
+    (a * a + b * b).sqrt() as f32
+}
+
 /// Prefetches an element into the cache. Changes no result; does nothing beyond the end or without such an instruction.
 #[inline(always)]
 pub(crate) fn prefetch<T>(plane: &[T], index: usize) {

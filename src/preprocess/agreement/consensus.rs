@@ -5,18 +5,20 @@
 //! surface.
 //!
 //! Source: the inverse-variance mean, as of any independent measurements; the surface that another camera saw is interpolated
-//! between its pixels. Colors weigh as densely as they were sampled, and are averaged as they are seen, in sRGB. What differs: it is robust. Cameras take part within three
-//! standard deviations of the sample, and count once more within three of the first mean, so that one that is far off does not
+//! between its pixels, each smoothed over its neighbors ([`super::smooth_depth`]). Colors weigh as densely as they were sampled, and
+//! are averaged as they are seen, in sRGB. What differs: it is robust. Cameras take part within three standard deviations of the sample, and count once more within three of the first mean, so that one that is far off does not
 //! pull it. Colors are averaged however far apart they are: leaving out those beyond the tolerances of color costs 0.2 to 0.5 dB on
 //! recordings, where poses are off by a pixel or two.
 
 use half::f16;
 
+use super::smooth_depth::SmoothDepths;
 use crate::color::{linear_from_srgb, steps_from_linear};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, IN_VIEW, PixelRun, Registration, ReprojectedRun};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::{AgreementRule, PruningMethod, Settings};
+use crate::simd::{self, VectorLoop, root_of_squares};
 
 /// Pixels between which a surface is interpolated may be so many times as far off, since it may be slanted.
 const ACROSS: f32 = 2.0;
@@ -41,6 +43,23 @@ pub(crate) struct Consensus<'a> {
     pairs: &'a CameraPairs<'a>,
     layers: &'a [CameraLayer],
     level: SpanLevel,
+    smooth: SmoothDepths<'a>,
+}
+
+/// A sample as the cameras that confirm it put it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AgreedSample {
+    /// Linear Rec.709.
+    pub(crate) color: [f16; 3],
+    /// 1 / planar z.
+    pub(crate) inverse_depth: f32,
+}
+
+impl AgreedSample {
+    /// A sample as it was recorded.
+    pub(crate) fn recorded(layer: &CameraLayer, pixel: usize) -> Self {
+        Self { color: layer.color[pixel], inverse_depth: layer.inverse_depth[pixel] }
+    }
 }
 
 /// The surface that another camera saw along a sample's ray.
@@ -59,11 +78,13 @@ struct ColorSum {
 }
 
 impl ColorSum {
+    #[inline(always)]
     fn add(&mut self, weight: f32, steps: [f32; 3]) {
         (0..3).for_each(|channel| self.steps[channel] += weight * steps[channel]);
         self.weight += weight;
     }
 
+    #[inline(always)]
     fn mean(self) -> [f32; 3] {
         self.steps.map(|sum| sum / self.weight)
     }
@@ -82,26 +103,39 @@ impl<'a> Consensus<'a> {
             && pruning.method != PruningMethod::Off
             && settings.spans.noise > 0.0
             && layers.iter().any(|layer| layer.noise_between.is_some());
-        is_on.then_some(Self { pairs, layers, level })
+        let side = |camera: usize| pairs.registration(camera, camera).source_side;
+        is_on.then(|| {
+            let smooth = SmoothDepths::new(layers, level, (0..layers.len()).map(side).collect());
+            Self { pairs, layers, level, smooth }
+        })
     }
 
-    /// Color and inverse depth of the sample of `camera` at `pixel`, refined by all cameras that confirm it; as recorded where it is
-    /// at infinity or its noise lies below a footprint.
-    pub(crate) fn sample(&self, camera: usize, pixel: usize) -> ([f16; 3], f32) {
+    /// The samples of `camera` at some pixels, refined by all cameras that confirm them.
+    pub(crate) fn samples(&self, camera: usize, pixels: &[u32]) -> Vec<AgreedSample> {
+        simd::run(AgreeOn { consensus: self, camera, pixels })
+    }
+
+    /// The sample of `camera` at `pixel`, refined; as recorded where it is at infinity or its noise lies below a footprint. `sightings`
+    /// is scratch.
+    #[inline(always)]
+    fn sample(&self, camera: usize, pixel: usize, sightings: &mut Vec<Sighting>) -> AgreedSample {
         let layer = &self.layers[camera];
         let recorded = layer.inverse_depth[pixel];
         let noise = layer.depth_noise_between(pixel);
-        if recorded <= 0.0 || noise <= self.pairs.registration(camera, camera).source_side {
-            return (layer.color[pixel], recorded);
+        let own_side = self.pairs.registration(camera, camera).source_side;
+        if recorded <= 0.0 || noise <= own_side {
+            return AgreedSample::recorded(layer, pixel);
         }
         let mut block = PixelRun::<1>::new(layer, pixel % layer.width, pixel / layer.width, 1);
-        let mut sightings = vec![Sighting { farther: 0.0, variance: noise * noise }];
+        sightings.clear();
+        let smooth = self.smooth.at(camera, [pixel % layer.width, pixel / layer.width]);
+        sightings.push(Sighting { farther: recorded / smooth - 1.0, variance: noise * noise });
         for other in self.others(camera) {
             if let Some(there) = self.corners((camera, &block), other) {
                 sightings.extend(self.sighting(&there, other, [noise, self.noise_of(other, there.expected)]));
             }
         }
-        let refined = recorded / (1.0 + robust_mean(&sightings));
+        let refined = recorded / (1.0 + robust_mean(sightings));
         block.inverse_depth[0] = refined;
         let mut color = ColorSum::default();
         color.add(1.0, layer.color[pixel].map(steps_from_linear));
@@ -113,16 +147,21 @@ impl<'a> Consensus<'a> {
                 color.add(there.coarseness.powi(-2), its);
             }
         }
-        (color.mean().map(|steps| f16::from_f32(linear_from_srgb(steps / 255.0))), refined)
+        AgreedSample {
+            color: color.mean().map(|steps| f16::from_f32(linear_from_srgb(steps / 255.0))),
+            inverse_depth: refined,
+        }
     }
 
     /// The other cameras that have samples.
+    #[inline(always)]
     fn others(&self, camera: usize) -> impl Iterator<Item = usize> {
         (0..self.layers.len())
             .filter(move |other| *other != camera && !self.layers[*other].geometry.is_empty())
     }
 
     /// Where a sample of a camera lies in another one; `None` outside its picture.
+    #[inline(always)]
     fn corners(&self, (camera, block): (usize, &PixelRun<1>), other: usize) -> Option<Corners> {
         let registration = self.pairs.registration(camera, other);
         let reprojected = registration.reproject(block, self.layers[other].width);
@@ -132,6 +171,7 @@ impl<'a> Consensus<'a> {
 
     /// What camera `other` saw of the sample's surface; `None` where it does not confirm it. `noise` is that of the sample and that of
     /// the camera.
+    #[inline(always)]
     fn sighting(&self, there: &Corners, other: usize, noise: [f32; 2]) -> Option<Sighting> {
         let [own, its] = noise;
         // A camera that is not noisy itself is off by no more than the others know.
@@ -140,7 +180,7 @@ impl<'a> Consensus<'a> {
         // Inverse depth is linear over a plane, so that interpolating it is exact, however slanted the plane is.
         let mut interpolated = 0.0;
         for (at, weight) in there.pixels {
-            let inverse_depth = self.inverse_depth_at(other, at?)?;
+            let inverse_depth = self.smooth_at(other, at?)?;
             if there.farther(inverse_depth).abs() > ACROSS * limit {
                 return None;
             }
@@ -152,15 +192,16 @@ impl<'a> Consensus<'a> {
 
     /// The color that camera `other` gives to the surface of a sample with so much noise, 8-bit sRGB steps; `None` where most of the
     /// pixels around it show something else.
+    #[inline(always)]
     fn color_seen(&self, there: &Corners, other: usize, noise: f32) -> Option<[f32; 3]> {
         let its_noise = self.noise_of(other, there.expected);
         // A camera that is not noisy itself is off by no more than the others know.
         let its_noise = if its_noise > 0.0 { its_noise } else { noise };
-        let limit = (COLOR_SIGMAS * noise.hypot(its_noise)).max(LEAST_FOOTPRINTS * there.side);
+        let limit = (COLOR_SIGMAS * root_of_squares(noise, its_noise)).max(LEAST_FOOTPRINTS * there.side);
         let mut color = ColorSum::default();
         for (at, weight) in there.pixels {
             if let Some(at) = at
-                && let Some(inverse_depth) = self.inverse_depth_at(other, at)
+                && let Some(inverse_depth) = self.smooth_at(other, at)
                 && there.farther(inverse_depth).abs() <= limit
             {
                 let target = &self.layers[other];
@@ -171,6 +212,7 @@ impl<'a> Consensus<'a> {
     }
 
     /// The inverse depth of a pixel of a camera, if it holds a finite sample.
+    #[inline(always)]
     fn inverse_depth_at(&self, camera: usize, [x, y]: [usize; 2]) -> Option<f32> {
         let layer = &self.layers[camera];
         let pixel = y * layer.width + x;
@@ -178,9 +220,37 @@ impl<'a> Consensus<'a> {
         (inverse_depth > 0.0 && layer.level[pixel] <= self.level).then_some(inverse_depth)
     }
 
+    /// The same, smoothed.
+    #[inline(always)]
+    fn smooth_at(&self, camera: usize, at: [usize; 2]) -> Option<f32> {
+        self.inverse_depth_at(camera, at).map(|_| self.smooth.at(camera, at))
+    }
+
     /// Relative standard deviation of what a camera sees at a depth.
+    #[inline(always)]
     fn noise_of(&self, camera: usize, depth: f32) -> f32 {
         self.layers[camera].noise_between.as_ref().map_or(0.0, |noise| noise.depth_at(depth.recip()))
+    }
+}
+
+/// Some samples of one camera.
+struct AgreeOn<'a, 'b> {
+    consensus: &'a Consensus<'b>,
+    camera: usize,
+    pixels: &'a [u32],
+}
+
+impl VectorLoop for AgreeOn<'_, '_> {
+    type Output = Vec<AgreedSample>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<AgreedSample> {
+        let mut sightings = Vec::new();
+        let mut samples = Vec::with_capacity(self.pixels.len());
+        for &pixel in self.pixels {
+            samples.push(self.consensus.sample(self.camera, pixel as usize, &mut sightings));
+        }
+        samples
     }
 }
 
@@ -197,6 +267,7 @@ struct Corners {
 }
 
 impl Corners {
+    #[inline(always)]
     fn new(registration: &Registration, reprojected: &ReprojectedRun<1>, inverse_depth: f32) -> Self {
         let expected = reprojected.point[2][0] / inverse_depth;
         let corner = |corner: usize| {
@@ -220,12 +291,14 @@ impl Corners {
     }
 
     /// How much farther than the sample another surface lies, relative to its depth.
+    #[inline(always)]
     fn farther(&self, inverse_depth: f32) -> f32 {
         1.0 / (inverse_depth * self.expected) - 1.0
     }
 }
 
 /// The inverse-variance mean, and once more of what lies close to it.
+#[inline(always)]
 fn robust_mean(sightings: &[Sighting]) -> f32 {
     let first = mean(sightings.iter());
     let close =
@@ -234,6 +307,7 @@ fn robust_mean(sightings: &[Sighting]) -> f32 {
 }
 
 /// The inverse-variance mean; 0 of nothing.
+#[inline(always)]
 fn mean<'a>(sightings: impl Iterator<Item = &'a Sighting>) -> f32 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for sighting in sightings {

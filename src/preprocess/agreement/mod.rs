@@ -8,9 +8,10 @@
 mod consensus;
 mod measure;
 mod sample_agreement;
+mod smooth_depth;
 mod votes;
 
-pub(crate) use consensus::Consensus;
+pub(crate) use consensus::{AgreedSample, Consensus};
 pub(crate) use measure::measure_noise_between;
 pub use sample_agreement::SampleAgreement;
 pub use votes::{Vote, VoteCounts};

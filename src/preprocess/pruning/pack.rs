@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::decision::Decided;
 use super::pass::KEPT;
-use crate::preprocess::agreement::Consensus;
+use crate::preprocess::agreement::{AgreedSample, Consensus};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE};
@@ -60,6 +60,17 @@ impl Masks {
     }
 }
 
+/// The pixels of a tile's samples in a picture with `width` columns, in their order.
+fn pixels_of(tile: &SampleTile, width: usize) -> Vec<u32> {
+    let mut pixels = Vec::with_capacity(tile.count());
+    for (row, &mask) in tile.rows.iter().enumerate() {
+        let start = (tile.tile_y as usize * TILE + row) * width + tile.tile_x as usize * TILE;
+        let columns = (0..TILE).filter(|column| mask >> column & 1 == 1);
+        pixels.extend(columns.map(|column| (start + column) as u32));
+    }
+    pixels
+}
+
 /// The kept samples of one camera over one span, with what the cameras agree on where there is any; `None` where nothing was kept.
 pub(crate) fn pack(
     camera: usize,
@@ -86,22 +97,19 @@ pub(crate) fn pack(
             first: inverse_depth.len() as u32,
             rows,
         };
-        tiles.push(tile);
-        for (row, &mask) in rows.iter().enumerate() {
-            let start = (tile.tile_y as usize * TILE + row) * layer.width + tile.tile_x as usize * TILE;
-            let mut left = mask;
-            while left != 0 {
-                let pixel = start + left.trailing_zeros() as usize;
-                left &= left - 1;
-                let recorded = || (layer.color[pixel], layer.inverse_depth[pixel]);
-                let sample = consensus.map_or_else(recorded, |consensus| consensus.sample(camera, pixel));
-                color.push(sample.0);
-                inverse_depth.push(sample.1);
-                if let Some(normal) = &mut normal {
-                    normal.push(OctNormal::encode(layer.normal[pixel]));
-                }
+        let pixels = pixels_of(&tile, layer.width);
+        let samples = match consensus {
+            Some(consensus) => consensus.samples(camera, &pixels),
+            None => pixels.iter().map(|pixel| AgreedSample::recorded(layer, *pixel as usize)).collect(),
+        };
+        for (&pixel, sample) in pixels.iter().zip(samples) {
+            color.push(sample.color);
+            inverse_depth.push(sample.inverse_depth);
+            if let Some(normal) = &mut normal {
+                normal.push(OctNormal::encode(layer.normal[pixel as usize]));
             }
         }
+        tiles.push(tile);
     }
     let depth = DepthPlane::pack(&tiles, &inverse_depth);
     Some(SampleImage { camera: camera as u32, span, tiles, color, depth, normal })

@@ -3,6 +3,7 @@
 use super::matches::{COLOR_AGREES, RequiredTolerances, SAME, SURROUNDED, SurfaceMatches};
 use super::reproject::{PixelRun, ReprojectedRun};
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry};
+use crate::simd::root_of_squares;
 
 /// All conditions that come before color matters.
 const BEFORE_COLOR: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
@@ -51,8 +52,8 @@ fn beyond_noise<const N: usize>(
     let of_channel = |channel: usize| {
         let [a, b] =
             [block.color[channel][lane], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
-        let noise = source.color_noise(pixel, a).hypot(target.color_noise(found as usize, b));
-        let between = source.color_noise_between(a).hypot(target.color_noise_between(b));
+        let noise = root_of_squares(source.color_noise(pixel, a), target.color_noise(found as usize, b));
+        let between = root_of_squares(source.color_noise_between(a), target.color_noise_between(b));
         let difference = (a - b).abs();
         if difference <= sigmas * between { 0.0 } else { difference - sigmas * noise }
     };
@@ -74,7 +75,7 @@ fn off_surfaces<const N: usize>(
         if w > 0.0 && there > 0.0 {
             let pixel = block.row * source.width + block.column + lane;
             let own = noise(source, pixel) * there;
-            *off = sigmas * own.hypot(noise(target, carried.pixel[lane] as usize) * w);
+            *off = sigmas * root_of_squares(own, noise(target, carried.pixel[lane] as usize) * w);
         }
     }
     off

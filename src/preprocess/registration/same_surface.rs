@@ -26,6 +26,7 @@ use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
+use crate::simd::root_of_squares;
 
 /// The same-surface test: its tolerances, and which samples of the target it sees.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +87,7 @@ impl SameSurface {
         let (w, there) = (source.inverse_depth[own], target.inverse_depth[pixel]);
         let limits = &self.tolerances;
         let footprint = (registration.source_side * there).max(registration.target.side * w);
-        let noise = |own: f32, found: f32| (own * there).hypot(found * w);
+        let noise = |own: f32, found: f32| root_of_squares(own * there, found * w);
         let granted = limits.depth_sigmas * noise(source.depth_noise(own), target.depth_noise(pixel));
         let between =
             limits.between_sigmas * noise(source.depth_noise_between(own), target.depth_noise_between(pixel));
