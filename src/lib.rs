@@ -19,6 +19,7 @@
 //! | explanation | [`preprocess::inspect`] | says for each pixel by which rule it was kept or dropped |
 //! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |
 //! | rendering | [`render`] | paints foreground over background into any vantage |
+//! | rivals | [`rivals`] | what others make of the same pictures: meshes, a TSDF, layered depth images |
 //! | accuracy | [`evaluate`] | how close to the truth that comes, against no pruning and against first camera wins |
 //! | trade-offs | [`evaluate::sweep`], [`evaluate::stress`], [`evaluate::tune`] | what each setting buys, where it breaks, what is enough |
 //! | speed | `evaluate::bench` | how fast each stage is, as a share of what the machine can do |
@@ -55,6 +56,7 @@ pub mod preprocess;
 pub mod python;
 mod random;
 pub mod render;
+pub mod rivals;
 pub mod samples;
 pub mod settings;
 mod simd;

@@ -27,6 +27,7 @@ Examples:
   overlook align scene --out aligned.json                   poses without what the rig got wrong
   overlook sweep scene --out sweep                          accuracy against time and bytes, for many settings
   overlook stress scene --out stress                        where methods fail
+  overlook report sweep stress                              one page on both, with charts, tables and pictures
   overlook tune scene --out tuned.toml                      the simplest settings that are as good as the best
   overlook export points scene.ovl --out points            binary PLY, one file a frame
   overlook verify scene.ovl                                 whether all of a store can be read
@@ -74,6 +75,8 @@ enum CliCommand {
     Stress(commands::stress::StressArgs),
     /// Find the simplest settings, and the fewest cameras, that are as accurate as the best.
     Tune(commands::tune::TuneArgs),
+    /// Put what sweeps and stress tests gave on one page: charts, tables and pictures, for any number of captures.
+    Report(commands::report::ReportArgs),
     /// Write what a store holds in forms that other programs read: points, pictures, a video.
     Export(commands::export::ExportArgs),
     /// Read everything in a store and say what is damaged.
@@ -149,6 +152,7 @@ impl Cli {
             Some(CliCommand::Sweep(args)) => args.run(),
             Some(CliCommand::Stress(args)) => args.run(),
             Some(CliCommand::Tune(args)) => args.run(),
+            Some(CliCommand::Report(args)) => args.run(),
             Some(CliCommand::Export(args)) => args.run(),
             Some(CliCommand::Verify(args)) => args.run(),
             Some(CliCommand::Bench(args)) => args.run(),

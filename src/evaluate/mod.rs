@@ -6,11 +6,12 @@
 //!                                                                                     └─▶ tune: the simplest that is good enough
 //! ```
 //!
-//! `chart` draws sweeps and stress tests. `bench` measures the speed of each stage, beside the machine's own limits.
+//! `chart` draws sweeps and stress tests, `report` puts them on one page. `bench` measures the speed of each stage, beside the machine's own limits.
 
 pub(crate) mod bench;
 pub(crate) mod chart;
 pub mod metrics;
+pub(crate) mod report;
 mod sample_filter;
 mod scoring;
 pub mod stress;
@@ -20,5 +21,6 @@ pub mod truth;
 pub mod tune;
 
 pub use scoring::{AlignedScore, Evaluation, MeanScore, ViewScore, evaluate, vantage_order};
-pub(crate) use scoring::{Scoreboard, add_aligned, frame_of, render_view};
+pub use scoring::{PictureScore, PictureScores};
+pub(crate) use scoring::{Scoreboard, add_aligned, frame_of, render_view, score_pictures};
 pub use trial::{MethodComparison, MethodScore, compare};

@@ -16,6 +16,7 @@ const LAYERS: [&[&str]; 10] = [
     &["samples", "demo"],
     &["store", "preprocess"],
     &["render"],
+    &["rivals"],
     &["evaluate"],
     &["cli", "app", "python"],
     &["lib"],
@@ -53,7 +54,10 @@ const STAGES: [(&str, &[&str]); 8] = [
     ),
     ("demo", &["tracer", "scenes"]),
     ("store", &["container", "codec", "image", "file", "playback"]),
-    ("evaluate", &["metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "bench"]),
+    (
+        "evaluate",
+        &["metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "report", "bench"],
+    ),
     ("cli", &["output", "input", "commands"]),
 ];
 

@@ -193,6 +193,7 @@ pub(crate) fn settings_alone(point: &Point) -> Option<&Settings> {
         point.series,
         Series::Random | Series::VoxelGrid | Series::FirstCameraAtCount | Series::SingleCamera
     );
+    let more_was_done = more_was_done || point.series.is_rival();
     (!more_was_done).then_some(&point.settings)
 }
 

@@ -9,6 +9,7 @@ use super::scene::OpenScene;
 use crate::grid::Grid;
 use crate::preprocess::PreparedScan;
 use crate::render::Vantage;
+use crate::rivals::Rival;
 use crate::samples::SampleSet;
 use crate::settings::Settings;
 
@@ -26,11 +27,15 @@ pub(crate) enum CompareSide {
     Gather,
     Cpu,
     Gpu,
+    TriangleMesh,
+    Tsdf,
+    NearestCamera,
+    LayeredDepthImage,
 }
 
 impl CompareSide {
     /// Every side, in the order of the list: name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 11] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 15] = [
         (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
         (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
         (Self::A, "Settings A", "After pruning with settings A."),
@@ -46,7 +51,40 @@ impl CompareSide {
         (Self::Gather, "Kernel gather", "The kept samples, surface first and color second."),
         (Self::Cpu, "CPU", "The kept samples, rendered by the CPU."),
         (Self::Gpu, "GPU", "The kept samples, rendered by the GPU."),
+        (
+            Self::TriangleMesh,
+            "Triangle meshes",
+            "All pixels as others show them: a mesh for each camera, blended by distance and stretch (RVS, 2018).",
+        ),
+        (
+            Self::Tsdf,
+            "TSDF volume",
+            "All pixels as others show them: a volume of signed distances, ray-cast (Curless and Levoy, 1996).",
+        ),
+        (
+            Self::NearestCamera,
+            "Nearest camera",
+            "The pixels of the nearest camera alone, carried to the viewpoint (McMillan and Bishop, 1995).",
+        ),
+        (
+            Self::LayeredDepthImage,
+            "Layered depth image",
+            "All pixels as others show them: one picture with several samples along each ray (Shade et al., 1998).",
+        ),
     ];
+}
+
+impl CompareSide {
+    /// The method of others that the side shows.
+    pub(crate) fn rival(self) -> Option<Rival> {
+        match self {
+            Self::TriangleMesh => Some(Rival::TriangleMesh),
+            Self::Tsdf => Some(Rival::Tsdf(4)),
+            Self::NearestCamera => Some(Rival::NearestCamera),
+            Self::LayeredDepthImage => Some(Rival::LayeredDepthImage),
+            _ => None,
+        }
+    }
 }
 
 /// From where.
@@ -83,11 +121,12 @@ pub(crate) enum CompareMeasure {
     Steps,
     Brightness,
     Flip,
+    Class,
 }
 
 impl CompareMeasure {
     /// Every measure: name and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::Steps, "Absolute", "The largest difference of a color channel, in 8-bit steps."),
         (
             Self::Brightness,
@@ -98,6 +137,12 @@ impl CompareMeasure {
             Self::Flip,
             "FLIP",
             "What a person sees who flips between the two, from 0 to 1 (LDR-FLIP, 67 pixels per degree).",
+        ),
+        (
+            Self::Class,
+            "Where",
+            "The absolute difference, colored by where it lies: on surfaces that no camera saw (pink), at edges of the truth (orange), \
+             elsewhere (blue).",
         ),
     ];
 }
@@ -201,6 +246,8 @@ pub(crate) struct PictureDifference {
     pub mean: f64,
     /// Peak signal-to-noise ratio of one side against the other where both have a sample; infinite where equal.
     pub psnr_db: f64,
+    /// Shares of the squared difference where both have a sample: unseen, edge and inner; `None` where that is not measured.
+    pub by_class: Option<[f64; 3]>,
     /// Share of pixels that only one side has a sample for.
     pub one_sided: f64,
 }

@@ -231,7 +231,9 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
 fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
     let range = model::significant(f64::from(comparison.range));
     match comparison.measure {
-        CompareMeasure::Steps => legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential),
+        CompareMeasure::Steps | CompareMeasure::Class => {
+            legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential)
+        }
         CompareMeasure::Brightness => legend::bar(
             ui,
             &format!("darker −{range}"),
@@ -272,7 +274,11 @@ fn figures(comparison: &PictureDifference) -> String {
             }
         )
     };
-    format!("{psnr}; {:.1} % of pixels covered on one side only", 100.0 * comparison.one_sided)
+    let whereabouts = comparison.by_class.map_or_else(String::new, |shares| {
+        let [unseen, edge, inner] = shares.map(|share| 100.0 * share);
+        format!("; of the squared error unseen {unseen:.0} %, edge {edge:.0} %, inner {inner:.0} %")
+    });
+    format!("{psnr}{whereabouts}; {:.1} % of pixels covered on one side only", 100.0 * comparison.one_sided)
 }
 
 #[cfg(test)]

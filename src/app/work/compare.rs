@@ -7,13 +7,17 @@ use std::sync::Arc;
 use super::accuracy::with_nothing_pruned;
 use super::difference::{self, DisplayedSide};
 use crate::app::model::{
-    CompareKey, CompareSide, CompareVantage, Content, Message, OpenScene, PictureDifference, method_of,
+    CompareKey, CompareMeasure, CompareSide, CompareVantage, Content, Message, OpenScene, PictureDifference,
+    method_of,
 };
 use crate::capture::{Capture, Frame};
 use crate::error::{Error, Result};
+use crate::evaluate::truth;
 use crate::job::Job;
 use crate::preprocess::{self, PreparedScan};
+use crate::render::fill::fill;
 use crate::render::{Renderer, Vantage};
+use crate::rivals::{RecordedView, Rival, RivalModel};
 use crate::samples::SampleSet;
 use crate::settings::{Backend, Kernel, Settings};
 
@@ -23,6 +27,8 @@ pub(crate) struct Comparer {
     made: Vec<(Made, Arc<SampleSet>)>,
     /// Passes over all frames of a scene, where the window's own does not serve the settings of a side.
     scans: Vec<(u64, Arc<PreparedScan>)>,
+    /// Models of other methods.
+    rivals: Vec<(RivalKey, Arc<dyn RivalModel>)>,
     /// What these passes run on, as they take as long as the capture does.
     threads: Arc<rayon::ThreadPool>,
 }
@@ -38,6 +44,12 @@ struct Made {
     with_scan: bool,
 }
 
+/// What a model of another method was made from: scene, frame, the camera left out, and the method.
+type RivalKey = (u64, usize, Option<usize>, Rival);
+
+/// Models of other methods that are kept: one for each side.
+const KEPT_RIVALS: usize = 2;
+
 /// Sample sets that are kept.
 const KEPT: usize = 4;
 
@@ -47,7 +59,7 @@ const KEPT_SCANS: usize = 2;
 impl Comparer {
     /// One that has made nothing yet, and reads whole captures on `threads`.
     pub(crate) fn new(threads: Arc<rayon::ThreadPool>) -> Self {
-        Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), threads }
+        Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), rivals: Vec::new(), threads }
     }
 
     /// Makes the comparison, or says why there is none.
@@ -67,7 +79,38 @@ impl Comparer {
         let left = self.side(key, key.choice.sides[0], &vantage, truth.as_deref(), job)?;
         job.check()?;
         let right = self.side(key, key.choice.sides[1], &vantage, truth.as_deref(), job)?;
-        difference::between([left, right], key.choice.measure, key.choice.range, key.dark)
+        let compared = difference::between([left, right], key.choice.measure, key.choice.range, key.dark)?;
+        if key.choice.measure != CompareMeasure::Class {
+            return Ok(compared);
+        }
+        let truth = truth.ok_or_else(unknown_truth)?;
+        let seen = truth::seen_at(&cameras_left(key)?, vantage.frame)?;
+        let classes = truth::class_map(&vantage.camera, &truth, &seen).ok_or_else(|| {
+            Error::invalid(
+                "comparison",
+                "The true picture has no depth, so that it does not say where differences lie.",
+            )
+        })?;
+        difference::by_class(compared, &classes, key.dark)
+    }
+
+    /// A method of others, made of what all cameras but a left-out one recorded.
+    fn rival(&mut self, key: &CompareKey, rival: Rival, vantage: &Vantage) -> Result<DisplayedSide> {
+        let made = (key.scene.id, vantage.frame, left_out(key), rival);
+        let known = self.rivals.iter().find(|(known, _)| *known == made).map(|(_, model)| model.clone());
+        let model = if let Some(model) = known {
+            model
+        } else {
+            let seen = truth::seen_at(&cameras_left(key)?, vantage.frame)?;
+            let views: Vec<RecordedView> =
+                seen.into_iter().map(|(camera, frame)| RecordedView { camera, frame }).collect();
+            let model: Arc<dyn RivalModel> = rival.build(&views)?.into();
+            keep(&mut self.rivals, KEPT_RIVALS, (made, model.clone()));
+            model
+        };
+        let mut picture = model.render(&vantage.camera);
+        fill(&mut picture, &vantage.camera, &key.settings[0].render);
+        Ok(difference::of_picture(&picture))
     }
 
     fn side(
@@ -79,13 +122,10 @@ impl Comparer {
         job: &Job,
     ) -> Result<DisplayedSide> {
         if side == CompareSide::Truth {
-            let frame = truth.ok_or_else(|| {
-                Error::invalid(
-                    "comparison",
-                    "The truth is known at viewpoints with a true picture and at hold-out cameras only: choose one in the last list above.",
-                )
-            })?;
-            return Ok(difference::of_frame(frame));
+            return Ok(difference::of_frame(truth.ok_or_else(unknown_truth)?));
+        }
+        if let Some(rival) = side.rival() {
+            return self.rival(key, rival, vantage);
         }
         let mut settings = match side {
             CompareSide::A => key.settings[1].clone(),
@@ -104,10 +144,7 @@ impl Comparer {
             _ => {}
         }
         let as_shown = method_of(&settings) == method_of(&key.settings[0]);
-        let left_out = match key.choice.from {
-            CompareVantage::HoldOut(camera) => Some(camera),
-            _ => None,
-        };
+        let left_out = left_out(key);
         let shown_there = key.whole || vantage.frame == key.vantage.frame;
         let samples = if as_shown && shown_there && left_out.is_none() {
             key.samples.clone()
@@ -171,6 +208,27 @@ impl Comparer {
         keep(&mut self.made, KEPT, (made, samples.clone()));
         Ok(samples)
     }
+}
+
+fn unknown_truth() -> Error {
+    Error::invalid(
+        "comparison",
+        "The truth is known at viewpoints with a true picture and at hold-out cameras only: choose one in the last list above.",
+    )
+}
+
+/// The camera whose place the comparison is made from, so that its own samples are left out.
+fn left_out(key: &CompareKey) -> Option<usize> {
+    match key.choice.from {
+        CompareVantage::HoldOut(camera) => Some(camera),
+        _ => None,
+    }
+}
+
+/// The capture without a left-out camera.
+fn cameras_left(key: &CompareKey) -> Result<Capture> {
+    let left_out = left_out(key);
+    Ok(capture_of(&key.scene)?.with_cameras(|index, _| Some(index) != left_out))
 }
 
 /// Adds the latest; of more than `most` the first goes.

@@ -10,7 +10,7 @@ use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::color::{linear_from_srgb, srgb8_from_linear, steps_from_linear};
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::{DEFAULT_PIXELS_PER_DEGREE, flip};
+use crate::evaluate::metrics::{ClassMap, DEFAULT_PIXELS_PER_DEGREE, flip};
 use crate::grid::Grid;
 use crate::render::{NO_IMAGE, Picture};
 
@@ -75,7 +75,7 @@ pub(crate) fn between(
     let range = range.unwrap_or_else(|| fitted(&apart, measure));
     let color = |apart: f32| match measure {
         CompareMeasure::Brightness => diverging(apart / range),
-        CompareMeasure::Steps | CompareMeasure::Flip => sequential(apart / range),
+        _ => sequential(apart / range),
     };
     // A gray, which no color of the maps is: the holes' own purple is near their lower end.
     let map = apart.map(|apart| apart.map_or(tokens.raised, color));
@@ -84,7 +84,54 @@ pub(crate) fn between(
     let mean = known().map(|apart| f64::from(apart.abs())).sum::<f64>() / known().count().max(1) as f64;
     let (psnr_db, one_sided) = (psnr_db(&left, &right), one_sided(&left, &right));
     let sides = [left, right];
-    Ok(PictureDifference { sides, images, difference, measure, apart, range, mean, psnr_db, one_sided })
+    let by_class = None;
+    Ok(PictureDifference {
+        sides,
+        images,
+        difference,
+        measure,
+        apart,
+        range,
+        mean,
+        psnr_db,
+        by_class,
+        one_sided,
+    })
+}
+
+/// Colors of unseen, edge and inner pixels on the map of where a difference lies.
+pub(crate) const CLASS_COLORS: [Color32; 3] =
+    [Color32::from_rgb(224, 132, 184), Color32::from_rgb(230, 159, 0), Color32::from_rgb(86, 180, 233)];
+
+/// Colors the map of a comparison by where differences lie, and works out the share of each class. `Invalid` where sizes differ.
+pub(crate) fn by_class(
+    compared: PictureDifference,
+    classes: &ClassMap,
+    dark: bool,
+) -> Result<PictureDifference> {
+    if classes.size() != compared.apart.size() {
+        return Err(Error::invalid("comparison", "The truth has another size than the pictures."));
+    }
+    let raised = Tokens::of(dark).raised;
+    let mut colors = Vec::with_capacity(classes.len());
+    for (apart, class) in compared.apart.as_slice().iter().zip(classes.as_slice()) {
+        let strength = apart.map_or(0.0, |apart| (apart / compared.range).clamp(0.0, 1.0).sqrt());
+        let color = class
+            .map_or(raised, |class| Color32::BLACK.lerp_to_gamma(CLASS_COLORS[class as usize], strength));
+        colors.push(color);
+    }
+    let difference = Arc::new(ColorImage::new([classes.width(), classes.height()], colors));
+    let mut squares = [0.0; 3];
+    let pixels = compared.sides[0].as_slice().iter().zip(compared.sides[1].as_slice());
+    for ((left, right), class) in pixels.zip(classes.as_slice()) {
+        if let (Some(left), Some(right), Some(class)) = (left, right, class) {
+            squares[*class as usize] +=
+                (0..3).map(|c| f64::from(left[c].abs_diff(right[c])).powi(2)).sum::<f64>();
+        }
+    }
+    let all: f64 = squares.iter().sum();
+    let by_class = (all > 0.0).then(|| squares.map(|of_class| of_class / all));
+    Ok(PictureDifference { difference, by_class, ..compared })
 }
 
 /// How far each pixel of the right is from the left.
@@ -95,7 +142,9 @@ fn apart(left: &DisplayColors, right: &DisplayColors, measure: CompareMeasure) -
         Grid::from_vec(left.width(), left.height(), values.collect())
     };
     match measure {
-        CompareMeasure::Steps => both(&|a, b| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0).into()),
+        CompareMeasure::Steps | CompareMeasure::Class => {
+            both(&|a, b| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0).into())
+        }
         CompareMeasure::Brightness => both(&|a, b| luma(b) - luma(a)),
         CompareMeasure::Flip => {
             // What one side alone shows differs from nothing: its neighbors are filtered as if the other showed the same.
@@ -148,6 +197,7 @@ fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::metrics::ErrorClass;
 
     fn side(pixels: [Option<u8>; 4]) -> DisplayedSide {
         let known = Grid::from_vec(4, 1, pixels.map(|gray| gray.map(|gray| [gray; 3])).to_vec());
@@ -208,5 +258,22 @@ mod tests {
         let sides = [side([None; 4]), other];
         let error = between(sides, CompareMeasure::Steps, None, true).err().unwrap().to_string();
         assert!(error.contains("4×1") && error.contains("2×2"), "{error}");
+    }
+
+    #[test]
+    fn the_map_of_where_differences_lie_tells_the_share_of_each_class() {
+        let sides = [
+            side([Some(90), Some(90), Some(90), Some(90)]),
+            side([Some(100), Some(110), Some(90), Some(250)]),
+        ];
+        let compared = between(sides, CompareMeasure::Class, Some(20.0), true).unwrap();
+        let classes = [Some(ErrorClass::Unseen), Some(ErrorClass::Edge), Some(ErrorClass::Inner), None];
+        let told = by_class(compared, &Grid::from_vec(4, 1, classes.to_vec()), true).unwrap();
+        let [unseen, edge, inner] = told.by_class.unwrap();
+        assert!((unseen - 0.2).abs() < 1e-9 && (edge - 0.8).abs() < 1e-9 && inner == 0.0);
+        assert_eq!(told.difference.pixels[1], CLASS_COLORS[1]);
+        assert_eq!(told.difference.pixels[2], Color32::BLACK);
+        let other = Grid::filled(2, 2, None);
+        assert!(by_class(told, &other, true).is_err());
     }
 }

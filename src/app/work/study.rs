@@ -38,7 +38,7 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
             })?;
         }
         Study::Stress => {
-            let mut plan = stress::StressPlan::standard(&request.settings);
+            let mut plan = stress::StressPlan::standard(&request.settings).with_rivals(&request.settings);
             plan.frames = Some(FRAMES);
             plan.done = request.known_stress;
             stress::run(capture, &plan, &truth, job, |point, known| {

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use crate::capture::{Capture, TruthView, transforms};
+use crate::capture::{Capture, TruthLoader, TruthView, transforms};
 use crate::cli::input::{self, HoldOutArgs, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
-use crate::evaluate::{MethodComparison, MethodScore, compare, truth};
+use crate::evaluate::{MethodComparison, MethodScore, PictureScores, compare, score_pictures, truth};
 use crate::settings::Settings;
 
 #[derive(Debug, Args)]
@@ -25,6 +25,13 @@ pub(crate) struct EvaluateArgs {
     align_views: bool,
     #[command(flatten)]
     held_out: HoldOutArgs,
+    /// Score the pictures that another program made of the same viewpoints, under the viewpoints' own names in this folder; may be given
+    /// several times.
+    #[arg(long, value_name = "DIR")]
+    pictures: Vec<PathBuf>,
+    /// Folder for the truth, each picture of --pictures, and its error, beside each other.
+    #[arg(long, value_name = "DIR", requires = "pictures")]
+    error_maps: Option<PathBuf>,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -40,6 +47,8 @@ struct EvaluateOutput<'a> {
     as_set: &'a MethodScore,
     no_pruning: &'a MethodScore,
     first_camera: &'a MethodScore,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pictures: Vec<PictureScores>,
     hold_out: &'a [String],
     settings: &'a Settings,
 }
@@ -50,25 +59,56 @@ impl EvaluateArgs {
         self.painting.apply(&mut settings.render);
         let capture = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, views) = self.truth(capture)?;
+        let loaders = self.pictures.iter().map(|folder| transforms::open_pictures(folder, &views));
+        let loaders = loaders.collect::<Result<Vec<_>, _>>()?;
         let comparison = output::watched(|job| compare(&capture, &views, &settings, self.align_views, job))?;
         let MethodComparison { as_set, no_pruning, first_camera } = &comparison;
         let notices = [as_set, no_pruning, first_camera].map(|compared| compared.evaluation.notice.clone());
         output::warn(&notices.into_iter().flatten().collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>());
+        let pictures = self.scored_pictures(&capture, &views, &loaders)?;
         if self.json {
             return output::print_json(&EvaluateOutput {
                 as_set,
                 no_pruning,
                 first_camera,
+                pictures,
                 hold_out: &self.held_out.names(),
                 settings: &settings,
             });
         }
         output::print(&format!(
-            "{}\n{}\n\n{}",
+            "{}\n{}\n{}\n\n{}",
             output::view_table(&as_set.evaluation),
+            output::class_line(&as_set.evaluation),
             output::painter_line(&as_set.evaluation),
-            output::comparison_table(&comparison)
+            output::comparison_table(&comparison) + &output::picture_table(&pictures)
         ))
+    }
+
+    /// The pictures of other programs, scored as ours are.
+    fn scored_pictures(
+        &self,
+        capture: &Capture,
+        views: &[TruthView],
+        loaders: &[Vec<TruthLoader>],
+    ) -> Result<Vec<PictureScores>, CommandError> {
+        if loaders.is_empty() {
+            return Ok(Vec::new());
+        }
+        let classes = output::watched(|job| truth::class_maps(capture, views, job))?;
+        let mut all = Vec::new();
+        for (folder, pictures) in self.pictures.iter().zip(loaders) {
+            let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
+            let scores = output::watched(|job| {
+                score_pictures(&name, (views, pictures), &classes, job, |view, picture, truth, classes| {
+                    let Some(maps) = &self.error_maps else { return Ok(()) };
+                    let file = output::PicturePaths::below(&maps.join(&name), &view.file_path)?.png;
+                    output::write_error_map(&file, picture, truth, classes)
+                })
+            })?;
+            all.push(scores);
+        }
+        Ok(all)
     }
 
     /// The capture to preprocess, and the views to score it at.

@@ -8,6 +8,7 @@ pub(super) mod export;
 pub(super) mod info;
 pub(super) mod preprocess;
 pub(super) mod render;
+pub(super) mod report;
 pub(super) mod settings;
 pub(super) mod stress;
 pub(super) mod sweep;

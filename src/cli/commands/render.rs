@@ -103,7 +103,7 @@ fn paint(
         let (view, paths) = (&views[index], &paths[index]);
         job.check()?;
         let samples = playback.seen_from(&view.camera, frames[index], job)?;
-        let painted = render_view(&mut renderer, &samples, view, settings, job)?;
+        let painted = render_view(&mut renderer, &samples, view, None, settings, job)?;
         paths.write(&painted.picture)?;
         scores.add(view, painted);
         job.advance(1);

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use serde::Serialize;
 
+use crate::capture::Capture;
 use crate::cli::input::{self, SettingsArgs, TruthArgs};
-use crate::cli::output::{self, CommandError};
+use crate::cli::output::{self, CommandError, SavedPicture, StressDocument};
 use crate::evaluate::chart;
 use crate::evaluate::stress::{self, BreakingPoint, Disturbance, StressPlan, StressPoint};
 use crate::evaluate::truth::Truth;
@@ -20,7 +20,8 @@ pub(crate) struct StressArgs {
     capture: PathBuf,
     #[command(flatten)]
     truth: TruthArgs,
-    /// Folder for stress.csv, stress.json and stress.png. A run that was cut short goes on from what it left there.
+    /// Folder for stress.csv, stress.json, stress.png, pictures at the breaking points, and report.html with all of it. A run that was
+    /// cut short goes on from what it left there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Apply this disturbance alone; may be given several times.
@@ -33,21 +34,16 @@ pub(crate) struct StressArgs {
     json: bool,
 }
 
-#[derive(Serialize)]
-struct StressOutput<'a> {
-    capture: &'a str,
-    truth: String,
-    points: &'a [StressPoint],
-    failures: &'a [BreakingPoint],
-}
-
 impl StressArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
         output::check_folder(&self.out)?;
         let capture = input::open_capture(&self.capture, &settings.capture)?;
         let truth: Truth = self.truth.truth(&self.capture, &capture)?;
-        let mut plan = StressPlan { frames: self.truth.frames, ..StressPlan::standard(&settings) };
+        let mut plan = StressPlan {
+            frames: self.truth.frames,
+            ..StressPlan::standard(&settings).with_rivals(&settings)
+        };
         if !self.only.is_empty() {
             plan.disturbances.retain(|disturbance| self.only.iter().any(|name| name == disturbance.name()));
         }
@@ -58,15 +54,49 @@ impl StressArgs {
             stress::run(&capture, &plan, &truth, job, |point, _| keep(point))
         })?;
         let failures = stress::failures(&points);
-        let document = StressOutput {
-            capture: &capture.name,
-            truth: self.truth.words(&capture, &truth),
-            points: &points,
-            failures: &failures,
-        };
+        let breaking = self.breaking((&capture, &truth), &plan, &points)?;
         let chart = chart::stress(&capture.name, &points);
-        output::write_results(&self.out, "stress", &document, &points, ("stress.png", &chart))?;
-        if self.json { output::print_json(&document) } else { output::print(&table(&points, &failures)) }
+        let document = StressDocument {
+            capture: capture.name.clone(),
+            truth: self.truth.words(&capture, &truth),
+            command: output::command(),
+            version: output::version(),
+            points,
+            failures,
+            breaking,
+        };
+        output::write_results(&self.out, "stress", &document, &document.points, ("stress.png", &chart))?;
+        output::write_page(std::slice::from_ref(&self.out), &self.out.join(output::PAGE))?;
+        if self.json {
+            output::print_json(&document)
+        } else {
+            output::print(&table(&document.points, &document.failures))
+        }
+    }
+
+    /// Writes what each disturbance looks like where it breaks ours.
+    fn breaking(
+        &self,
+        (capture, truth): (&Capture, &Truth),
+        plan: &StressPlan,
+        points: &[StressPoint],
+    ) -> Result<Vec<SavedPicture>, CommandError> {
+        let views = output::watched(|job| stress::breaking_views(capture, plan, truth, points, job))?;
+        let mut saved = Vec::new();
+        for view in &views {
+            let file = format!("breaking/{}.png", view.disturbance.replace(' ', "-"));
+            let caption = format!(
+                "{} at {} {}: {:.2} dB lost over all viewpoints; {} has {:.2} dB",
+                view.disturbance,
+                view.dial,
+                view.unit,
+                view.loss_db,
+                view.shown.file_path,
+                view.shown.psnr_filled_db
+            );
+            saved.push(output::save_picture(&self.out, &file, caption, &view.shown)?);
+        }
+        Ok(saved)
     }
 }
 

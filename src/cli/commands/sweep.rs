@@ -1,24 +1,26 @@
 //! `overlook sweep`: accuracy against time and bytes, for many settings and all baselines.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::Serialize;
 
 use crate::capture::Capture;
 use crate::cli::input::{self, PaintingArgs, SettingsArgs, TruthArgs};
-use crate::cli::output::{self, CommandError};
+use crate::cli::output::{self, CommandError, SweepDocument};
+use crate::error::Error;
 use crate::evaluate::chart;
-use crate::evaluate::sweep::{self, Point, SweepPlan};
+use crate::evaluate::sweep::{self, ExternalPoint, SweepPlan};
 use crate::settings::Settings;
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
-    /// The capture: a folder, or the file in it that names its pictures.
-    capture: PathBuf,
+    /// The captures, each a folder or the file in it that names its pictures. Of several, each gets a folder of its own in DIR.
+    #[arg(required = true, value_name = "CAPTURE")]
+    captures: Vec<PathBuf>,
     #[command(flatten)]
     truth: TruthArgs,
-    /// Folder for sweep.csv, sweep.json and pareto.png. A sweep that was cut short goes on from what it left there.
+    /// Folder for sweep.csv, sweep.json, pareto.png, the worst viewpoints, and report.html with all of it. A sweep that was cut short
+    /// goes on from what it left there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Try these values of a setting, and all combinations where given several times, instead of the usual variations: as
@@ -28,6 +30,9 @@ pub(crate) struct SweepArgs {
     /// Try the settings of this file, under its name; may be given several times.
     #[arg(long, value_name = "FILE", conflicts_with = "vary")]
     with: Vec<PathBuf>,
+    /// Show the figures of another program on the same capture beside ours; may be given several times.
+    #[arg(long, value_name = "NAME=DB,MS,BYTES")]
+    rival: Vec<String>,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -37,35 +42,97 @@ pub(crate) struct SweepArgs {
     json: bool,
 }
 
-#[derive(Serialize)]
-struct SweepOutput<'a> {
-    capture: &'a str,
-    truth: String,
-    points: &'a [Point],
-}
+/// Viewpoints whose pictures are shown.
+const WORST_VIEWS: usize = 2;
 
 impl SweepArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
+        let external = self
+            .rival
+            .iter()
+            .map(|text| text.parse().map_err(|error: Error| CommandError::Usage(error.to_string())));
+        let external = external.collect::<Result<Vec<ExternalPoint>, CommandError>>()?;
         output::check_folder(&self.out)?;
-        let opened = input::open_capture(&self.capture, &settings.capture)?;
-        let (capture, truth) = self.truth.open(&self.capture, &opened)?;
-        let mut plan = self.plan(&settings, &capture)?;
-        let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;
-        let journal = output::Journal::open(&self.out, "sweep", &fingerprint)?;
+        if self.captures.len() > 1 && (self.truth.views.is_some() || !external.is_empty()) {
+            return Err(CommandError::Usage(
+                "--views and --rival are of one capture; sweep each by itself, and put them on one page with 'overlook report'".to_owned(),
+            ));
+        }
+        let mut opened = Vec::new();
+        for path in &self.captures {
+            opened.push((path, input::open_capture(path, &settings.capture)?));
+        }
+        let folders = self.folders(&opened)?;
+        let mut documents = Vec::new();
+        for ((path, capture), folder) in opened.iter().zip(&folders) {
+            documents.push(self.sweep((path, capture), folder, &settings, &external)?);
+        }
+        output::write_page(&folders, &self.out.join(output::PAGE))?;
+        match documents.as_slice() {
+            [only] if self.json => output::print_json(only),
+            [only] => output::print(&output::sweep_table(&only.points)),
+            several if self.json => output::print_json(&several),
+            several => {
+                let table = |document: &SweepDocument| {
+                    format!("{}\n{}\n", document.capture, output::sweep_table(&document.points))
+                };
+                output::print(&several.iter().map(table).collect::<Vec<_>>().join("\n"))
+            }
+        }
+    }
+
+    /// The folder of each capture's results: DIR itself for a single one.
+    fn folders(&self, opened: &[(&PathBuf, Capture)]) -> Result<Vec<PathBuf>, CommandError> {
+        if opened.len() == 1 {
+            return Ok(vec![self.out.clone()]);
+        }
+        let names: Vec<&str> = opened.iter().map(|(_, capture)| capture.name.as_str()).collect();
+        if let Some(twice) = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
+            return Err(CommandError::Usage(format!(
+                "two captures are called '{}'; sweep them into different folders, and put them on one page with 'overlook report'",
+                twice.1
+            )));
+        }
+        Ok(names.iter().map(|name| self.out.join(name)).collect())
+    }
+
+    /// Sweeps one capture, and writes what it gave.
+    fn sweep(
+        &self,
+        (path, opened): (&Path, &Capture),
+        folder: &Path,
+        settings: &Settings,
+        external: &[ExternalPoint],
+    ) -> Result<SweepDocument, CommandError> {
+        let (capture, truth) = self.truth.open(path, opened)?;
+        let mut plan = self.plan(settings, &capture)?;
+        let fingerprint = self.truth.fingerprint(path, opened, &truth)?;
+        let journal = output::Journal::open(folder, "sweep", &fingerprint)?;
+        plan.external = external.to_vec();
         plan.done = journal.points();
         let points = output::recorded(Some(&journal), |job, keep| {
             sweep::run(&capture, &plan, &truth, job, |point, _| keep(point))
         })?;
-        let document = SweepOutput {
-            capture: &capture.name,
-            truth: self.truth.words(&capture, &truth),
-            points: &points,
-        };
+        let shown =
+            output::watched(|job| sweep::worst_views(&capture, &plan, &truth, (&points, WORST_VIEWS), job))?;
+        let mut worst = Vec::new();
+        for (index, view) in shown.iter().enumerate() {
+            let caption = format!("{}: {:.2} dB", view.file_path, view.psnr_filled_db);
+            worst.push(output::save_picture(folder, &format!("worst{}.png", index + 1), caption, view)?);
+        }
         let chart = chart::pareto(&capture.name, &points);
-        output::write_results(&self.out, "sweep", &document, &points, ("pareto.png", &chart))?;
-        if self.json { output::print_json(&document) } else { output::print(&output::sweep_table(&points)) }
+        let document = SweepDocument {
+            capture: capture.name.clone(),
+            truth: self.truth.words(&capture, &truth),
+            command: output::command(),
+            version: output::version(),
+            points,
+            worst,
+        };
+        output::write_results(folder, "sweep", &document, &document.points, ("pareto.png", &chart))?;
+        Ok(document)
     }
 
     /// The settings files under their names, or under their paths if two share a name. A file that equals another row gets none

@@ -64,6 +64,21 @@ pub(crate) fn view_table(evaluation: &Evaluation) -> String {
     text
 }
 
+/// One line on where the error lies; empty where that is not known.
+pub(crate) fn class_line(evaluation: &Evaluation) -> String {
+    let Some(error) = &evaluation.mean.error_by_class else { return String::new() };
+    let classes = [("unseen", error.unseen), ("edge", error.edge), ("inner", error.inner)];
+    let words = classes.map(|(name, score)| {
+        let psnr = score.psnr_db.map_or_else(|| "no pixel".to_owned(), |psnr| format!("{psnr:.2} dB"));
+        format!(
+            "{name} {psnr}, {:.1} % of the error on {:.1} % of the pixels",
+            100.0 * score.of_error,
+            100.0 * score.share
+        )
+    });
+    format!("Where surfaces are wrong: {}", words.join("; "))
+}
+
 /// The line that names what rendered.
 pub(crate) fn painter_line(evaluation: &Evaluation) -> String {
     let painters: BTreeSet<String> = evaluation.views.iter().map(|view| view.painter.to_string()).collect();

@@ -8,10 +8,14 @@
 
 pub(crate) mod axis;
 mod color;
+mod error_picture;
 mod pareto;
 mod stress;
 mod svg;
+mod together;
 
+pub(crate) use error_picture::error_picture;
 pub(crate) use pareto::pareto;
 pub(crate) use stress::stress;
 pub(crate) use svg::Chart;
+pub(crate) use together::{TogetherPoint, together};

@@ -24,6 +24,11 @@ fn kernel_color(kernel: Kernel) -> &'static str {
     }
 }
 
+/// Rivals and other programs have a color of their own.
+fn point_color(point: &Point) -> &'static str {
+    if point.series.is_rival() { color::PINK } else { kernel_color(point.settings.render.kernel) }
+}
+
 fn marker(series: Series, is_lossless: bool) -> Marker {
     match series {
         Series::Reference | Series::Variation if is_lossless => Marker::Dot,
@@ -34,7 +39,11 @@ fn marker(series: Series, is_lossless: bool) -> Marker {
         Series::Random => Marker::Cross,
         Series::VoxelGrid => Marker::Square,
         Series::SingleCamera => Marker::Plus,
-        Series::Paper => Marker::Star,
+        Series::Paper | Series::External => Marker::Star,
+        Series::TriangleMesh => Marker::Up,
+        Series::Tsdf => Marker::Square,
+        Series::NearestCamera => Marker::Down,
+        Series::LayeredDepthImage => Marker::Diamond,
     }
 }
 
@@ -109,9 +118,12 @@ impl Panel<'_> {
         for (is_baseline, radius) in [(false, 5.0), (true, 8.0)] {
             for point in points.iter().filter(|point| point.series.is_baseline() == is_baseline) {
                 let shape = marker(point.series, point.is_lossless());
-                let color = kernel_color(point.settings.render.kernel);
-                svg.marker(shape, self.position(point), radius, color);
+                svg.marker(shape, self.position(point), radius, point_color(point));
             }
+        }
+        for point in points.iter().filter(|point| point.series == Series::External) {
+            let (x, y) = self.position(point);
+            svg.text((x + 12.0, y + 5.0), Anchor::Start, (14.0, color::PINK), &point.label);
         }
         for point in points.iter().filter(|point| point.series == Series::Reference) {
             let (x, y) = self.position(point);
@@ -165,7 +177,7 @@ fn legend(svg: &mut Svg, points: &[Point]) {
     svg.text((x, y), Anchor::Start, (16.0, color::FAINT), "kernel");
     x += 80.0;
     for kernel in Kernel::ALL.iter().rev() {
-        if points.iter().any(|point| point.settings.render.kernel == *kernel) {
+        if points.iter().any(|point| !point.series.is_rival() && point.settings.render.kernel == *kernel) {
             svg.marker(Marker::Dot, (x, y - 5.0), 7.0, kernel_color(*kernel));
             svg.text((x + 15.0, y), Anchor::Start, (16.0, color::INK), kernel.name());
             x += 110.0;
@@ -193,7 +205,7 @@ fn legend(svg: &mut Svg, points: &[Point]) {
             marker(series, true),
             (x, y - 5.0),
             if series.is_baseline() { 8.0 } else { 6.0 },
-            color::INK,
+            if series.is_rival() { color::PINK } else { color::INK },
         );
         if series == Series::Reference {
             svg.marker(Marker::Ring, (x, y - 5.0), 11.0, color::INK);

@@ -8,7 +8,8 @@ use crate::evaluate::stress::{LOST_DB, StressPoint, distinct, failures};
 const COLUMNS: usize = 5;
 const PANEL: (f64, f64) = (370.0, 300.0);
 const HEAD: f64 = 130.0;
-const COLORS: [&str; 5] = [color::BLUE, color::ORANGE, color::RED, color::GREEN, color::PINK];
+const COLORS: [&str; 7] =
+    [color::BLUE, color::ORANGE, color::RED, color::GREEN, color::PINK, color::INK, color::FAINT];
 
 /// Draws a stress test of a capture.
 pub(crate) fn stress(capture: &str, points: &[StressPoint]) -> Chart {

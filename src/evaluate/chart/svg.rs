@@ -18,6 +18,11 @@ pub(crate) struct Chart {
 const FAMILY: &str = "Ubuntu";
 
 impl Chart {
+    /// The chart as SVG.
+    pub(crate) fn svg(&self) -> String {
+        self.svg.clone()
+    }
+
     /// The chart as PNG.
     pub(crate) fn png(&self) -> Result<Vec<u8>> {
         let fail = |what: String| Error::unsupported("chart", what);

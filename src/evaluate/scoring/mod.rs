@@ -5,11 +5,14 @@
 //! ```
 
 mod aligned_view;
+mod pictures;
 mod scoreboard;
 mod view;
 
 pub(crate) use aligned_view::add_aligned;
+pub use pictures::{PictureScore, PictureScores};
+pub(crate) use pictures::score_pictures;
 pub(crate) use scoreboard::{Scoreboard, evaluate_with, nothing_to_compare, with_truth};
 pub use scoreboard::{evaluate, vantage_order};
 pub use view::{AlignedScore, Evaluation, MeanScore, ViewScore};
-pub(crate) use view::{frame_of, render_view, unknown_truth_warning};
+pub(crate) use view::{PaintedView, ViewCost, frame_of, render_view, scored, unknown_truth_warning};

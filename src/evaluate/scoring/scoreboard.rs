@@ -1,11 +1,12 @@
 //! Many views, painted in an order that shows flicker.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::view::{Evaluation, MeanScore, PaintedView, ViewScore, painted, render_view};
 use crate::capture::{Camera, TruthView};
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::{FlickerMeter, Scores};
+use crate::evaluate::metrics::{ClassErrors, ClassMap, FlickerMeter, Scores};
 use crate::job::Job;
 use crate::render::Renderer;
 use crate::samples::SampleSet;
@@ -16,6 +17,7 @@ use crate::settings::RenderSettings;
 pub(crate) struct Scoreboard {
     views: Vec<ViewScore>,
     flicker: FlickerMeter,
+    class_errors: ClassErrors,
     notice: Option<String>,
 }
 
@@ -24,6 +26,9 @@ impl Scoreboard {
     pub(crate) fn add(&mut self, view: &TruthView, painted: PaintedView) {
         if let Some(pair) = &painted.pair {
             self.flicker.add(&view.camera, pair);
+        }
+        if let Some(errors) = &painted.class_errors {
+            self.class_errors.add(errors);
         }
         self.views.push(painted.score);
         self.notice = self.notice.take().or(painted.notice);
@@ -45,6 +50,7 @@ impl Scoreboard {
             silhouette_steps: mean_score(&|scores| scores.silhouette_steps),
             flicker_steps: self.flicker.steps(),
             coverage: mean_score(&|scores| Some(scores.coverage)),
+            error_by_class: self.class_errors.scores(),
             milliseconds: mean(views.iter().map(|view| view.milliseconds)).unwrap_or_default(),
             samples: mean(views.iter().map(|view| view.samples as f64)).unwrap_or_default(),
         };
@@ -107,16 +113,23 @@ pub fn evaluate(
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
-    evaluate_with(&mut Renderer::strict(settings.backend)?, samples, views, settings, job)
+    evaluate_with(&mut Renderer::strict(settings.backend)?, samples, views, &[], settings, job)
 }
 
+/// As [`evaluate()`], by class of error at the views whose `classes` are known, which are in the order of the views.
 pub(crate) fn evaluate_with(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
     views: &[TruthView],
+    classes: &[Option<Arc<ClassMap>>],
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
+    let classes: HashMap<&str, &ClassMap> = views
+        .iter()
+        .zip(classes)
+        .filter_map(|(view, classes)| Some((view.file_path.as_str(), classes.as_deref()?)))
+        .collect();
     let views = with_truth(views, job);
     if views.is_empty() {
         return Err(nothing_to_compare(&samples.name));
@@ -128,7 +141,9 @@ pub(crate) fn evaluate_with(
     painted(renderer, samples, views[order[0]], settings, job)?;
     for &index in &order {
         job.check()?;
-        scores.add(views[index], render_view(renderer, samples, views[index], settings, job)?);
+        let view = views[index];
+        let classes = classes.get(view.file_path.as_str()).copied();
+        scores.add(view, render_view(renderer, samples, view, classes, settings, job)?);
         job.advance(1);
     }
     Ok(scores.finish().in_order_of_views(&order))

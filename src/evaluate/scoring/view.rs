@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::capture::TruthView;
+use crate::capture::{Frame, TruthView};
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::{Pair, Scores};
+use crate::evaluate::metrics::{ClassErrors, ClassMap, ErrorByClass, Pair, Scores};
 use crate::job::Job;
 use crate::render::{Painter, Picture, RenderStats, Renderer, Vantage};
 use crate::samples::SampleSet;
@@ -40,6 +40,9 @@ pub struct ViewScore {
     /// Closeness once the view is aligned by its own true picture; `None` where that was not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned: Option<AlignedScore>,
+    /// Where its error lies; `None` where the truth has no depth, or what cameras saw is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_by_class: Option<ErrorByClass>,
     /// Wall-clock milliseconds of painting, and of filling holes where the settings fill.
     pub milliseconds: f64,
     /// Samples that were projected.
@@ -79,6 +82,9 @@ pub struct MeanScore {
     /// See [`Scores::coverage`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<f64>,
+    /// See [`ViewScore::error_by_class`]; over all pixels of all views together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_by_class: Option<ErrorByClass>,
     /// See [`ViewScore::milliseconds`].
     pub milliseconds: f64,
     /// See [`ViewScore::samples`].
@@ -114,6 +120,8 @@ pub(crate) struct PaintedView {
     pub(crate) score: ViewScore,
     /// The picture beside its truth, where that is known.
     pub(crate) pair: Option<Pair>,
+    /// Where its error lies.
+    pub(crate) class_errors: Option<ClassErrors>,
     /// The part of [`ViewScore::milliseconds`] that filling holes took.
     pub(crate) fill_ms: f64,
     /// A notice if another renderer than requested was used.
@@ -143,24 +151,50 @@ pub(crate) fn unknown_truth_warning(view: &TruthView) -> String {
     )
 }
 
-/// Renders one view and, where its truth is known, scores it. No background is kept from the view before, so milliseconds and
+/// Renders one view and, where its truth is known, scores it, by class of error where `classes` are known. No background is kept from the view before, so milliseconds and
 /// samples do not depend on it; only the samples stay on a GPU.
 pub(crate) fn render_view(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
     view: &TruthView,
+    classes: Option<&ClassMap>,
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<PaintedView> {
-    let place = || format!("view '{}'", view.file_path);
     let (picture, stats) = painted(renderer, samples, view, settings, job)?;
-    let pair = match &view.truth {
-        None => None,
-        Some(truth) => Some(Pair::new(&picture, &truth()?).map_err(|error| match error {
-            Error::Invalid { what, .. } => Error::invalid(place(), what),
-            error => error,
-        })?),
+    let cost = ViewCost {
+        stats,
+        painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
+        notice: renderer.notice().map(str::to_owned),
     };
+    scored(view, picture, classes, cost, job)
+}
+
+/// What painting a view took.
+pub(crate) struct ViewCost {
+    pub(crate) stats: RenderStats,
+    pub(crate) painter: Painter,
+    /// See [`PaintedView::notice`].
+    pub(crate) notice: Option<String>,
+}
+
+/// Scores the picture of a view where its truth is known.
+pub(crate) fn scored(
+    view: &TruthView,
+    picture: Arc<Picture>,
+    classes: Option<&ClassMap>,
+    cost: ViewCost,
+    job: &Job,
+) -> Result<PaintedView> {
+    let truth = view.truth.as_ref().map(|load| load()).transpose()?;
+    let beside = |truth: &Frame| {
+        Pair::new(&picture, truth).map_err(|error| match error {
+            Error::Invalid { what, .. } => Error::invalid(format!("view '{}'", view.file_path), what),
+            error => error,
+        })
+    };
+    let pair = truth.as_ref().map(beside).transpose()?;
+    let class_errors = truth.zip(classes).map(|(truth, classes)| ClassErrors::of(&picture, &truth, classes));
     if pair.as_ref().is_some_and(|pair| !pair.has_truth()) {
         job.warn(unknown_truth_warning(view));
     }
@@ -168,12 +202,13 @@ pub(crate) fn render_view(
         file_path: view.file_path.clone(),
         scores: pair.as_ref().filter(|pair| pair.has_truth()).map(Pair::scores),
         aligned: None,
-        milliseconds: stats.milliseconds,
-        samples: stats.samples,
-        painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
+        error_by_class: class_errors.as_ref().and_then(ClassErrors::scores),
+        milliseconds: cost.stats.milliseconds,
+        samples: cost.stats.samples,
+        painter: cost.painter,
     };
-    let notice = renderer.notice().map(str::to_owned);
-    Ok(PaintedView { picture, score, pair, fill_ms: stats.fill_ms, notice })
+    let (fill_ms, notice) = (cost.stats.fill_ms, cost.notice);
+    Ok(PaintedView { picture, score, pair, class_errors, fill_ms, notice })
 }
 
 /// The picture of a view, with nothing kept from the view before.

@@ -20,11 +20,12 @@ use serde::{Deserialize, Serialize};
 
 use super::scoring::nothing_to_compare;
 use super::sweep::{self, Point, Series};
-use super::trial::{PairedDifference, TimeLeft, Trial, Workbench};
+use super::trial::{PairedDifference, ShownView, TimeLeft, Trial, ViewAccuracy, Workbench};
 use super::truth::{self, Recorded, Truth};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::job::Job;
+use crate::rivals::Rival;
 use crate::settings::Settings;
 
 /// A method that is put under stress.
@@ -34,6 +35,8 @@ pub struct Method {
     pub name: String,
     /// Its settings.
     pub settings: Settings,
+    /// The method of others that it is instead; its settings then say nothing.
+    pub rival: Option<Rival>,
 }
 
 /// Disturbances, methods, and the points that are known already.
@@ -57,7 +60,7 @@ impl StressPlan {
         let paper = sweep::paper(settings);
         let mut undefended = paper.clone();
         undefended.render = settings.render.clone();
-        let method = |name: &str, settings| Method { name: name.to_owned(), settings };
+        let method = |name: &str, settings| Method { name: name.to_owned(), settings, rival: None };
         Self {
             disturbances: Disturbance::ALL.to_vec(),
             methods: vec![
@@ -68,6 +71,18 @@ impl StressPlan {
             frames: None,
             done: Vec::new(),
         }
+    }
+
+    /// The plan with methods of others beside ours: meshes, a volume, the nearest camera and a layered depth image.
+    #[must_use]
+    pub fn with_rivals(mut self, settings: &Settings) -> Self {
+        let rivals = [Rival::TriangleMesh, Rival::Tsdf(4), Rival::NearestCamera, Rival::LayeredDepthImage];
+        self.methods.extend(rivals.map(|rival| Method {
+            name: rival.name().to_owned(),
+            settings: settings.clone(),
+            rival: Some(rival),
+        }));
+        self
     }
 
     /// The point of an earlier run.
@@ -268,9 +283,11 @@ impl Disturbed {
     fn measure(&mut self, method: &Method, job: &Job) -> Result<StressPoint> {
         let (disturbance, dial) = self.step;
         let (name, unit) = (disturbance.name(), disturbance.unit());
-        let trial = Trial::new(format!("{name} {dial} {unit}, {}", method.name), method.settings.clone());
+        let label = format!("{name} {dial} {unit}, {}", method.name);
+        let trial = Trial { rival: method.rival, ..Trial::new(label, method.settings.clone()) };
         let measured = self.workbench.measure(&trial, job)?;
-        let point = Point::new(&trial, Series::Variation, &measured);
+        let series = method.rival.map_or(Series::Variation, Series::of);
+        let point = Point::new(&trial, series, &measured);
         Ok(StressPoint {
             disturbance: name.to_owned(),
             dial,
@@ -310,6 +327,54 @@ pub fn failures(points: &[StressPoint]) -> Vec<BreakingPoint> {
         }
     };
     dials.into_iter().map(failure).collect()
+}
+
+/// What a method shows where a disturbance breaks it.
+pub(crate) struct BreakingView {
+    pub(crate) disturbance: String,
+    /// The first value of the dial at which 1 dB is lost, or the last one.
+    pub(crate) dial: f64,
+    pub(crate) unit: String,
+    /// Over all views.
+    pub(crate) loss_db: f64,
+    /// At the view that loses most.
+    pub(crate) shown: ShownView,
+}
+
+/// The first method of a plan at the breaking point of each disturbance.
+///
+/// # Errors
+/// As [`run`].
+pub(crate) fn breaking_views(
+    capture: &Capture,
+    plan: &StressPlan,
+    truth: &Truth,
+    points: &[StressPoint],
+    job: &Job,
+) -> Result<Vec<BreakingView>> {
+    let mut views = Vec::new();
+    let Some(method) = plan.methods.first() else { return Ok(views) };
+    for &disturbance in &plan.disturbances {
+        let is_of =
+            |point: &&StressPoint| point.disturbance == disturbance.name() && point.method == method.name;
+        let dial: Vec<&StressPoint> = points.iter().filter(is_of).collect();
+        let broken = dial.iter().find(|point| point.loss_db >= LOST_DB).or(dial.last());
+        let (Some(clean), Some(broken)) = (dial.first(), broken) else { continue };
+        let loss = |view: &ViewAccuracy| {
+            let before = clean.point.views.iter().find(|before| before.file_path == view.file_path);
+            before.map_or(0.0, |before| before.psnr_filled_db - view.psnr_filled_db)
+        };
+        let worst = broken.point.views.iter().max_by(|a, b| loss(a).total_cmp(&loss(b)));
+        let disturbed = Disturbed::new(capture, plan, truth, (disturbance, broken.dial), job)?;
+        let (Some(worst), Some(mut disturbed)) = (worst, disturbed) else { continue };
+        let trial = Trial::new(method.name.clone(), method.settings.clone());
+        if let Some(shown) = disturbed.workbench.show(&trial, &worst.file_path, job)? {
+            let (dial, loss_db) = (broken.dial, broken.loss_db);
+            let (disturbance, unit) = (broken.disturbance.clone(), broken.unit.clone());
+            views.push(BreakingView { disturbance, dial, unit, loss_db, shown });
+        }
+    }
+    Ok(views)
 }
 
 /// The values without repetitions, in the order in which they first come.

@@ -2,11 +2,15 @@
 //!
 //! Points are delivered one by one, so that a run can be shown and resumed.
 
+mod external;
 mod plan;
 mod point;
+mod worst;
 
+pub use external::ExternalPoint;
 pub use plan::{Planned, SweepPlan, paper, variations};
 pub use point::{Point, Series, mark_behind_best, mark_pareto, mark_pareto_of_stores};
+pub(crate) use worst::worst_views;
 
 use super::trial::{TimeLeft, Workbench};
 use super::truth::{Recorded, Truth};
@@ -47,6 +51,8 @@ pub fn run(
     }
     let mut points: Vec<Point> = points.into_iter().flatten().collect();
     only_the_best_single_camera(&mut points);
+    let vantages = points.iter().map(|point| point.vantages).max().unwrap_or_default();
+    points.extend(plan.external.iter().map(|external| external.point(&plan.reference, vantages)));
     mark_behind_best(&mut points);
     mark_pareto_of_stores(&mut points);
     Ok(points)

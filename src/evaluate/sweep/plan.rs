@@ -1,9 +1,11 @@
 //! Which settings a sweep tries.
 
+use super::external::ExternalPoint;
 use super::point::{Point, Series};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::trial::{Thinning, Trial};
+use crate::rivals::Rival;
 use crate::settings::{
     AgreementRule, Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels,
     ValueKind,
@@ -27,6 +29,8 @@ pub struct SweepPlan {
     pub reference: Settings,
     /// Points of an earlier run on the same capture and truth.
     pub done: Vec<Point>,
+    /// Figures of other programs, shown beside what is measured.
+    pub external: Vec<ExternalPoint>,
 }
 
 /// Values of numbers; choices and switches take all of theirs.
@@ -67,7 +71,7 @@ pub fn paper(base: &Settings) -> Settings {
 }
 
 impl SweepPlan {
-    /// The reference, every variation of one setting and every kernel with each, and all baselines.
+    /// The reference, every variation of one setting and every kernel with each, all baselines and all rivals.
     #[must_use]
     pub fn standard(reference: &Settings, capture: &Capture) -> Self {
         let mut plan = Self::empty(reference);
@@ -124,7 +128,7 @@ impl SweepPlan {
     }
 
     fn empty(reference: &Settings) -> Self {
-        Self { trials: Vec::new(), reference: reference.clone(), done: Vec::new() }
+        Self { trials: Vec::new(), reference: reference.clone(), done: Vec::new(), external: Vec::new() }
     }
 
     /// The point that an earlier run measured for this trial. A baseline with as many samples as the reference is known only if
@@ -183,6 +187,7 @@ impl SweepPlan {
                     settings: settings.clone(),
                     thinning,
                     cameras: cameras.clone(),
+                    rival: None,
                 };
                 self.trials.push(Planned { trial, series });
             }
@@ -198,6 +203,10 @@ impl SweepPlan {
         let settings = paper(&self.reference);
         let label = format!("{}, {}", Series::Paper.name(), settings.render.kernel);
         self.trials.push(Planned { trial: Trial::new(label, settings), series: Series::Paper });
+        for rival in Rival::ALL {
+            let trial = Trial { rival: Some(rival), ..Trial::new(rival.to_string(), self.reference.clone()) };
+            self.trials.push(Planned { trial, series: Series::of(rival) });
+        }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluate::metrics::Scores;
+use crate::evaluate::metrics::{ErrorByClass, Scores};
 use crate::evaluate::trial::{MeanEstimate, PairedDifference, Trial, TrialResult, ViewAccuracy, kernel_cost};
+use crate::rivals::Rival;
 use crate::settings::{Precision, Settings};
 
 /// What a point is.
@@ -28,11 +29,21 @@ pub enum Series {
     SingleCamera,
     /// The paper's settings.
     Paper,
+    /// See [`Rival::TriangleMesh`].
+    TriangleMesh,
+    /// See [`Rival::Tsdf`].
+    Tsdf,
+    /// See [`Rival::NearestCamera`].
+    NearestCamera,
+    /// See [`Rival::LayeredDepthImage`].
+    LayeredDepthImage,
+    /// Figures of another program, which were given.
+    External,
 }
 
 impl Series {
     /// Every series, the reference first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 14] = [
         Self::Reference,
         Self::Variation,
         Self::NoPruning,
@@ -42,6 +53,11 @@ impl Series {
         Self::VoxelGrid,
         Self::SingleCamera,
         Self::Paper,
+        Self::TriangleMesh,
+        Self::Tsdf,
+        Self::NearestCamera,
+        Self::LayeredDepthImage,
+        Self::External,
     ];
 
     /// Name for legends.
@@ -57,7 +73,32 @@ impl Series {
             Self::VoxelGrid => "voxel grid, as many samples",
             Self::SingleCamera => "one camera alone",
             Self::Paper => "the paper's settings",
+            Self::TriangleMesh => Rival::TriangleMesh.name(),
+            Self::Tsdf => Rival::Tsdf(1).name(),
+            Self::NearestCamera => Rival::NearestCamera.name(),
+            Self::LayeredDepthImage => Rival::LayeredDepthImage.name(),
+            Self::External => "another program",
         }
+    }
+
+    /// The series of a rival.
+    #[must_use]
+    pub fn of(rival: Rival) -> Self {
+        match rival {
+            Rival::TriangleMesh => Self::TriangleMesh,
+            Rival::Tsdf(_) => Self::Tsdf,
+            Rival::NearestCamera => Self::NearestCamera,
+            Rival::LayeredDepthImage => Self::LayeredDepthImage,
+        }
+    }
+
+    /// Whether pictures of it are made otherwise than by our renderer, so that its settings say nothing.
+    #[must_use]
+    pub fn is_rival(self) -> bool {
+        matches!(
+            self,
+            Self::TriangleMesh | Self::Tsdf | Self::NearestCamera | Self::LayeredDepthImage | Self::External
+        )
     }
 
     /// Whether this is what others do.
@@ -104,6 +145,8 @@ pub struct Point {
     pub silhouette_steps: Option<f64>,
     /// Root mean square change of error from frame to frame at a still vantage, 8-bit steps.
     pub flicker_steps: Option<f64>,
+    /// Where the error lies, over all pixels of all views that show a surface; `None` where no truth has depth.
+    pub error_by_class: Option<ErrorByClass>,
     /// See [`Scores::coverage`].
     pub coverage: f64,
     /// Samples kept.
@@ -180,6 +223,7 @@ impl Point {
                 .any(|frames| !frames.is_empty())
                 .then(|| MeanEstimate::over_vantages(&edges).mean),
             flicker_steps: measured.flicker_steps,
+            error_by_class: measured.error_by_class,
             coverage: of(&|scores| scores.coverage).mean,
             samples: measured.samples,
             bytes: measured.bytes,
@@ -198,17 +242,19 @@ impl Point {
 }
 
 /// Sets `behind_best_db` and `behind_best_db_se` of points that were scored at views of one truth. The most accurate point of those that were
-/// scored at the most vantages loses nothing.
+/// scored at the most vantages loses nothing. Figures of other programs are not known view by view: theirs is the difference of the
+/// means, without a standard error.
 pub fn mark_behind_best<'a>(points: impl IntoIterator<Item = &'a mut Point>) {
     let mut points: Vec<&mut Point> = points.into_iter().collect();
     let accuracy = |a: &&mut Point, b: &&mut Point| {
         a.vantages.cmp(&b.vantages).then(a.psnr_filled_db.total_cmp(&b.psnr_filled_db))
     };
-    let Some(best) = points.iter().max_by(|a, b| accuracy(a, b)).map(|best| best.views.clone()) else {
-        return;
-    };
+    let measured = points.iter().filter(|point| point.series != Series::External);
+    let best = measured.max_by(|a, b| accuracy(a, b)).map(|best| (best.views.clone(), best.psnr_filled_db));
+    let Some((best, best_db)) = best else { return };
     for point in &mut points {
-        let loss = PairedDifference::between(&best, &point.views).map(|loss| loss.db).unwrap_or_default();
+        let unpaired = MeanEstimate { mean: best_db - point.psnr_filled_db, standard_error: 0.0 };
+        let loss = PairedDifference::between(&best, &point.views).map_or(unpaired, |loss| loss.db);
         (point.behind_best_db, point.behind_best_db_se) = (loss.mean, loss.standard_error);
     }
 }

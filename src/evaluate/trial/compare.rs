@@ -6,6 +6,7 @@ use super::workbench::{FoldSamples, stored};
 use crate::capture::{Capture, TruthView};
 use crate::error::Result;
 use crate::evaluate::scoring::{Evaluation, add_aligned, evaluate_with, frame_of, with_truth};
+use crate::evaluate::truth;
 use crate::job::Job;
 use crate::preprocess;
 use crate::render::Renderer;
@@ -56,13 +57,14 @@ pub fn compare(
     for view in with_truth(views, job) {
         frame_of(view, &capture.name, &capture.frame_numbers)?;
     }
+    let classes = truth::class_maps(capture, views, job)?;
     let scan = preprocess::scan(capture, settings, job)?;
     let mut compared = |method| {
         let mut settings = settings.clone();
         settings.pruning.method = method;
         let pruned = preprocess::prune(capture, &scan, &settings, job)?;
         let FoldSamples { samples, bytes: bytes_store, .. } = stored(&pruned.samples, &pruned.report, job)?;
-        let mut evaluation = evaluate_with(&mut renderer, &samples, views, &settings.render, job)?;
+        let mut evaluation = evaluate_with(&mut renderer, &samples, views, &classes, &settings.render, job)?;
         if align_views {
             let views = with_truth(views, job);
             add_aligned(

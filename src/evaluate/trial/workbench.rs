@@ -15,21 +15,22 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::baselines;
-use super::paired::ViewAccuracy;
+use super::rival_trial;
 use super::standard_error::MeanEstimate;
+use super::trial_result::{TrialResult, scores_by_vantage};
 use crate::capture::TruthView;
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::Scores;
-use crate::evaluate::scoring::{Evaluation, Scoreboard, ViewScore, render_view};
+use crate::evaluate::metrics::{ClassErrors, ClassMap};
+use crate::evaluate::scoring::{Scoreboard, render_view};
 use crate::evaluate::truth::{Fold, Recorded, Truth};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
 use crate::preprocess::{self, PreparedScan};
 use crate::render::Renderer;
+use crate::rivals::Rival;
 use crate::samples::SampleSet;
 use crate::settings::{
-    AlignSettings, Backend, CaptureSettings, Fill, Kernel, NormalSettings, PruningMethod, RenderSettings,
-    Settings, SpanSettings,
+    AlignSettings, Backend, Fill, NormalSettings, PruningMethod, RenderSettings, Settings, SpanSettings,
 };
 
 /// What is done to the samples after pruning.
@@ -57,13 +58,15 @@ pub struct Trial {
     pub thinning: Thinning,
     /// Names of the cameras that a model is made of; `None` for all.
     pub cameras: Option<Vec<String>>,
+    /// The method of others that is measured instead; of the settings, only how holes are filled then counts.
+    pub rival: Option<Rival>,
 }
 
 impl Trial {
     /// Settings as they are, on all cameras.
     #[must_use]
     pub fn new(label: impl Into<String>, settings: Settings) -> Self {
-        Self { label: label.into(), settings, thinning: Thinning::None, cameras: None }
+        Self { label: label.into(), settings, thinning: Thinning::None, cameras: None, rival: None }
     }
 
     /// What the trial's samples depend on: all but the painting.
@@ -78,27 +81,6 @@ impl Trial {
 }
 
 type ModelKey = (Settings, Thinning, Option<Vec<String>>);
-
-/// What a trial gave; means over folds, with the units of [`Point`](crate::evaluate::sweep::Point).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TrialResult {
-    /// Names and scores of the views of every vantage of every fold, frame by frame.
-    pub(crate) vantages: Vec<Vec<(String, Scores)>>,
-    /// `None` if no vantage is seen at two frames.
-    pub(crate) flicker_steps: Option<f64>,
-    pub(crate) samples: u64,
-    pub(crate) bytes: u64,
-    pub(crate) bytes_record: u64,
-    pub(crate) bytes_memory: u64,
-    pub(crate) samples_shared: u64,
-    pub(crate) spans: u64,
-    /// Median over all views.
-    pub(crate) milliseconds: f64,
-    /// Mean number of samples that are projected for a view.
-    pub(crate) samples_painted: f64,
-    /// With the scan.
-    pub(crate) seconds_preprocess: f64,
-}
 
 /// Samples of one fold under one trial.
 pub(crate) struct FoldSamples {
@@ -176,9 +158,13 @@ impl Workbench {
     /// Those of preprocessing, the store and rendering; `Invalid` if no fold has a camera left; `Gpu` if the GPU cannot render:
     /// times of the CPU must not pass for its own.
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<TrialResult> {
+        if let Some(rival) = trial.rival {
+            return self.measure_rival(rival, trial, job);
+        }
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
         let (mut models, mut evaluations, mut vantages) = (Vec::new(), Vec::new(), Vec::new());
+        let mut class_errors = ClassErrors::default();
         for fold in &mut self.folds {
             if !fold.has_cameras(trial) {
                 continue;
@@ -186,9 +172,10 @@ impl Workbench {
             let model = fold.model(trial, &self.reference, job)?;
             job.start("Scoring views", fold.fold.views.len());
             let mut scores = Scoreboard::default();
-            for view in &fold.fold.views {
+            for (view, classes) in fold.fold.views.iter().zip(&fold.fold.classes) {
                 job.check()?;
-                let mut painted = render_view(renderer, &model.samples, view, &filling, job)?;
+                let classes = classes.as_deref();
+                let mut painted = render_view(renderer, &model.samples, view, classes, &filling, job)?;
                 if let (Backend::Gpu, Some(why)) = (filling.backend, &painted.notice) {
                     return Err(Error::Gpu {
                         what: format!("'{}' asks for the GPU, but {why}", trial.label),
@@ -196,6 +183,7 @@ impl Workbench {
                 }
                 // Filling is the same for all kernels and baselines, and no part of the paper's method.
                 painted.score.milliseconds -= painted.fill_ms;
+                class_errors.add(&painted.class_errors.unwrap_or_default());
                 scores.add(view, painted);
                 job.advance(1);
             }
@@ -217,6 +205,8 @@ impl Workbench {
             evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
         Ok(TrialResult {
             vantages,
+            error_by_class: class_errors.scores(),
+            class_errors,
             flicker_steps: (!flicker.is_empty()).then(|| MeanEstimate::of(&flicker).mean),
             samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,
             bytes: mean(&|model| model.bytes as f64).round() as u64,
@@ -232,27 +222,46 @@ impl Workbench {
     }
 }
 
-impl TrialResult {
-    /// Accuracy view by view, vantage after vantage.
-    pub(crate) fn accuracy_by_view(&self) -> Vec<ViewAccuracy> {
-        let vantages = self.vantages.iter().enumerate();
-        let views = vantages.flat_map(|(vantage, views)| {
-            views.iter().map(move |(name, scores)| ViewAccuracy {
-                file_path: name.clone(),
-                vantage,
-                psnr_filled_db: scores.psnr_all_db,
-            })
-        });
-        views.collect()
+impl Workbench {
+    /// The view of a name, its classes of error, and the samples that a trial shows it from.
+    pub(super) fn view_and_samples(
+        &mut self,
+        trial: &Trial,
+        file_path: &str,
+        job: &Job,
+    ) -> Result<Option<(TruthView, Option<Arc<ClassMap>>, Arc<SampleSet>)>> {
+        for fold in &mut self.folds {
+            let Some(index) = fold.fold.views.iter().position(|view| view.file_path == file_path) else {
+                continue;
+            };
+            let (view, classes) = (fold.fold.views[index].clone(), fold.fold.classes[index].clone());
+            return Ok(Some((view, classes, fold.model(trial, &self.reference, job)?.samples.clone())));
+        }
+        Ok(None)
     }
-}
 
-/// Names and scores of the views of each vantage, which follow each other.
-fn scores_by_vantage(views: &[TruthView], evaluation: &Evaluation) -> Vec<Vec<(String, Scores)>> {
-    let scored: Vec<_> = views.iter().zip(&evaluation.views).collect();
-    let vantages = scored.chunk_by(|(before, _), (after, _)| before.camera == after.camera);
-    let scored = |(view, score): &(&TruthView, &ViewScore)| Some((view.file_path.clone(), score.scores?));
-    vantages.map(|vantage| vantage.iter().filter_map(scored).collect()).collect()
+    /// The renderer for a backend.
+    pub(super) fn renderer(&mut self, backend: Backend) -> Result<&mut Renderer> {
+        opened(&mut self.renderers, backend)
+    }
+
+    /// Measures a method of others. Where it keeps all pictures as they were recorded, it is as large as our store of them.
+    fn measure_rival(&mut self, rival: Rival, trial: &Trial, job: &Job) -> Result<TrialResult> {
+        let mut parts = Vec::new();
+        for fold in &mut self.folds {
+            let pictures = rival_trial::measure(rival, &fold.fold, &trial.settings.render, job)?;
+            let (bytes, bytes_record) = if let Some(bytes) = pictures.bytes {
+                (bytes, 0)
+            } else {
+                let mut all = Trial::new("all samples", trial.settings.clone());
+                all.settings.pruning.method = PruningMethod::Off;
+                let all = fold.model(&all, &self.reference, job)?;
+                (all.bytes, all.bytes_record)
+            };
+            parts.push(TrialResult { bytes, bytes_record, ..pictures.result });
+        }
+        Ok(rival_trial::over_folds(parts))
+    }
 }
 
 /// The renderer for a backend, opened when it is first asked for.
@@ -387,14 +396,4 @@ pub(crate) fn stored(samples: &SampleSet, report: &Report, job: &Job) -> Result<
     let report = Report { seconds: 0.0, ..report.clone() };
     let bytes_record = store.info().record_bytes;
     Ok(FoldSamples { bytes, bytes_record, ..FoldSamples::unstored(Arc::new(samples), report, 0.0) })
-}
-
-/// Work of a kernel per sample, the same on every machine: ranks of measured times.
-pub(crate) fn kernel_cost(kernel: Kernel) -> f64 {
-    match kernel {
-        Kernel::Point => 1.0,
-        Kernel::Block => 4.0,
-        Kernel::Surfel => 6.0,
-        Kernel::Gather => 7.0,
-    }
 }

@@ -15,9 +15,11 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::error_classes::class_map;
 use super::hold_out;
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthView};
 use crate::error::{Error, Result};
+use crate::evaluate::metrics::ClassMap;
 use crate::evaluate::scoring::{nothing_to_compare, unknown_truth_warning, vantage_order, with_truth};
 use crate::job::Job;
 
@@ -39,6 +41,8 @@ pub struct Fold {
     pub capture: Capture,
     /// Views whose truth is masked to what those cameras saw, ordered by vantage and frame.
     pub views: Vec<TruthView>,
+    /// Where the error of each view may lie; `None` where its truth has no depth, or nobody asked.
+    pub(crate) classes: Vec<Option<Arc<ClassMap>>>,
 }
 
 /// What was recorded and the true scene, which differ under a disturbance.
@@ -114,7 +118,7 @@ impl Truth {
                 clean: recorded.clean.with_cameras(keep),
                 ..recorded.clone()
             };
-            let masked: Vec<(TruthView, bool)> = views
+            let masked: Vec<MaskedView> = views
                 .into_par_iter()
                 .map(|view| {
                     job.check()?;
@@ -123,10 +127,10 @@ impl Truth {
                     view
                 })
                 .collect::<Result<_>>()?;
-            let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|(_, has_truth)| *has_truth);
-            dropped.extend(unseen.iter().map(|(view, _)| unknown_truth_warning(view)));
-            let views: Vec<TruthView> = known.into_iter().map(|(view, _)| view).collect();
-            Ok(Fold { held_out, capture: fold.capture, views: ordered(&views) })
+            let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|masked| masked.has_truth);
+            dropped.extend(unseen.iter().map(|masked| unknown_truth_warning(&masked.view)));
+            let (views, classes) = ordered(known);
+            Ok(Fold { held_out, capture: fold.capture, views, classes })
         };
         let mut folds = folds.into_iter().map(mask).collect::<Result<Vec<_>>>()?;
         folds.retain(|fold| !fold.views.is_empty());
@@ -135,13 +139,22 @@ impl Truth {
 }
 
 /// Views of one vantage after each other, each by frame; vantages in the order in which they first come.
-fn ordered(views: &[TruthView]) -> Vec<TruthView> {
-    let order = vantage_order(&views.iter().collect::<Vec<_>>());
-    order.into_iter().map(|index| views[index].clone()).collect()
+fn ordered(views: Vec<MaskedView>) -> (Vec<TruthView>, Vec<Option<Arc<ClassMap>>>) {
+    let order = vantage_order(&views.iter().map(|masked| &masked.view).collect::<Vec<_>>());
+    order.into_iter().map(|index| (views[index].view.clone(), views[index].classes.clone())).unzip()
 }
 
-/// The view with its truth loaded, masked to what the recorded cameras saw unless it has no depth, and whether any pixel is left.
-fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
+/// A view with its truth loaded and masked.
+struct MaskedView {
+    view: TruthView,
+    /// Whether any pixel of the truth is left.
+    has_truth: bool,
+    /// By the whole truth.
+    classes: Option<Arc<ClassMap>>,
+}
+
+/// The view with its truth loaded, masked to what the recorded cameras saw unless it has no depth.
+fn masked(recorded: &Recorded, view: TruthView) -> Result<MaskedView> {
     let (Some(load), Some(frame)) = (&view.truth, recorded.capture.frame_index(view.frame_number)) else {
         return Err(Error::invalid(
             format!("view '{}'", view.file_path),
@@ -154,15 +167,20 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<(TruthView, bool)> {
     if let Some(edit) = &recorded.edit_truth {
         edit(&view.camera, view.frame_number, &mut truth);
     }
+    let mut classes = None;
     if has_depth {
         let camera_views = (0..recorded.capture.cameras.len())
             .map(|camera| CameraView::new(recorded, camera, frame))
             .collect::<Result<Vec<_>>>()?;
+        let seen: Vec<_> =
+            camera_views.iter().map(|seen| (seen.camera.clone(), seen.clean.clone())).collect();
+        classes = class_map(&view.camera, &truth, &seen).map(Arc::new);
         mask_unseen(&mut truth, &view.camera, &camera_views);
     }
     let has_truth = truth.inverse_depth.as_slice().iter().any(|inverse_depth| *inverse_depth >= 0.0);
     let truth = Arc::new(truth);
-    Ok((TruthView { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view }, has_truth))
+    let view = TruthView { truth: Some(Arc::new(move || Ok((*truth).clone()))), ..view };
+    Ok(MaskedView { view, has_truth, classes })
 }
 
 /// Takes what nothing saw out of what `camera` truly sees.

@@ -33,6 +33,7 @@ pub(super) fn drop_needless(
         let (psnr_filled_db, dropped) = match search.truth {
             Truth::Views(_) => {
                 let trial = Trial {
+                    rival: None,
                     cameras: Some(without.clone()),
                     ..Trial::new(
                         format!("without {}", dropped_from(capture, &without)),
@@ -82,7 +83,8 @@ fn at_its_own_place(
 ) -> Result<f64> {
     let (_, views) = truth::split(capture, &[name.to_owned()])?;
     let rest = capture.with_cameras(|_, camera| without.contains(&camera.name));
-    let fold = Fold { held_out: Some(name.to_owned()), capture: rest, views };
+    let fold =
+        Fold { held_out: Some(name.to_owned()), capture: rest, classes: vec![None; views.len()], views };
     let trial = Trial::new(format!("without {name}"), settings.clone());
     let result = Workbench::on(vec![fold], settings).measure(&trial, search.job)?;
     let accuracy: Vec<f64> = result.vantages.iter().flatten().map(|(_, scores)| scores.psnr_all_db).collect();

@@ -1,0 +1,90 @@
+//! HTML, put together piece by piece.
+
+use std::fmt::Write;
+
+use super::Figure;
+
+/// Text as HTML shows it.
+pub(super) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A table: a heading for each column, and rows of cells that are HTML already. The first column holds text, the others numbers.
+pub(super) fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+    let mut html = String::from("<table><thead><tr>");
+    for name in head {
+        let _ = write!(html, "<th>{}</th>", escaped(name));
+    }
+    html.push_str("</tr></thead><tbody>\n");
+    for row in rows {
+        html.push_str("<tr>");
+        for cell in row {
+            let _ = write!(html, "<td>{cell}</td>");
+        }
+        html.push_str("</tr>\n");
+    }
+    html + "</tbody></table>\n"
+}
+
+/// A picture in the page itself, with its caption.
+pub(super) fn figure(figure: &Figure) -> String {
+    let caption = escaped(&figure.caption);
+    format!(
+        "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\"><figcaption>{caption}</figcaption></figure>\n",
+        base64(&figure.png)
+    )
+}
+
+/// A chart in the page itself, as wide as the page.
+pub(super) fn chart(svg: &str) -> String {
+    // The size comes from the view box, so that the page decides.
+    let size = svg.find(" width=").zip(svg.find(" viewBox="));
+    let scaled = size.map_or_else(|| svg.to_owned(), |(from, to)| format!("{}{}", &svg[..from], &svg[to..]));
+    format!("<div class=\"chart\">{scaled}</div>\n")
+}
+
+/// Base64 with padding (RFC 4648).
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for part in bytes.chunks(3) {
+        let word =
+            part.iter().fold(0_u32, |word, byte| word << 8 | u32::from(*byte)) << (8 * (3 - part.len()));
+        for letter in 0..4 {
+            let code = (word >> (18 - 6 * letter) & 63) as usize;
+            text.push(if letter <= part.len() { char::from(LETTERS[code]) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_encoded_as_the_standards_own_test_vectors() {
+        let vectors = [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("foobar", "Zm9vYmFy"),
+        ];
+        for (plain, encoded) in vectors {
+            assert_eq!(base64(plain.as_bytes()), encoded);
+        }
+    }
+
+    #[test]
+    fn charts_take_the_width_of_the_page() {
+        let scaled = chart(
+            "<svg xmlns=\"x\" width=\"1800\" height=\"1040\" viewBox=\"0 0 1800 1040\" font-family=\"F\">",
+        );
+        assert_eq!(
+            scaled.trim(),
+            "<div class=\"chart\"><svg xmlns=\"x\" viewBox=\"0 0 1800 1040\" font-family=\"F\"></div>"
+        );
+    }
+}

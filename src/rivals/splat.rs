@@ -1,0 +1,82 @@
+//! Pixels carried forward one by one, each as a square as wide as it appears, nearest first.
+
+use glam::{DMat3, DVec2, DVec3};
+
+use crate::capture::Camera;
+use crate::grid::Grid;
+use crate::render::{NO_IMAGE, Picture};
+
+/// Widest square, pixels: as wide as the largest splat of the layered depth images.
+const MAX_WIDTH: f64 = 7.0;
+
+/// A picture that pixels of one camera, or several, are carried to.
+pub(super) struct Splatter {
+    target: Camera,
+    nearest: Grid<f32>,
+    color: Grid<[f32; 3]>,
+}
+
+/// The map from the pixels of a camera to those of the target.
+pub(super) struct PixelMap {
+    source: Camera,
+    target_from_source: DMat3,
+    /// In the target's space, what a pixel moves by for each unit of inverse depth.
+    shift: DVec3,
+    /// A pixel's width in the target for equal depths.
+    focal_ratio: f64,
+}
+
+impl Splatter {
+    pub(super) fn new(target: &Camera) -> Self {
+        let (width, height) = target.intrinsics.size();
+        Self {
+            target: target.clone(),
+            nearest: Grid::filled(width, height, -1.0),
+            color: Grid::filled(width, height, [0.0; 3]),
+        }
+    }
+
+    pub(super) fn map_from(&self, source: &Camera) -> PixelMap {
+        let target_from_world = self.target.camera_from_world();
+        let (from, to) = (source.intrinsics, self.target.intrinsics);
+        PixelMap {
+            source: source.clone(),
+            target_from_source: target_from_world.matrix3 * source.world_from_camera.matrix3,
+            shift: target_from_world.transform_point3(source.position_in_world()),
+            focal_ratio: ((to.fx * to.fy) / (from.fx * from.fy)).sqrt(),
+        }
+    }
+
+    /// Carries the pixel at `position` of the map's camera here. An inverse depth of 0 is at infinity.
+    pub(super) fn add(&mut self, map: &PixelMap, position: DVec2, inverse_depth: f32, color: [f32; 3]) {
+        let ray = map.source.intrinsics.ray_in_camera(position);
+        // The point times its inverse depth, so that infinity needs no case of its own.
+        let point = map.target_from_source * ray + f64::from(inverse_depth) * map.shift;
+        let Some(at) = self.target.intrinsics.project(point) else { return };
+        let inverse_here = (f64::from(inverse_depth) / point.z) as f32;
+        let width = (map.focal_ratio / point.z).clamp(1.0, MAX_WIDTH);
+        let (columns, rows) = self.color.size();
+        let covered = |center: f64, end: usize| {
+            let first = (center - 0.5 * width + 0.5).floor().max(0.0) as usize;
+            let last = (center + 0.5 * width + 0.5).floor().clamp(0.0, end as f64) as usize;
+            first..last
+        };
+        if !(at.x > -MAX_WIDTH && at.y > -MAX_WIDTH) {
+            return;
+        }
+        for y in covered(at.y, rows) {
+            for x in covered(at.x, columns) {
+                if inverse_here > self.nearest[(x, y)] {
+                    self.nearest[(x, y)] = inverse_here;
+                    self.color[(x, y)] = color;
+                }
+            }
+        }
+    }
+
+    pub(super) fn finish(self) -> Picture {
+        let image = self.nearest.map(|nearest| if *nearest >= 0.0 { 0 } else { NO_IMAGE });
+        let (width, height) = self.color.size();
+        Picture { color: self.color, inverse_depth: self.nearest, image, ..Picture::empty(width, height) }
+    }
+}
