@@ -8,6 +8,7 @@
 //! as they were recorded, with nothing pruned. Holes are left, so that whoever compares fills those of all methods alike.
 
 mod layered_depth_image;
+mod model;
 mod nearest_camera;
 mod sky;
 mod splat;
@@ -15,13 +16,11 @@ mod triangle_mesh;
 mod tsdf;
 mod tsdf_volume;
 
-use std::sync::Arc;
+pub use model::{RecordedView, RivalModel};
 
 use serde::{Deserialize, Serialize};
 
-use crate::capture::{Camera, Frame};
 use crate::error::{Error, Result};
-use crate::render::Picture;
 
 /// A method of others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -111,54 +110,14 @@ pub fn tsdf_of_voxel(views: &[RecordedView], voxel: f64) -> Result<Box<dyn Rival
     Ok(Box::new(tsdf::Tsdf::of_voxel(views, voxel)?))
 }
 
-/// A camera and what it saw at a frame.
-#[derive(Clone, Debug)]
-pub struct RecordedView {
-    /// Where from.
-    pub camera: Camera,
-    /// What it saw.
-    pub frame: Arc<Frame>,
-}
-
-/// What a method keeps of one frame.
-pub trait RivalModel: Send + Sync {
-    /// The picture at a viewpoint. [`Picture::image`] is 0 where there is something, and [`NO_IMAGE`](crate::render::NO_IMAGE) in holes.
-    fn render(&self, target: &Camera) -> Picture;
-
-    /// Bytes of the model as a file, values rounded to 8 bits (depth to 24) and deflated; `None` where the method keeps all pictures as
-    /// they were recorded.
-    fn bytes(&self) -> Option<u64>;
-}
-
-/// Middle of the finite depths of all views, and the mean width of a pixel there; `None` where no view has any.
-fn median_footprint(views: &[RecordedView]) -> Option<(f64, f64)> {
-    let mut footprints: Vec<(f64, f64)> = Vec::new();
-    for view in views {
-        let k = view.camera.intrinsics;
-        let depths = view.frame.inverse_depth.as_slice().iter().filter(|inverse_depth| **inverse_depth > 0.0);
-        footprints.extend(depths.map(|inverse_depth| {
-            let depth = 1.0 / f64::from(*inverse_depth);
-            (depth, depth / (k.fx * k.fy).sqrt())
-        }));
-    }
-    let middle = footprints.len() / 2;
-    let by_depth = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0);
-    (!footprints.is_empty()).then(|| *footprints.select_nth_unstable_by(middle, by_depth).1)
-}
-
-/// Length of bytes after DEFLATE (RFC 1951).
-fn deflated(bytes: &[u8]) -> u64 {
-    let mut compressor = libdeflater::Compressor::new(libdeflater::CompressionLvl::default());
-    let mut room = vec![0; compressor.deflate_compress_bound(bytes.len())];
-    compressor.deflate_compress(bytes, &mut room).map_or(bytes.len(), |length| length) as u64
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::DVec3;
 
     use super::*;
-    use crate::capture::Intrinsics;
+    use crate::capture::{Camera, Frame, Intrinsics};
     use crate::grid::Grid;
 
     /// A camera at `x` that looks along +z, at a slope of gray stripes that is 3 away in the middle.

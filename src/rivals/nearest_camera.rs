@@ -2,7 +2,7 @@
 //!
 //! Purpose: the least that anybody would do.
 //!
-//! Source: L. McMillan and G. Bishop, *Plenoptic Modeling: An Image-Based Rendering System*, SIGGRAPH 1995, §3.3: every pixel of a
+//! Source: L. `McMillan` and G. Bishop, *Plenoptic Modeling: An Image-Based Rendering System*, SIGGRAPH 1995, §3.3: every pixel of a
 //! picture with depth is carried forward to the new viewpoint by its generalized disparity, and drawn as large as it appears there.
 //!
 //! What differs: pictures are planar, not cylindrical; a z-buffer decides instead of the order in which pixels are visited, with the
@@ -10,9 +10,9 @@
 
 use glam::DVec2;
 
+use super::model::{RecordedView, RivalModel};
 use super::sky::by_distance;
 use super::splat::Splatter;
-use super::{RecordedView, RivalModel};
 use crate::capture::Camera;
 use crate::render::Picture;
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::RecordedView;
+use super::model::RecordedView;
 use crate::capture::Camera;
 
 /// The cameras in the order of their distance from a viewpoint.

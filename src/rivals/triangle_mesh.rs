@@ -12,7 +12,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{RecordedView, RivalModel};
+use super::model::{RecordedView, RivalModel};
 use crate::capture::Camera;
 use crate::color::{linear_from_srgb, srgb_from_linear};
 use crate::grid::Grid;
@@ -184,14 +184,14 @@ impl Raster {
             let high = values.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil() + 1.0;
             (low.clamp(0.0, end as f64) as usize)..(high.clamp(0.0, end as f64) as usize)
         };
-        for y in range([a.at.y, b.at.y, c.at.y], height) {
-            for x in range([a.at.x, b.at.x, c.at.x], width) {
-                let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - c.at;
+        for row in range([a.at.y, b.at.y, c.at.y], height) {
+            for column in range([a.at.x, b.at.x, c.at.x], width) {
+                let at = DVec2::new(column as f64 + 0.5, row as f64 + 0.5) - c.at;
                 let of_a = ((b.at.y - c.at.y) * at.x + (c.at.x - b.at.x) * at.y) / doubled_area;
                 let of_b = ((c.at.y - a.at.y) * at.x + (a.at.x - c.at.x) * at.y) / doubled_area;
                 let shares = [of_a, of_b, 1.0 - of_a - of_b].map(|share| share as f32);
                 if shares.iter().all(|share| *share >= -1e-6) {
-                    self.show((x, y), quality, [a, b, c], shares);
+                    self.show((column, row), quality, [a, b, c], shares);
                 }
             }
         }

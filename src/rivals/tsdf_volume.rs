@@ -61,7 +61,7 @@ pub(super) type ByPlace<T> = HashMap<u64, T, BuildHasherDefault<PlaceHasher>>;
 pub(super) fn packed(place: IVec3) -> Option<u64> {
     const HALF: i32 = 1 << 20;
     let coordinate = |value: i32| (-HALF..HALF).contains(&value).then_some((value + HALF) as u64);
-    Some(coordinate(place.x)? << 42 | coordinate(place.y)? << 21 | coordinate(place.z)?)
+    Some((coordinate(place.x)? << 42) | (coordinate(place.y)? << 21) | coordinate(place.z)?)
 }
 
 /// The blocks.

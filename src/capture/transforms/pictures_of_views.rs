@@ -25,9 +25,11 @@ pub fn open_pictures(folder: &Path, views: &[TruthView]) -> Result<Vec<TruthLoad
                 ),
             )
         })?;
-        let files = PictureFiles::new(place.clone(), None, None, &Keys::default(), &place.display().to_string())?;
+        let files =
+            PictureFiles::new(place.clone(), None, None, &Keys::default(), &place.display().to_string())?;
         let camera = view.camera.clone();
-        let load = move || load::frame(&files, &camera, &place.display().to_string(), NeededPlanes::ColorOnly);
+        let load =
+            move || load::frame(&files, &camera, &place.display().to_string(), NeededPlanes::ColorOnly);
         Ok(Arc::new(load) as TruthLoader)
     };
     views.iter().map(of_view).collect()

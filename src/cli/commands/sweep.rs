@@ -49,10 +49,9 @@ impl SweepArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let mut settings = self.settings.over(Settings::default())?;
         self.painting.apply(&mut settings.render);
-        let external = self
-            .rival
-            .iter()
-            .map(|text| text.parse().map_err(|error: Error| CommandError::Usage(error.to_string())));
+        let external = self.rival.iter().map(|text| {
+            text.parse::<ExternalPoint>().map_err(|error: Error| CommandError::Usage(error.to_string()))
+        });
         let external = external.collect::<Result<Vec<ExternalPoint>, CommandError>>()?;
         output::check_folder(&self.out)?;
         if self.captures.len() > 1 && (self.truth.views.is_some() || !external.is_empty()) {
@@ -67,7 +66,7 @@ impl SweepArgs {
         let folders = self.folders(&opened)?;
         let mut documents = Vec::new();
         for ((path, capture), folder) in opened.iter().zip(&folders) {
-            documents.push(self.sweep((path, capture), folder, &settings, &external)?);
+            documents.push(self.sweep((path.as_path(), capture), folder, &settings, &external)?);
         }
         output::write_page(&folders, &self.out.join(output::PAGE))?;
         match documents.as_slice() {

@@ -20,9 +20,10 @@ pub(crate) use picture::PicturePaths;
 pub(crate) use process::peak_rss_bytes;
 pub(crate) use progress::{STOPPED, watched};
 pub(crate) use results::{Journal, recorded, sweep_table, write_results};
-pub(crate) use score_table::{class_line, comparison_table, painter_line, view_table};
+pub(crate) use score_table::{class_line, comparison_table, painter_line, picture_table, view_table};
 pub(crate) use size_table::Sizes;
 pub(crate) use study::{
-    PAGE, SavedPicture, StressDocument, SweepDocument, command, save_picture, version, write_page,
+    PAGE, SavedPicture, StressDocument, SweepDocument, command, save_picture, version, write_error_map,
+    write_page,
 };
 pub(crate) use text::{bytes, count, number, percent, print, print_error, print_json, warn, without_depth};

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::text;
 use crate::evaluate::metrics::Scores;
-use crate::evaluate::{Evaluation, MeanScore, MethodComparison};
+use crate::evaluate::{Evaluation, MeanScore, MethodComparison, PictureScores};
 
 /// Columns of accuracy with their decimals. `PSNR dB` is over pixels that got a sample, `all dB` over all; `edge` is the error
 /// near silhouettes, 8-bit steps.
@@ -83,6 +83,33 @@ pub(crate) fn class_line(evaluation: &Evaluation) -> String {
 pub(crate) fn painter_line(evaluation: &Evaluation) -> String {
     let painters: BTreeSet<String> = evaluation.views.iter().map(|view| view.painter.to_string()).collect();
     format!("Rendered by {}", painters.into_iter().collect::<Vec<_>>().join(" and "))
+}
+
+/// One line for each program whose pictures were scored, after an empty line and a heading; empty where there is none.
+pub(crate) fn picture_table(programs: &[PictureScores]) -> String {
+    let mut text = String::new();
+    if !programs.is_empty() {
+        let _ = write!(
+            text,
+            "\n\n{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
+            "pictures of", "PSNR dB", "all dB", "SSIM", "FLIP", "cover", "flicker"
+        );
+    }
+    for program in programs {
+        let values = [
+            (program.psnr_db, 2),
+            (program.psnr_all_db, 2),
+            (program.ssim, 4),
+            (program.flip, 4),
+            (program.coverage, 3),
+            (program.flicker_steps, 2),
+        ];
+        let _ = write!(text, "\n{:<28}", program.name);
+        for (value, decimals) in values {
+            let _ = write!(text, " {}", text::number(value, decimals, 8));
+        }
+    }
+    text
 }
 
 /// One line per pruning method.

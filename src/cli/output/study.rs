@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::capture::Frame;
 use crate::error::{Error, Result};
 use crate::evaluate::chart;
+use crate::evaluate::metrics::ClassMap;
 use crate::evaluate::report::{self, CaptureResults, Figure};
 use crate::evaluate::stress::{BreakingPoint, StressPoint};
 use crate::evaluate::sweep::Point;
 use crate::evaluate::trial::ShownView;
+use crate::render::Picture;
 use crate::whole_file;
 
 /// The page's name.
@@ -73,20 +76,29 @@ pub(crate) fn command() -> String {
     std::iter::once("overlook".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
-/// Writes the truth, the picture and its error beside each other.
+/// Writes what a method shows at a view as [`write_error_map`] does.
 pub(crate) fn save_picture(
     folder: &Path,
     file: &str,
     caption: String,
     shown: &ShownView,
 ) -> Result<SavedPicture> {
-    let png = chart::error_picture(&shown.picture, &shown.truth, shown.classes.as_deref())?;
-    let path = folder.join(file);
+    write_error_map(&folder.join(file), &shown.picture, &shown.truth, shown.classes.as_deref())?;
+    Ok(SavedPicture { file: file.to_owned(), caption })
+}
+
+/// Writes the truth, the picture and its error beside each other.
+pub(crate) fn write_error_map(
+    path: &Path,
+    picture: &Picture,
+    truth: &Frame,
+    classes: Option<&ClassMap>,
+) -> Result<()> {
+    let png = chart::error_picture(picture, truth, classes)?;
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
     }
-    whole_file::write_all(&path, png)?;
-    Ok(SavedPicture { file: file.to_owned(), caption })
+    whole_file::write_all(path, png)
 }
 
 /// Writes one page on what lies in some folders, or in folders in them, to `out`. Returns how many captures it shows.

@@ -126,7 +126,8 @@ mod tests {
         assert!((alone.edge.of_error - 0.1).abs() < 1e-3 && (alone.unseen.of_error - 0.9).abs() < 1e-3);
         assert!((alone.edge.psnr_db.unwrap() - 20.0).abs() < 0.02, "{alone:?}");
         assert!(alone.inner.psnr_db.unwrap() > 60.0);
-        errors.add(&errors.clone());
+        let again = errors;
+        errors.add(&again);
         assert_eq!(errors.scores().unwrap(), alone, "twice the pixels with twice the error");
         assert_eq!(ClassErrors::default().scores(), None);
     }

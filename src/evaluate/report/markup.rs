@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::Figure;
+use super::results::Figure;
 
 /// Text as HTML shows it.
 pub(super) fn escaped(text: &str) -> String {
@@ -36,7 +36,7 @@ pub(super) fn figure(figure: &Figure) -> String {
 }
 
 /// A chart in the page itself, as wide as the page.
-pub(super) fn chart(svg: &str) -> String {
+pub(super) fn embedded(svg: &str) -> String {
     // The size comes from the view box, so that the page decides.
     let size = svg.find(" width=").zip(svg.find(" viewBox="));
     let scaled = size.map_or_else(|| svg.to_owned(), |(from, to)| format!("{}{}", &svg[..from], &svg[to..]));
@@ -49,9 +49,9 @@ fn base64(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for part in bytes.chunks(3) {
         let word =
-            part.iter().fold(0_u32, |word, byte| word << 8 | u32::from(*byte)) << (8 * (3 - part.len()));
+            part.iter().fold(0_u32, |word, byte| (word << 8) | u32::from(*byte)) << (8 * (3 - part.len()));
         for letter in 0..4 {
-            let code = (word >> (18 - 6 * letter) & 63) as usize;
+            let code = ((word >> (18 - 6 * letter)) & 63) as usize;
             text.push(if letter <= part.len() { char::from(LETTERS[code]) } else { '=' });
         }
     }
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn charts_take_the_width_of_the_page() {
-        let scaled = chart(
+        let scaled = embedded(
             "<svg xmlns=\"x\" width=\"1800\" height=\"1040\" viewBox=\"0 0 1800 1040\" font-family=\"F\">",
         );
         assert_eq!(

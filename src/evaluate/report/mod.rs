@@ -6,40 +6,38 @@
 
 mod markup;
 mod page;
+mod results;
 mod sections;
 mod together;
 
 pub(crate) use page::page;
+pub(crate) use results::{CaptureResults, Figure};
 
-use super::stress::{BreakingPoint, StressPoint};
-use super::sweep::Point;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::sweep::{Point, Series};
+    use crate::evaluate::trial::{Trial, TrialResult};
+    use crate::settings::Settings;
 
-/// What was measured on one capture.
-#[derive(Debug, Default)]
-pub(crate) struct CaptureResults {
-    /// Name of the capture.
-    pub(crate) name: String,
-    /// The truth in words, of the sweep or of the stress test.
-    pub(crate) truth: String,
-    /// The commands that measured it.
-    pub(crate) commands: Vec<String>,
-    /// Versions of the program that measured it.
-    pub(crate) versions: Vec<String>,
-    /// Of the sweep; empty without one.
-    pub(crate) points: Vec<Point>,
-    /// Of the stress test; empty without one.
-    pub(crate) stress: Vec<StressPoint>,
-    /// Of the stress test.
-    pub(crate) failures: Vec<BreakingPoint>,
-    /// The worst views of the sweep's default.
-    pub(crate) worst: Vec<Figure>,
-    /// At the breaking points of the stress test.
-    pub(crate) breaking: Vec<Figure>,
-}
+    fn point(label: &str, series: Series, db: f64, bytes: u64) -> Point {
+        let measured = TrialResult { bytes, milliseconds: 2.0, ..TrialResult::default() };
+        let trial = Trial::new(label, Settings::default());
+        Point { psnr_filled_db: db, psnr_db: db, vantages: 3, ..Point::new(&trial, series, &measured) }
+    }
 
-/// A picture with what it shows.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Figure {
-    pub(crate) caption: String,
-    pub(crate) png: Vec<u8>,
+    pub(super) fn capture(name: &str, base_db: f64, rival_db: f64) -> CaptureResults {
+        let points = vec![
+            point("default, gather", Series::Reference, base_db, 1000),
+            point("other", Series::Variation, base_db - 0.5, 500),
+            point("TSDF volume", Series::Tsdf, rival_db, 2000),
+            point(&format!("only {name}"), Series::Variation, base_db + 9.0, 1),
+        ];
+        CaptureResults {
+            name: name.to_owned(),
+            truth: "its own views".to_owned(),
+            points,
+            ..CaptureResults::default()
+        }
+    }
 }

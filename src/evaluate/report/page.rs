@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::CaptureResults;
 use super::markup::escaped;
+use super::results::CaptureResults;
 use super::sections;
 use super::together::overall;
 
@@ -67,8 +67,8 @@ pub(crate) fn page(captures: &[CaptureResults]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Figure;
-    use super::super::together::tests::capture;
+    use super::super::results::Figure;
+    use super::super::tests::capture;
     use super::*;
 
     #[test]

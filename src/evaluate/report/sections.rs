@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::CaptureResults;
-use super::markup::{chart, escaped, figure, table};
+use super::markup::{embedded, escaped, figure, table};
+use super::results::CaptureResults;
 use super::together::{Overall, reference};
 use crate::evaluate::chart;
 use crate::evaluate::metrics::ClassScore;
@@ -34,16 +34,16 @@ pub(super) fn together(rows: &[Overall], captures: usize) -> String {
         ]
     };
     let head = ["setting or method", "mean rank", "dB ahead of the default", "least", "× bytes", "× ms"];
-    let rows: Vec<_> = shown.iter().map(cells).collect();
+    let lines: Vec<_> = shown.iter().map(cells).collect();
     format!(
         "<h2 id=\"together\">All {captures} captures together</h2>\n<p>For each capture a setting is compared with the default at the same \
          viewpoints; the mean over captures is shown with its standard error ({} degrees of freedom), the capture where it does worst, and \
          geometric means of bytes and milliseconds as shares of the default's. Ranks are among the {} settings and methods that were \
          measured on all captures.</p>\n{}{}",
         captures - 1,
-        rows.len().max(shown.len()),
-        chart(&chart::together(&shown.iter().map(|row| together_point(row)).collect::<Vec<_>>()).svg()),
-        table(&head, &rows)
+        rows.len(),
+        embedded(&chart::together(&shown.iter().map(|row| together_point(row)).collect::<Vec<_>>()).svg()),
+        table(&head, &lines)
     )
 }
 
@@ -75,7 +75,7 @@ pub(super) fn capture(results: &CaptureResults, id: &str) -> String {
 fn sweep(results: &CaptureResults) -> String {
     let points = &results.points;
     let mut html = String::from("<h3>Accuracy, size and speed</h3>\n");
-    html += &chart(&chart::pareto(&results.name, points).svg());
+    html += &embedded(&chart::pareto(&results.name, points).svg());
     let _ = writeln!(html, "<p>{}</p>", escaped(&verdict(points)));
     let mut ours: Vec<&Point> =
         points.iter().filter(|point| matches!(point.series, Series::Reference | Series::Variation)).collect();
@@ -105,7 +105,9 @@ fn sweep(results: &CaptureResults) -> String {
     if !results.worst.is_empty() {
         html += "<h3>Worst viewpoints of the default</h3>\n<p class=\"note\">The truth, the picture, and its error: bright at 64 8-bit \
                  steps; pink where no camera saw the surface, orange at edges, blue elsewhere.</p>\n";
-        results.worst.iter().for_each(|worst| html += &figure(worst));
+        for worst in &results.worst {
+            html += &figure(worst);
+        }
     }
     html
 }
@@ -177,7 +179,7 @@ fn cells(point: &Point) -> Vec<String> {
 fn stress(results: &CaptureResults) -> String {
     let mut html = format!(
         "<h3>Where methods break</h3>\n{}",
-        chart(&chart::stress(&results.name, &results.stress).svg())
+        embedded(&chart::stress(&results.name, &results.stress).svg())
     );
     let rows: Vec<Vec<String>> = results
         .failures
@@ -197,7 +199,9 @@ fn stress(results: &CaptureResults) -> String {
     if !results.breaking.is_empty() {
         html += "<h3>What failure looks like</h3>\n<p class=\"note\">The truth, the picture, and its error, at the viewpoint where it is \
                  worst.</p>\n";
-        results.breaking.iter().for_each(|breaking| html += &figure(breaking));
+        for breaking in &results.breaking {
+            html += &figure(breaking);
+        }
     }
     html
 }

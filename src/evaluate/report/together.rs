@@ -3,7 +3,7 @@
 //! Captures differ far more than settings do. So a setting is compared with the default of the same capture, and what is averaged over
 //! captures is that difference; the captures are the draws, and their number less one the degrees of freedom.
 
-use super::CaptureResults;
+use super::results::CaptureResults;
 use crate::evaluate::sweep::{Point, Series};
 use crate::evaluate::trial::{MeanEstimate, PairedDifference};
 
@@ -78,31 +78,9 @@ fn find<'a>(capture: &'a CaptureResults, label: &str) -> Option<&'a Point> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
+    use super::super::tests::capture;
     use super::*;
-    use crate::evaluate::trial::{Trial, TrialResult};
-    use crate::settings::Settings;
-
-    pub(in crate::evaluate::report) fn point(label: &str, series: Series, db: f64, bytes: u64) -> Point {
-        let measured = TrialResult { bytes, milliseconds: 2.0, ..TrialResult::default() };
-        let trial = Trial::new(label, Settings::default());
-        Point { psnr_filled_db: db, psnr_db: db, vantages: 3, ..Point::new(&trial, series, &measured) }
-    }
-
-    pub(in crate::evaluate::report) fn capture(name: &str, base_db: f64, rival_db: f64) -> CaptureResults {
-        let points = vec![
-            point("default, gather", Series::Reference, base_db, 1000),
-            point("other", Series::Variation, base_db - 0.5, 500),
-            point("TSDF volume", Series::Tsdf, rival_db, 2000),
-            point(&format!("only {name}"), Series::Variation, base_db + 9.0, 1),
-        ];
-        CaptureResults {
-            name: name.to_owned(),
-            truth: "its own views".to_owned(),
-            points,
-            ..CaptureResults::default()
-        }
-    }
 
     #[test]
     fn settings_are_ranked_by_their_mean_difference_to_the_default_of_each_capture() {

@@ -10,8 +10,8 @@ mod scoreboard;
 mod view;
 
 pub(crate) use aligned_view::add_aligned;
-pub use pictures::{PictureScore, PictureScores};
 pub(crate) use pictures::score_pictures;
+pub use pictures::{PictureScore, PictureScores};
 pub(crate) use scoreboard::{Scoreboard, evaluate_with, nothing_to_compare, with_truth};
 pub use scoreboard::{evaluate, vantage_order};
 pub use view::{AlignedScore, Evaluation, MeanScore, ViewScore};

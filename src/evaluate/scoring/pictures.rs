@@ -5,9 +5,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::scoreboard::{Scoreboard, with_truth};
-use super::vantage_order;
-use super::view::{PaintedView, ViewCost, scored};
+use super::scoreboard::{Scoreboard, vantage_order, with_truth};
+use super::view::{PaintedView, ViewCost, ViewScore, scored};
 use crate::capture::{Frame, TruthLoader, TruthView};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{ClassMap, ErrorByClass, Scores};
@@ -81,7 +80,7 @@ pub(crate) fn score_pictures(
         job.advance(1);
     }
     let evaluation = scores.finish().in_order_of_views(&order);
-    let of_view = |view: super::ViewScore| PictureScore {
+    let of_view = |view: ViewScore| PictureScore {
         file_path: view.file_path,
         scores: view.scores,
         error_by_class: view.error_by_class,
@@ -122,7 +121,7 @@ mod tests {
         turned.rotate_left(1);
         let score = |pictures: &[TruthLoader]| {
             let mut shown = 0;
-            let scores = score_pictures("other", (&views, pictures), &[], &Job::new(), |..| {
+            let scores = score_pictures("other", (&views, pictures), &[], &Job::new(), |_, _, _, _| {
                 shown += 1;
                 Ok(())
             });
@@ -132,6 +131,6 @@ mod tests {
         assert_eq!((perfect.views.len(), shown), (views.len(), views.len()));
         assert_eq!((perfect.flicker_steps, perfect.flip), (Some(0.0), Some(0.0)));
         assert!(score(&turned).0.psnr_db < Some(30.0));
-        assert!(score_pictures("few", (&views, &own[..1]), &[], &Job::new(), |..| Ok(())).is_err());
+        assert!(score_pictures("few", (&views, &own[..1]), &[], &Job::new(), |_, _, _, _| Ok(())).is_err());
     }
 }

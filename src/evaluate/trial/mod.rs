@@ -8,6 +8,7 @@ mod rival_trial;
 mod shown_view;
 mod standard_error;
 mod trial_result;
+mod trial_setting;
 mod workbench;
 
 pub use compare::{MethodComparison, MethodScore, compare};
@@ -17,4 +18,5 @@ pub(crate) use shown_view::ShownView;
 pub use standard_error::MeanEstimate;
 pub use trial_result::TrialResult;
 pub(crate) use trial_result::kernel_cost;
-pub use workbench::{Thinning, Trial, Workbench};
+pub use trial_setting::{Thinning, Trial};
+pub use workbench::Workbench;

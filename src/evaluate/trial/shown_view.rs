@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::workbench::{Trial, Workbench};
+use super::trial_setting::Trial;
+use super::workbench::{ViewModel, Workbench};
 use crate::capture::Frame;
 use crate::error::Result;
 use crate::evaluate::metrics::ClassMap;
@@ -31,9 +32,8 @@ impl Workbench {
     /// # Errors
     /// As [`Workbench::measure`].
     pub(crate) fn show(&mut self, trial: &Trial, file_path: &str, job: &Job) -> Result<Option<ShownView>> {
-        let Some((view, classes, samples)) = self.view_and_samples(trial, file_path, job)? else {
-            return Ok(None);
-        };
+        let Some(found) = self.view_and_samples(trial, file_path, job)? else { return Ok(None) };
+        let ViewModel { view, classes, samples } = found;
         let Some(truth) = view.truth.as_ref().map(|load| load()).transpose()? else { return Ok(None) };
         let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
         let renderer = self.renderer(filling.backend)?;

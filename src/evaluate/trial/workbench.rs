@@ -12,12 +12,11 @@ use std::collections::BTreeSet;
 use std::collections::hash_map::{Entry, HashMap};
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::baselines;
 use super::rival_trial;
 use super::standard_error::MeanEstimate;
 use super::trial_result::{TrialResult, scores_by_vantage};
+use super::trial_setting::{ModelKey, Thinning, Trial};
 use crate::capture::TruthView;
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{ClassErrors, ClassMap};
@@ -33,55 +32,6 @@ use crate::settings::{
     AlignSettings, Backend, Fill, NormalSettings, PruningMethod, RenderSettings, Settings, SpanSettings,
 };
 
-/// What is done to the samples after pruning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Thinning {
-    /// Nothing.
-    None,
-    /// As many as the reference keeps, chosen at random.
-    Random,
-    /// As many as the reference keeps, one for each cube of a grid.
-    VoxelGrid,
-    /// Tolerances are lowered until at least as many stay as the reference keeps; of these, as many at random.
-    Tolerance,
-}
-
-/// A setting to measure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Trial {
-    /// Says in short what is special about it.
-    pub label: String,
-    /// Everything that can be set.
-    pub settings: Settings,
-    /// What is done after pruning.
-    pub thinning: Thinning,
-    /// Names of the cameras that a model is made of; `None` for all.
-    pub cameras: Option<Vec<String>>,
-    /// The method of others that is measured instead; of the settings, only how holes are filled then counts.
-    pub rival: Option<Rival>,
-}
-
-impl Trial {
-    /// Settings as they are, on all cameras.
-    #[must_use]
-    pub fn new(label: impl Into<String>, settings: Settings) -> Self {
-        Self { label: label.into(), settings, thinning: Thinning::None, cameras: None, rival: None }
-    }
-
-    /// What the trial's samples depend on: all but the painting.
-    fn model_key(&self) -> ModelKey {
-        let settings = Settings {
-            render: RenderSettings::default(),
-            capture: CaptureSettings::default(),
-            ..self.settings.clone()
-        };
-        (settings, self.thinning, self.cameras.clone())
-    }
-}
-
-type ModelKey = (Settings, Thinning, Option<Vec<String>>);
-
 /// Samples of one fold under one trial.
 pub(crate) struct FoldSamples {
     pub(crate) samples: Arc<SampleSet>,
@@ -96,6 +46,14 @@ impl FoldSamples {
     fn unstored(samples: Arc<SampleSet>, report: Report, seconds: f64) -> Self {
         Self { samples, report, bytes: 0, bytes_record: 0, seconds }
     }
+}
+
+/// A view, and what a trial shows it from.
+pub(super) struct ViewModel {
+    pub(super) view: TruthView,
+    /// Its classes of error.
+    pub(super) classes: Option<Arc<ClassMap>>,
+    pub(super) samples: Arc<SampleSet>,
 }
 
 struct FoldState {
@@ -229,13 +187,14 @@ impl Workbench {
         trial: &Trial,
         file_path: &str,
         job: &Job,
-    ) -> Result<Option<(TruthView, Option<Arc<ClassMap>>, Arc<SampleSet>)>> {
+    ) -> Result<Option<ViewModel>> {
         for fold in &mut self.folds {
             let Some(index) = fold.fold.views.iter().position(|view| view.file_path == file_path) else {
                 continue;
             };
             let (view, classes) = (fold.fold.views[index].clone(), fold.fold.classes[index].clone());
-            return Ok(Some((view, classes, fold.model(trial, &self.reference, job)?.samples.clone())));
+            let samples = fold.model(trial, &self.reference, job)?.samples.clone();
+            return Ok(Some(ViewModel { view, classes, samples }));
         }
         Ok(None)
     }

@@ -42,10 +42,13 @@ pub(crate) fn class_map(camera: &Camera, truth: &Frame, seen: &[SeenFrame]) -> O
         }
         let center = DVec2::new(at.0 as f64 + 0.5, at.1 as f64 + 0.5);
         let point = camera.unproject(center, 1.0 / inverse_depth);
-        Some(match seen.iter().any(|seen| sees(seen, point)) {
-            false => ErrorClass::Unseen,
-            true if edges[at] => ErrorClass::Edge,
-            true => ErrorClass::Inner,
+        let is_seen = seen.iter().any(|seen| sees(seen, point));
+        Some(if !is_seen {
+            ErrorClass::Unseen
+        } else if edges[at] {
+            ErrorClass::Edge
+        } else {
+            ErrorClass::Inner
         })
     };
     Some(Grid::from_vec(width, height, (0..width * height).into_par_iter().map(class).collect()))
