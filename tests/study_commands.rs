@@ -26,6 +26,10 @@ fn json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
+fn json_of(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
 fn is_picture(path: &Path) {
     let picture = image::open(path).unwrap();
     assert!(picture.width() > 400 && picture.height() > 300);
@@ -67,6 +71,11 @@ fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() 
     assert_eq!(csv.lines().count(), points.len() + 1);
     assert!(csv.lines().next().unwrap().contains("settings.pruning.depth_tolerance"));
     is_picture(&folder.join("sweep/pareto.png"));
+    let rivals =
+        ["triangle mesh per camera", "TSDF volume, voxels of 2 px", "nearest camera", "layered depth image"];
+    assert!(rivals.iter().all(|rival| labels.contains(rival)), "{labels:?}");
+    let page = std::fs::read_to_string(folder.join("sweep/report.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("data:image/png;base64") && !page.contains("<script"));
 
     // A journal that lost its last line measures that point again and nothing else: times of the others stay what they were.
     let journal = folder.join("sweep/sweep.journal");
@@ -93,6 +102,41 @@ fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() 
 }
 
 #[test]
+fn a_report_puts_captures_on_one_page_and_other_programs_figures_and_pictures_are_taken_in() {
+    let folder = scene("2", "48x36");
+    let folder = folder.path();
+    std::fs::create_dir(folder.join("empty")).unwrap();
+    let refused = fail(folder, &["report", "empty"], 1);
+    assert!(refused.contains("overlook sweep") && refused.trim().lines().count() == 1, "{refused}");
+    let sweep = ["sweep", "scene", "--frames", "1", "--vary", "render.kernel=block", "--out"];
+    let refused = fail(folder, &[&sweep[..], &["one", "--rival", "RVS=26"]].concat(), 2);
+    assert!(refused.contains("name=dB,ms,bytes"), "{refused}");
+    succeed(folder, &[&sweep[..], &["one", "--rival", "RVS=26.5,301,5200000"]].concat());
+    succeed(folder, &[&sweep[..], &["two"]].concat());
+    succeed(folder, &["report", "one", "two", "--out", "both.html"]);
+    let page = std::fs::read_to_string(folder.join("both.html")).unwrap();
+    for wanted in ["All 2 captures together", "RVS", "26.50", "--frames 1"] {
+        assert!(page.contains(wanted), "{wanted}");
+    }
+    let evaluate = ["evaluate", "scene", "--json", "--pictures"];
+    let pictures =
+        json_of(&succeed(folder, &[&evaluate[..], &["scene/novel", "--error-maps", "maps"]].concat()));
+    let own = &pictures["pictures"][0];
+    assert_eq!(
+        (own["name"].as_str(), own["flip"].as_f64()),
+        (Some("novel"), Some(0.0)),
+        "the truth is perfect"
+    );
+    let classes = &pictures["mean"]["error_by_class"];
+    let share: f64 =
+        ["unseen", "edge", "inner"].iter().map(|class| classes[class]["of_error"].as_f64().unwrap()).sum();
+    assert!((share - 1.0).abs() < 1e-9, "{classes}");
+    assert!(folder.join("maps/novel").is_dir());
+    let refused = fail(folder, &[&evaluate[..], &["empty"]].concat(), 1);
+    assert!(refused.contains("has no picture of view"), "{refused}");
+}
+
+#[test]
 fn stress_names_the_point_of_failure_of_every_method() {
     let folder = scene("2", "48x36");
     let folder = folder.path();
@@ -110,7 +154,10 @@ fn stress_names_the_point_of_failure_of_every_method() {
     assert_eq!(std::fs::read_to_string(folder.join("stress/stress.journal")).unwrap(), journal);
     assert_eq!(json(&folder.join("stress/stress.json")), document);
     let failures = document["failures"].as_array().unwrap();
-    assert_eq!(failures.len(), 3, "ours, without defenses, the paper's");
+    assert_eq!(failures.len(), 7, "ours, without defenses, the paper's, and four of others");
+    let breaking = document["breaking"].as_array().unwrap();
+    assert_eq!(breaking.len(), 1, "one picture for each disturbance");
+    assert!(folder.join("stress").join(breaking[0]["file"].as_str().unwrap()).is_file());
     assert!(document["points"].as_array().unwrap().iter().all(|point| point["disturbance"] == "camera pose"));
     is_picture(&folder.join("stress/stress.png"));
     let unknown = fail(folder, &["stress", "scene", "--only", "rain", "--out", "stress"], 2);

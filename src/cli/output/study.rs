@@ -64,15 +64,18 @@ pub(crate) fn version() -> String {
     env!("CARGO_PKG_VERSION").to_owned()
 }
 
-/// What was typed, with quotes where a shell needs them.
+/// What was typed, with quotes where a shell needs them, but for what is printed.
 pub(crate) fn command() -> String {
     let plain =
         |text: &str| text.chars().all(|letter| letter.is_alphanumeric() || "-_=.,/:+@%".contains(letter));
     let quoted = |text: String| {
         if !text.is_empty() && plain(&text) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
     };
-    let arguments =
-        std::env::args_os().skip(1).map(|argument| quoted(argument.to_string_lossy().into_owned()));
+    let measures = |argument: &std::ffi::OsString| argument != "--json";
+    let arguments = std::env::args_os()
+        .skip(1)
+        .filter(measures)
+        .map(|argument| quoted(argument.to_string_lossy().into_owned()));
     std::iter::once("overlook".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
