@@ -15,4 +15,4 @@ pub use pictures::{PictureScore, PictureScores};
 pub(crate) use scoreboard::{Scoreboard, evaluate_with, nothing_to_compare, with_truth};
 pub use scoreboard::{evaluate, vantage_order};
 pub use view::{AlignedScore, Evaluation, MeanScore, ViewScore};
-pub(crate) use view::{PaintedView, ViewCost, frame_of, render_view, scored, unknown_truth_warning};
+pub(crate) use view::{ViewCost, frame_of, render_view, scored, unknown_truth_warning};
