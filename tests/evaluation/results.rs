@@ -18,7 +18,9 @@ fn small_table() -> String {
     let settings = Settings::default();
     let mut plan = SweepPlan::grid(&settings, &[], &capture).unwrap();
     plan.trials.retain(|planned| {
-        planned.trial.settings.render.kernel == Kernel::Gather || planned.series == Series::Paper
+        // Rivals are rendered by no kernel.
+        !planned.series.is_rival()
+            && (planned.trial.settings.render.kernel == Kernel::Gather || planned.series == Series::Paper)
     });
     let points = sweep::run(&capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap();
     let mut table = String::new();
