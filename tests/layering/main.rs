@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use imports::Imports;
 
 /// Modules from the bottom up. A module may use those before it and itself.
-const LAYERS: [&[&str]; 10] = [
+const LAYERS: [&[&str]; 11] = [
     &["error", "grid", "job", "color", "random", "settings", "simd", "whole_file"],
     &["capture"],
     &["alignment"],
