@@ -64,6 +64,30 @@ pub(crate) fn camera_choices(cameras: &[Camera]) -> impl Iterator<Item = (usize,
     cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.as_str(), ""))
 }
 
+/// Size of the text of choices in a row, points.
+const SEGMENT_TEXT: f32 = 12.5;
+
+/// Space between choices in a row, points.
+const SEGMENT_GAP: f32 = 2.0;
+
+/// Least and usual space on either side of the name of a choice, points.
+const SEGMENT_PADDING: [f32; 2] = [2.0, 5.0];
+
+/// Width of a row of choices with no space beside their names, points.
+fn width_of_names<'a>(ui: &Ui, names: impl IntoIterator<Item = &'a str>) -> f32 {
+    let font = egui::FontId::proportional(SEGMENT_TEXT);
+    let width = |name: &str| {
+        ui.painter().layout_no_wrap(name.to_owned(), font.clone(), Color32::WHITE).size().x.ceil()
+    };
+    names.into_iter().map(|name| width(name) + SEGMENT_GAP).sum::<f32>() + 1.0
+}
+
+/// Least width of a row of choices, points.
+pub(crate) fn least_width_of_segments<T>(ui: &Ui, choices: &[(T, &'static str, &'static str)]) -> f32 {
+    let names = width_of_names(ui, choices.iter().map(|(_, name, _)| *name));
+    names + 2.0 * SEGMENT_PADDING[0] * choices.len() as f32
+}
+
 /// A row of choices of which one is on; gives the one that was clicked. `name` names the row for screen readers.
 pub(crate) fn segments_ui<T: Copy + PartialEq>(
     ui: &mut Ui,
@@ -73,10 +97,16 @@ pub(crate) fn segments_ui<T: Copy + PartialEq>(
 ) -> Option<T> {
     let mut clicked = None;
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing = Vec2::new(2.0, 3.0);
-        ui.spacing_mut().button_padding = Vec2::new(5.0, 2.0);
+        let choices: Vec<_> = choices.into_iter().collect();
+        // All fit into one row, where that can be.
+        let left =
+            ui.available_size_before_wrap().x - width_of_names(ui, choices.iter().map(|(_, text, _)| *text));
+        let padding = (left / (2 * choices.len().max(1)) as f32).floor();
+        let padding = padding.clamp(SEGMENT_PADDING[0], SEGMENT_PADDING[1]);
+        ui.spacing_mut().item_spacing = Vec2::new(SEGMENT_GAP, 3.0);
+        ui.spacing_mut().button_padding = Vec2::new(padding, 2.0);
         for (value, text, help) in choices {
-            let button = Button::selectable(value == current, RichText::new(text).size(12.5));
+            let button = Button::selectable(value == current, RichText::new(text).size(SEGMENT_TEXT));
             let button = ui.add(button).on_hover_text(help).accessible_name(format!("{name}: {text}"));
             if button.clicked() {
                 clicked = Some(value);

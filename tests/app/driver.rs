@@ -35,6 +35,35 @@ pub(crate) fn open(start: Start, size: [f32; 2]) -> Window {
     builder.build_eframe(move |cc| OverlookApp::new(&cc.egui_ctx, None, None, start).unwrap())
 }
 
+/// Opens a window on a fresh profile, which explains itself.
+pub(crate) fn open_fresh(start: Start, size: [f32; 2]) -> Window {
+    let builder: HarnessBuilder<OverlookApp> =
+        Harness::builder().with_size(size).with_os(egui::os::OperatingSystem::Nix).with_render_cursor(false);
+    builder.build_eframe(move |cc| {
+        OverlookApp::new(&cc.egui_ctx, Some(&Storage::default()), None, start).unwrap()
+    })
+}
+
+/// What a window remembers from one run to the next; an empty one is that of a fresh profile.
+#[derive(Default)]
+pub(crate) struct Storage(std::collections::HashMap<String, String>);
+
+impl eframe::Storage for Storage {
+    fn get_string(&self, key: &str) -> Option<String> {
+        self.0.get(key).cloned()
+    }
+
+    fn set_string(&mut self, key: &str, value: String) {
+        self.0.insert(key.to_owned(), value);
+    }
+
+    fn remove_string(&mut self, key: &str) {
+        self.0.remove(key);
+    }
+
+    fn flush(&mut self) {}
+}
+
 /// Whether some label on screen holds `text`.
 pub(crate) fn shows(window: &Window, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()

@@ -4,8 +4,13 @@
 mod cameras_and_view;
 mod color;
 mod device;
+#[cfg(target_os = "linux")]
+mod display;
 mod driver;
 mod film;
+#[cfg(target_os = "linux")]
+mod first_minute;
+mod help_and_recent;
 mod inspector;
 mod manners;
 mod many_cameras;

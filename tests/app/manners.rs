@@ -1,32 +1,13 @@
 //! How the window behaves beside its work: it explains itself, asks before it closes, and does anything by name.
 
 use super::driver::{
-    SIZE, Window, click, drag, drop_on, look_at, open, open_store, open_view, save_store, settle, shows,
-    small_demo, type_path, wait,
+    SIZE, Storage, Window, click, drag, drop_on, look_at, open, open_store, open_view, save_store, settle,
+    shows, small_demo, type_path, wait,
 };
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use overlook::app::{OverlookApp, Start};
-
-#[derive(Default)]
-struct Storage(std::collections::HashMap<String, String>);
-
-impl eframe::Storage for Storage {
-    fn get_string(&self, key: &str) -> Option<String> {
-        self.0.get(key).cloned()
-    }
-
-    fn set_string(&mut self, key: &str, value: String) {
-        self.0.insert(key.to_owned(), value);
-    }
-
-    fn remove_string(&mut self, key: &str) {
-        self.0.remove(key);
-    }
-
-    fn flush(&mut self) {}
-}
 
 #[test]
 fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
@@ -38,7 +19,7 @@ fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
     };
     let mut window = start(storage.clone());
     settle(&mut window);
-    for title in ["Point at a pixel", "Fly through what is left", "Change a threshold"] {
+    for title in ["Click a pixel", "Orbit the live view", "Change a threshold"] {
         assert!(shows(&window, title), "{title}");
     }
     click(&mut window, "Got it");
@@ -67,7 +48,7 @@ fn the_first_run_does_not_explain_a_store_by_what_it_no_longer_has() {
         });
     settle(&mut window);
     let path = save_store(&mut window, folder.path());
-    assert!(shows(&window, "Fly through what is left"));
+    assert!(shows(&window, "Orbit the live view"));
     open_store(&mut window, &path);
     assert!(window.query_by_label("Got it").is_none());
 }

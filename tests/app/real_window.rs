@@ -3,83 +3,17 @@
 //! Needs Xvfb and xdotool; where they are missing the test says so and checks nothing, or fails where
 //! `OVERLOOK_REQUIRE_WINDOW=1` asks for it.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Command;
+use std::time::Duration;
 
 use egui_kittest::kittest::Queryable;
 
+use super::display::{
+    can_drive_a_window, colors_of, colors_on, drag, picture_of, quit, start_display, start_program, wait_for,
+    wait_for_pictures, xdotool,
+};
 use super::driver::{SIZE, open, settle};
-use super::skip::skip;
-
-/// Ends its process when the test does, however it does.
-struct Guard(Child);
-
-impl Drop for Guard {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-fn has(program: &str) -> bool {
-    Command::new("which").arg(program).stdout(Stdio::null()).status().is_ok_and(|status| status.success())
-}
-
-/// Starts Xvfb on a display that it picks itself and tells on its standard output. By itself it would start anew whenever its last
-/// client leaves, and who comes at that moment is turned away.
-fn start_display() -> (Guard, String) {
-    let mut server = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut output = server.stdout.take().unwrap();
-    let guard = Guard(server);
-    let mut number = Vec::new();
-    let mut byte = [0];
-    while output.read(&mut byte).unwrap() == 1 && byte[0] != b'\n' {
-        number.push(byte[0]);
-    }
-    (guard, format!(":{}", String::from_utf8(number).unwrap().trim()))
-}
-
-fn xdotool(display: &str, arguments: &[&str]) -> Option<String> {
-    let output = Command::new("xdotool").args(arguments).env("DISPLAY", display).output().unwrap();
-    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
-}
-
-fn wait_for<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
-    let started = Instant::now();
-    loop {
-        if let Some(found) = attempt() {
-            return found;
-        }
-        assert!(started.elapsed() < Duration::from_mins(2), "waited too long for {what}");
-        std::thread::sleep(Duration::from_millis(100));
-    }
-}
-
-/// What is on the display, as the X server itself gives its pixels.
-fn picture_of(display: &str, folder: &Path) -> image::DynamicImage {
-    let shot = folder.join("shot.png");
-    let taken = Command::new("import").args(["-window", "root"]).arg(&shot).env("DISPLAY", display).status();
-    assert!(taken.unwrap().success());
-    image::open(&shot).unwrap()
-}
-
-fn colors_of(picture: &image::DynamicImage) -> usize {
-    let picture = picture.to_rgb8();
-    picture.pixels().map(|pixel| pixel.0).collect::<std::collections::HashSet<_>>().len()
-}
-
-/// Different colors on the display.
-fn colors_on(display: &str, folder: &Path) -> usize {
-    colors_of(&picture_of(display, folder))
-}
 
 /// Mean brightness of the left end of the top bar, of 255.
 fn brightness_of_top_bar(display: &str, folder: &Path) -> f64 {
@@ -92,73 +26,12 @@ fn colors_in_source_view(display: &str, folder: &Path) -> usize {
     colors_of(&picture_of(display, folder).crop_imm(30, 168, 420, 34))
 }
 
-/// Whether the programs are there that the tests need; says so where they are not.
-fn can_drive_a_window() -> bool {
-    let missing = ["Xvfb", "xdotool", "import"].into_iter().find(|program| !has(program));
-    if let Some(program) = missing {
-        let why = format!("no real window was opened: {program} is not installed");
-        skip(Some("OVERLOOK_REQUIRE_WINDOW"), &why);
-    }
-    missing.is_none()
-}
-
-/// The program on a display of its own, with the keyboard.
-fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -> Guard {
-    let said = folder.join("said.txt");
-    let program = Command::new(env!("CARGO_BIN_EXE_overlook"))
-        .args(arguments)
-        .env("DISPLAY", display)
-        .env_remove("WAYLAND_DISPLAY")
-        .env("XDG_DATA_HOME", folder)
-        // No dialog of somebody's desktop: the window's own path field takes over.
-        .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
-        .env("PATH", folder)
-        .stderr(File::create(&said).unwrap())
-        .spawn()
-        .unwrap();
-    let mut program = Guard(program);
-    let id = wait_for("the window", || {
-        let ended = program.0.try_wait().unwrap();
-        let said = || std::fs::read_to_string(&said).unwrap();
-        assert!(ended.is_none(), "the program ended before it had a window, {ended:?}: {}", said());
-        xdotool(display, &["search", "--onlyvisible", "--name", "^Overlook$"])
-    });
-    let id = id.lines().next().unwrap().to_owned();
-    // Without a window manager nothing gives the window the keyboard.
-    wait_for("the keyboard", || xdotool(display, &["windowfocus", "--sync", &id]));
-    program
-}
-
-fn wait_for_pictures(display: &str, folder: &Path) {
-    wait_for("the first picture", || (colors_on(display, folder) > 2000).then_some(()));
-}
-
 /// Where the widget of this name lies in the window: the same layout, off screen.
 fn place_of(name: &str, capture: &Path, share_x: f32) -> [String; 2] {
     let mut window = open(overlook::app::Start::Path(capture.to_path_buf()), SIZE);
     settle(&mut window);
     let rect = window.get_by_label(name).rect();
     [rect.left() + rect.width() * share_x, rect.center().y].map(|place| format!("{place:.0}"))
-}
-
-fn quit(display: &str, mut program: Guard) {
-    xdotool(display, &["key", "ctrl+q"]).unwrap();
-    let status = wait_for("the program to end", || program.0.try_wait().unwrap());
-    assert!(status.success(), "{status}");
-}
-
-/// Drags from a place on the display by some pixels to the right, at a person's pace.
-fn drag(display: &str, from: [&str; 2], right: &str) {
-    let pause = || std::thread::sleep(Duration::from_millis(150));
-    xdotool(display, &["mousemove", from[0], from[1]]).unwrap();
-    pause();
-    xdotool(display, &["mousedown", "1"]).unwrap();
-    for _ in 0..2 {
-        pause();
-        xdotool(display, &["mousemove_relative", "--sync", "--", right, "0"]).unwrap();
-    }
-    pause();
-    xdotool(display, &["mouseup", "1"]).unwrap();
 }
 
 #[test]
@@ -200,7 +73,9 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     let program = start_program(&display, folder.path(), &[&capture]);
     wait_for_pictures(&display, folder.path());
 
-    // The line on the depth tolerance's histogram; the rerun that this starts is cancelled, and the next one runs through.
+    // The places are those of a window that is not seen for the first time.
+    say(&display, "close the introduction");
+    // The line on the depth tolerance's histogram; the work that this starts is canceled, and the next one runs through.
     let line = place_of("Depth tolerance on its histogram", &capture, 0.6);
     let [x, y] = line.each_ref().map(String::as_str);
     drag(&display, [x, y], "15");
@@ -286,14 +161,14 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     let (_server, display) = start_display();
     let mut program = start_program(&display, folder.path(), &[]);
 
-    say(&display, "skip the introduction");
+    say(&display, "close the introduction");
     say(&display, "open path");
     answer(&display, &capture);
     std::thread::sleep(Duration::from_secs(2));
     wait_for_pictures(&display, folder.path());
     std::thread::sleep(Duration::from_secs(2));
     keep_picture(&display, "1_open");
-    say(&display, "source shows: who won");
+    say(&display, "source shows: kept by");
     keep_picture(&display, "2_who_won");
     xdotool(&display, &["mousemove", &pixel[0], &pixel[1], "click", "1"]).unwrap();
     xdotool(&display, &["key", "ctrl+shift+c"]).unwrap();
@@ -306,7 +181,7 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     drag(&display, [line[0].as_str(), line[1].as_str()], "20");
     keep_picture(&display, "5_threshold");
     xdotool(&display, &["key", "ctrl+z", "ctrl+y"]).unwrap();
-    say(&display, "set render.kernel to block");
+    say(&display, "kernel: block");
     keep_picture(&display, "6_history");
     say(&display, "open view: compare");
     std::thread::sleep(Duration::from_secs(3));
@@ -315,7 +190,7 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     keep_picture(&display, "8_time");
     say(&display, "open view: memory");
     keep_picture(&display, "8_memory");
-    say(&display, "open view: speed and accuracy");
+    say(&display, "open view: sweep");
     say(&display, "run a sweep");
     std::thread::sleep(Duration::from_secs(4));
     keep_picture(&display, "9_sweep");
@@ -335,7 +210,7 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     xdotool(&display, &["key", "period", "k"]).unwrap();
     say(&display, "open view: camera path");
     keep_picture(&display, "10_path");
-    say(&display, "export a film");
+    say(&display, "export a video");
     answer(&display, &film);
     wait_for("the film", || film.exists().then_some(()));
     keep_picture(&display, "10_film");

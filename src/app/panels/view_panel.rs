@@ -69,7 +69,7 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
         sent.push(ViewCommand::Position(position));
     }
     let before = angles;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let ViewAngles { heading, pitch, roll } = &mut angles;
         for (name, help, value) in [
             ("Heading", "Where the view looks on the compass: 0° along +Y, 90° along +X.", heading),

@@ -1,43 +1,51 @@
 //! The introduction of a first run, and the question before something unsaved or half written is lost.
 
-use egui::{Align2, Area, Frame, Id, Margin, Modal, Order, RichText, Stroke, vec2};
+use egui::{Frame, Id, Label, Margin, Modal, Panel, RichText, Ui};
 
-use crate::app::model::{Command, Commands, Purpose, State, Table};
+use crate::app::model::{Command, Commands, Purpose, State, Table, Workspace};
 use crate::app::theme::{Tokens, space};
 
-/// What a first run explains: title and text.
+/// What a first run explains: title and text. Each speaks of a view that the first workspace shows.
 const HINTS: [(&str, &str); 3] = [
     (
         "Click a pixel",
-        "The Pixel view below says what every camera knows about it: which cameras see the point, which one sampled it best, and by \
-         which rule it is kept or dropped.",
+        "The Pixel view says which cameras see the point, which one sampled it best, and by which rule it is kept or dropped.",
     ),
     (
-        "Fly through what is left",
-        "Drag to orbit, wheel to zoom, W A S D to fly. What no sample reached is filled from behind; press H to see where.",
+        "Orbit the live view",
+        "Drag to orbit, turn the wheel to zoom, fly with W A S D. Double-click its tab to let it fill the window. Holes are filled; H \
+         shows where.",
     ),
     (
         "Change a threshold",
-        "In the Settings view each threshold is a line on a histogram of its data. Drag one: this frame shows it at once, the whole capture follows.",
+        "In Settings each threshold is a line on a histogram of its data. Drag one: this frame shows it at once, the whole capture \
+         follows.",
     ),
 ];
 
-/// The introduction, until it is dismissed.
-pub(crate) fn introduction_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    // It speaks of what cameras recorded and of thresholds, which a store does not have: it waits for a capture.
-    if state.inspector.introduced || !state.has_capture() {
+/// Room for the button that dismisses the introduction, points.
+const DISMISS_WIDTH: f32 = 76.0;
+
+/// The introduction, until it is dismissed: a band of its own, so that it covers nothing of what it explains.
+pub(crate) fn introduction_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    // It speaks of what cameras recorded and of thresholds, which a store does not have, and of views that other workspaces lack.
+    let explains = state.has_capture() && state.look.workspace == Workspace::Inspect;
+    if state.inspector.introduced || !explains || state.look.maximized.is_some() {
         return;
     }
-    let area = Area::new(Id::unique("introduction")).order(Order::Foreground);
-    area.anchor(Align2::RIGHT_TOP, vec2(-12.0, 60.0)).show(ctx, |ui| {
-        let tokens = Tokens::in_ui(ui);
-        let frame = Frame::new().fill(tokens.raised).stroke(Stroke::new(1.5, tokens.accent));
-        frame.corner_radius(8.0).inner_margin(Margin::same(14)).show(ui, |ui| {
-            ui.set_width(320.0);
+    let tokens = Tokens::in_ui(ui);
+    let band = Frame::new().fill(tokens.accent_faint).inner_margin(Margin::symmetric(space::PANEL, 8));
+    Panel::top("introduction").frame(band).show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            let gap = ui.spacing().item_spacing.x;
+            let width = (ui.available_width() - DISMISS_WIDTH) / HINTS.len() as f32 - gap;
             for (title, text) in HINTS {
-                ui.label(RichText::new(title).heading());
-                ui.add(egui::Label::new(text).wrap());
-                ui.add_space(space::SMALL);
+                ui.vertical(|ui| {
+                    ui.set_width(width);
+                    ui.spacing_mut().item_spacing.y = 1.0;
+                    ui.label(RichText::new(title).strong());
+                    ui.add(Label::new(RichText::new(text).color(tokens.text)).wrap());
+                });
             }
             if ui.button("Got it").clicked() {
                 commands.push(Command::Introduced);

@@ -12,7 +12,9 @@ use super::{go_to, guides, overlays};
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, ColorBy, Command, Commands, HoleDisplay, Spot, State, ViewCommand};
 use crate::app::theme::Tokens;
-use crate::app::widgets::{self, icon_button, one_line, picture, scrolled, segments_ui, waiting};
+use crate::app::widgets::{
+    self, icon_button, least_width_of_segments, one_line, picture, scrolled, segments_ui, waiting,
+};
 use crate::render::NO_IMAGE;
 
 /// Radians of orbit per point that the pointer is dragged.
@@ -23,6 +25,9 @@ const LARGEST_SIDE: f32 = 1600.0;
 
 /// Depths that differ by less than this share are taken for one surface.
 const NEARLY: f64 = 0.03;
+
+/// Width of `Holes` and what separates it, points.
+const LABEL_WIDTH: f32 = 66.0;
 
 pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let area = ui.max_rect();
@@ -45,7 +50,12 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, ColorBy::ALL) {
             commands.push(Command::ColorBy(color_by));
         }
-        ui.separator();
+        let needed = LABEL_WIDTH + least_width_of_segments(ui, &HoleDisplay::ALL);
+        if ui.available_size_before_wrap().x < needed {
+            ui.end_row();
+        } else {
+            ui.separator();
+        }
         ui.label(RichText::new("Holes").size(12.5));
         if let Some(holes) = segments_ui(ui, "Holes", state.holes_shown(), HoleDisplay::ALL) {
             commands.push(Command::Holes(holes));

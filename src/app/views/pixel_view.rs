@@ -230,7 +230,9 @@ fn row_ui(
     wins: bool,
     commands: &mut Commands,
 ) {
-    line.col(|ui| name_ui(ui, scene, row, wins, commands));
+    line.col(|ui| {
+        ui.horizontal(|ui| name_ui(ui, scene, row, wins, commands));
+    });
     let tokens = *Tokens::of(state.dark);
     let tolerance = &state.settings.pruning;
     let same = words::is_same_point(row);
