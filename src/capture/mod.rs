@@ -34,3 +34,4 @@ pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
 pub use open::{Source, open};
 pub use parts::{Capture, CaptureParts, FrameSource, TruthLoader, TruthView};
 pub use readers::{Description, Skipped};
+pub use recording::ViewChoice;

@@ -4,6 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::parts::Capture;
 use super::readers::{self, Description, Reading};
+use super::recording::ViewChoice;
 use super::transforms::{PictureEntry, capture_of};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
@@ -42,12 +43,19 @@ impl Source {
         self.reading.places()
     }
 
-    /// Opens it. Every file is looked for, and the first one of each camera has its header read; pictures are decoded on demand.
+    /// Opens it. Every file is looked for, and the first one of each camera has its header read; pictures are decoded on demand,
+    /// but for those that views are chosen by.
     ///
     /// # Errors
     /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
     pub fn open(&self, settings: &CaptureSettings) -> Result<Capture> {
-        capture_of(&self.reading.manifest, &self.reading.origin, settings)
+        let capture = capture_of(&self.reading.manifest, &self.reading.origin, settings)?;
+        let most = settings.views as usize;
+        if most == 0 || most >= capture.cameras.len() {
+            return Ok(capture);
+        }
+        let choice = ViewChoice::of(&capture, most)?;
+        Ok(capture.with_cameras(|index, _| choice.has(index)))
     }
 
     /// Where [`Source::write_manifest`] writes if it is not told: a `transforms.json` in the capture's folder.

@@ -33,6 +33,9 @@ section! {
     pub struct CaptureSettings in "capture" {
         /// Memory for decoded frames that may be asked for again.
         cache: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
+        /// How many views are read at most: those that together show the most, as a moving camera records many that repeat others.
+        /// 0 reads all.
+        views: u32 = 0, "views", ValueKind::Integer { min: 0, max: 4096 };
     }
 }
 

@@ -3,8 +3,11 @@
 mod colmap;
 #[path = "../common/folder.rs"]
 mod folder;
+mod phones;
+mod renderers;
 #[path = "../common/analytic_scene.rs"]
 mod scene;
+mod simulators;
 
 use std::fmt::Write;
 

@@ -17,8 +17,7 @@ pub(crate) const SECTIONS: &[(&str, &str, bool)] = &[
 /// What every setting is called, by its path: no two alike.
 const NAMES: &[(&str, &str)] = &[
     ("capture.cache", "Frame cache"),
-    ("align.poses", "Correct poses"),
-    ("align.exposure", "Correct exposure"),
+    ("capture.views", "Views read"),
     ("normals.source", "Normals from"),
     ("normals.estimator", "Normal estimation"),
     ("normals.edge", "Depth edge"),

@@ -7,15 +7,22 @@
 //! A reader is one file or folder here, implements [`Reader`] and stands in [`READERS`]. It knows one source's layout, axes, units
 //! and quirks, and nothing of pictures' bytes, which the manifest's keys describe.
 
+mod bop;
 mod colmap;
 mod convertible;
+mod exr_header;
+mod isaac;
+mod kubric;
 mod miv;
 mod nerfstudio;
 mod place;
+mod polycam;
 mod pose_list;
 mod reader;
+mod record3d;
 mod redwood;
 mod replica;
+mod scanner_app;
 mod scannet;
 mod seven_scenes;
 mod text;
@@ -35,6 +42,9 @@ use crate::error::{Error, Result};
 const READERS: &[&dyn Reader] = &[
     &nerfstudio::Nerfstudio,
     &colmap::Colmap,
+    &record3d::Record3d,
+    &polycam::Polycam,
+    &scanner_app::ScannerApp,
     &miv::Miv,
     &tum::Tum,
     &redwood::Redwood,
@@ -42,6 +52,10 @@ const READERS: &[&dyn Reader] = &[
     &scannet::ScanNet,
     &replica::Replica,
     &pose_list::PoseList,
+    &bop::Bop,
+    &isaac::Isaac,
+    &kubric::Kubric,
+    &exr_header::ExrHeader,
 ];
 
 /// Finds out what `path` is, and reads it.

@@ -46,6 +46,11 @@ pub(super) fn entry(color: String, depth: Option<String>, world_from_camera: &DA
     }
 }
 
+/// The pose of our axes (x right, y down, z forward) from one of OpenGL's (x right, y up, looking along −z).
+pub(super) fn from_opengl(world_from_camera: &DAffine3) -> DAffine3 {
+    *world_from_camera * DAffine3::from_scale(DVec3::new(1.0, -1.0, -1.0))
+}
+
 /// The keys of a pinhole of the picture's size. `pixel_center_offset` is where the first pixel's center lies in the units of the
 /// principal point: 0.5, or 0 as `OpenCV` has it.
 pub(super) fn lens(fx: f64, fy: f64, cx: f64, cy: f64, pixel_center_offset: f64) -> Keys {
@@ -101,8 +106,43 @@ pub(super) fn recording(
     Ok(Reading { manifest, origin: Origin { path, folder: place.folder.clone() }, inputs, description })
 }
 
+/// The reading of pictures whose entries name camera and frame: static cameras, or one that moves, whose scene is taken as static.
+///
+/// # Errors
+/// As [`recording`].
+pub(super) fn rig_or_recording(
+    place: &Place,
+    keys: Keys,
+    frames: Vec<PictureEntry>,
+    mut description: Description,
+    inputs: Vec<PathBuf>,
+) -> Result<Reading> {
+    if frames.is_empty() || is_one_that_moves(&frames) {
+        description.notes.push("the scene is taken as static, as one camera moves through it".to_owned());
+        return recording(place, keys, frames, description, inputs);
+    }
+    let path = inputs.first().cloned().unwrap_or_else(|| place.folder.clone());
+    description.found = frames.len() + description.skipped.iter().map(|skipped| skipped.count).sum::<usize>();
+    let origin = Origin { path, folder: place.folder.clone() };
+    Ok(Reading { manifest: Manifest { keys, frames }, origin, inputs, description })
+}
+
+/// Whether all pictures are of one camera, and it does not stand still.
+fn is_one_that_moves(frames: &[PictureEntry]) -> bool {
+    let Some(first) = frames.first() else { return false };
+    let numbers = |frame: &PictureEntry| frame.transform_matrix.concat();
+    let still = numbers(first);
+    let moves = |frame: &PictureEntry| {
+        numbers(frame).iter().zip(&still).any(|(a, b)| (a - b).abs() > 1e-6 * b.abs().max(1.0))
+    };
+    frames.iter().all(|frame| frame.keys.camera == first.keys.camera) && frames.iter().any(moves)
+}
+
 /// Axes of cameras as `OpenCV` has them, in the words of a description.
 pub(super) const OPENCV_POSES: &str = "camera to world; camera x right, y down, z forward; meters";
+/// Axes of cameras as Apple's `ARKit` has them.
+pub(super) const ARKIT_POSES: &str =
+    "camera to world; camera x right, y up, looking along −z; world y up, meters";
 /// Depth of most sensors' exports.
 pub(super) const MILLIMETERS: &str = "planar z in millimeters, 16-bit PNG; 0 is no depth";
 

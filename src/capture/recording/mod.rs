@@ -2,6 +2,8 @@
 
 mod pairing;
 mod trajectory;
+mod view_choice;
 
 pub(crate) use pairing::nearest;
 pub(crate) use trajectory::Trajectory;
+pub use view_choice::ViewChoice;

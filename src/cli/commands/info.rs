@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::capture::conventions::{self, Finding};
-use crate::capture::{Camera, Capture, Description, Source};
+use crate::capture::{Camera, Capture, Description, Source, ViewChoice};
 use crate::cli::output::{self, CommandError, Sizes};
 use crate::error::Error;
 use crate::preprocess::diagnostics::Report;
@@ -22,6 +22,9 @@ pub(crate) struct InfoArgs {
     #[arg(long, value_name = "FILE")]
     #[expect(clippy::option_option, reason = "without, with, and with a file")]
     write_manifest: Option<Option<PathBuf>>,
+    /// Choose this many views of a moving camera that together show the most, and say what each adds.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    views: Option<u32>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -45,6 +48,12 @@ struct Info {
 }
 
 #[derive(Serialize)]
+struct ChosenView {
+    camera: String,
+    share_shown: f64,
+}
+
+#[derive(Serialize)]
 struct ConventionInfo {
     /// In words.
     sentence: String,
@@ -59,8 +68,11 @@ enum Contents {
     Capture {
         pixels: u64,
         normals: bool,
-        reading: Description,
+        reading: Box<Description>,
         warnings: Vec<String>,
+        /// Views that were chosen, in that order, and the share of what all views show that is shown with each.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        chosen: Option<Vec<ChosenView>>,
         /// What the agreement between views says about how poses and depth are read.
         conventions: ConventionInfo,
     },
@@ -95,7 +107,12 @@ impl InfoArgs {
 impl InfoArgs {
     fn of_capture(&self) -> Result<Info, CommandError> {
         let source = Source::find(&self.path)?;
-        let capture = source.open(&CaptureSettings::default())?;
+        let mut capture = source.open(&CaptureSettings::default())?;
+        let choice = self.views.map(|most| ViewChoice::of(&capture, most as usize)).transpose()?;
+        let chosen = choice.as_ref().map(|choice| chosen_views(choice, &capture));
+        if let Some(choice) = choice {
+            capture = capture.with_cameras(|index, _| choice.has(index));
+        }
         if let Some(file) = &self.write_manifest {
             let file = file.clone().unwrap_or_else(|| source.manifest_path());
             source.write_manifest(&file)?;
@@ -109,12 +126,21 @@ impl InfoArgs {
             contents: Contents::Capture {
                 pixels: capture.pixel_count(),
                 normals: capture.has_normals,
-                reading: source.description().clone(),
+                reading: Box::new(source.description().clone()),
                 warnings: capture.warnings.clone(),
+                chosen,
                 conventions: ConventionInfo::of(&capture),
             },
         })
     }
+}
+
+fn chosen_views(choice: &ViewChoice, capture: &Capture) -> Vec<ChosenView> {
+    let view = |&(index, share_shown): &(usize, f64)| {
+        let camera = capture.cameras[index].name.clone();
+        ChosenView { camera, share_shown }
+    };
+    choice.chosen.iter().map(view).collect()
 }
 
 fn camera_infos(cameras: &[Camera]) -> Vec<CameraInfo> {
@@ -166,6 +192,15 @@ impl Info {
         let mut text = format!("{} '{}': {} frames\n", self.kind, self.name, self.frames);
         for camera in &self.cameras {
             let _ = writeln!(text, "  camera {:<16} {}×{}", camera.name, camera.width, camera.height);
+        }
+        if let Contents::Capture { chosen: Some(chosen), .. } = &self.contents {
+            for ChosenView { camera, share_shown } in chosen {
+                let _ = writeln!(
+                    text,
+                    "  with view {camera}: {:.1} % of what all views show",
+                    100.0 * share_shown
+                );
+            }
         }
         if let Contents::Capture { reading, .. } = &self.contents {
             for line in reading.lines() {

@@ -32,6 +32,9 @@ pub(crate) struct PreprocessArgs {
     settings: SettingsArgs,
     #[command(flatten)]
     held_out: HoldOutArgs,
+    /// Read at most this many views: those that together show the most [default: as the settings say].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    views: Option<u32>,
     /// Also measure how long decoding every frame takes on its own.
     #[arg(long)]
     measure_decode: bool,
@@ -40,12 +43,14 @@ pub(crate) struct PreprocessArgs {
     json: bool,
 }
 
-/// For frames that are read once.
-const ONE_FRAME: CaptureSettings = CaptureSettings { cache: 16 };
+/// The settings for frames that are read once.
+fn one_frame(settings: &Settings) -> CaptureSettings {
+    CaptureSettings { cache: 16, ..settings.capture.clone() }
+}
 
 /// The tree of spans reads every frame once, the paper's two lengths twice.
 fn frame_cache(settings: &Settings) -> CaptureSettings {
-    if settings.spans.levels == SpanLevels::Tree { ONE_FRAME } else { settings.capture.clone() }
+    if settings.spans.levels == SpanLevels::Tree { one_frame(settings) } else { settings.capture.clone() }
 }
 
 #[derive(Serialize)]
@@ -68,13 +73,15 @@ struct PreprocessOutput {
 
 impl PreprocessArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        let settings = self.settings.over(Settings::default())?;
+        let mut settings = self.settings.over(Settings::default())?;
+        settings.capture.views = self.views.unwrap_or(settings.capture.views);
         output::check_file(&self.out, "scene.ovl")?;
         self.settings.refuse_inputs(&self.out)?;
         let capture = self.open(&frame_cache(&settings))?;
         output::refuse_capture_files(&self.capture, None, &self.out)?;
         output::warn(&capture.warnings);
-        let seconds_decode_only = if self.measure_decode { Some(self.decode_seconds()?) } else { None };
+        let seconds_decode_only =
+            if self.measure_decode { Some(self.decode_seconds(&settings)?) } else { None };
         let started = Instant::now();
         let (report, bytes_store) = output::watched(|job| {
             let BufferedResult { outline, images, report } = preprocess_buffered(&capture, &settings, job)?;
@@ -109,8 +116,8 @@ impl PreprocessArgs {
     }
 
     /// Decodes every frame once, through a capture of its own so that neither cache helps the other.
-    fn decode_seconds(&self) -> Result<f64> {
-        let capture = self.open(&ONE_FRAME)?;
+    fn decode_seconds(&self, settings: &Settings) -> Result<f64> {
+        let capture = self.open(&one_frame(settings))?;
         let frames = capture.frame_count();
         output::watched(|job: &Job| {
             let started = Instant::now();

@@ -1,0 +1,100 @@
+//! Polycam's raw data.
+//!
+//! Source: `PolyCam/polyform`, and the files that the app writes: `keyframes/` of `images/` and `cameras/`, and of
+//! `corrected_images/` and `corrected_cameras/`, whose lens distortion is undone; `depth/` in millimeters, of its own size;
+//! `confidence/` of 0, 127, 255. A camera is a JSON file of `fx fy cx cy width height` and `t_00` to `t_23`, camera to world;
+//! x right, y up, looking along −z; world y up, meters.
+
+use serde_json::{Map, Value};
+
+use super::place::Place;
+use super::reader::{Description, Reader, Reading};
+use super::views::{
+    ARKIT_POSES, MILLIMETERS, entry, from_opengl, json, lens, pictures_in, pose_of_rows, recording, stem,
+};
+use crate::capture::transforms::{Keys, PictureEntry};
+use crate::error::{Error, Result};
+
+/// Polycam.
+pub(super) struct Polycam;
+
+impl Reader for Polycam {
+    fn source(&self) -> &'static str {
+        "Polycam raw data"
+    }
+
+    fn marks(&self) -> &'static str {
+        "keyframes/ with cameras/, images/ and depth/ (Polycam)"
+    }
+
+    fn recognizes(&self, place: &Place) -> bool {
+        place.file.is_none() && root(place).is_some()
+    }
+
+    fn read(&self, place: &Place) -> Result<Reading> {
+        let root = root(place).unwrap_or_default();
+        let has = |name: &str| place.join(&format!("{root}{name}")).is_dir();
+        let is_corrected = has("corrected_cameras") && has("corrected_images");
+        let prefix = if is_corrected { "corrected_" } else { "" };
+        let mut description = Description {
+            source: self.source().to_owned(),
+            poses: ARKIT_POSES.to_owned(),
+            depth: format!("{MILLIMETERS}, of its own size; what the sensor is unsure of is left out"),
+            lens: if is_corrected { "of every picture, its distortion undone" } else { "of every picture" }
+                .into(),
+            ..Description::default()
+        };
+        let mut inputs = Vec::new();
+        let mut frames = Vec::new();
+        for name in pictures_in(&place.join(&format!("{root}{prefix}cameras")), &[".json"]) {
+            let stem = stem(&name);
+            let in_folder = |folder: &str, ending: &str| {
+                let path = format!("{root}{folder}/{stem}.{ending}");
+                place.join(&path).is_file().then_some(path)
+            };
+            let color = ["jpg", "jpeg", "png"]
+                .iter()
+                .find_map(|ending| in_folder(&format!("{prefix}images"), ending));
+            let (Some(color), Some(depth)) = (color, in_folder("depth", "png")) else {
+                description.skip("cameras without a picture or depth", name);
+                continue;
+            };
+            let path = place.join(&format!("{root}{prefix}cameras/{name}"));
+            let camera: Map<String, Value> = json(&path)?;
+            let number = |key: &str| {
+                camera
+                    .get(key)
+                    .and_then(Value::as_f64)
+                    .ok_or_else(|| Error::invalid(path.display(), format!("there is no number '{key}'")))
+            };
+            let cells = (0..3).flat_map(|row| (0..4).map(move |column| format!("t_{row}{column}")));
+            let rows: Vec<f64> = cells.map(|cell| number(&cell)).collect::<Result<_>>()?;
+            let Some(pose) = pose_of_rows(&rows) else {
+                description.skip("without a rigid pose", color);
+                continue;
+            };
+            let keys = Keys {
+                w: Some(number("width")?),
+                h: Some(number("height")?),
+                ..lens(number("fx")?, number("fy")?, number("cx")?, number("cy")?, 0.5)
+            };
+            frames.push(PictureEntry {
+                confidence_file_path: in_folder("confidence", "png"),
+                keys,
+                ..entry(color, Some(depth), &from_opengl(&pose))
+            });
+            inputs.push(path);
+        }
+        let keys = Keys { depth_unit_scale_factor: Some(1e-3), up: Some([0.0, 1.0, 0.0]), ..Keys::default() };
+        recording(place, keys, frames, description, inputs)
+    }
+}
+
+/// Where the keyframes lie below the place: `""`, or a path that ends in `/`.
+fn root(place: &Place) -> Option<String> {
+    let is_root = |root: &&&str| {
+        let has = |name: &str| place.join(&format!("{root}{name}")).is_dir();
+        has("depth") && (has("cameras") && has("images") || has("corrected_cameras"))
+    };
+    ["", "keyframes/"].iter().find(is_root).map(|root| (*root).to_owned())
+}

@@ -1,0 +1,89 @@
+//! 3D Scanner App's "All data" export.
+//!
+//! Source: the files that the app writes, as several programs read them: `frame_%05d.jpg` and `frame_%05d.json` of
+//! `cameraPoseARFrame` (16 numbers row by row, camera to world; x right, y up, looking along −z; world y up, meters) and
+//! `intrinsics` (9 numbers row by row); `depth_%05d.png` in millimeters, of its own size; `conf_%05d.png` of 0, 1, 2. There are fewer
+//! JPEG files than files of depth.
+
+use serde::Deserialize;
+
+use super::place::Place;
+use super::reader::{Description, Reader, Reading};
+use super::views::{ARKIT_POSES, MILLIMETERS, entry, from_opengl, json, lens, pose_of_rows, recording};
+use crate::capture::transforms::{Keys, PictureEntry};
+use crate::error::{Error, Result};
+
+/// 3D Scanner App.
+pub(super) struct ScannerApp;
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct FrameFile {
+    #[serde(rename = "cameraPoseARFrame")]
+    pose: Vec<f64>,
+    intrinsics: Vec<f64>,
+}
+
+impl Reader for ScannerApp {
+    fn source(&self) -> &'static str {
+        "3D Scanner App"
+    }
+
+    fn marks(&self) -> &'static str {
+        "frame_*.json beside depth_*.png (3D Scanner App)"
+    }
+
+    fn recognizes(&self, place: &Place) -> bool {
+        let is_ours = place.file.as_deref().is_none_or(|file| number(file).is_some());
+        let is_first = |name: &str| number(name).is_some_and(|number| place.has(&depth(number)));
+        is_ours && place.names().any(is_first)
+    }
+
+    fn read(&self, place: &Place) -> Result<Reading> {
+        let mut description = Description {
+            source: self.source().to_owned(),
+            poses: ARKIT_POSES.to_owned(),
+            depth: format!("{MILLIMETERS}, of its own size; what the sensor is unsure of is left out"),
+            lens: "intrinsics of every picture".to_owned(),
+            ..Description::default()
+        };
+        let (mut frames, mut inputs) = (Vec::new(), Vec::new());
+        for name in place.names() {
+            let Some(number) = number(name) else { continue };
+            let (color, depth) = (format!("frame_{number}.jpg"), depth(number));
+            if !place.has(&color) || !place.has(&depth) {
+                description.skip("without color or depth", name);
+                continue;
+            }
+            let path = place.join(name);
+            let frame: FrameFile = json(&path)?;
+            let ([fx, _, cx, _, fy, cy, ..], 16) = (&frame.intrinsics[..], frame.pose.len()) else {
+                let what = "intrinsics has to be 9 numbers and cameraPoseARFrame 16";
+                return Err(Error::invalid(path.display(), what));
+            };
+            let Some(pose) = pose_of_rows(&frame.pose) else {
+                description.skip("of which tracking was lost", name);
+                continue;
+            };
+            let confidence = format!("conf_{number}.png");
+            frames.push(PictureEntry {
+                confidence_file_path: place.has(&confidence).then_some(confidence),
+                keys: lens(*fx, *fy, *cx, *cy, 0.5),
+                ..entry(color, Some(depth), &from_opengl(&pose))
+            });
+            inputs.push(path);
+        }
+        let keys = Keys { depth_unit_scale_factor: Some(1e-3), up: Some([0.0, 1.0, 0.0]), ..Keys::default() };
+        recording(place, keys, frames, description, inputs)
+    }
+}
+
+/// The digits of `frame_%05d.json`.
+fn number(name: &str) -> Option<&str> {
+    let digits = name.strip_prefix("frame_")?.strip_suffix(".json")?;
+    (!digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())).then_some(digits)
+}
+
+fn depth(number: &str) -> String {
+    format!("depth_{number}.png")
+}
