@@ -141,7 +141,7 @@ fn texts_beside(manifest: &Path) -> Result<Vec<String>, Box<dyn Error>> {
     let mut files = Vec::new();
     for (folder, is_license) in [
         (folder.to_path_buf(), (|name| name.starts_with("LICENSE")) as fn(&str) -> bool),
-        (folder.join("fonts"), |name| name.ends_with(".txt")),
+        (folder.join("fonts"), |name| Path::new(name).extension().is_some_and(|ending| ending == "txt")),
     ] {
         let Ok(entries) = fs::read_dir(folder) else { continue };
         for entry in entries {

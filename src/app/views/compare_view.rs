@@ -232,7 +232,7 @@ fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
     let range = model::significant(f64::from(comparison.range));
     match comparison.measure {
         CompareMeasure::Steps | CompareMeasure::Class => {
-            legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential)
+            legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential);
         }
         CompareMeasure::Brightness => legend::bar(
             ui,

@@ -6,7 +6,7 @@
 use half::f16;
 
 use crate::capture::camera::is_believable_size;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
 
 /// An array of two dimensions.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +55,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<NpyArray> {
     }
     let descr = quoted_after(&header, "descr").ok_or_else(|| broken("its header has no descr"))?;
     let (size, read, is_whole) = reader(descr).ok_or_else(|| {
+        let descr = one_line(descr);
         Error::unsupported(place, format!("arrays of type '{descr}' are no depth; save them as float32"))
     })?;
     let data = &bytes[start + length..];

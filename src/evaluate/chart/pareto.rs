@@ -33,17 +33,13 @@ fn marker(series: Series, is_lossless: bool) -> Marker {
     match series {
         Series::Reference | Series::Variation if is_lossless => Marker::Dot,
         Series::Reference | Series::Variation => Marker::Ring,
-        Series::NoPruning => Marker::Up,
-        Series::FirstCamera => Marker::Down,
-        Series::FirstCameraAtCount => Marker::Diamond,
+        Series::NoPruning | Series::TriangleMesh => Marker::Up,
+        Series::FirstCamera | Series::NearestCamera => Marker::Down,
+        Series::FirstCameraAtCount | Series::LayeredDepthImage => Marker::Diamond,
         Series::Random => Marker::Cross,
-        Series::VoxelGrid => Marker::Square,
+        Series::VoxelGrid | Series::Tsdf => Marker::Square,
         Series::SingleCamera => Marker::Plus,
         Series::Paper | Series::External => Marker::Star,
-        Series::TriangleMesh => Marker::Up,
-        Series::Tsdf => Marker::Square,
-        Series::NearestCamera => Marker::Down,
-        Series::LayeredDepthImage => Marker::Diamond,
     }
 }
 

@@ -217,7 +217,7 @@ pub(super) fn settings(captures: &[CaptureResults]) -> String {
         }
     }
     texts.iter().fold(String::new(), |mut html, (text, names)| {
-        let _ = write!(html, "<h3>{}</h3><pre>{}</pre>\n", escaped(&names.join(", ")), escaped(text));
+        let _ = writeln!(html, "<h3>{}</h3><pre>{}</pre>", escaped(&names.join(", ")), escaped(text));
         html
     })
 }

@@ -65,7 +65,7 @@ pub(super) fn measure(
         };
         times.push(milliseconds);
         let samples = pixels / capture.frame_count().max(1) as u64;
-        let stats = RenderStats { milliseconds, samples, ..RenderStats::default() };
+        let stats = RenderStats { samples, milliseconds, ..RenderStats::default() };
         let cost = ViewCost { stats, painter: Painter::cpu(), notice: None };
         let view_score = scored(view, Arc::new(picture), classes.as_deref(), cost, job)?;
         class_errors.add(&view_score.class_errors.unwrap_or_default());

@@ -129,7 +129,7 @@ impl Truth {
                 .collect::<Result<_>>()?;
             let (known, unseen): (Vec<_>, Vec<_>) = masked.into_iter().partition(|masked| masked.has_truth);
             dropped.extend(unseen.iter().map(|masked| unknown_truth_warning(&masked.view)));
-            let (views, classes) = ordered(known);
+            let (views, classes) = ordered(&known);
             Ok(Fold { held_out, capture: fold.capture, views, classes })
         };
         let mut folds = folds.into_iter().map(mask).collect::<Result<Vec<_>>>()?;
@@ -139,7 +139,7 @@ impl Truth {
 }
 
 /// Views of one vantage after each other, each by frame; vantages in the order in which they first come.
-fn ordered(views: Vec<MaskedView>) -> (Vec<TruthView>, Vec<Option<Arc<ClassMap>>>) {
+fn ordered(views: &[MaskedView]) -> (Vec<TruthView>, Vec<Option<Arc<ClassMap>>>) {
     let order = vantage_order(&views.iter().map(|masked| &masked.view).collect::<Vec<_>>());
     order.into_iter().map(|index| (views[index].view.clone(), views[index].classes.clone())).unzip()
 }
