@@ -18,6 +18,8 @@ pub(crate) const SECTIONS: &[(&str, &str, bool)] = &[
 const NAMES: &[(&str, &str)] = &[
     ("capture.cache", "Frame cache"),
     ("capture.views", "Views read"),
+    ("align.poses", "Correct poses"),
+    ("align.exposure", "Correct exposure"),
     ("normals.source", "Normals from"),
     ("normals.estimator", "Normal estimation"),
     ("normals.edge", "Depth edge"),

@@ -67,14 +67,14 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
 }
 
 fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<usize> {
-    if entries.is_empty() {
-        weak(ui, "No matching command.");
-    }
     let mut clicked = None;
-    let height = LIST_HEIGHT - ui.spacing().interact_size.y * f32::from(u8::from(entries.is_empty()));
     // As high whatever was found: the field above stays where it is, and nothing shrinks for good.
-    let list = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink(false);
+    let list =
+        ScrollArea::vertical().max_height(LIST_HEIGHT).min_scrolled_height(LIST_HEIGHT).auto_shrink(false);
     list.show(ui, |ui| {
+        if entries.is_empty() {
+            weak(ui, "No matching command.");
+        }
         ui.with_layout(egui::Layout::top_down_justified(egui::Align::Min), |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
             for (index, entry) in entries.iter().enumerate().take(SHOWN) {
