@@ -191,10 +191,11 @@ def evaluate(
     *,
     views: Path | None = None,
     hold_out: list[str] | None = None,
+    align_views: bool = False,
     settings: Settings | None = None,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Accuracy, speed and size of one setting, beside no pruning and first camera wins.
 
-    Truth is the manifest `views`, cameras that are held out, or what the capture has in its folder `novel`. The keys are `as_set`,
+    With `align_views` each view is scored from where its own picture says that it was taken. Truth is the manifest `views`, cameras that are held out, or what the capture has in its folder `novel`. The keys are `as_set`,
     `no_pruning` and `first_camera`, each as `overlook evaluate --json` gives it."""

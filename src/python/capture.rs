@@ -153,12 +153,13 @@ impl PyCapture {
 /// # Errors
 /// `Error` as [`compare`], and where there is no truth; `KeyboardInterrupt`, and what `progress` raises.
 #[pyfunction]
-#[pyo3(signature = (capture, *, views=None, hold_out=None, settings=None, progress=None))]
+#[pyo3(signature = (capture, *, views=None, hold_out=None, align_views=false, settings=None, progress=None))]
 pub fn evaluate<'py>(
     py: Python<'py>,
     capture: &PyCapture,
     views: Option<PathBuf>,
     hold_out: Option<Vec<String>>,
+    align_views: bool,
     settings: Option<&Bound<'_, PyDict>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -168,7 +169,7 @@ pub fn evaluate<'py>(
             Some(names) => truth::split(&capture.capture, names)?,
             None => (capture.capture.clone(), capture.truth_views(views)?),
         };
-        compare(&seen, &views, &settings, job)
+        compare(&seen, &views, &settings, align_views, job)
     })?;
     let json = serde_json::to_string(&comparison)
         .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))?;
