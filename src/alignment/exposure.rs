@@ -8,8 +8,9 @@
 use rayon::prelude::*;
 
 use super::judge::Judgment;
+use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
-use super::solver::{Problem, Weighing};
+use super::solver::{Problem, Weighing, loss};
 use crate::grid::Grid;
 
 /// Half the side of the square whose mean color is compared, pixels.
@@ -100,7 +101,7 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
                             let off = reading.own[channel] + gain_a[channel]
                                 - reading.found[channel]
                                 - gain_b[channel];
-                            super::solver::loss(off, spread[channel])
+                            loss(off, spread[channel])
                         })
                         .sum()
                 };
@@ -186,11 +187,10 @@ fn ratio(pair: [usize; 2], readings: &[Reading]) -> Option<Ratio> {
     for channel in 0..3 {
         let mut differences: Vec<f64> =
             fitting.iter().map(|reading| reading.found[channel] - reading.own[channel]).collect();
-        let middle = differences.len() / 2;
-        let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let mut away: Vec<f64> = differences.iter().map(|difference| (difference - median).abs()).collect();
-        let spread = (*away.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745).max(LEAST_SPREAD);
-        ratio.difference[channel] = median;
+        let middle = median(&mut differences)?;
+        let mut away: Vec<f64> = differences.iter().map(|difference| (difference - middle).abs()).collect();
+        let spread = (median(&mut away)? / MEDIAN_PER_SIGMA).max(LEAST_SPREAD);
+        ratio.difference[channel] = middle;
         ratio.spread[channel] = spread;
         // The median has π/2 the variance of the mean, and neighbors are not independent.
         ratio.weight[channel] = fitting.len() as f64 / (4.0 * spread * spread);

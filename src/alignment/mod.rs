@@ -16,6 +16,7 @@
 mod corrected_frames;
 mod exposure;
 mod judge;
+mod median;
 mod normal_equations;
 mod overlaps;
 mod poses;
@@ -37,6 +38,7 @@ use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
 use corrected_frames::{FrameCorrection, corrected};
+use median::median;
 use overlaps::overlapping_pairs;
 use reference_view::ReferenceView;
 use residuals::Scale;
@@ -110,26 +112,20 @@ fn problem(capture: &Capture, job: &Job) -> Result<Problem> {
     let count = (SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_SAMPLES, SAMPLES);
     let samples: Vec<_> = views.par_iter().map(|view| surface_samples(view, count)).collect();
     let pairs = overlapping_pairs(&views, &samples);
-    let depths = samples.iter().flatten().map(|sample| sample.inverse_depth);
+    let mut depths: Vec<f64> = samples.iter().flatten().map(|sample| sample.inverse_depth).collect();
+    let mut focals: Vec<f64> = views.iter().map(|view| view.camera.intrinsics.fx).collect();
     let scale = Scale {
-        inverse_depth: median(depths.collect()).unwrap_or(1.0),
-        focal: median(views.iter().map(|view| view.camera.intrinsics.fx).collect()).unwrap_or(1.0),
+        inverse_depth: median(&mut depths).unwrap_or(1.0),
+        focal: median(&mut focals).unwrap_or(1.0),
     };
     Ok(Problem {
         log_gains: vec![0.0; cameras],
         moved: vec![[0.0; 6]; cameras],
         is_free: vec![true; cameras],
-        lens_group: vec![0; cameras],
-        lenses_are_free: false,
         color_alone: false,
         views,
         samples,
         pairs,
         scale,
     })
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::judge::Judgment;
 use super::normal_equations::eigen;
-use super::solver::{Problem, Stage, Weighing, moved};
+use super::residuals::{GAIN, UNKNOWNS};
+use super::solver::{Problem, Stage, Weighing, make_rigid, moved};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
@@ -51,7 +52,7 @@ impl Problem {
         let step = factor.solve(&equations.right);
         (0..self.views.len()).all(|camera| {
             let pose = &self.views[camera].camera.world_from_camera;
-            let after = moved(pose, &step[camera * 7..][..6], self.scale);
+            let after = moved(pose, &step[camera * UNKNOWNS..][..GAIN], self.scale);
             self.displacement(camera, pose, &after) < LEAST_MOVE
         })
     }
@@ -70,7 +71,7 @@ impl Problem {
         (sum / samples.len().max(1) as f64).sqrt()
     }
 
-    /// Searches poses, and lenses where they are free, from coarse to fine.
+    /// Searches poses from coarse to fine.
     pub(crate) fn solve(&mut self, job: &Job) -> Result<Weighing> {
         STAGES.iter().try_for_each(|stage| self.iterate(stage, job))?;
         Ok(self.finest_weighing())
@@ -106,8 +107,7 @@ pub(crate) fn hold_most(problem: &mut Problem, original: &[Camera]) {
             * DAffine3::from_translation(-center);
         for view in &mut problem.views {
             let mut pose = change * view.camera.world_from_camera;
-            let (_, rotation, _) = pose.to_scale_rotation_translation();
-            pose.matrix3 = glam::DMat3::from_quat(rotation.normalize());
+            make_rigid(&mut pose);
             view.camera.world_from_camera = pose;
         }
     }
@@ -134,7 +134,7 @@ pub(crate) fn align_poses(problem: &mut Problem, job: &Job) -> Result<Vec<PoseCo
     let judged = (0..problem.views.len()).into_par_iter().map(|camera| {
         let now = problem.views[camera].camera.world_from_camera;
         let then = original[camera].world_from_camera;
-        let block = factor.inverse_block::<6>(camera * 7);
+        let block = factor.inverse_block::<GAIN>(camera * UNKNOWNS);
         let weakest = eigen(block).iter().map(|(value, _)| value.max(0.0)).fold(0.0, f64::max);
         let inflated = terms.sqrt();
         let largest = |start: usize| {

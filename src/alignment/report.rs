@@ -4,6 +4,7 @@ use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
 use super::exposure::GainCorrection;
+use super::median::MEDIAN_PER_SIGMA;
 use super::poses::PoseCorrection;
 use super::solver::Problem;
 use crate::capture::Capture;
@@ -161,6 +162,10 @@ impl AlignedCamera {
 impl Problem {
     /// The median distance (footprints) and difference of brightness of each pair.
     pub(super) fn pair_medians(&self) -> Vec<[f64; 2]> {
-        self.finest_weighing().pairs.iter().map(|pair| pair.sigmas.map(|sigma| 0.6745 * sigma)).collect()
+        self.finest_weighing()
+            .pairs
+            .iter()
+            .map(|pair| pair.sigmas.map(|sigma| MEDIAN_PER_SIGMA * sigma))
+            .collect()
     }
 }

@@ -1,4 +1,4 @@
-//! How far apart two cameras are about one sample, and how that changes with their poses, exposure and lenses.
+//! How far apart two cameras are about one sample, and how that changes with their poses and exposure.
 //!
 //! Purpose: the residuals that alignment makes small. Source: point to plane (Y. Chen and G. Medioni, *Object Modelling by
 //! Registration of Multiple Range Images*, 1992), and color against color (Q.-Y. Zhou and V. Koltun, *Color Map Optimization for
@@ -12,12 +12,10 @@ use super::reference_view::ReferenceView;
 use super::surface_samples::SurfaceSample;
 use crate::capture::Intrinsics;
 
-/// Unknowns of one camera: rotation and translation in camera space, the logarithm of its gain, and its lens: the logarithm of
-/// the focal length, and the principal point.
-pub(crate) const UNKNOWNS: usize = 10;
-/// The first of the gain, and of the lens.
+/// Unknowns of one camera: rotation and translation in camera space, and the logarithm of its gain.
+pub(crate) const UNKNOWNS: usize = 7;
+/// The gain among them.
 pub(crate) const GAIN: usize = 6;
-pub(crate) const LENS: usize = 7;
 
 /// A residual and its derivatives by the unknowns of the sample's camera and of the other one.
 #[derive(Clone, Copy)]
@@ -147,8 +145,6 @@ impl<'a> PairOfViews<'a> {
         let mut term = Term { residual, source: [0.0; UNKNOWNS], target: [0.0; UNKNOWNS] };
         self.set_pose(&mut term.source, -point.cross(n), -n);
         self.set_pose(&mut term.target, found.cross(m), m);
-        set_lens(&mut term.source, &self.source_lens, point, -n);
-        set_lens(&mut term.target, lens, found, m);
         Some(term)
     }
 
@@ -174,10 +170,6 @@ impl<'a> PairOfViews<'a> {
         self.set_pose(&mut term.target, -there.cross(slope), -slope);
         term.target[GAIN] = 0.5 * (found + own);
         term.source[GAIN] = -term.target[GAIN];
-        set_lens(&mut term.source, &self.source_lens, point, back);
-        term.target[LENS] = (across * (image.x - lens.cx) + down * (image.y - lens.cy)) / lens.fx;
-        term.target[LENS + 1] = across;
-        term.target[LENS + 2] = down;
         Some(term)
     }
 
@@ -188,11 +180,4 @@ impl<'a> PairOfViews<'a> {
         unknowns[..3].copy_from_slice(&rotation.to_array());
         unknowns[3..6].copy_from_slice(&translation.to_array());
     }
-}
-
-/// Derivatives by the lens of a point that was unprojected, where the residual changes by `slope` with the point.
-fn set_lens(unknowns: &mut [f64; UNKNOWNS], lens: &Intrinsics, point: DVec3, slope: DVec3) {
-    unknowns[LENS] = -(slope.x * point.x + slope.y * point.y) / lens.fx;
-    unknowns[LENS + 1] = -slope.x * point.z / lens.fx;
-    unknowns[LENS + 2] = -slope.y * point.z / lens.fy;
 }

@@ -1,23 +1,19 @@
 //! Gauss–Newton over all cameras at once.
 //!
-//! Purpose: the poses, and on request the lenses, under which cameras agree best. Source: iteratively reweighted least squares with
+//! Purpose: the poses under which cameras agree best. Source: iteratively reweighted least squares with
 //! Tukey's biweight, whose width is measured by the median of the residuals; from coarse pictures and wide gates to fine ones.
 //! What differs: a weak pull toward what the capture says keeps unknowns where they are that nothing is known of.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
+use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
 use super::reference_view::ReferenceView;
-use super::residuals::{GAIN, LENS, PairOfViews, Scale, Term, UNKNOWNS};
+use super::residuals::{GAIN, PairOfViews, Scale, Term, UNKNOWNS};
 use super::surface_samples::SurfaceSample;
 use crate::error::Result;
 use crate::job::Job;
-
-/// Unknowns of a camera that are its own; the others belong to its group of equal lenses.
-const OWN: usize = LENS;
-/// Unknowns of a group.
-const OF_GROUP: usize = UNKNOWNS - LENS;
 
 /// Everything that is solved for.
 #[derive(Clone)]
@@ -33,9 +29,6 @@ pub(crate) struct Problem {
     pub(crate) moved: Vec<[f64; 6]>,
     /// Cameras whose poses may change.
     pub(crate) is_free: Vec<bool>,
-    /// The group of cameras with the same lens that each belongs to, and whether lenses may change.
-    pub(crate) lens_group: Vec<usize>,
-    pub(crate) lenses_are_free: bool,
     /// Depth of the targets is not looked at.
     pub(crate) color_alone: bool,
 }
@@ -71,8 +64,6 @@ pub(crate) struct Weighing {
 
 /// Residuals beyond so many standard deviations do not count: Tukey's constant for 95 % efficiency.
 const TUKEY: f64 = 4.685;
-/// Φ⁻¹(0.75).
-const MEDIAN_PER_SIGMA: f64 = 0.6745;
 /// Standard deviations are never taken for less: rounding of pictures and of positions.
 const LEAST_SIGMAS: [f64; 2] = [0.02, 0.004];
 /// Standard deviations are never taken for more, and with fewer readings for so much.
@@ -145,9 +136,8 @@ impl Problem {
             let mut sigmas = widest;
             for (kind, magnitudes) in found.iter_mut().enumerate() {
                 if magnitudes.len() >= LEAST_READINGS {
-                    let middle = magnitudes.len() / 2;
-                    let median = *magnitudes.select_nth_unstable_by(middle, f64::total_cmp).1;
-                    sigmas[kind] = (median / MEDIAN_PER_SIGMA).clamp(LEAST_SIGMAS[kind], widest[kind]);
+                    let sigma = median(magnitudes).unwrap_or_default() / MEDIAN_PER_SIGMA;
+                    sigmas[kind] = sigma.clamp(LEAST_SIGMAS[kind], widest[kind]);
                 }
             }
             PairWeighing { gate: stage.gate.min((TUKEY * sigmas[0]).max(LEAST_GATE)), sigmas }
@@ -158,19 +148,8 @@ impl Problem {
     /// Where each of a camera's unknowns is among those that are solved for.
     fn places(&self, camera: usize) -> [Option<usize>; UNKNOWNS] {
         std::array::from_fn(|unknown| {
-            let own = camera * OWN + unknown;
-            let of_group = self.views.len() * OWN + self.lens_group[camera] * OF_GROUP;
-            match unknown {
-                GAIN => Some(own),
-                LENS.. => self.lenses_are_free.then(|| of_group + unknown - LENS),
-                _ => self.is_free[camera].then_some(own),
-            }
+            (unknown == GAIN || self.is_free[camera]).then_some(camera * UNKNOWNS + unknown)
         })
-    }
-
-    fn unknowns(&self) -> usize {
-        let groups = self.lens_group.iter().max().map_or(0, |last| last + 1);
-        self.views.len() * OWN + if self.lenses_are_free { groups * OF_GROUP } else { 0 }
     }
 
     /// The normal equations of all pairs.
@@ -189,7 +168,7 @@ impl Problem {
             share
         };
         let shares: Vec<Share> = self.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
-        let mut equations = NormalEquations::new(self.unknowns());
+        let mut equations = NormalEquations::new(self.views.len() * UNKNOWNS);
         for (pair, share) in self.pairs.iter().zip(&shares) {
             let places: Vec<Option<usize>> = pair.iter().flat_map(|camera| self.places(*camera)).collect();
             for (row, place) in places.iter().enumerate() {
@@ -210,19 +189,21 @@ impl Problem {
         let cameras = self.views.len();
         let pull = [1.0 / (TRUST[0] * TRUST[0]), 1.0 / (TRUST[1] * TRUST[1])];
         for unknown in 0..equations.size() {
-            let is_gain = unknown < cameras * OWN && unknown % OWN == GAIN;
-            equations.add(unknown, unknown, pull[usize::from(is_gain)]);
-            if is_gain {
-                equations.right[unknown] -= pull[1] * self.log_gains[unknown / OWN];
-            } else if unknown < cameras * OWN {
-                equations.right[unknown] -= pull[0] * self.moved[unknown / OWN][unknown % OWN];
-            }
+            let (camera, of_camera) = (unknown / UNKNOWNS, unknown % UNKNOWNS);
+            let is_gain = of_camera == GAIN;
+            let (pull, off) = if is_gain {
+                (pull[1], self.log_gains[camera])
+            } else {
+                (pull[0], self.moved[camera][of_camera])
+            };
+            equations.add(unknown, unknown, pull);
+            equations.right[unknown] -= pull * off;
         }
         // The mean of all gains is fixed, and that of all poses where none is fixed.
         let weight = MEAN_WEIGHT / cameras as f64;
         for a in 0..cameras {
             for b in 0..=a {
-                equations.add(a * OWN + GAIN, b * OWN + GAIN, weight);
+                equations.add(a * UNKNOWNS + GAIN, b * UNKNOWNS + GAIN, weight);
             }
         }
         if self.is_free.iter().any(|free| !free) {
@@ -239,7 +220,7 @@ impl Problem {
                         }
                         let value = weight * product.col(column)[row];
                         for part in [0, 3] {
-                            equations.add(a * OWN + part + row, b * OWN + part + column, value);
+                            equations.add(a * UNKNOWNS + part + row, b * UNKNOWNS + part + column, value);
                         }
                     }
                 }
@@ -250,23 +231,14 @@ impl Problem {
     /// Moves all cameras by a solution.
     fn step(&mut self, step: &[f64]) {
         for camera in 0..self.views.len() {
-            let own: [f64; OWN] = std::array::from_fn(|unknown| step[camera * OWN + unknown]);
+            let own: [f64; UNKNOWNS] = std::array::from_fn(|unknown| step[camera * UNKNOWNS + unknown]);
             self.log_gains[camera] += own[GAIN];
             if self.is_free[camera] {
                 let pose = &mut self.views[camera].camera.world_from_camera;
-                *pose = moved(pose, &own[..6], self.scale);
+                *pose = moved(pose, &own[..GAIN], self.scale);
                 for (total, part) in self.moved[camera].iter_mut().zip(own) {
                     *total += part;
                 }
-            }
-            if self.lenses_are_free {
-                let start = self.views.len() * OWN + self.lens_group[camera] * OF_GROUP;
-                let lens = &mut self.views[camera].camera.intrinsics;
-                let ratio = (step[start] / lens.fx).exp();
-                lens.fx *= ratio;
-                lens.fy *= ratio;
-                lens.cx += step[start + 1];
-                lens.cy += step[start + 2];
             }
         }
     }
@@ -282,8 +254,8 @@ impl Problem {
             let Some(factor) = equations.factor() else { break };
             let step = factor.solve(&equations.right);
             self.step(&step);
-            let own = &step[..self.views.len() * OWN];
-            let largest = own.chunks(OWN).flat_map(|own| &own[..GAIN]).fold(0.0_f64, |a, b| a.max(b.abs()));
+            let poses = step.chunks(UNKNOWNS).flat_map(|own| &own[..GAIN]);
+            let largest = poses.fold(0.0_f64, |a, b| a.max(b.abs()));
             if largest < SETTLED {
                 break;
             }
@@ -301,8 +273,12 @@ pub(crate) fn moved(pose: &DAffine3, step: &[f64], scale: Scale) -> DAffine3 {
     let translation = DVec3::from_slice(&step[3..6]) / (scale.focal * scale.inverse_depth);
     let mut moved =
         *pose * DAffine3::from_rotation_translation(DQuat::from_scaled_axis(rotation), translation);
-    // Rounding must not add up to a shear.
-    let (_, rotation, _) = moved.to_scale_rotation_translation();
-    moved.matrix3 = DMat3::from_quat(rotation.normalize());
+    make_rigid(&mut moved);
     moved
+}
+
+/// Takes out the shear that rounding adds up to.
+pub(crate) fn make_rigid(pose: &mut DAffine3) {
+    let (_, rotation, _) = pose.to_scale_rotation_translation();
+    pose.matrix3 = DMat3::from_quat(rotation.normalize());
 }

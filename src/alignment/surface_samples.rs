@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::median::median;
 use super::reference_view::{LEVELS, ReferenceView};
 
 /// A point of a surface that one camera saw.
@@ -52,8 +53,7 @@ pub(crate) fn surface_samples(view: &ReferenceView, count: usize) -> Vec<Surface
     let focal = view.camera.intrinsics.fx;
     let exact = places(RADII[0]).filter_map(|(x, y, _)| plane_at(view, (x, y), 0));
     let mut off: Vec<f64> = exact.map(|plane| plane.deviation_relative * focal).collect();
-    let middle = off.len() / 2;
-    let is_noisy = off.is_empty() || *off.select_nth_unstable_by(middle, f64::total_cmp).1 > NOISY_FOOTPRINTS;
+    let is_noisy = median(&mut off).is_none_or(|off| off > NOISY_FOOTPRINTS);
     let window = usize::from(is_noisy);
     let samples = places(RADII[window]).filter_map(|(x, y, judges)| {
         let plane = plane_at(view, (x, y), window)?;

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::median::median;
 use super::reference_view::ReferenceView;
 use super::residuals::Scale;
 use super::solver::{PairWeighing, Problem, Stage, Weighing, loss};
@@ -36,8 +37,7 @@ pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job)
         return Ok(camera.clone());
     }
     let mut depths: Vec<f64> = samples.iter().map(|sample| sample.inverse_depth).collect();
-    let middle = depths.len() / 2;
-    let inverse_depth = *depths.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let inverse_depth = median(&mut depths).unwrap_or(1.0);
     let scale = Scale { inverse_depth, focal: camera.intrinsics.fx };
     let mut problem = Problem {
         views: vec![source, target],
@@ -47,8 +47,6 @@ pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job)
         log_gains: vec![0.0; 2],
         moved: vec![[0.0; 6]; 2],
         is_free: vec![false, true],
-        lens_group: vec![0, 1],
-        lenses_are_free: false,
         color_alone: true,
     };
     for (level, steps) in STAGES {

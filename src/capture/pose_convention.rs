@@ -187,15 +187,15 @@ impl PoseConvention {
     }
 }
 
+/// The mirror image of a world along its y axis.
+pub(crate) const MIRROR: DAffine3 =
+    DAffine3 { matrix3: DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)), translation: DVec3::ZERO };
+
 /// The same pose in a right-handed world: one of a left-handed world is mirrored along its y axis. The same is done to all cameras
 /// of a capture, whose poses are all of one handedness.
 #[must_use]
 pub fn upright(world_from_camera: DAffine3) -> DAffine3 {
-    if world_from_camera.matrix3.determinant() < 0.0 {
-        DAffine3::from_scale(DVec3::new(1.0, -1.0, 1.0)) * world_from_camera
-    } else {
-        world_from_camera
-    }
+    if world_from_camera.matrix3.determinant() < 0.0 { MIRROR * world_from_camera } else { world_from_camera }
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ mod verdict;
 mod views;
 
 pub use super::depth_claim::{DepthClaim, DepthMeasure};
+pub(crate) use super::pose_convention::MIRROR;
 pub use super::pose_convention::{AxisDirection, CameraAxes, PoseConvention, PoseDirection, upright};
 pub use reading::Reading;
 pub use verdict::{Alternative, Finding, Part, Undecided, Verdict};
