@@ -122,6 +122,8 @@ impl ByteReader<'_> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     fn image(name: &[u8], points: u64) -> Vec<u8> {
@@ -161,6 +163,4 @@ mod tests {
         let said = cameras_of_bytes(&camera, "cameras.bin").unwrap_err().to_string();
         assert!(said.starts_with("cameras.bin: byte 12: model 99 of camera 1 is not known"), "{said}");
     }
-
-    use glam::DVec3;
 }

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::place::{Place, names_in};
 use super::reader::{Description, Reader, Reading};
-use super::views::{entry, from_opengl, json, lens, pose_of_rows, rig_or_recording};
+use super::views::{digits_between, entry, from_opengl, json, lens, pose_of_rows, rig_or_recording};
 use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::{Error, Result};
 
@@ -105,8 +105,7 @@ fn pose(camera: &CameraFile) -> Option<DAffine3> {
 
 /// The digits of `camera_params_%04d.json`.
 fn number(name: &str) -> Option<&str> {
-    let digits = name.strip_prefix("camera_params_")?.strip_suffix(".json")?;
-    (!digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())).then_some(digits)
+    digits_between("camera_params_", name, ".json")
 }
 
 /// The folders of cameras: the place itself, or those in it.

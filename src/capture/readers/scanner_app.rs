@@ -9,7 +9,9 @@ use serde::Deserialize;
 
 use super::place::Place;
 use super::reader::{Description, Reader, Reading};
-use super::views::{ARKIT_POSES, MILLIMETERS, entry, from_opengl, json, lens, pose_of_rows, recording};
+use super::views::{
+    ARKIT_POSES, MILLIMETERS, digits_between, entry, from_opengl, json, lens, pose_of_rows, recording,
+};
 use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::{Error, Result};
 
@@ -80,8 +82,7 @@ impl Reader for ScannerApp {
 
 /// The digits of `frame_%05d.json`.
 fn number(name: &str) -> Option<&str> {
-    let digits = name.strip_prefix("frame_")?.strip_suffix(".json")?;
-    (!digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())).then_some(digits)
+    digits_between("frame_", name, ".json")
 }
 
 fn depth(number: &str) -> String {

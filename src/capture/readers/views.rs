@@ -91,8 +91,8 @@ pub(super) fn recording(
     mut description: Description,
     inputs: Vec<PathBuf>,
 ) -> Result<Reading> {
-    let path = inputs.first().cloned().unwrap_or_else(|| place.folder.clone());
     if frames.is_empty() {
+        let path = inputs.first().unwrap_or(&place.folder);
         let why = description.skipped.first().map_or_else(String::new, |skipped| {
             format!(": {} {} (first: {})", skipped.count, skipped.reason, skipped.first)
         });
@@ -101,9 +101,15 @@ pub(super) fn recording(
     }
     name_as_views(&mut frames);
     description.is_recording = true;
-    description.found = frames.len() + description.skipped.iter().map(|skipped| skipped.count).sum::<usize>();
-    let manifest = Manifest { keys, frames };
-    Ok(Reading { manifest, origin: Origin { path, folder: place.folder.clone() }, inputs, description })
+    Ok(reading(place, Manifest { keys, frames }, description, inputs))
+}
+
+/// The reading of a manifest whose paths are relative to the place's folder.
+fn reading(place: &Place, manifest: Manifest, mut description: Description, inputs: Vec<PathBuf>) -> Reading {
+    let skipped: usize = description.skipped.iter().map(|skipped| skipped.count).sum();
+    description.found = manifest.frames.len() + skipped;
+    let path = inputs.first().cloned().unwrap_or_else(|| place.folder.clone());
+    Reading { manifest, origin: Origin { path, folder: place.folder.clone() }, inputs, description }
 }
 
 /// The reading of pictures whose entries name camera and frame: static cameras, or one that moves, whose scene is taken as static.
@@ -121,10 +127,7 @@ pub(super) fn rig_or_recording(
         description.notes.push("the scene is taken as static, as one camera moves through it".to_owned());
         return recording(place, keys, frames, description, inputs);
     }
-    let path = inputs.first().cloned().unwrap_or_else(|| place.folder.clone());
-    description.found = frames.len() + description.skipped.iter().map(|skipped| skipped.count).sum::<usize>();
-    let origin = Origin { path, folder: place.folder.clone() };
-    Ok(Reading { manifest: Manifest { keys, frames }, origin, inputs, description })
+    Ok(reading(place, Manifest { keys, frames }, description, inputs))
 }
 
 /// Whether all pictures are of one camera, and it does not stand still.
@@ -171,6 +174,12 @@ pub(super) fn number_in(name: &str) -> Option<u64> {
     let stem = stem(name);
     let digits = stem.bytes().rev().take_while(u8::is_ascii_digit).count();
     stem[stem.len() - digits..].parse().ok()
+}
+
+/// The digits of a name that has nothing but them between a start and an ending.
+pub(super) fn digits_between<'a>(start: &str, name: &'a str, ending: &str) -> Option<&'a str> {
+    let digits = name.strip_prefix(start)?.strip_suffix(ending)?;
+    (!digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())).then_some(digits)
 }
 
 /// A JSON file.
