@@ -124,7 +124,7 @@ pub(crate) fn whole(number: f32) -> u32 {
     (number + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
-/// √(a² + b²) by double precision, which is exact to the last bit but one rounding: that of the C library would be a call.
+/// √(a² + b²), worked out in double precision and rounded once. The C library's `hypotf` would be a call in the middle of a loop.
 #[inline(always)]
 pub(crate) fn root_of_squares(a: f32, b: f32) -> f32 {
     let (a, b) = (f64::from(a), f64::from(b));

@@ -102,14 +102,6 @@ impl std::fmt::Display for Rival {
     }
 }
 
-/// A volume with voxels of a given width, in the capture's unit, for comparison with other programs.
-///
-/// # Errors
-/// As [`Rival::build`].
-pub fn tsdf_of_voxel(views: &[RecordedView], voxel: f64) -> Result<Box<dyn RivalModel>> {
-    Ok(Box::new(tsdf::Tsdf::of_voxel(views, voxel)?))
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;

@@ -17,7 +17,7 @@ use crate::job::Job;
 use crate::preprocess::{self, PreparedScan};
 use crate::render::fill::fill;
 use crate::render::{Renderer, Vantage};
-use crate::rivals::{RecordedView, Rival, RivalModel};
+use crate::rivals::{Rival, RivalModel};
 use crate::samples::SampleSet;
 use crate::settings::{Backend, Kernel, Settings};
 
@@ -102,9 +102,7 @@ impl Comparer {
             model
         } else {
             let seen = truth::seen_at(&cameras_left(key)?, vantage.frame)?;
-            let views: Vec<RecordedView> =
-                seen.into_iter().map(|(camera, frame)| RecordedView { camera, frame }).collect();
-            let model: Arc<dyn RivalModel> = rival.build(&views)?.into();
+            let model: Arc<dyn RivalModel> = rival.build(&seen)?.into();
             keep(&mut self.rivals, KEPT_RIVALS, (made, model.clone()));
             model
         };

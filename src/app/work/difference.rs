@@ -10,7 +10,7 @@ use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::color::{linear_from_srgb, srgb8_from_linear, steps_from_linear};
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::{ClassMap, DEFAULT_PIXELS_PER_DEGREE, flip};
+use crate::evaluate::metrics::{ClassMap, DEFAULT_PIXELS_PER_DEGREE, ErrorClass, flip};
 use crate::grid::Grid;
 use crate::render::{NO_IMAGE, Picture};
 
@@ -99,9 +99,11 @@ pub(crate) fn between(
     })
 }
 
-/// Colors of unseen, edge and inner pixels on the map of where a difference lies.
-pub(crate) const CLASS_COLORS: [Color32; 3] =
-    [Color32::from_rgb(224, 132, 184), Color32::from_rgb(230, 159, 0), Color32::from_rgb(86, 180, 233)];
+/// The color of a class on the map of where a difference lies.
+fn class_color(class: ErrorClass) -> Color32 {
+    let [r, g, b] = class.color();
+    Color32::from_rgb(r, g, b)
+}
 
 /// Colors the map of a comparison by where differences lie, and works out the share of each class. `Invalid` where sizes differ.
 pub(crate) fn by_class(
@@ -116,8 +118,7 @@ pub(crate) fn by_class(
     let mut colors = Vec::with_capacity(classes.len());
     for (apart, class) in compared.apart.as_slice().iter().zip(classes.as_slice()) {
         let strength = apart.map_or(0.0, |apart| (apart / compared.range).clamp(0.0, 1.0).sqrt());
-        let color = class
-            .map_or(raised, |class| Color32::BLACK.lerp_to_gamma(CLASS_COLORS[class as usize], strength));
+        let color = class.map_or(raised, |class| Color32::BLACK.lerp_to_gamma(class_color(class), strength));
         colors.push(color);
     }
     let difference = Arc::new(ColorImage::new([classes.width(), classes.height()], colors));
@@ -197,7 +198,6 @@ fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::metrics::ErrorClass;
 
     fn side(pixels: [Option<u8>; 4]) -> DisplayedSide {
         let known = Grid::from_vec(4, 1, pixels.map(|gray| gray.map(|gray| [gray; 3])).to_vec());
@@ -271,7 +271,7 @@ mod tests {
         let told = by_class(compared, &Grid::from_vec(4, 1, classes.to_vec()), true).unwrap();
         let [unseen, edge, inner] = told.by_class.unwrap();
         assert!((unseen - 0.2).abs() < 1e-9 && (edge - 0.8).abs() < 1e-9 && inner == 0.0);
-        assert_eq!(told.difference.pixels[1], CLASS_COLORS[1]);
+        assert_eq!(told.difference.pixels[1], class_color(ErrorClass::Edge));
         assert_eq!(told.difference.pixels[2], Color32::BLACK);
         let other = Grid::filled(2, 2, None);
         assert!(by_class(told, &other, true).is_err());

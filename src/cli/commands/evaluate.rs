@@ -77,7 +77,7 @@ impl EvaluateArgs {
             });
         }
         output::print(&format!(
-            "{}\n{}\n{}\n\n{}",
+            "{}{}\n{}\n\n{}",
             output::view_table(&as_set.evaluation),
             output::class_line(&as_set.evaluation),
             output::painter_line(&as_set.evaluation),
@@ -100,10 +100,10 @@ impl EvaluateArgs {
         for (folder, pictures) in self.pictures.iter().zip(loaders) {
             let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
             let scores = output::watched(|job| {
-                score_pictures(&name, (views, pictures), &classes, job, |view, picture, truth, classes| {
-                    let Some(maps) = &self.error_maps else { return Ok(()) };
+                score_pictures(&name, (views, pictures), &classes, job, |view, picture, classes| {
+                    let (Some(maps), Some(truth)) = (&self.error_maps, &view.truth) else { return Ok(()) };
                     let file = output::PicturePaths::below(&maps.join(&name), &view.file_path)?.png;
-                    output::write_error_map(&file, picture, truth, classes)
+                    output::write_error_map(&file, picture, &truth()?, classes)
                 })
             })?;
             all.push(scores);

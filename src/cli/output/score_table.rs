@@ -64,7 +64,7 @@ pub(crate) fn view_table(evaluation: &Evaluation) -> String {
     text
 }
 
-/// One line on where the error lies; empty where that is not known.
+/// A line after those before it on where the error lies; nothing where that is not known.
 pub(crate) fn class_line(evaluation: &Evaluation) -> String {
     let Some(error) = &evaluation.mean.error_by_class else { return String::new() };
     let classes = [("unseen", error.unseen), ("edge", error.edge), ("inner", error.inner)];
@@ -76,7 +76,7 @@ pub(crate) fn class_line(evaluation: &Evaluation) -> String {
             100.0 * score.share
         )
     });
-    format!("Where surfaces are wrong: {}", words.join("; "))
+    format!("\nWhere surfaces are wrong: {}", words.join("; "))
 }
 
 /// The line that names what rendered.

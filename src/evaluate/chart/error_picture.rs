@@ -7,11 +7,8 @@ use image::{ImageFormat, Rgb, RgbImage};
 use crate::capture::Frame;
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::ClassMap;
+use crate::evaluate::metrics::{ClassMap, ErrorClass};
 use crate::render::Picture;
-
-/// Colors of unseen, edge and inner pixels; the colors of series of a chart.
-const CLASS_COLORS: [[u8; 3]; 3] = [[224, 132, 184], [230, 159, 0], [86, 180, 233]];
 
 /// Of a pixel that shows no surface, or whose class is not known.
 const NO_CLASS: [u8; 3] = [220, 220, 220];
@@ -45,7 +42,7 @@ pub(crate) fn error_picture(picture: &Picture, truth: &Frame, classes: Option<&C
                 (0..3).map(|channel| shown[channel].abs_diff(known[channel])).max().unwrap_or_default();
             let strength = (f32::from(apart) / FULL_STEPS).min(1.0).sqrt();
             let class = classes.and_then(|classes| classes[at]);
-            let color = class.map_or(NO_CLASS, |class| CLASS_COLORS[class as usize]);
+            let color = class.map_or(NO_CLASS, ErrorClass::color);
             let error = color.map(|value| (f32::from(value) * strength) as u8);
             for (part, color) in [known, shown, error].into_iter().enumerate() {
                 sheet.put_pixel(part as u32 * (columns + GAP) + x as u32, y as u32, Rgb(color));
@@ -61,7 +58,6 @@ pub(crate) fn error_picture(picture: &Picture, truth: &Frame, classes: Option<&C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::metrics::ErrorClass;
     use crate::grid::Grid;
 
     #[test]

@@ -43,10 +43,6 @@ fn marker(series: Series, is_lossless: bool) -> Marker {
     }
 }
 
-fn mebibytes(point: &Point) -> f64 {
-    point.bytes_of_samples() as f64 / (1024.0 * 1024.0)
-}
-
 /// Ends of a point's bar, dB.
 fn bar_db(point: &Point) -> [f64; 2] {
     [-1.0, 1.0].map(|sign| point.psnr_filled_db + sign * point.behind_best_db_se)
@@ -76,7 +72,7 @@ pub(crate) fn pareto(capture: &str, points: &[Point]) -> Chart {
         let x = ChartAxis::around(Scale::Log, points.iter().map(cost), (left, right));
         Panel { name, cost, left, right, x, y }.draw(&mut svg, points);
     };
-    panel(PANELS[0], BYTES, mebibytes);
+    panel(PANELS[0], BYTES, Point::mebibytes_of_samples);
     panel(PANELS[1], "rendering one view, ms", |point| point.milliseconds);
     svg.upward((38.0, 0.5 * (TOP + BOTTOM)), (18.0, color::INK), "accuracy, PSNR in dB");
     legend(&mut svg, points);

@@ -24,9 +24,15 @@ pub enum ErrorClass {
 }
 
 impl ErrorClass {
-    /// Every class, with its name.
-    pub const ALL: [(Self, &'static str); 3] =
-        [(Self::Unseen, "unseen"), (Self::Edge, "edge"), (Self::Inner, "inner")];
+    /// What maps of errors show it in, sRGB: pink, orange and blue, which color-blind people tell apart.
+    #[must_use]
+    pub fn color(self) -> [u8; 3] {
+        match self {
+            Self::Unseen => [224, 132, 184],
+            Self::Edge => [230, 159, 0],
+            Self::Inner => [86, 180, 233],
+        }
+    }
 }
 
 /// The class of every pixel; `None` where the truth shows no surface.

@@ -130,17 +130,18 @@ fn verdict(points: &[Point]) -> String {
     let named: Vec<String> = others
         .iter()
         .map(|point| {
-            format!("'{}' ({:.2} dB, {:.2} MiB)", point.label, point.psnr_filled_db, mebibytes(point))
+            format!(
+                "'{}' ({:.2} dB, {:.2} MiB)",
+                point.label,
+                point.psnr_filled_db,
+                point.mebibytes_of_samples()
+            )
         })
         .collect();
     format!(
         "{count} points on the Pareto front of bytes and accuracy are settings of ours; the others are {}{leader}.",
         named.join(", ")
     )
-}
-
-fn mebibytes(point: &Point) -> f64 {
-    point.bytes_of_samples() as f64 / (1024.0 * 1024.0)
 }
 
 fn name(label: &str, series: Series) -> String {
@@ -171,7 +172,7 @@ fn cells(point: &Point) -> Vec<String> {
         class(point.error_by_class.map(|error| error.unseen)),
         class(point.error_by_class.map(|error| error.edge)),
         class(point.error_by_class.map(|error| error.inner)),
-        format!("{:.2}", mebibytes(point)),
+        format!("{:.2}", point.mebibytes_of_samples()),
         format!("{:.1}", point.milliseconds),
     ]
 }

@@ -50,13 +50,13 @@ pub struct PictureScore {
 }
 
 /// Scores pictures that another program made of views with known truth; `pictures` are in the order of the views. `on_picture`
-/// receives each with its truth.
+/// receives each.
 pub(crate) fn score_pictures(
     name: &str,
     (views, pictures): (&[TruthView], &[TruthLoader]),
     classes: &[Option<Arc<ClassMap>>],
     job: &Job,
-    mut on_picture: impl FnMut(&TruthView, &Picture, &Frame, Option<&ClassMap>) -> Result<()>,
+    mut on_picture: impl FnMut(&TruthView, &Picture, Option<&ClassMap>) -> Result<()>,
 ) -> Result<PictureScores> {
     let places: HashMap<&str, usize> =
         views.iter().enumerate().map(|(index, view)| (view.file_path.as_str(), index)).collect();
@@ -73,9 +73,7 @@ pub(crate) fn score_pictures(
         let classes = classes.get(place).and_then(Option::as_deref);
         let cost = ViewCost { stats: RenderStats::default(), painter: Painter::cpu(), notice: None };
         let painted: PaintedView = scored(view, picture.clone(), classes, cost, job)?;
-        if let Some(load) = &view.truth {
-            on_picture(view, &picture, &load()?, classes)?;
-        }
+        on_picture(view, &picture, classes)?;
         scores.add(view, painted);
         job.advance(1);
     }
@@ -100,7 +98,7 @@ pub(crate) fn score_pictures(
 }
 
 /// A frame that another program rendered, as one of our pictures: what has no depth is a hole.
-pub(crate) fn picture_of(frame: &Frame) -> Picture {
+fn picture_of(frame: &Frame) -> Picture {
     let (width, height) = frame.size();
     let image = frame.inverse_depth.map(|inverse_depth| if *inverse_depth >= 0.0 { 0 } else { NO_IMAGE });
     let color: Grid<[f32; 3]> = frame.color.map(|color| color.map(half::f16::to_f32));
@@ -121,7 +119,7 @@ mod tests {
         turned.rotate_left(1);
         let score = |pictures: &[TruthLoader]| {
             let mut shown = 0;
-            let scores = score_pictures("other", (&views, pictures), &[], &Job::new(), |_, _, _, _| {
+            let scores = score_pictures("other", (&views, pictures), &[], &Job::new(), |_, _, _| {
                 shown += 1;
                 Ok(())
             });
@@ -131,6 +129,6 @@ mod tests {
         assert_eq!((perfect.views.len(), shown), (views.len(), views.len()));
         assert_eq!((perfect.flicker_steps, perfect.flip), (Some(0.0), Some(0.0)));
         assert!(score(&turned).0.psnr_db < Some(30.0));
-        assert!(score_pictures("few", (&views, &own[..1]), &[], &Job::new(), |_, _, _, _| Ok(())).is_err());
+        assert!(score_pictures("few", (&views, &own[..1]), &[], &Job::new(), |_, _, _| Ok(())).is_err());
     }
 }

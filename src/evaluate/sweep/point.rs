@@ -183,6 +183,11 @@ impl Point {
         self.bytes - self.bytes_record
     }
 
+    /// See [`Point::bytes_of_samples`].
+    pub(crate) fn mebibytes_of_samples(&self) -> f64 {
+        self.bytes_of_samples() as f64 / (1024.0 * 1024.0)
+    }
+
     /// Whether the store is lossless.
     #[must_use]
     pub fn is_lossless(&self) -> bool {
@@ -223,7 +228,7 @@ impl Point {
                 .any(|frames| !frames.is_empty())
                 .then(|| MeanEstimate::over_vantages(&edges).mean),
             flicker_steps: measured.flicker_steps,
-            error_by_class: measured.error_by_class,
+            error_by_class: measured.class_errors.scores(),
             coverage: of(&|scores| scores.coverage).mean,
             samples: measured.samples,
             bytes: measured.bytes,

@@ -7,13 +7,13 @@ use std::time::Instant;
 use super::standard_error::MeanEstimate;
 use super::trial_result::{TrialResult, scores_by_vantage};
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::{ClassErrors, ErrorByClass};
+use crate::evaluate::metrics::ClassErrors;
 use crate::evaluate::scoring::{Scoreboard, ViewCost, frame_of, scored};
 use crate::evaluate::truth::{Fold, seen_at};
 use crate::job::Job;
 use crate::render::fill::fill;
 use crate::render::{Painter, Picture, RenderStats};
-use crate::rivals::{RecordedView, Rival};
+use crate::rivals::Rival;
 use crate::settings::{Fill, RenderSettings};
 
 /// What was measured of a fold, and the bytes that the method needs for all frames; `None` where it keeps all pictures.
@@ -42,8 +42,7 @@ pub(super) fn measure(
     for (frame, views) in by_frame {
         job.check()?;
         let building = Instant::now();
-        let recorded = recorded_at(fold, frame)?;
-        let model = rival.build(&recorded)?;
+        let model = rival.build(&seen_at(capture, frame)?)?;
         seconds += building.elapsed().as_secs_f64();
         bytes = bytes.zip(model.bytes()).map(|(sum, bytes): (u64, u64)| sum + bytes);
         for index in views {
@@ -77,7 +76,6 @@ pub(super) fn measure(
     let bytes = bytes.map(per_frame);
     let result = TrialResult {
         vantages: scores_by_vantage(&fold.views, &evaluation),
-        error_by_class: class_errors.scores(),
         class_errors,
         flicker_steps: evaluation.mean.flicker_steps,
         samples: pixels,
@@ -99,8 +97,12 @@ pub(super) fn over_folds(parts: Vec<TrialResult>) -> TrialResult {
     let mut times: Vec<f64> = parts.iter().map(|part| part.milliseconds).collect();
     let flicker: Vec<f64> = parts.iter().filter_map(|part| part.flicker_steps).collect();
     let middle = times.len() / 2;
+    let mut class_errors = ClassErrors::default();
+    for part in &parts {
+        class_errors.add(&part.class_errors);
+    }
     TrialResult {
-        error_by_class: error_by_class(&parts),
+        class_errors,
         flicker_steps: (!flicker.is_empty()).then(|| MeanEstimate::of(&flicker).mean),
         samples: mean(&|part| part.samples as f64).round() as u64,
         bytes: mean(&|part| part.bytes as f64).round() as u64,
@@ -112,21 +114,5 @@ pub(super) fn over_folds(parts: Vec<TrialResult>) -> TrialResult {
         seconds_preprocess: mean(&|part| part.seconds_preprocess),
         samples_shared: 0,
         vantages: parts.into_iter().flat_map(|part| part.vantages).collect(),
-        ..TrialResult::default()
     }
-}
-
-/// The error of several folds by class.
-fn error_by_class(folds: &[TrialResult]) -> Option<ErrorByClass> {
-    let mut sum = ClassErrors::default();
-    for fold in folds {
-        sum.add(&fold.class_errors);
-    }
-    sum.scores()
-}
-
-/// What all cameras of a fold recorded at a frame.
-fn recorded_at(fold: &Fold, frame: usize) -> Result<Vec<RecordedView>> {
-    let seen = seen_at(&fold.capture, frame)?;
-    Ok(seen.into_iter().map(|(camera, frame)| RecordedView { camera, frame }).collect())
 }

@@ -2,7 +2,7 @@
 
 use super::paired::ViewAccuracy;
 use crate::capture::TruthView;
-use crate::evaluate::metrics::{ClassErrors, ErrorByClass, Scores};
+use crate::evaluate::metrics::{ClassErrors, Scores};
 use crate::evaluate::scoring::{Evaluation, ViewScore};
 use crate::settings::Kernel;
 
@@ -11,9 +11,7 @@ use crate::settings::Kernel;
 pub struct TrialResult {
     /// Names and scores of the views of every vantage of every fold, frame by frame.
     pub(crate) vantages: Vec<Vec<(String, Scores)>>,
-    /// Over all pixels of all views together; `None` if no truth has depth.
-    pub(crate) error_by_class: Option<ErrorByClass>,
-    /// What `error_by_class` was worked out from.
+    /// Over all pixels of all views together.
     pub(crate) class_errors: ClassErrors,
     /// `None` if no vantage is seen at two frames.
     pub(crate) flicker_steps: Option<f64>,

@@ -163,7 +163,6 @@ impl Workbench {
             evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
         Ok(TrialResult {
             vantages,
-            error_by_class: class_errors.scores(),
             class_errors,
             flicker_steps: (!flicker.is_empty()).then(|| MeanEstimate::of(&flicker).mean),
             samples: mean(&|model| model.samples.sample_count() as f64).round() as u64,

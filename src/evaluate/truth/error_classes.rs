@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::evaluate::metrics::{ClassMap, ErrorClass};
 use crate::grid::Grid;
 use crate::job::Job;
+use crate::rivals::RecordedView;
 
 /// A camera saw a surface point if one of the nine pixels around its projection has a depth within this share of the point's.
 const SAME_DEPTH: f64 = 0.015;
@@ -23,11 +24,8 @@ const REACH_PX: usize = 2;
 /// Depth that stands for infinity and for none.
 const FAR: f64 = 1e6;
 
-/// One camera and what it saw at a frame.
-pub(crate) type SeenFrame = (Camera, Arc<Frame>);
-
 /// The class of every pixel of the truth at `camera`; `None` where it has no depth, so that nothing is known.
-pub(crate) fn class_map(camera: &Camera, truth: &Frame, seen: &[SeenFrame]) -> Option<ClassMap> {
+pub(crate) fn class_map(camera: &Camera, truth: &Frame, seen: &[RecordedView]) -> Option<ClassMap> {
     let (width, height) = truth.size();
     let depths = &truth.inverse_depth;
     if !depths.as_slice().iter().any(|inverse_depth| *inverse_depth > 0.0) {
@@ -74,13 +72,15 @@ pub(crate) fn class_maps(
 }
 
 /// What all cameras of a capture saw at a frame.
-pub(crate) fn seen_at(capture: &Capture, frame: usize) -> Result<Vec<SeenFrame>> {
-    let camera = |index: usize| Ok((capture.cameras[index].clone(), capture.frame(index, frame)?));
-    (0..capture.cameras.len()).map(camera).collect()
+pub(crate) fn seen_at(capture: &Capture, frame: usize) -> Result<Vec<RecordedView>> {
+    let view = |index: usize| {
+        Ok(RecordedView { camera: capture.cameras[index].clone(), frame: capture.frame(index, frame)? })
+    };
+    (0..capture.cameras.len()).map(view).collect()
 }
 
 /// Whether a camera's depth agrees with a point in the world.
-fn sees((camera, frame): &SeenFrame, point_in_world: glam::DVec3) -> bool {
+fn sees(RecordedView { camera, frame }: &RecordedView, point_in_world: glam::DVec3) -> bool {
     let Some((position, depth)) = camera.project(point_in_world) else { return false };
     let (width, height) = frame.size();
     if position.x < 0.0 || position.y < 0.0 || position.x >= width as f64 || position.y >= height as f64 {
@@ -127,7 +127,7 @@ mod tests {
     use glam::DVec3;
 
     /// A camera at `x` that looks along +z, at a wall 4 away whose left half is covered by a board 2 away.
-    fn recorded(x: f64, board: bool) -> SeenFrame {
+    fn recorded(x: f64, board: bool) -> RecordedView {
         let intrinsics = Intrinsics { width: 32, height: 8, fx: 16.0, fy: 16.0, cx: 16.0, cy: 4.0 };
         let mut camera = Camera::look_at("c", intrinsics, DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         camera.world_from_camera.translation.x = x;
@@ -142,12 +142,12 @@ mod tests {
             normal_in_world: None,
             depth_step_relative: 0.0,
         };
-        (camera, Arc::new(frame))
+        RecordedView { camera, frame: Arc::new(frame) }
     }
 
     #[test]
     fn what_a_board_hides_from_every_camera_is_unseen_and_its_rim_is_an_edge() {
-        let (camera, truth) = recorded(1.0, true);
+        let RecordedView { camera, frame: truth } = recorded(1.0, true);
         let seen_from_left = [recorded(0.0, true)];
         let map = class_map(&camera, &truth, &seen_from_left).unwrap();
         let row: Vec<_> = (0..32).map(|x| map[(x, 4)].unwrap()).collect();
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_truth_without_depth_has_no_classes() {
-        let (camera, truth) = recorded(0.0, false);
+        let RecordedView { camera, frame: truth } = recorded(0.0, false);
         let flat = Frame { inverse_depth: Grid::filled(32, 8, 0.0), ..(*truth).clone() };
         assert!(class_map(&camera, &flat, &[recorded(0.0, false)]).is_none());
     }

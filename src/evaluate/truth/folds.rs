@@ -22,6 +22,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::metrics::ClassMap;
 use crate::evaluate::scoring::{nothing_to_compare, unknown_truth_warning, vantage_order, with_truth};
 use crate::job::Job;
+use crate::rivals::RecordedView;
 
 /// Where the truth comes from.
 #[derive(Clone)]
@@ -172,8 +173,9 @@ fn masked(recorded: &Recorded, view: TruthView) -> Result<MaskedView> {
         let camera_views = (0..recorded.capture.cameras.len())
             .map(|camera| CameraView::new(recorded, camera, frame))
             .collect::<Result<Vec<_>>>()?;
-        let seen: Vec<_> =
-            camera_views.iter().map(|seen| (seen.camera.clone(), seen.clean.clone())).collect();
+        let recorded =
+            |seen: &CameraView| RecordedView { camera: seen.camera.clone(), frame: seen.clean.clone() };
+        let seen: Vec<RecordedView> = camera_views.iter().map(recorded).collect();
         classes = class_map(&view.camera, &truth, &seen).map(Arc::new);
         mask_unseen(&mut truth, &view.camera, &camera_views);
     }

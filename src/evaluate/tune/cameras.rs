@@ -33,7 +33,6 @@ pub(super) fn drop_needless(
         let (psnr_filled_db, dropped) = match search.truth {
             Truth::Views(_) => {
                 let trial = Trial {
-                    rival: None,
                     cameras: Some(without.clone()),
                     ..Trial::new(
                         format!("without {}", dropped_from(capture, &without)),
