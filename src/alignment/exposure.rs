@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::judge::Judgment;
 use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
-use super::solver::{Problem, Weighing, loss};
+use super::solver::{PairWeighing, Problem, Weighing, loss};
 use crate::grid::Grid;
 
 /// Half the side of the square whose mean color is compared, pixels.
@@ -41,6 +41,9 @@ struct Reading {
     judges: bool,
 }
 
+/// A pair of cameras with all readings of it.
+type PairReadings = ([usize; 2], Vec<Reading>);
+
 /// Per pair and channel: the median difference of logarithms, its weight, and the spread.
 struct Ratio {
     pair: [usize; 2],
@@ -51,26 +54,38 @@ struct Ratio {
 
 /// Gains under which cameras agree about colors. Those that do not pay are 0.
 pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCorrection> {
-    let readings: Vec<([usize; 2], Vec<Reading>)> = problem
-        .pairs
-        .par_iter()
-        .zip(&weighing.pairs)
-        .map(|(pair, weighed)| (*pair, readings(problem, (weighing.level, weighed.gate), *pair)))
-        .collect();
+    let of_pair = |(pair, weighed): (&[usize; 2], &PairWeighing)| {
+        (*pair, readings(problem, (weighing.level, weighed.gate), *pair))
+    };
+    let readings: Vec<PairReadings> = problem.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
     let ratios: Vec<Ratio> = readings.iter().filter_map(|(pair, readings)| ratio(*pair, readings)).collect();
-    let cameras = problem.views.len();
-    let mut corrections = vec![
-        GainCorrection {
-            kept: false,
-            log_gain: [0.0; 3],
-            standard_error: [0.0; 3],
-            judgment: Judgment::default()
-        };
-        cameras
-    ];
+    let mut corrections = solved(&ratios, problem.views.len());
+    let spreads = spreads(&ratios, &readings);
+    // All gains are applied; what is left is judged camera by camera beside them.
+    let found: Vec<[f64; 3]> = corrections.iter().map(|correction| correction.log_gain).collect();
+    for (camera, correction) in corrections.iter_mut().enumerate() {
+        correction.judgment = judged(camera, &found, readings.iter().zip(&spreads));
+        let largest =
+            |values: [f64; 3]| values.into_iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let [stops, errors] = [correction.log_gain, correction.standard_error]
+            .map(|logarithms| largest(logarithms) / std::f64::consts::LN_2);
+        correction.kept = correction.judgment.pays() && stops > LEAST_STOPS && stops > 3.0 * errors;
+    }
+    corrections
+}
+
+/// The gains that fit the ratios best, with their standard errors; nothing is judged yet.
+fn solved(ratios: &[Ratio], cameras: usize) -> Vec<GainCorrection> {
+    let none = GainCorrection {
+        kept: false,
+        log_gain: [0.0; 3],
+        standard_error: [0.0; 3],
+        judgment: Judgment::default(),
+    };
+    let mut corrections = vec![none; cameras];
     for channel in 0..3 {
         let mut equations = NormalEquations::new(cameras);
-        for Ratio { pair: [a, b], difference, weight, .. } in &ratios {
+        for Ratio { pair: [a, b], difference, weight, .. } in ratios {
             let weight = weight[channel];
             equations.add(*a, *a, weight);
             equations.add(*b, *b, weight);
@@ -86,43 +101,36 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
                 factor.inverse_block::<1>(camera)[0][0].max(0.0).sqrt();
         }
     }
-    // All that are worth it are applied; what is left is judged camera by camera beside them.
-    let spreads = spreads(&ratios, &readings);
-    let found: Vec<[f64; 3]> = corrections.iter().map(|correction| correction.log_gain).collect();
-    for (camera, correction) in corrections.iter_mut().enumerate() {
-        let losses = readings.iter().zip(&spreads).filter(|((pair, _), _)| pair.contains(&camera));
-        let losses = losses.flat_map(|((pair, readings), spread)| {
-            let [a, b] = *pair;
-            let found = &found;
-            readings.iter().filter(|reading| reading.judges).map(move |reading| {
-                let off = |gain_a: [f64; 3], gain_b: [f64; 3]| -> f64 {
-                    (0..3)
-                        .map(|channel| {
-                            let off = reading.own[channel] + gain_a[channel]
-                                - reading.found[channel]
-                                - gain_b[channel];
-                            loss(off, spread[channel])
-                        })
-                        .sum()
-                };
-                let before_a = if a == camera { [0.0; 3] } else { found[a] };
-                let before_b = if b == camera { [0.0; 3] } else { found[b] };
-                [off(before_a, before_b), off(found[a], found[b])]
-            })
-        });
-        correction.judgment = Judgment::of(&losses.collect::<Vec<_>>());
-        let stops = correction.log_gain.iter().fold(0.0_f64, |most, gain| most.max(gain.abs()))
-            / std::f64::consts::LN_2;
-        let errors = correction.standard_error.iter().fold(0.0_f64, |most, error| most.max(*error))
-            / std::f64::consts::LN_2;
-        correction.kept = correction.judgment.pays() && stops > LEAST_STOPS && stops > 3.0 * errors;
-    }
     corrections
 }
 
+/// What the readings that took no part say about one camera's gain, the other cameras having theirs.
+fn judged<'a>(
+    camera: usize,
+    found: &[[f64; 3]],
+    pairs: impl Iterator<Item = (&'a PairReadings, &'a [f64; 3])>,
+) -> Judgment {
+    let mut losses = Vec::new();
+    for ((pair, readings), spread) in pairs.filter(|((pair, _), _)| pair.contains(&camera)) {
+        let now = pair.map(|index| found[index]);
+        let before = pair.map(|index| if index == camera { [0.0; 3] } else { found[index] });
+        for reading in readings.iter().filter(|reading| reading.judges) {
+            let off = |[own, other]: [[f64; 3]; 2]| -> f64 {
+                let of_channel = |channel: usize| {
+                    let off = reading.own[channel] + own[channel] - reading.found[channel] - other[channel];
+                    loss(off, spread[channel])
+                };
+                (0..3).map(of_channel).sum()
+            };
+            losses.push([off(before), off(now)]);
+        }
+    }
+    Judgment::of(&losses)
+}
+
 /// The spreads of each pair that has a ratio; of others nothing counts.
-fn spreads(ratios: &[Ratio], readings: &[([usize; 2], Vec<Reading>)]) -> Vec<[f64; 3]> {
-    let of_pair = |(pair, _): &([usize; 2], Vec<Reading>)| {
+fn spreads(ratios: &[Ratio], readings: &[PairReadings]) -> Vec<[f64; 3]> {
+    let of_pair = |(pair, _): &PairReadings| {
         ratios.iter().find(|ratio| ratio.pair == *pair).map_or([1e-9; 3], |ratio| ratio.spread)
     };
     readings.iter().map(of_pair).collect()
