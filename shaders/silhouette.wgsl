@@ -136,7 +136,7 @@ fn farther(own_w: f32, pixel: vec2<i32>) -> Behind {
             if w < farthest {
                 farthest = w;
                 behind.found = true;
-                behind.key = vec2<u32>(neighbor.x, nearness(w, CORE));
+                behind.key = vec2<u32>(neighbor.x, nearness(w, CORE | TRUSTED));
             }
         }
     }
@@ -161,7 +161,7 @@ fn crack(own_w: f32, pixel: vec2<i32>) -> vec2<u32> {
         let alike = a.y != 0u && b.y != 0u && min(wa, wb) >= max(wa, wb) * stage.surface_ratio;
         if alike && own_w < mean * stage.surface_ratio && mean > nearest {
             nearest = mean;
-            found = vec2<u32>(a.x, nearness(mean, CORE));
+            found = vec2<u32>(a.x, nearness(mean, CORE | TRUSTED));
         }
     }
     return found;

@@ -14,14 +14,14 @@ var<workgroup> shared_samples: array<u32, 256>;
 // A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its fringe.
 const CORE_SHARE: f32 = 0.06;
 
-fn raise_point(projected: Projected, w: f32, slot: u32) {
+fn raise_point(projected: Projected, w: f32, slot: u32, trust: u32) {
     let place = floor(projected.pixel);
     if all(place >= vec2<f32>(0.0)) && place.x < f32(stage.width) && place.y < f32(stage.height) {
-        raise(u32(place.y) * stage.width + u32(place.x), nearness(w * projected.reciprocal, CORE), slot);
+        raise(u32(place.y) * stage.width + u32(place.x), nearness(w * projected.reciprocal, CORE | trust), slot);
     }
 }
 
-fn raise_block(projected: Projected, w: f32, slot: u32) {
+fn raise_block(projected: Projected, w: f32, slot: u32, trust: u32) {
     let corner = floor(projected.pixel - 0.5);
     let share = projected.pixel - 0.5 - corner;
     for (var i = 0u; i < 4u; i++) {
@@ -30,7 +30,7 @@ fn raise_block(projected: Projected, w: f32, slot: u32) {
         if all(place >= vec2<f32>(0.0)) && place.x < f32(stage.width) && place.y < f32(stage.height) {
             let shares = select(1.0 - share, share, step > vec2<f32>(0.5));
             let tier = select(0u, CORE, shares.x * shares.y >= CORE_SHARE);
-            raise(u32(place.y) * stage.width + u32(place.x), nearness(w * projected.reciprocal, tier), slot);
+            raise(u32(place.y) * stage.width + u32(place.x), nearness(w * projected.reciprocal, tier | trust), slot);
         }
     }
 }
@@ -104,7 +104,7 @@ fn project_sample(projector: Projector, corner: vec2<f32>, at: vec2<u32>) -> Pro
 
 // Raises the pixels of a footprint in every `step`th column and row, from `first` on. The fringe of magnified samples fills pixels
 // that are in no footprint.
-fn raise_footprint(sample: ProjectedSample, slot: u32, first: vec2<u32>, step: i32) {
+fn raise_footprint(sample: ProjectedSample, slot: u32, trust: u32, first: vec2<u32>, step: i32) {
     let found = sample.footprint;
     for (var y = sample.edges.z + i32(first.y); y <= sample.edges.w; y += step) {
         for (var x = sample.edges.x + i32(first.x); x <= sample.edges.y; x += step) {
@@ -119,10 +119,15 @@ fn raise_footprint(sample: ProjectedSample, slot: u32, first: vec2<u32>, step: i
                 let most = found.deviation * select(FRINGE / CORE_REACH, 1.0, covered);
                 let deviation = clamp(found.slope.x * off.x + found.slope.y * off.y, -most, most);
                 let depth = max(found.inverse_depth + deviation, 0.0);
-                raise(u32(y) * stage.width + u32(x), nearness(depth, select(0u, CORE, covered)), slot);
+                raise(u32(y) * stage.width + u32(x), nearness(depth, select(0u, CORE, covered) | trust), slot);
             }
         }
     }
+}
+
+// TRUSTED, or 0 for a doubtful sample.
+fn trust_of(piece: Piece, number: u32, at: vec2<u32>) -> u32 {
+    return select(TRUSTED, 0u, is_doubtful(piece, number, at));
 }
 
 @compute @workgroup_size(16, 16)
@@ -144,13 +149,14 @@ fn surface(
     let projector = projectors[piece.camera];
     let sample = project_sample(projector, pixel.corner, local.xy);
     let slot = number << 8u | thread;
+    let trust = trust_of(piece, number, local.xy);
     if sample.pixels > SHARED_FROM {
         shared_samples[atomicAdd(&shared_count, 1u)] = thread;
     } else if sample.projected.reciprocal > 0.0 {
         switch stage.kernel {
-            case KERNEL_POINT: { raise_point(sample.projected, pixel.inverse_depth, slot); }
-            case KERNEL_BLOCK: { raise_block(sample.projected, pixel.inverse_depth, slot); }
-            default: { raise_footprint(sample, slot, vec2<u32>(0u), 1); }
+            case KERNEL_POINT: { raise_point(sample.projected, pixel.inverse_depth, slot, trust); }
+            case KERNEL_BLOCK: { raise_block(sample.projected, pixel.inverse_depth, slot, trust); }
+            default: { raise_footprint(sample, slot, trust, vec2<u32>(0u), 1); }
         }
     }
     workgroupBarrier();
@@ -158,6 +164,7 @@ fn surface(
     for (var nth = 0u; nth < count; nth++) {
         let sample = shared_samples[nth];
         let at = vec2<u32>(sample & 15u, sample >> 4u);
-        raise_footprint(project_sample(projector, pixel.corner, at), number << 8u | sample, local.xy, 16);
+        let shared_trust = trust_of(piece, number, at);
+        raise_footprint(project_sample(projector, pixel.corner, at), number << 8u | sample, shared_trust, local.xy, 16);
     }
 }

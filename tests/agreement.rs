@@ -284,3 +284,77 @@ fn cameras_whose_depth_is_noisy_average_their_colors_and_others_keep_them_as_rec
     let [recorded, kept] = color_errors(0.0);
     assert!(kept == recorded, "squared errors of {kept} beside {recorded}");
 }
+
+/// The doubtful samples of a camera, as pixels.
+fn doubtful(inspection: &FrameInspection, camera: usize) -> Vec<usize> {
+    let width = inspection.cameras[camera].verdict.size().0;
+    let images = inspection.samples.images.iter().filter(|image| image.camera as usize == camera);
+    let pixels = images.flat_map(|image| {
+        let samples = image.samples().filter(|sample| image.is_doubtful(sample.x, sample.y));
+        samples.map(|sample| sample.y * width + sample.x).collect::<Vec<_>>()
+    });
+    pixels.collect()
+}
+
+#[test]
+fn what_noisy_cameras_had_a_free_view_of_and_do_not_confirm_is_doubtful() {
+    let exact = Scene { normals: false, ..Scene::still_life() };
+    let noisy = Scene { depth_noise: 0.01, ..exact.clone() };
+    // Strays that too few look past: a margin of so many cameras contradicts nothing.
+    let scene = Scene { strays: 0.01, ..noisy.clone() };
+    let mut settings = Settings::default();
+    settings.pruning.agreement_margin = 5;
+    let cameras = arc(5, 96);
+    let truth = inspect(&exact.record(cameras.clone(), 1), 0, &settings);
+    let recorded = inspect(&scene.record(cameras.clone(), 1), 0, &settings);
+    let (mut strays, mut doubtful_strays, mut others) = (0, 0, 0);
+    for camera in 0..cameras.len() {
+        let depths = |inspection: &FrameInspection| inspection.cameras[camera].frame.inverse_depth.clone();
+        let (found, expected) = (depths(&recorded), depths(&truth));
+        let is_stray = |pixel: usize| {
+            let (found, expected) = (found.as_slice()[pixel], expected.as_slice()[pixel]);
+            expected > 0.0 && (found / expected - 1.0).abs() > 0.2
+        };
+        let verdicts = recorded.cameras[camera].verdict.as_slice();
+        strays += (0..verdicts.len()).filter(|pixel| is_stray(*pixel) && verdicts[*pixel].is_kept()).count();
+        let doubtful = doubtful(&recorded, camera);
+        doubtful_strays += doubtful.iter().filter(|pixel| is_stray(**pixel)).count();
+        others += doubtful.iter().filter(|pixel| !is_stray(**pixel)).count();
+        for &pixel in &doubtful {
+            let explanation = explain_pixel(&recorded, camera, pixel % 96, pixel / 96).unwrap();
+            assert!(
+                explanation.is_doubtful && explanation.verdict.is_kept(),
+                "camera {camera}, pixel {pixel}"
+            );
+        }
+    }
+    assert!(strays > 100 && doubtful_strays * 2 > strays, "{doubtful_strays} of {strays}");
+    assert!(others < strays, "{others} samples that are none beside {strays} strays");
+    // Nothing is doubted where depth is exact, nor with agreement off.
+    assert!((0..5).all(|camera| doubtful(&truth, camera).is_empty()));
+    settings.pruning.agreement = AgreementRule::Off;
+    let off = inspect(&scene.record(cameras, 1), 0, &settings);
+    assert!((0..5).all(|camera| doubtful(&off, camera).is_empty()));
+}
+
+#[test]
+fn a_thin_thing_and_one_that_no_other_camera_looks_at_are_not_doubtful() {
+    let mut scene = Scene { depth_noise: 0.005, normals: false, ..Scene::still_life() };
+    // A row of beads, each a pixel wide for the camera close by, before a ground that all others see.
+    for bead in 0..60 {
+        let place = DVec3::new(-0.6 + 0.02 * f64::from(bead), -1.2, 0.5);
+        scene.spheres.push(Sphere::resting(place, 0.004, [0.9, 0.9, 0.1]));
+    }
+    let mut cameras = arc(5, 96);
+    cameras.push(camera("close", DVec3::new(0.0, -2.6, 0.6), DVec3::new(0.0, -1.2, 0.5), 160));
+    // It looks to where no other camera does.
+    cameras.push(camera("away", DVec3::new(0.0, -3.0, 1.0), DVec3::new(0.0, -9.0, 0.0), 96));
+    let inspection = inspect(&scene.record(cameras, 1), 0, &Settings::default());
+    let beads = inspection.cameras[5].frame.color.as_slice().iter().enumerate();
+    let beads: Vec<usize> =
+        beads.filter(|(_, color)| color[0].to_f32() > 0.85).map(|(pixel, _)| pixel).collect();
+    let doubted = doubtful(&inspection, 5);
+    let doubted_beads = beads.iter().filter(|pixel| doubted.contains(pixel)).count();
+    assert!(beads.len() > 20 && doubted_beads * 20 < beads.len(), "{doubted_beads} of {}", beads.len());
+    assert_eq!(doubtful(&inspection, 6), [0; 0]);
+}

@@ -21,7 +21,7 @@ use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::gpu::{GpuOptions, GpuRenderer};
 use overlook::render::{CpuRenderer, Picture, RenderStats, Vantage};
-use overlook::samples::SampleSet;
+use overlook::samples::{SampleSet, TILE, TileMask};
 use overlook::settings::{Fill, Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{Scene, arc, camera};
 use skip::skip;
@@ -420,4 +420,40 @@ fn a_picture_that_cannot_be_painted_is_refused_and_the_next_one_is_painted() {
     let cancelled = gpu.render(&samples, &sized(8, 8), &settings(Kernel::Block), &job).unwrap_err();
     assert!(matches!(cancelled, overlook::error::Error::Cancelled));
     compare(&mut gpu, Kernel::Block);
+}
+
+#[test]
+fn doubtful_samples_stand_back_as_on_the_cpu() {
+    let Some(mut renderer) = gpu() else { return };
+    let capture = moving_capture();
+    for method in [PruningMethod::HighestRate, PruningMethod::Off] {
+        let mut set = (*samples_pruned_by(method, &capture)).clone();
+        let trusted = Arc::new(set.clone());
+        for image in &mut set.images {
+            let mut some = (**image).clone();
+            // Stripes of one camera, and patches of the others.
+            let rows = |tile: usize, row: usize| match some.camera {
+                0 => 0x0f0f,
+                camera => {
+                    if (tile + camera as usize) % 3 == 0 && row < 12 {
+                        0xfff0
+                    } else {
+                        0
+                    }
+                }
+            };
+            let masks = some.tiles.iter().enumerate().map(|(tile, found)| TileMask {
+                tile: tile as u32,
+                rows: std::array::from_fn(|row| found.rows[row] & rows(tile, row)),
+            });
+            some.doubtful = masks.filter(|mask| mask.rows != [0; TILE]).collect();
+            *image = Arc::new(some);
+        }
+        let set = Arc::new(set);
+        for kernel in Kernel::ALL {
+            compare_over(&mut renderer, *kernel, &set);
+            let [with, without] = [&set, &trusted].map(|set| on_cpu(set, &novel(), 2, *kernel).0);
+            assert!(with.inverse_depth != without.inverse_depth, "{kernel}: they change the picture");
+        }
+    }
 }

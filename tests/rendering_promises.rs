@@ -1,5 +1,7 @@
 //! The promises that the renderer gives, on scenes whose right answer is known.
 
+#[path = "samples/mod.rs"]
+mod by_hand;
 #[path = "scene/moving.rs"]
 mod moving;
 mod scene;
@@ -12,7 +14,7 @@ use overlook::capture::{Camera, Capture, Frame, Intrinsics};
 use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::{CpuRenderer, Picture, Vantage};
-use overlook::samples::SampleSet;
+use overlook::samples::{SampleSet, TileMask};
 use overlook::settings::{Fill, Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{SKY, Scene, arc, camera};
 
@@ -269,4 +271,35 @@ fn pruning_by_rate_keeps_the_picture_and_first_camera_wins_does_not() {
         (error(PruningMethod::Off), error(PruningMethod::HighestRate), error(PruningMethod::FirstCamera));
     assert!(rate < 1.1 * off, "by rate {rate}, unpruned {off}");
     assert!(first > 1.3 * rate, "first camera wins {first}, by rate {rate}");
+}
+
+#[test]
+fn a_doubtful_sample_is_shown_where_nothing_else_is_and_hides_nothing() {
+    let eye = |name: &str| by_hand::plain_camera(name, DVec3::ZERO, 32, 32);
+    // A wall at 4 that fills the left half, and before it, from side to side, what another camera saw at 2.
+    let wall = by_hand::samples(eye("wall"), |x, _| (x < 16).then_some(([0.5; 3], 0.25)));
+    let strip = by_hand::samples(eye("strip"), |_, y| (8..24).contains(&y).then_some(([0.9, 0.1, 0.1], 0.5)));
+    let both = |is_doubtful: bool| {
+        let mut near = (*strip.images[0]).clone();
+        near.camera = 1;
+        if is_doubtful {
+            let all = near.tiles.iter().enumerate();
+            near.doubtful =
+                all.map(|(tile, found)| TileMask { tile: tile as u32, rows: found.rows }).collect();
+        }
+        Arc::new(SampleSet {
+            cameras: vec![eye("wall"), eye("strip")],
+            images: vec![wall.images[0].clone(), Arc::new(near)],
+            ..(*wall).clone()
+        })
+    };
+    let (trusted, doubtful) = (both(false), both(true));
+    for kernel in Kernel::ALL {
+        let depth = |samples: &Arc<SampleSet>, at| paint(samples, &eye("here"), 0, *kernel).inverse_depth[at];
+        let near = |w: f32, expected: f32| (w - expected).abs() < 1e-3;
+        assert!(near(depth(&trusted, (7, 15)), 0.5), "{kernel}: the nearer of two surfaces");
+        assert!(near(depth(&doubtful, (7, 15)), 0.25), "{kernel}: the one that is not doubtful");
+        assert!(near(depth(&doubtful, (24, 15)), 0.5), "{kernel}: the only one");
+        assert!(near(depth(&doubtful, (7, 3)), 0.25) && depth(&doubtful, (24, 3)) < 0.0, "{kernel}");
+    }
 }

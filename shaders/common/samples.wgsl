@@ -5,6 +5,7 @@
 //   tiles   TILE_WORDS per tile: column | row << 16, first sample, bits of the farthest and of the nearest inverse
 //           depth, first high byte, sixteen bytes that count the samples above each row, sixteen half words of row masks
 //   low     u16 per sample      high   one or two bytes per sample      color   three f16 per sample
+//   doubtful   MASK_WORDS per tile: sixteen half words of row masks; left out where no sample of the image is doubtful
 //
 // Samples and high bytes count from the first of the piece.
 
@@ -19,6 +20,8 @@ struct Piece {
     low_at: u32,
     high_at: u32,
     color_at: u32,
+    // 0 where no sample is doubtful.
+    doubtful_at: u32,
 }
 
 @group(0) @binding(2) var<storage, read> pieces: array<Piece>;
@@ -34,6 +37,7 @@ const TILE_WORDS: u32 = 17u;
 // Where counts and masks of the rows begin in a tile's words.
 const TILE_BEFORE: u32 = 5u;
 const TILE_ROWS: u32 = 9u;
+const MASK_WORDS: u32 = 8u;
 // Tiles whose depths span more keep a fourth byte.
 const WIDE: u32 = 0x1000000u;
 
@@ -72,6 +76,15 @@ fn piece_of(number: u32) -> u32 {
 // Where the words of tile `number` begin.
 fn tile_at(piece: Piece, number: u32) -> u32 {
     return piece.tiles_at + TILE_WORDS * (number - piece.first_tile);
+}
+
+// Whether the sample at `at` in tile `number` of a piece is doubtful.
+fn is_doubtful(piece: Piece, number: u32, at: vec2<u32>) -> bool {
+    if piece.doubtful_at == 0u {
+        return false;
+    }
+    let columns = half_word(piece.page, piece.doubtful_at + MASK_WORDS * (number - piece.first_tile), at.y);
+    return (columns >> at.x & 1u) == 1u;
 }
 
 // The inverse depth of sample `nth` of a tile, given the tile's second to fifth word.

@@ -1,7 +1,7 @@
 // What the stages of one picture share, and z-buffer keys. Twins: `StageInput` in src/render/splat/input.rs,
 // src/render/splat/zkey.rs.
 //
-// A key takes two words, the lower half first: [u32::MAX − slot, core | nearness]; both are 0 where there is nothing.
+// A key takes two words, the lower half first: [u32::MAX − slot, core | trusted | nearness]; both are 0 where there is nothing.
 
 struct Stage {
     // Size of the z-buffer, pixels.
@@ -60,13 +60,23 @@ const GROUPS_ACROSS: u32 = 32768u;
 // Marks a core sample, in the upper half of a key.
 const CORE: u32 = 0x80000000u;
 
+// Marks a sample that is not doubtful.
+const TRUSTED: u32 = 0x40000000u;
+
+// See the twin.
+const FARTHEST: u32 = 0x1f800000u;
+const NEAREST: u32 = 0x5f7ffffeu;
+
 // The upper half of a key.
 fn nearness(inverse_depth: f32, tier: u32) -> u32 {
-    return (bitcast<u32>(inverse_depth) + 1u) | tier;
+    return (clamp(bitcast<u32>(inverse_depth), FARTHEST, NEAREST) - (FARTHEST - 1u)) | tier;
 }
 
 // The inverse depth of the upper half of a key; negative for 0.
 fn inverse_depth_of(upper: u32) -> f32 {
-    let nearness = upper & ~CORE;
-    return select(bitcast<f32>(nearness - 1u), -1.0, nearness == 0u);
+    let nearness = upper & ~(CORE | TRUSTED);
+    if nearness <= 1u {
+        return select(0.0, -1.0, nearness == 0u);
+    }
+    return bitcast<f32>(nearness + (FARTHEST - 1u));
 }

@@ -1,6 +1,6 @@
 //! Part of a sample image.
 
-use crate::samples::{DepthPlane, Sample, SampleImage, SampleTile, Span, TILE};
+use crate::samples::{DepthPlane, Sample, SampleImage, SampleTile, Span, TILE, TileMask};
 
 /// The samples of an image that `keep` accepts, given each and its inverse depth, as an image of `span`.
 pub(super) fn samples_where(
@@ -15,6 +15,7 @@ pub(super) fn samples_where(
         color: Vec::new(),
         depth: DepthPlane::default(),
         normal: image.normal.as_ref().map(|_| Vec::new()),
+        doubtful: Vec::new(),
     };
     let inverse_depths = image.inverse_depths();
     let mut kept_depths = Vec::new();
@@ -25,6 +26,15 @@ pub(super) fn samples_where(
         }
         if let Some(tile) = part.tiles.last_mut() {
             tile.rows[sample.y % TILE] |= 1 << (sample.x % TILE);
+        }
+        if !image.doubtful.is_empty() && image.is_doubtful(sample.x, sample.y) {
+            let tile = part.tiles.len() as u32 - 1;
+            if part.doubtful.last().is_none_or(|mask| mask.tile != tile) {
+                part.doubtful.push(TileMask { tile, rows: [0; TILE] });
+            }
+            if let Some(mask) = part.doubtful.last_mut() {
+                mask.rows[sample.y % TILE] |= 1 << (sample.x % TILE);
+            }
         }
         part.color.push(image.color[sample.index]);
         kept_depths.push(inverse_depths[sample.index]);

@@ -2,7 +2,7 @@
 //! sequence of any length is preprocessed and stored in memory that does not grow with it.
 //!
 //! ```text
-//! record in the file: tiles, tiles of depth, color, low halves of depth, high bytes of depth, [normals]
+//! record in the file: tiles, tiles of depth, color, low halves of depth, high bytes of depth, [normals], masks of doubtful samples
 //! ```
 
 use std::cmp::Reverse;
@@ -15,7 +15,7 @@ use super::depth_plane::{DepthPlane, DepthTile};
 use super::oct_normal::OctNormal;
 use super::sample_set::{SampleImage, Span};
 use super::spill_file::{Record, RecordPlace, SpillFile};
-use super::tile::SampleTile;
+use super::tile::{SampleTile, TileMask};
 use crate::error::Result;
 
 /// What is known of an image without its samples.
@@ -29,6 +29,8 @@ pub struct ImageFacts {
     pub samples: usize,
     /// Tiles that hold one.
     pub tiles: usize,
+    /// Doubtful samples.
+    pub doubtful: usize,
     /// Bytes that the image takes in memory.
     pub bytes: usize,
 }
@@ -36,7 +38,8 @@ pub struct ImageFacts {
 impl ImageFacts {
     fn of(image: &SampleImage) -> Self {
         let SampleImage { camera, span, ref tiles, .. } = *image;
-        Self { camera, span, samples: image.len(), tiles: tiles.len(), bytes: image.bytes() }
+        let (samples, tiles, doubtful) = (image.len(), tiles.len(), image.doubtful_count());
+        Self { camera, span, samples, tiles, doubtful, bytes: image.bytes() }
     }
 }
 
@@ -46,6 +49,7 @@ pub(crate) struct ImageShape {
     facts: ImageFacts,
     high_bytes: usize,
     normals: bool,
+    doubtful_tiles: usize,
 }
 
 impl Record for SampleImage {
@@ -60,6 +64,7 @@ impl Record for SampleImage {
             facts: ImageFacts::of(self),
             high_bytes: self.depth.high().len(),
             normals: self.normal.is_some(),
+            doubtful_tiles: self.doubtful.len(),
         }
     }
 
@@ -71,11 +76,12 @@ impl Record for SampleImage {
             bytemuck::cast_slice(self.depth.low()),
             self.depth.high(),
             bytemuck::cast_slice(self.normal.as_deref().unwrap_or_default()),
+            bytemuck::cast_slice(&self.doubtful),
         ]
     }
 
     fn read(
-        &ImageShape { facts, high_bytes, normals }: &ImageShape,
+        &ImageShape { facts, high_bytes, normals, doubtful_tiles }: &ImageShape,
         fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
     ) -> Result<Self> {
         let ImageFacts { camera, span, samples, tiles, .. } = facts;
@@ -84,6 +90,7 @@ impl Record for SampleImage {
         let (mut color, mut low) = (vec![[f16::ZERO; 3]; samples], vec![0; samples]);
         let (mut high, mut normal) =
             (vec![0; high_bytes], vec![OctNormal::default(); if normals { samples } else { 0 }]);
+        let mut doubtful = vec![<TileMask as bytemuck::Zeroable>::zeroed(); doubtful_tiles];
         fill(&mut [
             bytemuck::cast_slice_mut(&mut tiles),
             bytemuck::cast_slice_mut(&mut depth_tiles),
@@ -91,9 +98,10 @@ impl Record for SampleImage {
             bytemuck::cast_slice_mut(&mut low),
             &mut high,
             bytemuck::cast_slice_mut(&mut normal),
+            bytemuck::cast_slice_mut(&mut doubtful),
         ])?;
         let depth = DepthPlane::of_planes(depth_tiles, low, high);
-        Ok(Self { camera, span, tiles, color, depth, normal: normals.then_some(normal) })
+        Ok(Self { camera, span, tiles, color, depth, normal: normals.then_some(normal), doubtful })
     }
 }
 
@@ -212,6 +220,12 @@ mod tests {
             tiles,
             color: (0..count).map(|i| [f16::from_f32(i as f32), f16::NEG_ONE, f16::ONE]).collect(),
             normal: normals.then(|| (0..count).map(|i| OctNormal([i as i8, -3])).collect()),
+            doubtful: (camera..2)
+                .map(|tile| TileMask {
+                    tile,
+                    rows: std::array::from_fn(|row| u16::from(row == 3) << start % 16),
+                })
+                .collect(),
         }
     }
 

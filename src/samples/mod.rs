@@ -12,4 +12,4 @@ pub use image_buffer::{ImageBuffer, ImageFacts};
 pub use oct_normal::OctNormal;
 pub use sample_set::{Sample, SampleImage, SampleSet, Span};
 pub(crate) use spill_file::{Record, RecordPlace, SpillFile, samples_in_memory};
-pub use tile::{SampleTile, TILE};
+pub use tile::{SampleTile, TILE, TileMask};

@@ -16,7 +16,7 @@ use half::f16;
 
 use super::depth_plane::DepthPlane;
 use super::oct_normal::OctNormal;
-use super::tile::{SampleTile, TILE};
+use super::tile::{SampleTile, TILE, TileMask};
 use crate::capture::Camera;
 use crate::settings::Settings;
 
@@ -59,6 +59,9 @@ pub struct SampleImage {
     pub depth: DepthPlane,
     /// World-space normals, one per sample, where the settings ask for them.
     pub normal: Option<Vec<OctNormal>>,
+    /// The doubtful samples, tile after tile: those that no other camera confirms, among noisy cameras. Of tiles without one there is
+    /// no mask.
+    pub doubtful: Vec<TileMask>,
 }
 
 /// One sample, as [`SampleImage::samples`] gives them.
@@ -91,6 +94,29 @@ impl SampleImage {
         self.depth.unpack(&self.tiles)
     }
 
+    /// Which pixels of a tile, given by its index, hold a doubtful sample: a mask of columns per row; `None` where none does.
+    #[must_use]
+    #[inline]
+    pub fn doubtful_rows(&self, tile: usize) -> Option<&[u16; TILE]> {
+        let found = self.doubtful.binary_search_by_key(&(tile as u32), |mask| mask.tile);
+        found.ok().map(|at| &self.doubtful[at].rows)
+    }
+
+    /// Whether the sample at a pixel is doubtful; not where there is none.
+    #[must_use]
+    pub fn is_doubtful(&self, x: usize, y: usize) -> bool {
+        let place = ((y / TILE) as u16, (x / TILE) as u16);
+        let tile = self.tiles.binary_search_by_key(&place, |tile| (tile.tile_y, tile.tile_x));
+        let rows = tile.ok().and_then(|tile| self.doubtful_rows(tile));
+        rows.is_some_and(|rows| rows[y % TILE] >> (x % TILE) & 1 == 1)
+    }
+
+    /// How many samples are doubtful.
+    #[must_use]
+    pub fn doubtful_count(&self) -> usize {
+        self.doubtful.iter().flat_map(|mask| mask.rows).map(|row| row.count_ones() as usize).sum()
+    }
+
     /// Every sample with its pixel, in storage order.
     pub fn samples(&self) -> impl Iterator<Item = Sample> + '_ {
         self.tiles.iter().flat_map(|tile| {
@@ -113,7 +139,11 @@ impl SampleImage {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let normal = self.normal.as_ref().map_or(0, |normal| size_of_val(normal.as_slice()));
-        size_of_val(self.tiles.as_slice()) + size_of_val(self.color.as_slice()) + self.depth.bytes() + normal
+        size_of_val(self.tiles.as_slice())
+            + size_of_val(self.color.as_slice())
+            + self.depth.bytes()
+            + normal
+            + size_of_val(self.doubtful.as_slice())
     }
 }
 

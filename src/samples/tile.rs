@@ -24,3 +24,13 @@ impl SampleTile {
         self.rows.iter().map(|row| row.count_ones() as usize).sum()
     }
 }
+
+/// Some samples of a tile of a [`SampleImage`](super::sample_set::SampleImage).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct TileMask {
+    /// Index of the tile in its image.
+    pub tile: u32,
+    /// One mask per pixel row, as [`SampleTile::rows`]; only bits of samples are set, and at least one is.
+    pub rows: [u16; TILE],
+}

@@ -40,6 +40,7 @@ pub(crate) fn samples(
         color: Vec::new(),
         depth: DepthPlane::default(),
         normal: None,
+        doubtful: Vec::new(),
     };
     for tile in 0..width.div_ceil(TILE) * height.div_ceil(TILE) {
         let (tile_x, tile_y) = (tile % width.div_ceil(TILE), tile / width.div_ceil(TILE));

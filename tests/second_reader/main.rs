@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3};
 use half::f16;
 use overlook::capture::{Camera, Intrinsics};
 use overlook::job::Job;
-use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE};
+use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE, TileMask};
 use overlook::settings::Settings;
 
 use reader::Store;
@@ -78,7 +78,18 @@ fn image(index: usize, camera: &Camera, span: Span) -> SampleImage {
         }
     }
     let depth = DepthPlane::pack(&tiles, &depths);
-    SampleImage { camera: index as u32, span, tiles, color, depth, normal: (index == 1).then_some(normals) }
+    let normal = (index == 1).then_some(normals);
+    let doubtful = if index == 0 { Vec::new() } else { every_other_row(&tiles) };
+    SampleImage { camera: index as u32, span, tiles, color, depth, normal, doubtful }
+}
+
+/// The samples in every other row as doubtful ones.
+fn every_other_row(tiles: &[SampleTile]) -> Vec<TileMask> {
+    let masks = tiles.iter().enumerate().map(|(tile, SampleTile { rows, .. })| {
+        let rows = std::array::from_fn(|row| if row % 2 == 0 { rows[row] } else { 0 });
+        TileMask { tile: tile as u32, rows }
+    });
+    masks.filter(|mask| mask.rows != [0; TILE]).collect()
 }
 
 fn written(settings: &[&str]) -> (SampleSet, Vec<u8>) {
@@ -102,11 +113,15 @@ fn assert_reads_as(store: &Store, images: &[Arc<SampleImage>]) {
             .map(|sample| {
                 let color = image.color[sample.index].map(f16::to_bits);
                 let normal = image.normal.as_ref().map(|normals| normals[sample.index].0);
-                ((sample.x, sample.y), color, depths[sample.index].to_bits(), normal)
+                let is_doubtful = image.is_doubtful(sample.x, sample.y);
+                ((sample.x, sample.y), color, depths[sample.index].to_bits(), normal, is_doubtful)
             })
             .collect();
-        let mut read: Vec<_> =
-            read.samples.iter().map(|s| ((s.x, s.y), s.color, s.inverse_depth, s.normal)).collect();
+        let mut read: Vec<_> = read
+            .samples
+            .iter()
+            .map(|s| ((s.x, s.y), s.color, s.inverse_depth, s.normal, s.is_doubtful))
+            .collect();
         let tile_order = |(x, y): (usize, usize)| (y / TILE, x / TILE, y, x);
         read.sort_by_key(|sample| tile_order(sample.0));
         assert_eq!(read, expected);
@@ -120,6 +135,11 @@ fn a_reader_written_from_the_description_reads_every_sample() {
     assert_eq!(store.cameras, [("wide".to_owned(), 150, 70), ("tall".to_owned(), 40, 131)]);
     assert!(store.images.iter().filter(|image| image.is_predicted).count() > 15);
     assert_reads_as(&store, &set.images);
+    let of_camera = |camera| {
+        let images = set.images.iter().filter(move |image| image.camera == camera);
+        images.map(|image| image.doubtful_count()).collect::<Vec<_>>()
+    };
+    assert!(of_camera(0).iter().all(|count| *count == 0) && of_camera(1).iter().all(|count| *count > 0));
 }
 
 #[test]

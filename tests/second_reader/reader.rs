@@ -10,6 +10,7 @@ pub(crate) struct Sample {
     /// Bits.
     pub(crate) inverse_depth: u32,
     pub(crate) normal: Option<[i8; 2]>,
+    pub(crate) is_doubtful: bool,
 }
 
 pub(crate) struct Image {
@@ -97,6 +98,23 @@ fn palette(payload: &[u8]) -> Vec<u16> {
     halves
 }
 
+/// By image, where its runs end.
+fn runs(payload: &[u8]) -> BTreeMap<usize, Vec<usize>> {
+    let mut bytes = Bytes(payload);
+    let (mut all, mut image) = (BTreeMap::new(), 0);
+    while !bytes.0.is_empty() {
+        image += bytes.varint();
+        let (count, mut end) = (bytes.varint(), 0);
+        let ends = (0..count).map(|_| {
+            end += bytes.varint();
+            end
+        });
+        all.insert(image, ends.collect());
+        image += 1;
+    }
+    all
+}
+
 impl Store {
     pub(crate) fn read(file: &[u8]) -> Self {
         assert_eq!((&file[..4], &file[8..12]), (&b"FORM"[..], &b"OVLK"[..]));
@@ -115,7 +133,8 @@ impl Store {
             }
         }
         let mut head = Bytes(chunks[&b"HEAD"[..]]);
-        assert_eq!((head.number(2), head.number(2)), (3, 0));
+        let doubtful = chunks.get(&b"DOUB"[..]).map_or(BTreeMap::new(), |payload| runs(payload));
+        assert_eq!((head.number(2), head.number(2)), (3, u64::from(!doubtful.is_empty())));
         head.text();
         head.take(24);
         let cameras: Vec<_> = (0..head.number(4))
@@ -152,6 +171,14 @@ impl Store {
                     shift: 0,
                 };
                 let (samples, blocks) = decoder.image(&file[offset + 8..offset + 8 + length], *head);
+                let mut samples = samples;
+                for sample in &mut samples {
+                    // Tiles row by row, and their pixels row by row.
+                    let tile = sample.y / 16 * (*width as usize).div_ceil(16) + sample.x / 16;
+                    let place = tile * 256 + sample.y % 16 * 16 + sample.x % 16;
+                    let ends = doubtful.get(&nth).map_or(&[][..], Vec::as_slice);
+                    sample.is_doubtful = ends.iter().filter(|end| **end <= place).count() % 2 == 1;
+                }
                 assert_eq!(samples.len(), numbers[3] as usize);
                 images[nth] = Some(Image {
                     camera: numbers[0],
@@ -235,6 +262,7 @@ impl ImageDecoder<'_> {
                     color: [values[2], values[1], values[3]].map(|rank| self.palette[rank as usize]),
                     inverse_depth,
                     normal: self.normals.then_some([values[4] as i8, values[5] as i8]),
+                    is_doubtful: false,
                 });
             }
             blocks.insert(place, block);

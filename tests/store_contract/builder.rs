@@ -6,7 +6,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use half::f16;
 use overlook::capture::{Camera, Intrinsics};
 use overlook::preprocess::diagnostics::{CameraReport, Report};
-use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE};
+use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE, TileMask};
 use overlook::settings::Settings;
 use proptest::prelude::*;
 
@@ -57,11 +57,12 @@ fn image(
     SampleImage {
         camera: camera_index,
         span,
-        tiles,
         color: (0..count).map(|i| [value(i), value(i + 1), value(i + 2) >> 3].map(half)).collect(),
         depth,
         normal: normals
             .then(|| (0..count).map(|i| OctNormal([value(i) as i8, (value(i) >> 8) as i8])).collect()),
+        doubtful: doubtful(&tiles, values),
+        tiles,
     }
 }
 
@@ -137,4 +138,16 @@ pub(crate) fn any_set() -> impl Strategy<Value = SampleSet> {
         }
         set_of(cameras, frames, images)
     })
+}
+
+/// In some sets some of the samples of every third tile or so.
+fn doubtful(tiles: &[SampleTile], values: &[u32]) -> Vec<TileMask> {
+    let value = |i: usize| values[i % values.len()].wrapping_mul(0x9E37_79B9).rotate_left(i as u32 % 32);
+    let tiles = tiles.iter().enumerate().filter(|_| values[0].is_multiple_of(2));
+    let masks =
+        tiles.filter(|(tile, _)| value(*tile).is_multiple_of(3)).map(|(tile, SampleTile { rows, .. })| {
+            let rows = std::array::from_fn(|row| rows[row] & (value(tile + row) >> 9) as u16);
+            TileMask { tile: tile as u32, rows }
+        });
+    masks.filter(|mask| mask.rows != [0; TILE]).collect()
 }

@@ -50,6 +50,9 @@ pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     }
 }
 
+/// Said of a doubtful sample.
+pub(crate) const DOUBTFUL: &str = "Doubtful: other cameras had a free view of this place, and none confirms it. It is shown where nothing else is.";
+
 /// How many other cameras confirm a sample and how many look past it, and whether it flies; `None` where none does anything.
 pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
     let VoteCounts { confirm, look_past } = counts;
@@ -229,6 +232,7 @@ pub(crate) fn explanation(scene: &OpenScene, probed: &Probed) -> String {
         lines.push(format!("Frame {}", explanation.frame + 1));
         lines.push(verdict(cameras, explanation.verdict).plain(cameras));
         lines.extend(votes(explanation.votes, explanation.is_flying));
+        lines.extend(explanation.is_doubtful.then(|| DOUBTFUL.to_owned()));
         if explanation.chain.len() > 1 {
             lines.push(format!("Chain: {}", chain(cameras, &explanation.chain).plain(cameras)));
         }

@@ -116,6 +116,9 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         let sentence = words::verdict(&scene.cameras, explanation.verdict);
         let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
         ui.add(Label::new(chips(ui, &sentence, &scene.cameras, &TextStyle::Body, color)).wrap());
+        if explanation.is_doubtful {
+            note(ui, words::DOUBTFUL);
+        }
         if let Some(votes) = words::votes(explanation.votes, explanation.is_flying) {
             note(ui, votes).on_hover_text(words::rule_of_votes(&state.settings.pruning));
         }

@@ -68,6 +68,7 @@ fn without_samples(image: &SampleImage) -> SampleImage {
         color: Vec::new(),
         depth: DepthPlane::pack(&[], &[]),
         normal: image.normal.as_ref().map(|_| Vec::new()),
+        doubtful: Vec::new(),
     }
 }
 
@@ -321,6 +322,7 @@ mod tests {
                 color: vec![[half::f16::ONE; 3]],
                 depth: DepthPlane::pack(&tiles, &[0.5]),
                 normal: None,
+                doubtful: Vec::new(),
                 tiles,
             })
         };

@@ -139,6 +139,13 @@ impl PreprocessArgs {
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
         }
+        if result.report.samples_doubtful > 0 {
+            let doubtful = output::count(result.report.samples_doubtful);
+            let _ = writeln!(
+                text,
+                "  doubtful {doubtful:>15}  no other camera confirms them: shown where nothing else is"
+            );
+        }
         text += &output::without_depth(&result.report).unwrap_or_default();
         let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
         let _ = writeln!(

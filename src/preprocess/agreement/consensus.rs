@@ -4,6 +4,11 @@
 //! vain. Colors of noisy cameras are averaged as well: where depth or pose are off, so is the color that one camera puts on a
 //! surface.
 //!
+//! A sample that nobody confirms, although several cameras had a free view of its place, is *doubtful*: it may be a stray one that too
+//! few of them look past to contradict it. Renderers show it where there is nothing else. A free view is one that nothing nearer
+//! blocks, of pixels that are fine enough: what lies farther there, or nothing at all. What only one camera could have seen, and
+//! things one pixel wide, which slip between pixels, are not doubtful.
+//!
 //! Source: the inverse-variance mean, as of any independent measurements; the surface that another camera saw is interpolated
 //! between its pixels, each smoothed over its neighbors ([`super::smooth_depth`]). Colors weigh as densely as they were sampled, and
 //! are averaged as they are seen, in sRGB. What differs: it is robust. Cameras take part within three standard deviations of the sample, and count once more within three of the first mean, so that one that is far off does not
@@ -13,6 +18,7 @@
 use half::f16;
 
 use super::smooth_depth::SmoothDepths;
+use super::votes::{RESOLVES, VoteTest};
 use crate::color::{linear_from_srgb, steps_from_linear};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, IN_VIEW, PixelRun, Registration, ReprojectedRun};
@@ -38,12 +44,16 @@ const MOST: f32 = 0.5;
 /// Depths that differ by less than so many footprints are of one surface, however small the noise is.
 const LEAST_FOOTPRINTS: f32 = 2.0;
 
+/// A sample that no camera confirms is doubtful if at least so many had a free view of it. One alone may have missed it.
+const MISSED_BY: u32 = 2;
+
 /// Refines depths and colors of samples of noisy cameras.
 pub(crate) struct Consensus<'a> {
     pairs: &'a CameraPairs<'a>,
     layers: &'a [CameraLayer],
     level: SpanLevel,
     smooth: SmoothDepths<'a>,
+    votes: VoteTest,
 }
 
 /// A sample as the cameras that confirm it put it.
@@ -53,12 +63,14 @@ pub(crate) struct AgreedSample {
     pub(crate) color: [f16; 3],
     /// 1 / planar z.
     pub(crate) inverse_depth: f32,
+    /// No other camera confirms it, although some had a free view of it.
+    pub(crate) is_doubtful: bool,
 }
 
 impl AgreedSample {
     /// A sample as it was recorded.
     pub(crate) fn recorded(layer: &CameraLayer, pixel: usize) -> Self {
-        Self { color: layer.color[pixel], inverse_depth: layer.inverse_depth[pixel] }
+        Self { color: layer.color[pixel], inverse_depth: layer.inverse_depth[pixel], is_doubtful: false }
     }
 }
 
@@ -106,7 +118,7 @@ impl<'a> Consensus<'a> {
         let side = |camera: usize| pairs.registration(camera, camera).source_side;
         is_on.then(|| {
             let smooth = SmoothDepths::new(layers, level, (0..layers.len()).map(side).collect());
-            Self { pairs, layers, level, smooth }
+            Self { pairs, layers, level, smooth, votes: VoteTest::new(settings, level) }
         })
     }
 
@@ -130,11 +142,15 @@ impl<'a> Consensus<'a> {
         sightings.clear();
         let smooth = self.smooth.at(camera, [pixel % layer.width, pixel / layer.width]);
         sightings.push(Sighting { farther: recorded / smooth - 1.0, variance: noise * noise });
+        let mut missed = 0;
         for other in self.others(camera) {
             if let Some(there) = self.corners((camera, &block), other) {
-                sightings.extend(self.sighting(&there, other, [noise, self.noise_of(other, there.expected)]));
+                let found = self.sighting(&there, other, [noise, self.noise_of(other, there.expected)]);
+                missed += u32::from(found.is_none() && self.has_free_view(&there, other, noise));
+                sightings.extend(found);
             }
         }
+        let mut is_confirmed = sightings.len() > 1;
         let refined = recorded / (1.0 + robust_mean(sightings));
         block.inverse_depth[0] = refined;
         let mut color = ColorSum::default();
@@ -144,13 +160,30 @@ impl<'a> Consensus<'a> {
                 && there.coarseness <= COARSEST
                 && let Some(its) = self.color_seen(&there, other, noise)
             {
+                is_confirmed = true;
                 color.add(there.coarseness.powi(-2), its);
             }
         }
         AgreedSample {
             color: color.mean().map(|steps| f16::from_f32(linear_from_srgb(steps / 255.0))),
             inverse_depth: refined,
+            is_doubtful: missed >= MISSED_BY && !is_confirmed && !self.votes.is_thin(layer, pixel, own_side),
         }
+    }
+
+    /// Whether a camera would have seen a sample with so much noise: its pixels are fine enough, and none of those around it shows
+    /// anything nearer.
+    #[inline(always)]
+    fn has_free_view(&self, there: &Corners, other: usize, noise: f32) -> bool {
+        let limit = (SIGMAS * root_of_squares(noise, self.noise_of(other, there.expected)))
+            .max(LEAST_FOOTPRINTS * there.side);
+        there.coarseness <= RESOLVES
+            && there.pixels.iter().all(|(at, _)| {
+                at.is_some_and(|at| {
+                    self.inverse_depth_at(other, at)
+                        .is_none_or(|inverse_depth| there.farther(inverse_depth) >= -limit)
+                })
+            })
     }
 
     /// The other cameras that have samples.

@@ -54,7 +54,7 @@ impl VoteCounts {
 }
 
 /// A pixel of the target may be so many times as large as the sample's own, and whatever the sample shows cannot slip between.
-const RESOLVES: f32 = 2.0;
+pub(super) const RESOLVES: f32 = 2.0;
 
 /// Neighbors in one picture are of one surface while their depths differ by no more than this, or by what noise explains.
 const SURFACE_FOOTPRINTS: f32 = 8.0;
@@ -199,7 +199,7 @@ impl VoteTest {
 
     /// Whether a sample belongs to a thing one pixel wide in its own picture: what is on both sides of it lies behind, and what is
     /// beside it elsewhere does not. A sample all by itself is a stray one. `side` is that of a pixel at depth 1.
-    fn is_thin(&self, layer: &CameraLayer, pixel: usize, side: f32) -> bool {
+    pub(super) fn is_thin(&self, layer: &CameraLayer, pixel: usize, side: f32) -> bool {
         let (x, y) = (pixel % layer.width, pixel / layer.width);
         let here = layer.inverse_depth[pixel];
         let noise = SIGMAS * std::f32::consts::SQRT_2 * layer.depth_noise_between(pixel);

@@ -92,6 +92,11 @@ pub struct SpanReport {
     pub samples: u64,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_no_number(number: &u64) -> bool {
+    *number == 0
+}
+
 /// What preprocessing counted and measured. Written into the store and printed by `preprocess --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -106,6 +111,9 @@ pub struct Report {
     pub samples_in: u64,
     /// Samples kept.
     pub samples_kept: u64,
+    /// How many of them are doubtful; left out of JSON where none is.
+    #[serde(skip_serializing_if = "is_no_number")]
+    pub samples_doubtful: u64,
     /// Samples dropped, per rule; `static` counts the repetitions that a sample of several frames
     /// represents.
     pub pruned: BTreeMap<String, u64>,

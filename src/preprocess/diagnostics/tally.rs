@@ -181,6 +181,7 @@ impl Tally {
             *spans.entry((std::cmp::Reverse(image.span.len()), image.span)).or_default() +=
                 image.samples as u64;
             self.report.samples_kept += image.samples as u64;
+            self.report.samples_doubtful += image.doubtful as u64;
             self.report.bytes_memory += image.bytes as u64;
         }
         self.report.spans =

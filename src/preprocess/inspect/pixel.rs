@@ -51,6 +51,7 @@ pub fn explain_pixel(
         winner: None,
         votes: VoteCounts::default(),
         is_flying: layer.packed_colors[pixel as usize].is_flying(),
+        is_doubtful: is_doubtful(inspection, camera, (x, y)),
         evidence: Vec::new(),
         chain: Vec::new(),
     };
@@ -75,6 +76,12 @@ pub fn explain_pixel(
 /// The same-surface test of a sample, with others of its level and of longer spans.
 fn limits_of(inspection: &FrameInspection, layer: &CameraLayer, pixel: usize) -> SameSurface {
     SameSurface::new(&inspection.settings).at_level(layer.level[pixel])
+}
+
+/// Whether the sample of a camera at a pixel was kept as a doubtful one.
+fn is_doubtful(inspection: &FrameInspection, camera: usize, (x, y): (usize, usize)) -> bool {
+    let mut images = inspection.samples.images.iter().filter(|image| image.camera as usize == camera);
+    images.any(|image| image.is_doubtful(x, y))
 }
 
 fn verdict_of(inspection: &FrameInspection, camera: usize, pixel: u32) -> Verdict {

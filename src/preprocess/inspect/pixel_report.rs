@@ -78,6 +78,8 @@ pub struct PixelExplanation {
     pub votes: VoteCounts,
     /// Whether it is a flying pixel, in the air between foreground and background: then its own camera looks past it, too.
     pub is_flying: bool,
+    /// Whether it is kept as a doubtful sample, which is shown where there is nothing else.
+    pub is_doubtful: bool,
     /// Index of the camera whose kept sample shows the point; `None` where nothing does.
     pub winner: Option<usize>,
     /// One per camera, in the capture's order; empty where the pixel has no depth.

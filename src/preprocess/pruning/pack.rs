@@ -7,7 +7,7 @@ use super::pass::KEPT;
 use crate::preprocess::agreement::{AgreedSample, Consensus};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::SpanLevel;
-use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE};
+use crate::samples::{DepthPlane, OctNormal, SampleImage, SampleTile, Span, TILE, TileMask};
 
 /// Which pixels of a picture are kept: for each tile, a mask of columns per row.
 #[derive(Clone, Debug)]
@@ -84,7 +84,7 @@ pub(crate) fn pack(
     if count == 0 {
         return None;
     }
-    let mut tiles = Vec::new();
+    let (mut tiles, mut doubtful) = (Vec::new(), Vec::new());
     let (mut color, mut inverse_depth) = (Vec::with_capacity(count), Vec::with_capacity(count));
     let mut normal = normals.then(|| Vec::with_capacity(count));
     for (index, rows) in masks.rows.into_iter().enumerate() {
@@ -102,15 +102,23 @@ pub(crate) fn pack(
             Some(consensus) => consensus.samples(camera, &pixels),
             None => pixels.iter().map(|pixel| AgreedSample::recorded(layer, *pixel as usize)).collect(),
         };
+        let mut doubtful_rows = [0; TILE];
         for (&pixel, sample) in pixels.iter().zip(samples) {
             color.push(sample.color);
             inverse_depth.push(sample.inverse_depth);
+            if sample.is_doubtful {
+                let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
+                doubtful_rows[y % TILE] |= 1 << (x % TILE);
+            }
             if let Some(normal) = &mut normal {
                 normal.push(OctNormal::encode(layer.normal[pixel as usize]));
             }
         }
+        if doubtful_rows != [0; TILE] {
+            doubtful.push(TileMask { tile: tiles.len() as u32, rows: doubtful_rows });
+        }
         tiles.push(tile);
     }
     let depth = DepthPlane::pack(&tiles, &inverse_depth);
-    Some(SampleImage { camera: camera as u32, span, tiles, color, depth, normal })
+    Some(SampleImage { camera: camera as u32, span, tiles, color, depth, normal, doubtful })
 }

@@ -12,7 +12,7 @@
 
 use super::target::BLOCK;
 use super::visibility_votes::Votes;
-use crate::render::splat::{CORE, inverse_depth_of, key, nearness, slot_of};
+use crate::render::splat::{CORE, TRUSTED, inverse_depth_of, key, nearness, slot_of};
 use crate::simd::joined;
 
 /// A pixel is the nearer surface's by an offset and a gain of a supporting share: 0.15 + 1.2 · s. Fitted once to how often the
@@ -264,7 +264,7 @@ impl Patch {
         let own = self.key(x, y);
         let at = (y + RING) * SIDE + x + RING;
         let slot_at = |step: i32| slot_of(self.keys.as_flattened()[at.wrapping_add_signed(step as isize)]);
-        let key_of = |w: f32, step: i32| key(nearness(w, CORE), slot_at(step));
+        let key_of = |w: f32, step: i32| key(nearness(w, CORE | TRUSTED), slot_at(step));
         if row.crack_w[x] >= 0.0 {
             return EdgePixel::Crack { own, crack: key_of(row.crack_w[x], row.crack_step[x]) };
         }

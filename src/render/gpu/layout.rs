@@ -86,6 +86,8 @@ pub(super) struct GpuPiece {
     pub(super) low_at: u32,
     pub(super) high_at: u32,
     pub(super) color_at: u32,
+    /// 0 where no sample is doubtful.
+    pub(super) doubtful_at: u32,
 }
 
 /// The words of a tile in `samples.wgsl`.
@@ -131,6 +133,7 @@ mod tests {
     use super::*;
     use crate::render::gpu::display::GpuDisplay;
     use crate::render::gpu::shaders;
+    use crate::render::gpu::upload::MASK_WORDS;
     use crate::settings::Kernel;
     use wgpu::naga;
 
@@ -175,7 +178,7 @@ mod tests {
         }
         assert_same_layout! {
             &module, "Piece", GpuPiece,
-            first_tile, camera, image, page, tiles_at, low_at, high_at, color_at
+            first_tile, camera, image, page, tiles_at, low_at, high_at, color_at, doubtful_at
         }
         assert_same_layout! {
             &module, "Projector", GpuProjector,
@@ -199,6 +202,7 @@ mod tests {
         assert_eq!(constant(&module, "TILE_WORDS") as usize * 4, size_of::<GpuTile>());
         assert_eq!(constant(&module, "TILE_ROWS") as usize * 4, offset_of!(GpuTile, rows));
         assert_eq!(constant(&module, "TILE_BEFORE") as usize * 4, offset_of!(GpuTile, before));
+        assert_eq!(constant(&module, "MASK_WORDS"), MASK_WORDS);
         assert_eq!(u64::from(constant(&module, "SUM_WORDS")), SUM_WORDS);
         assert_eq!(constant(&module, "GROUPS_ACROSS"), GROUPS_ACROSS);
         for kernel in Kernel::ALL {

@@ -264,6 +264,7 @@ mod tests {
             depth: DepthPlane::pack(&tiles, &vec![0.5; count]),
             tiles,
             normal: None,
+            doubtful: Vec::new(),
         })
     }
 

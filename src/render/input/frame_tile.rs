@@ -21,6 +21,8 @@ pub(crate) struct FrameTile<'a> {
     pub(crate) origin: (u32, u32),
     /// Index of the camera.
     pub(crate) camera: u16,
+    /// Where it holds doubtful samples, as [`FrameTile::rows`]; `None` where it holds none.
+    doubtful: Option<&'a [u16; TILE]>,
 }
 
 impl<'a> FrameTile<'a> {
@@ -38,7 +40,14 @@ impl<'a> FrameTile<'a> {
             color: &image.color[samples],
             origin: (u32::from(tile.tile_x) * TILE as u32, u32::from(tile.tile_y) * TILE as u32),
             camera: image.camera as u16,
+            doubtful: image.doubtful_rows(index),
         }
+    }
+
+    /// Which pixels of a row hold doubtful samples: a mask of columns.
+    #[inline(always)]
+    pub(crate) fn doubtful_columns(&self, row: usize) -> u16 {
+        self.doubtful.map_or(0, |rows| rows[row])
     }
 
     /// Samples before a pixel of the tile.

@@ -122,6 +122,7 @@ mod tests {
             color: vec![[f16::ONE; 3]; 2],
             depth: DepthPlane::pack(&tiles, &[0.0, 0.5]),
             normal: None,
+            doubtful: Vec::new(),
             tiles,
         };
         let samples = SampleSet {

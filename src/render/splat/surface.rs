@@ -8,7 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::input::{StageInput, split_at_bands};
-use super::zkey::{CORE, key, nearness};
+use super::zkey::{CORE, TRUSTED, key, nearness};
 use crate::error::Result;
 use crate::render::geometry::{
     CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,
@@ -76,6 +76,8 @@ struct TileRow<'a> {
     rows: &'a [u16; TILE],
     nth: usize,
     projected: ProjectedRow,
+    /// [`TRUSTED`] per sample, 0 where it is doubtful.
+    trust: [u32; TILE],
 }
 
 /// Depths are prefetched this many tiles ahead.
@@ -103,8 +105,17 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
                 let w = dense.row(row);
                 let projected = projector.row(projector.ray(x, (y + row) as f32), w);
                 let per_footprint = input.per_footprint[camera];
-                let line =
-                    TileRow { projector, per_footprint, tile: &dense, rows: &tile.rows, nth: row, projected };
+                let doubtful = tile.doubtful_columns(row);
+                let trust = std::array::from_fn(|i| if doubtful >> i & 1 == 1 { 0 } else { TRUSTED });
+                let line = TileRow {
+                    projector,
+                    per_footprint,
+                    tile: &dense,
+                    rows: &tile.rows,
+                    nth: row,
+                    projected,
+                    trust,
+                };
                 splat.row(&line, number << 8 | (row as u32) << 4, &mut raised);
             }
             splat.end(&mut raised);
@@ -280,7 +291,8 @@ impl Splat for PlaneSplat {
                 let is_further = further >> i & 1 == 1;
                 let seen = inside & covered & is_further & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 raised.pixels[corner][i] = pixel;
-                raised.new[corner][i] = if seen { key(nearness(depth, CORE), slots | i as u32) } else { 0 };
+                raised.new[corner][i] =
+                    if seen { key(nearness(depth, CORE | row.trust[i]), slots | i as u32) } else { 0 };
                 touched[corner] |= u32::from(seen) << i;
             }
         }
@@ -289,7 +301,8 @@ impl Splat for PlaneSplat {
         while large != 0 {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
-            let own = LargeFootprint { found: &found, projected, i, slot: slots | i as u32 };
+            let own =
+                LargeFootprint { found: &found, projected, i, slot: slots | i as u32, trust: row.trust[i] };
             self.pixels.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
             if self.fringe && own.has_fringe() {
                 let reach = row.reach(i);
@@ -306,6 +319,8 @@ struct LargeFootprint<'a> {
     /// Its column in the tile.
     i: usize,
     slot: u32,
+    /// As [`TileRow::trust`].
+    trust: u32,
 }
 
 impl LargeFootprint<'_> {
@@ -313,7 +328,7 @@ impl LargeFootprint<'_> {
     #[inline(always)]
     fn core(&self, x: f32, y: f32) -> u64 {
         let at = self.found.plane_at(self.projected, self.i, (x, y), 1.0);
-        if at.is_core { key(nearness(at.inverse_depth, CORE), self.slot) } else { 0 }
+        if at.is_core { key(nearness(at.inverse_depth, CORE | self.trust), self.slot) } else { 0 }
     }
 
     /// The same of its fringe, which begins where the footprint ends; `reach` as [`TileRow::reach`] gives it.
@@ -323,7 +338,7 @@ impl LargeFootprint<'_> {
         let reaches = !at.is_core
             && (-reach[0]..=reach[1]).contains(&at.across)
             && (-reach[2]..=reach[3]).contains(&at.down);
-        if reaches { key(nearness(at.inverse_depth, 0), self.slot) } else { 0 }
+        if reaches { key(nearness(at.inverse_depth, self.trust), self.slot) } else { 0 }
     }
 
     /// Whether it is magnified and not seen edge on, where the surface beside it would be unknown.
@@ -357,7 +372,7 @@ impl TileRow<'_> {
     fn key(&self, i: usize, tier: u32, slots: u32, inside: bool) -> u64 {
         let (w, reciprocal) = (self.tile.row(self.nth)[i], self.projected.reciprocal[i]);
         let seen = inside & (reciprocal > 0.0) & (w >= 0.0);
-        let full = key(nearness(w * reciprocal, tier), slots | i as u32);
+        let full = key(nearness(w * reciprocal, tier | self.trust[i]), slots | i as u32);
         if seen { full } else { 0 }
     }
 

@@ -103,6 +103,8 @@ pub(crate) const REPORT: ChunkId = *b"REPT";
 pub(crate) const INDEX: ChunkId = *b"INDX";
 /// One sample image.
 pub(crate) const IMAGE: ChunkId = *b"IMAG";
+/// Which samples are doubtful.
+pub(crate) const DOUBTFUL: ChunkId = *b"DOUB";
 /// Frequencies of tokens.
 pub(crate) const MODEL: ChunkId = *b"MODL";
 /// The halves that colors are made of.

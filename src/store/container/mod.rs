@@ -5,7 +5,7 @@ mod iff;
 mod source;
 
 pub(crate) use bytes::{
-    ByteReader, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE, push_text,
+    ByteReader, DOUBTFUL, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE, push_text,
     push_varint,
 };
 pub(crate) use iff::{

@@ -7,8 +7,8 @@ use super::header::{VERSION, decode_version};
 use crate::error::{Error, Result};
 use crate::settings::Settings;
 use crate::store::container::{
-    CHECKSUM, CHUNK_HEADER, ChunkId, FORM_HEADER, FormReader, HEAD, INDEX, IffError, MODEL, PALETTE,
-    PROVENANCE, REPORT, ReadAt, SETTINGS,
+    CHECKSUM, CHUNK_HEADER, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, HEAD, INDEX, IffError, MODEL,
+    PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS,
 };
 
 /// The payloads of the chunks that say what a store holds.
@@ -20,20 +20,27 @@ pub(crate) struct InfoChunks {
 /// Chunks that every store has once.
 pub(crate) const REQUIRED: [ChunkId; 7] = [HEAD, SETTINGS, REPORT, PROVENANCE, PALETTE, MODEL, INDEX];
 
+/// Whether a chunk is one of those that [`InfoChunks`] holds.
+pub(crate) fn is_known(id: ChunkId) -> bool {
+    REQUIRED.contains(&id) || id == DOUBTFUL
+}
+
 impl InfoChunks {
-    /// Walks over the file until all are found, skipping images and unknown chunks.
+    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB` stands before the last of them.
     pub(crate) fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
         let iff = |error| from_iff(path, error);
         let mut version = None;
         let mut payloads = BTreeMap::new();
         let mut offset = FORM_HEADER;
-        while payloads.len() < REQUIRED.len()
+        let mut required = 0;
+        while required < REQUIRED.len()
             && let Some(header) = form.header_at(offset).map_err(iff)?
         {
             if version.is_none() && header.id != HEAD {
                 return Err(in_chunk(path, HEAD, "it must be the first chunk"));
             }
-            if REQUIRED.contains(&header.id) {
+            if is_known(header.id) {
+                required += usize::from(REQUIRED.contains(&header.id));
                 let payload = form.payload(&header).map_err(iff)?;
                 if header.id == HEAD && version.is_none() {
                     version = Some(checked_version(&payload, path)?);

@@ -1,6 +1,7 @@
 //! A whole store: its header, its writer and its reader.
 
 mod chunks;
+mod doubtful;
 mod header;
 mod info;
 mod provenance;

@@ -10,7 +10,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::chunks::{InfoChunks, REQUIRED, from_iff, in_chunk};
+use super::chunks::{InfoChunks, from_iff, in_chunk, is_known};
+use super::doubtful::decode_doubtful;
 use super::header::{ImageEntry, chain};
 use super::info::StoreInfo;
 use crate::error::{Error, Result};
@@ -18,10 +19,11 @@ use crate::job::Job;
 use crate::samples::{DepthPlane, SampleImage, SampleSet};
 use crate::store::codec::FrequencyTables;
 use crate::store::container::{
-    ChunkHeader, ChunkId, FORM_HEADER, FormReader, IMAGE, MODEL, PALETTE, ReadAt, STORE,
+    ChunkHeader, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, IMAGE, MODEL, PALETTE, ReadAt, STORE,
 };
 use crate::store::image::{
-    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, ImageHead, ReferenceImage, VisibleBlocks,
+    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, DoubtfulRuns, ImageHead, ReferenceImage,
+    VisibleBlocks,
 };
 
 /// An open store, from which images are read one by one. Reading from several threads is fine.
@@ -30,6 +32,8 @@ pub struct Store {
     info: StoreInfo,
     model: FrequencyTables,
     palette: ColorRanks,
+    /// Of images that have doubtful samples.
+    doubtful: BTreeMap<usize, DoubtfulRuns>,
     form: FormReader<Box<dyn ReadAt>>,
     /// What could not be read so far, by image.
     damage: Mutex<BTreeMap<usize, Vec<String>>>,
@@ -78,8 +82,11 @@ impl Store {
         let palette =
             ColorRanks::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;
         let model = FrequencyTables::decode(chunks.get(MODEL)).map_err(|what| in_chunk(path, MODEL, what))?;
+        let doubtful = decode_doubtful(chunks.get(DOUBTFUL), &info.images, &info.cameras)
+            .map_err(|what| in_chunk(path, DOUBTFUL, what))?;
         Ok(Self {
             path: path.to_path_buf(),
+            doubtful,
             info,
             model,
             palette,
@@ -190,7 +197,10 @@ impl Store {
         };
         let reference = before.map(|before| ReferenceImage { image: &before.image, damage: &before.damage });
         let coding = self.coding(&self.info.images[index], &head);
-        let (image, damage) = image::decode(&decoded.image, &head, reference, &coding, code, &missing);
+        let (mut image, damage) = image::decode(&decoded.image, &head, reference, &coding, code, &missing);
+        if let Some(runs) = self.doubtful.get(&index) {
+            image.doubtful = runs.masks(&image.tiles, coding.size.0);
+        }
         debug_assert_eq!(image::check(&image, &self.info.cameras, self.info.frame_numbers.len()), Ok(()));
         self.blocks_read.fetch_add(missing.len() as u64, Relaxed);
         decoded.image = Arc::new(image);
@@ -259,6 +269,7 @@ impl Store {
             color: Vec::new(),
             depth: DepthPlane::default(),
             normal: None,
+            doubtful: Vec::new(),
         }
     }
 
@@ -320,7 +331,7 @@ impl Store {
         let mut unknown = Vec::new();
         for header in self.chunk_headers() {
             let header = header?;
-            if header.id != IMAGE && !REQUIRED.contains(&header.id) {
+            if header.id != IMAGE && !is_known(header.id) {
                 unknown.push((header.id, self.bytes(&header, 0..header.length)?));
             }
         }

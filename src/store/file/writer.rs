@@ -12,6 +12,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::chunks::from_iff;
+use super::doubtful::encode_doubtful;
 use super::header::{ImageEntry, check_held_once, choose_references, encode_head, encode_index};
 use super::provenance::{PlaneBytes, Provenance};
 use crate::error::{Error, Result};
@@ -20,9 +21,9 @@ use crate::samples::{ImageBuffer, ImageFacts, SampleImage, SampleSet, Span};
 use crate::settings::StoreSettings;
 use crate::store::codec::{Counts, FrequencyTables};
 use crate::store::container::{
-    ChunkId, FormWriter, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE,
+    ChunkId, DOUBTFUL, FormWriter, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE,
 };
-use crate::store::image::{self, BlockCoding, ColorRanks, UsedColors};
+use crate::store::image::{self, BlockCoding, ColorRanks, DoubtfulRuns, UsedColors};
 use crate::whole_file;
 
 /// Images that are encoded at a time: enough for every thread, few enough to be held in memory.
@@ -122,7 +123,8 @@ impl Input<'_> {
         let Self { path, samples, images, extras, job } = *self;
         let invalid = |what: String| Error::invalid(path.display(), format!("cannot be written: {what}"));
         let iff = |error| from_iff(path, error);
-        let head = encode_head(samples).map_err(invalid)?;
+        let has_doubtful = images.facts().any(|image| image.doubtful > 0);
+        let head = encode_head(samples, has_doubtful).map_err(invalid)?;
         job.start("Writing the store", 2 * images.len());
         if let Some(before) = &extras.held_to {
             let again = image::check_again(&samples.settings.store, before, &samples.cameras);
@@ -144,6 +146,9 @@ impl Input<'_> {
         form.chunk(PROVENANCE, &provenance).map_err(iff)?;
         form.chunk(PALETTE, &prepared.palette.encode()).map_err(iff)?;
         form.chunk(MODEL, &prepared.model.encode()).map_err(iff)?;
+        if has_doubtful {
+            form.chunk(DOUBTFUL, &self.doubtful(&prepared)?).map_err(iff)?;
+        }
         for (id, payload) in &extras.unknown {
             form.plain_chunk(*id, payload).map_err(iff)?;
         }
@@ -168,6 +173,19 @@ impl Input<'_> {
         form.replace(index, INDEX, &encode_index(&entries, size)).map_err(iff)?;
         form.finish().map_err(iff)?;
         Ok(size)
+    }
+
+    /// Which samples are doubtful, as the payload of their chunk.
+    fn doubtful(&self, prepared: &Prepared<'_>) -> Result<Vec<u8>> {
+        let images = (0..prepared.images.len()).into_par_iter();
+        let images = images.filter(|index| prepared.images.facts_of(*index).doubtful > 0);
+        let runs = images.map(|index| {
+            self.job.check()?;
+            let image = prepared.images.get(index)?;
+            let camera = &self.samples.cameras[image.camera as usize];
+            Ok((index, DoubtfulRuns::of(&image, camera.intrinsics.size().0)))
+        });
+        Ok(encode_doubtful(&runs.collect::<Result<Vec<_>>>()?))
     }
 
     /// The colors that occur, as far as the settings leave them apart; checks every image.

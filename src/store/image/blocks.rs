@@ -313,6 +313,7 @@ fn with_capacity(like: &SampleImage, tiles: usize, samples: usize, normals: bool
         color: Vec::with_capacity(samples),
         depth: DepthPlane::with_capacity(tiles, samples),
         normal: normals.then(|| Vec::with_capacity(samples)),
+        doubtful: Vec::new(),
     }
 }
 
@@ -323,7 +324,8 @@ pub(crate) fn depth_bounds(samples: &SampleImage) -> (u32, u32) {
     })
 }
 
-/// Puts blocks together, tiles in their order, with those that an image of the same camera and span has already.
+/// Puts blocks together, tiles in their order, with those that an image of the same camera and span has already. Which samples are
+/// doubtful stands elsewhere in the file, see [`super::doubtful`].
 pub(crate) fn assemble(image: &SampleImage, normals: bool, blocks: &[SampleImage]) -> SampleImage {
     let parts = std::iter::once(image).chain(blocks);
     let count = parts.clone().map(SampleImage::len).sum();

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::blocks::{Block, BlockCoding, assemble, blocks_of, depth_bounds, find, summary};
 use crate::capture::Camera;
-use crate::samples::{SampleImage, TILE};
+use crate::samples::{SampleImage, TILE, TileMask};
 use crate::store::codec::{BLOCK, Counts};
 use crate::store::container::{ByteReader, IMAGE, agree, checksum};
 
@@ -97,6 +97,15 @@ pub(crate) fn check(image: &SampleImage, cameras: &[Camera], frames: usize) -> R
     let normals = image.normal.as_ref().map_or(first, Vec::len);
     if [image.color.len(), normals] != [first; 2] || !image.depth.fits(&image.tiles) {
         return Err("the planes do not have one value per sample".to_owned());
+    }
+    let is_among = |mask: &TileMask| {
+        let tile = image.tiles.get(mask.tile as usize);
+        mask.rows != [0; TILE]
+            && tile
+                .is_some_and(|tile| mask.rows.iter().zip(&tile.rows).all(|(mask, there)| mask & !there == 0))
+    };
+    if !image.doubtful.is_sorted_by_key(|mask| mask.tile) || !image.doubtful.iter().all(is_among) {
+        return Err("a mask of doubtful samples does not fit its tile".to_owned());
     }
     if image.inverse_depths().iter().any(|w| !w.is_finite() || w.is_sign_negative()) {
         return Err("an inverse depth is negative or not finite".to_owned());

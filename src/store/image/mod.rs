@@ -3,6 +3,7 @@
 mod blocks;
 mod color_ranks;
 mod decoded;
+mod doubtful;
 mod image_chunk;
 mod precision;
 mod visible_blocks;
@@ -10,6 +11,7 @@ mod visible_blocks;
 pub(crate) use blocks::BlockCoding;
 pub(crate) use color_ranks::{ColorRanks, UsedColors};
 pub(crate) use decoded::Decoded;
+pub(crate) use doubtful::DoubtfulRuns;
 pub use image_chunk::{BlockEntry, ImageHead};
 pub(crate) use image_chunk::{Damage, ReferenceImage, check, count, decode, decode_head, encode};
 pub(crate) use precision::{check_again, color_room, depth_shift, reduce};
