@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::header::{VERSION, decode_version};
+use super::header::{VERSION, WITH_DOUBTFUL, decode_version};
 use crate::error::{Error, Result};
 use crate::settings::Settings;
 use crate::store::container::{
@@ -55,6 +55,9 @@ impl InfoChunks {
             return Err(in_chunk(path, *missing, "it is missing"));
         }
         let version = version.ok_or_else(|| in_chunk(path, HEAD, "it is missing"))?;
+        if version.1 >= WITH_DOUBTFUL && !payloads.contains_key(&DOUBTFUL) {
+            return Err(in_chunk(path, DOUBTFUL, "it is missing"));
+        }
         Ok(Self { version, payloads })
     }
 

@@ -13,7 +13,7 @@ use crate::store::container::{ByteReader, push_text};
 pub(crate) const VERSION: (u16, u16) = (3, 1);
 
 /// The minor version in which `DOUB` came, and the one of stores without it.
-const WITH_DOUBTFUL: u16 = 1;
+pub(crate) const WITH_DOUBTFUL: u16 = 1;
 const WITHOUT_DOUBTFUL: u16 = 0;
 
 /// Most pixels that one picture of every camera may have together: what is drawn takes a table of them.
