@@ -125,6 +125,11 @@ impl Difference {
         }
         found
     }
+
+    /// As shares of so many times as many pixels.
+    fn over(&self, times: f64) -> Self {
+        Self { image: self.image / times, depth: self.depth / times, color: self.color / times, ..*self }
+    }
 }
 
 /// Share of pixels that may differ. A shader compiler may contract `a·b + c` and divide with an error of 2.5 units in the last
@@ -161,11 +166,16 @@ fn compare(renderer: &mut GpuRenderer, kernel: Kernel) {
 }
 
 fn compare_over(renderer: &mut GpuRenderer, kernel: Kernel, samples: &Arc<SampleSet>) {
+    compare_with_borders(renderer, kernel, samples, 1.0);
+}
+
+/// The same where `borders` times as many pixels as usual lie at borders of footprints.
+fn compare_with_borders(renderer: &mut GpuRenderer, kernel: Kernel, samples: &Arc<SampleSet>, borders: f64) {
     for camera in [novel(), close(), distant()] {
         let (cpu, cpu_stats) = on_cpu(samples, &camera, 2, kernel);
         let (gpu, gpu_stats) = on_gpu(renderer, samples, &camera, 2, kernel);
         let found = Difference::between(&cpu, &gpu);
-        assert!(agree(&found), "{kernel} from {}: {found:?}", camera.name);
+        assert!(agree(&found.over(borders)), "{kernel} from {}: {found:?}", camera.name);
         assert!(found.worst <= worst_color(kernel), "{kernel} from {}: {found:?}", camera.name);
         assert_eq!(gpu_stats.samples, cpu_stats.samples);
         assert_eq!(gpu_stats.holes, gpu.holes());
@@ -431,27 +441,23 @@ fn doubtful_samples_stand_back_as_on_the_cpu() {
         let trusted = Arc::new(set.clone());
         for image in &mut set.images {
             let mut some = (**image).clone();
-            // Stripes of one camera, and patches of the others.
-            let rows = |tile: usize, row: usize| match some.camera {
-                0 => 0x0f0f,
-                camera => {
-                    if (tile + camera as usize) % 3 == 0 && row < 12 {
-                        0xfff0
-                    } else {
-                        0
-                    }
-                }
+            // Half of each tile of one camera, and some whole tiles of the others.
+            let columns = |tile: usize| match some.camera {
+                0 => 0x00ff,
+                camera if (tile + camera as usize).is_multiple_of(3) => 0xffff,
+                _ => 0,
             };
             let masks = some.tiles.iter().enumerate().map(|(tile, found)| TileMask {
                 tile: tile as u32,
-                rows: std::array::from_fn(|row| found.rows[row] & rows(tile, row)),
+                rows: found.rows.map(|row| row & columns(tile)),
             });
             some.doubtful = masks.filter(|mask| mask.rows != [0; TILE]).collect();
             *image = Arc::new(some);
         }
         let set = Arc::new(set);
         for kernel in Kernel::ALL {
-            compare_over(&mut renderer, *kernel, &set);
+            // Trusted samples end where doubtful ones begin: borders within surfaces beside those of surfaces.
+            compare_with_borders(&mut renderer, *kernel, &set, 2.0);
             let [with, without] = [&set, &trusted].map(|set| on_cpu(set, &novel(), 2, *kernel).0);
             assert!(with.inverse_depth != without.inverse_depth, "{kernel}: they change the picture");
         }

@@ -64,12 +64,12 @@ const CORE: u32 = 0x80000000u;
 const TRUSTED: u32 = 0x40000000u;
 
 // See the twin.
-const FARTHEST: u32 = 0x1f800000u;
-const NEAREST: u32 = 0x5f7ffffeu;
+const FARTHEST: i32 = 0x1f800000;
+const NEAREST: i32 = 0x5f7ffffe;
 
 // The upper half of a key.
 fn nearness(inverse_depth: f32, tier: u32) -> u32 {
-    return (clamp(bitcast<u32>(inverse_depth), FARTHEST, NEAREST) - (FARTHEST - 1u)) | tier;
+    return u32(clamp(bitcast<i32>(inverse_depth), FARTHEST, NEAREST) - (FARTHEST - 1)) | tier;
 }
 
 // The inverse depth of the upper half of a key; negative for 0.
@@ -78,5 +78,5 @@ fn inverse_depth_of(upper: u32) -> f32 {
     if nearness <= 1u {
         return select(0.0, -1.0, nearness == 0u);
     }
-    return bitcast<f32>(nearness + (FARTHEST - 1u));
+    return bitcast<f32>(nearness + u32(FARTHEST - 1));
 }

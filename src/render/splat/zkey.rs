@@ -18,15 +18,16 @@ pub(crate) const TRUSTED: u32 = 1 << 30;
 const TIERS: u32 = CORE | TRUSTED;
 
 /// The bits of 2⁻⁶⁴: what is farther counts as infinitely far. From here on nearness has room for 128 octaves.
-const FARTHEST: u32 = (127 - 64) << 23;
+const FARTHEST: i32 = (127 - 64) << 23;
 
 /// The nearest that a key can say, just below 2⁶⁴.
-const NEAREST: u32 = FARTHEST + TRUSTED - 2;
+const NEAREST: i32 = FARTHEST + TRUSTED as i32 - 2;
 
-/// The upper half of a key.
+/// The upper half of a key. Its bits are compared as a signed number, so that −0 is infinitely far too.
 #[inline(always)]
 pub(crate) fn nearness(inverse_depth: f32, tier: u32) -> u32 {
-    (inverse_depth.to_bits().clamp(FARTHEST, NEAREST) - (FARTHEST - 1)) | tier
+    let bits = (inverse_depth.to_bits() as i32).clamp(FARTHEST, NEAREST);
+    (bits - (FARTHEST - 1)) as u32 | tier
 }
 
 /// A key from its upper half and the slot.
@@ -41,7 +42,7 @@ pub(crate) fn inverse_depth_of(key: u64) -> f32 {
     match (key >> 32) as u32 & !TIERS {
         0 => -1.0,
         1 => 0.0,
-        nearness => f32::from_bits(nearness + (FARTHEST - 1)),
+        nearness => f32::from_bits(nearness + (FARTHEST - 1) as u32),
     }
 }
 
@@ -62,7 +63,9 @@ mod tests {
                 let key = key(nearness(inverse_depth, tier), 77);
                 assert_eq!((inverse_depth_of(key), slot_of(key)), (inverse_depth, 77), "{tier:x}");
             }
-            assert_eq!(inverse_depth_of(key(nearness(1e-30, tier), 0)), 0.0, "farther than keys can say");
+            for far in [1e-30, -0.0] {
+                assert_eq!(inverse_depth_of(key(nearness(far, tier), 0)), 0.0, "farther than keys can say");
+            }
             let nearest = inverse_depth_of(key(nearness(f32::MAX, tier), 0));
             assert!(nearest > 1.8e19 && nearest < 1.9e19, "{nearest}");
         }
