@@ -1,5 +1,6 @@
 //! Why each pixel was kept or dropped: the verdicts of a frame for display, and the explanation of one pixel.
 
+mod explained_sample;
 mod frame;
 mod pixel;
 mod pixel_report;

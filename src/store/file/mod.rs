@@ -5,6 +5,7 @@ mod doubtful;
 mod header;
 mod info;
 mod provenance;
+mod read_all;
 mod reader;
 mod writer;
 
