@@ -223,7 +223,7 @@ mod tests {
             doubtful: (camera..2)
                 .map(|tile| TileMask {
                     tile,
-                    rows: std::array::from_fn(|row| u16::from(row == 3) << start % 16),
+                    rows: std::array::from_fn(|row| u16::from(row == 3) << (start % 16)),
                 })
                 .collect(),
         }
