@@ -185,7 +185,7 @@ fn the_whole_chain_runs_from_a_demo_to_scores() {
     assert_eq!(painted["mean"]["psnr_db"], scored["mean"]["psnr_db"]);
     filling_is_the_default_and_keeps_the_mask(here, views, &painted);
     assert_keys(&scored, &["no_pruning", "first_camera", "samples_kept", "bytes_memory", "bytes_store"]);
-    what_the_store_gives_up_shows_in_the_scores(here, views, &scored);
+    what_the_store_gives_up_shows_in_the_scores(here, views);
     for view in painted["views"].as_array().unwrap() {
         let exr = here.join("pictures").join(view["file_path"].as_str().unwrap());
         let png = image::open(exr.with_extension("png")).unwrap();
@@ -194,12 +194,13 @@ fn the_whole_chain_runs_from_a_demo_to_scores() {
     }
 }
 
-/// `lossless` is what `evaluate` says of a store that keeps every bit.
-fn what_the_store_gives_up_shows_in_the_scores(here: &Path, views: &str, lossless: &Value) {
-    let rounded = ["--set", "store.precision=bits8"];
+fn what_the_store_gives_up_shows_in_the_scores(here: &Path, views: &str) {
+    let [exact, rounded] = ["store.precision=lossless", "store.precision=bits8"].map(|text| ["--set", text]);
     let point = ["--kernel", "point", "--json"];
+    let lossless = &json(here, &[["evaluate", "scene"].as_slice(), &exact, &point].concat());
     let scored = json(here, &[["evaluate", "scene"].as_slice(), &rounded, &point].concat());
-    success(here, &[["export", "store", "scene.ovl", "--out", "rounded.ovl"].as_slice(), &rounded].concat());
+    success(here, &[["preprocess", "scene", "--out", "exact.ovl"].as_slice(), &exact].concat());
+    success(here, &[["export", "store", "exact.ovl", "--out", "rounded.ovl"].as_slice(), &rounded].concat());
     let render = ["render", "rounded.ovl", "--views", views, "--out", "rounded"];
     let painted = json(here, &[render.as_slice(), &point].concat());
     assert_eq!(scored["mean"]["psnr_db"], painted["mean"]["psnr_db"]);

@@ -114,7 +114,7 @@ section! {
         /// Whether normals are stored with the samples.
         normals: bool = false, "", ValueKind::Switch;
         /// How much of color and depth is kept.
-        precision: Precision = Precision::Lossless, "", ValueKind::Choice(Precision::NAMES);
+        precision: Precision = Precision::Bits10, "", ValueKind::Choice(Precision::NAMES);
         /// Depth errs by no more than this where the precision is not lossless.
         depth_precision: f32 = 0.0625, "footprints", ValueKind::Number { min: 0.001, max: 1.0, log: true };
         /// How samples are coded.

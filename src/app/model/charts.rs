@@ -107,9 +107,9 @@ impl Charts {
         sweep::mark_pareto(&mut self.sweep, |point| along.cost(point), |point| -up.cost(point));
     }
 
-    /// Lossless settings that no other lossless ones beat in both quantities that are shown, along the first.
+    /// Settings that no others beat in both quantities that are shown, along the first.
     pub(crate) fn front(&self) -> Vec<[f64; 2]> {
-        let best = self.sweep.iter().filter(|point| point.pareto && point.is_lossless());
+        let best = self.sweep.iter().filter(|point| point.pareto);
         let mut front: Vec<_> = best.map(|point| self.axes.map(|quantity| quantity.of(point))).collect();
         front.sort_by(|a, b| a[0].total_cmp(&b[0]));
         front

@@ -19,7 +19,7 @@ use crate::evaluate::sweep::{Point, Series};
 use crate::settings::Kernel;
 
 /// Names of the line and of the ring in the chart.
-const FRONT: &str = "Pareto front (lossless)";
+const FRONT: &str = "Pareto front";
 const CURRENT: &str = "current";
 
 pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {

@@ -29,10 +29,9 @@ fn point_color(point: &Point) -> &'static str {
     if point.series.is_rival() { color::PINK } else { kernel_color(point.settings.render.kernel) }
 }
 
-fn marker(series: Series, is_lossless: bool) -> Marker {
+fn marker(series: Series) -> Marker {
     match series {
-        Series::Reference | Series::Variation if is_lossless => Marker::Dot,
-        Series::Reference | Series::Variation => Marker::Ring,
+        Series::Reference | Series::Variation => Marker::Dot,
         Series::NoPruning | Series::TriangleMesh => Marker::Up,
         Series::FirstCamera | Series::NearestCamera => Marker::Down,
         Series::FirstCameraAtCount | Series::LayeredDepthImage => Marker::Diamond,
@@ -97,11 +96,7 @@ impl Panel<'_> {
 
     fn draw(&self, svg: &mut Svg, points: &[Point]) {
         self.axes(svg);
-        if self.name == BYTES {
-            // Rounding does not change the time of rendering.
-            self.front(svg, points.to_vec(), ROUNDED);
-        }
-        self.front(svg, points.iter().filter(|point| point.is_lossless()).cloned().collect(), EXACT);
+        self.front(svg, points.to_vec());
         for point in points {
             let (x, _) = self.position(point);
             let [low, high] = bar_db(point).map(|end| self.y.at(end));
@@ -109,7 +104,7 @@ impl Panel<'_> {
         }
         for (is_baseline, radius) in [(false, 5.0), (true, 8.0)] {
             for point in points.iter().filter(|point| point.series.is_baseline() == is_baseline) {
-                let shape = marker(point.series, point.is_lossless());
+                let shape = marker(point.series);
                 svg.marker(shape, self.position(point), radius, point_color(point));
             }
         }
@@ -141,7 +136,7 @@ impl Panel<'_> {
     }
 
     /// The staircase along the points of the Pareto front.
-    fn front(&self, svg: &mut Svg, mut best: Vec<Point>, (line, dashes): (&str, &str)) {
+    fn front(&self, svg: &mut Svg, mut best: Vec<Point>) {
         mark_pareto(&mut best, self.cost, |point| point.psnr_filled_db);
         best.retain(|point| point.pareto);
         best.sort_by(|a, b| (self.cost)(a).total_cmp(&(self.cost)(b)));
@@ -155,14 +150,12 @@ impl Panel<'_> {
         if let Some(&(_, last)) = steps.last() {
             steps.push((self.right, last));
         }
-        svg.path(&steps, (2.2, line), dashes);
+        svg.path(&steps, FRONT.0, FRONT.1);
     }
 }
 
-/// Line of the front among lossless stores.
-const EXACT: (&str, &str) = (color::RED, "7 5");
-/// Line of the front where stores may round.
-const ROUNDED: (&str, &str) = (color::FAINT, "2 4");
+/// Width, color and dashes of the front's line.
+const FRONT: ((f64, &str), &str) = ((2.2, color::RED), "7 5");
 
 fn legend(svg: &mut Svg, points: &[Point]) {
     let (mut x, y) = (100.0, BOTTOM + 110.0);
@@ -175,15 +168,9 @@ fn legend(svg: &mut Svg, points: &[Point]) {
             x += 110.0;
         }
     }
-    let fronts = [
-        (EXACT, "Pareto front of lossless stores: nothing is both cheaper and closer", 560.0),
-        (ROUNDED, "where stores may round", 220.0),
-    ];
-    for ((line, dashes), words, width) in fronts {
-        svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], (2.2, line), dashes);
-        svg.text((x + 82.0, y), Anchor::Start, (16.0, color::INK), words);
-        x += width + 60.0;
-    }
+    svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], FRONT.0, FRONT.1);
+    let words = "Pareto front: nothing is both cheaper and closer";
+    svg.text((x + 82.0, y), Anchor::Start, (16.0, color::INK), words);
     let (mut x, mut y) = (180.0, y + 40.0);
     svg.text((100.0, y), Anchor::Start, (16.0, color::FAINT), "samples");
     for series in Series::ALL {
@@ -194,7 +181,7 @@ fn legend(svg: &mut Svg, points: &[Point]) {
             (x, y) = (180.0, y + 34.0);
         }
         svg.marker(
-            marker(series, true),
+            marker(series),
             (x, y - 5.0),
             if series.is_baseline() { 8.0 } else { 6.0 },
             if series.is_rival() { color::PINK } else { color::INK },
@@ -204,10 +191,6 @@ fn legend(svg: &mut Svg, points: &[Point]) {
         }
         svg.text((x + 18.0, y), Anchor::Start, (16.0, color::INK), series.name());
         x += 340.0;
-    }
-    if points.iter().any(|point| !point.is_lossless()) {
-        svg.marker(Marker::Ring, (x, y - 5.0), 6.0, color::INK);
-        svg.text((x + 18.0, y), Anchor::Start, (16.0, color::INK), "the store rounds");
     }
 }
 

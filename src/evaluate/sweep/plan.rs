@@ -253,9 +253,9 @@ mod tests {
 
     #[test]
     fn every_number_is_tried_and_the_precision_of_depth_where_it_says_something() {
-        let lossless = Settings::default();
-        let mut rounded = lossless.clone();
-        rounded.set_text("store.precision=bits10").unwrap();
+        let rounded = Settings::default();
+        let mut lossless = rounded.clone();
+        lossless.set_text("store.precision=lossless").unwrap();
         let paths = |reference: &Settings| -> Vec<String> {
             let path = |(label, _): (String, _)| label.split(' ').next().unwrap_or_default().to_owned();
             variations(reference).into_iter().map(path).collect()

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::evaluate::metrics::{ErrorByClass, Scores};
 use crate::evaluate::trial::{MeanEstimate, PairedDifference, Trial, TrialResult, ViewAccuracy, kernel_cost};
 use crate::rivals::Rival;
-use crate::settings::{Precision, Settings};
+use crate::settings::Settings;
 
 /// What a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -188,12 +188,6 @@ impl Point {
         self.bytes_of_samples() as f64 / (1024.0 * 1024.0)
     }
 
-    /// Whether the store is lossless.
-    #[must_use]
-    pub fn is_lossless(&self) -> bool {
-        self.settings.store.precision == Precision::Lossless
-    }
-
     /// What a trial gave.
     #[must_use]
     pub fn new(trial: &Trial, series: Series, measured: &TrialResult) -> Self {
@@ -264,9 +258,8 @@ pub fn mark_behind_best<'a>(points: impl IntoIterator<Item = &'a mut Point>) {
     }
 }
 
-/// Marks the points that no other beats in one respect without losing in another: lower `cost`, higher `gain`, lossless before
-/// rounded. So a rounded store never displaces a lossless one, however good its pictures. Equal points are all marked. Points
-/// scored at fewer vantages than others are not comparable and not marked.
+/// Marks the points that no other beats in one respect without losing in the other: lower `cost`, higher `gain`. Equal points are
+/// all marked. Points scored at fewer vantages than others are not comparable and not marked.
 pub fn mark_pareto<'a>(
     points: impl IntoIterator<Item = &'a mut Point>,
     cost: impl Fn(&Point) -> f64,
@@ -278,11 +271,10 @@ pub fn mark_pareto<'a>(
         point.pareto = false;
     }
     points.retain(|point| Some(point.vantages) == most);
-    let values: Vec<_> = points.iter().map(|point| (cost(point), gain(point), point.is_lossless())).collect();
-    for (point, (cost, gain, lossless)) in points.into_iter().zip(&values) {
-        point.pareto = !values.iter().any(|(other_cost, other_gain, other_lossless)| {
-            other_lossless >= lossless
-                && ((other_cost < cost && other_gain >= gain) || (other_cost <= cost && other_gain > gain))
+    let values: Vec<_> = points.iter().map(|point| (cost(point), gain(point))).collect();
+    for (point, (cost, gain)) in points.into_iter().zip(&values) {
+        point.pareto = !values.iter().any(|(other_cost, other_gain)| {
+            (other_cost < cost && other_gain >= gain) || (other_cost <= cost && other_gain > gain)
         });
     }
 }
