@@ -13,6 +13,7 @@ for tool in cargo-deb cargo-bundle-licenses; do
     }
 done
 
+built=${CARGO_TARGET_DIR:-target}/release
 out=target/package
 files=$out/files
 rm -rf "$out"
@@ -29,7 +30,7 @@ name="overlook-$version-$(uname -m)-linux"
 archive=$out/$name
 mkdir -p "$archive"/{bin,share/applications,share/mime/packages,share/man/man1,share/icons/hicolor/scalable/apps}
 mkdir -p "$archive"/share/{bash-completion/completions,zsh/site-functions,fish/vendor_completions.d,doc/overlook}
-install -m 755 target/release/overlook "$archive/bin/overlook"
+install -m 755 "$built/overlook" "$archive/bin/overlook"
 strip "$archive/bin/overlook"
 cp packaging/overlook.desktop "$archive/share/applications/"
 cp packaging/overlook.xml "$archive/share/mime/packages/"

@@ -367,6 +367,7 @@ impl eframe::App for OverlookApp {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.state.remember_picture();
         Memory::of(&self.state, &self.dock).save(storage);
     }
 }

@@ -6,7 +6,7 @@ use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
 use super::dock::{Dock, DockPart};
 use super::model::{Command, Commands, DockView, Purpose, State};
 use super::theme::{Tokens, space};
-use super::widgets::{empty_ui, note};
+use super::widgets::empty_ui;
 use super::{panels, views};
 
 pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Commands) {
@@ -94,22 +94,9 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 commands.push(command);
             }
         }
-        if !state.recent.is_empty() {
-            ui.add_space(space::MEDIUM);
-            note(ui, "Recent");
-        }
-        for path in state.recent.iter().take(RECENT_SHOWN) {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            let link = ui.link(name.as_ref()).on_hover_text(path.display().to_string());
-            if link.accessible_name(format!("Open recent {name}")).clicked() {
-                commands.push(Command::OpenPath(path.clone()));
-            }
-        }
+        panels::recent_ui(ui, state, commands);
     });
 }
-
-/// Recent files that are offered while nothing is open.
-const RECENT_SHOWN: usize = 5;
 
 fn drop_hint_ui(ui: &egui::Ui) {
     if ui.ctx().input(|input| input.raw.hovered_files.is_empty()) {

@@ -272,3 +272,81 @@ fn arrows_step_and_a_range_loops_back_and_forth() {
     click(&mut window, "Loop over all frames");
     assert!(window.query_by_label("Loop over all frames").is_none());
 }
+
+#[test]
+fn frames_are_marked_and_the_markers_are_gone_to() {
+    let mut window = open(demo(2, 8, (64, 48)), SIZE);
+    settle(&mut window);
+    let go = |window: &mut Window, modifiers, key| {
+        window.key_press_modifiers(modifiers, key);
+        window.run_steps(2);
+        window.state().frame()
+    };
+    for _ in 0..2 {
+        go(&mut window, Modifiers::NONE, Key::ArrowRight);
+    }
+    click(&mut window, "Add marker");
+    assert!(window.query_by_label("Remove marker").is_some());
+    go(&mut window, Modifiers::COMMAND, Key::End);
+    go(&mut window, Modifiers::SHIFT, Key::M);
+    assert_eq!(go(&mut window, Modifiers::COMMAND, Key::ArrowLeft), 2);
+    assert_eq!(go(&mut window, Modifiers::COMMAND, Key::ArrowLeft), 7, "around the ends");
+    go(&mut window, Modifiers::SHIFT, Key::M);
+    assert_eq!(go(&mut window, Modifiers::COMMAND, Key::ArrowRight), 2);
+    assert_eq!(go(&mut window, Modifiers::COMMAND, Key::ArrowRight), 2, "the other one is taken away");
+    assert_eq!(window.state().measured_distance(), None, "nothing was measured");
+}
+
+#[test]
+fn keys_view_along_the_axes_from_either_side() {
+    let mut window = explore();
+    for (modifiers, pitch) in [(Modifiers::ALT, -90.0), (Modifiers::ALT | Modifiers::SHIFT, 90.0)] {
+        window.key_press_modifiers(modifiers, Key::Z);
+        settle(&mut window);
+        assert!((number(&window, "Pitch") - pitch).abs() < 0.1, "{}", number(&window, "Pitch"));
+    }
+    window.key_press_modifiers(Modifiers::ALT, Key::X);
+    settle(&mut window);
+    assert!(number(&window, "Pitch").abs() < 0.1, "{}", number(&window, "Pitch"));
+}
+
+#[test]
+fn a_camera_is_flown_with_at_the_speed_that_brackets_set_and_rolled_by_a_number() {
+    let mut window = explore();
+    let flown = |window: &mut Window| {
+        window.key_press(Key::Home);
+        settle(window);
+        let before = position(window);
+        window.key_down(Key::W);
+        window.run_steps(6);
+        window.key_up(Key::W);
+        window.run_steps(2);
+        position(window).iter().zip(before).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let normal = flown(&mut window);
+    for _ in 0..3 {
+        window.key_press(Key::CloseBracket);
+        window.run_steps(2);
+    }
+    let fast = flown(&mut window);
+    assert!(fast > 2.0 * normal && normal > 0.0, "{fast} and {normal}");
+    let roll = number(&window, "Roll");
+    window.get_by_role_and_label(Role::SpinButton, "Roll").focus();
+    window.run_steps(2);
+    window.key_press(Key::ArrowUp);
+    window.run_steps(2);
+    settle(&mut window);
+    assert_ne!(number(&window, "Roll"), roll);
+}
+
+#[test]
+fn a_thumbnail_has_a_menu_with_what_can_be_done_to_its_camera() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Cameras");
+    window.get_by_label("Camera left").click_secondary();
+    window.run_steps(4);
+    click(&mut window, "View from it");
+    settle(&mut window);
+    assert_eq!(position(&window), window.state().camera_position(1));
+}

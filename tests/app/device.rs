@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::time::Duration;
 
-use super::driver::{SIZE, Window, click, demo, drop_on, pick, settle, small_demo, wait};
+use super::driver::{SIZE, Window, click, demo, drop_on, pick, settle, shows, small_demo, wait};
 use eframe::egui_wgpu::RenderState;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use overlook::app::{OverlookApp, Start};
 use overlook::render::gpu::device_descriptor;
 
@@ -90,4 +90,15 @@ fn a_scene_opened_in_motion_leaves_no_texture_behind() {
     drop_on(&mut window, &capture);
     wait(&mut window, "the other scene", |window| window.state().scene_name() == Some("small_capture"));
     assert!(drawing.renderer.read().texture(&moving).is_none());
+}
+
+#[test]
+fn about_names_the_gpu_and_the_memory_in_use_on_it() {
+    let (mut window, drawing) = open(small_demo());
+    settle(&mut window);
+    click(&mut window, "Help");
+    click(&mut window, "About Overlook");
+    assert!(shows(&window, &drawing.adapter.get_info().name));
+    let memory = window.get_by_label_contains("GPU memory in use: ").accesskit_node().value().unwrap();
+    assert!(memory.ends_with("MB") || memory.ends_with("kB") || memory.ends_with("GB"), "{memory}");
 }

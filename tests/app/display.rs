@@ -6,6 +6,10 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use x11rb::connection::Connection;
+use x11rb::protocol::Event;
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt, CreateWindowAux, WindowClass};
+
 use super::skip::skip;
 
 /// Ends its process when the test does, however it does.
@@ -120,6 +124,30 @@ pub(crate) fn quit(display: &str, mut program: Guard) {
     xdotool(display, &["key", "ctrl+q"]).unwrap();
     let status = wait_for("the program to end", || program.0.try_wait().unwrap());
     assert!(status.success(), "{status}");
+}
+
+/// The text on the display's clipboard, where its owner gives one.
+pub(crate) fn clipboard_text(display: &str) -> Option<String> {
+    let (connection, screen) = x11rb::connect(Some(display)).unwrap();
+    let root = connection.setup().roots[screen].root;
+    let window = connection.generate_id().unwrap();
+    let area = CreateWindowAux::new();
+    connection.create_window(0, window, root, 0, 0, 1, 1, 0, WindowClass::INPUT_ONLY, 0, &area).unwrap();
+    let atom = |name: &str| connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom;
+    let [clipboard, text, kept] = ["CLIPBOARD", "UTF8_STRING", "OVERLOOK_TEST"].map(atom);
+    connection.convert_selection(window, clipboard, text, kept, x11rb::CURRENT_TIME).unwrap();
+    connection.flush().unwrap();
+    let given = loop {
+        if let Event::SelectionNotify(event) = connection.wait_for_event().unwrap() {
+            break event.property;
+        }
+    };
+    if given == x11rb::NONE {
+        return None;
+    }
+    let reply =
+        connection.get_property(true, window, kept, AtomEnum::ANY, 0, 1 << 20).unwrap().reply().unwrap();
+    Some(String::from_utf8(reply.value).unwrap())
 }
 
 /// Drags from a place on the display by some pixels to the right, at a person's pace.

@@ -69,6 +69,7 @@ fn what_was_open_before_is_offered_where_nothing_is_open() {
     let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
     let mut window = start(&capture);
     settle(&mut window);
+    assert!(window.state().live_coverage().is_some(), "there is a picture to remember");
     eframe::App::save(window.state_mut(), &mut *storage.lock().unwrap());
     let mut window = start(Path::new("/no/such/capture"));
     wait(&mut window, "the error", |window| !window.state().notices().is_empty());
@@ -76,4 +77,20 @@ fn what_was_open_before_is_offered_where_nothing_is_open() {
     assert!(shows(&window, "Nothing is open"));
     click(&mut window, "Open recent small_capture");
     wait(&mut window, "the capture", |window| window.state().scene_name().is_some());
+}
+
+#[test]
+fn the_size_of_the_interface_is_found_in_the_menu_of_views() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let size = |window: &mut Window, name: &str| {
+        click(window, "Views");
+        click(window, name);
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        window.ctx.zoom_factor()
+    };
+    assert!(size(&mut window, "Larger interface") > 1.05);
+    assert_eq!(size(&mut window, "Normal interface"), 1.0);
+    assert!(size(&mut window, "Smaller interface") < 0.95);
 }

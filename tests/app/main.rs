@@ -7,6 +7,7 @@ mod device;
 #[cfg(target_os = "linux")]
 mod display;
 mod driver;
+mod figures;
 mod film;
 #[cfg(target_os = "linux")]
 mod first_minute;

@@ -100,15 +100,22 @@ fn a_camera_path_is_lost_only_after_a_question() {
         // The path is looked at first, on a thread of its own.
         wait(&mut window, "the question", |window| shows(window, "Open something else?"));
         assert!(shows(&window, "the camera path (2 keys)"));
+        assert!(window.query_by_label("Save camera path…").is_some(), "what would be lost can be saved");
         window.key_press(Key::Escape);
         window.run_steps(3);
         assert!(!shows(&window, "Open something else?"));
     }
     assert_eq!(window.state().scene_name(), Some("orrery"));
+    drop_on(&mut window, "/no/such/capture".as_ref());
+    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
+    assert!(!shows(&window, "Open something else?"), "nothing is given up for a path that does not exist");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
     drop_on(&mut window, &capture);
     wait(&mut window, "the question", |window| shows(window, "Open something else?"));
-    for key in [Key::Tab, Key::Enter] {
-        window.key_press(key);
+    // Cancel has the focus; what discards comes before it.
+    for (modifiers, key) in [(Modifiers::SHIFT, Key::Tab), (Modifiers::NONE, Key::Enter)] {
+        window.key_press_modifiers(modifiers, key);
         window.run_steps(3);
     }
     wait(&mut window, "the capture", |window| window.state().scene_name() == Some("small_capture"));

@@ -222,8 +222,8 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     assert_eq!(tuned.render.kernel, overlook::settings::Kernel::Block);
     xdotool(&display, &["key", "ctrl+q"]).unwrap();
     std::thread::sleep(Duration::from_secs(1));
-    // The camera path and the sweep are lost: the first button says to close anyway.
-    xdotool(&display, &["key", "Tab", "Return"]).unwrap();
+    // The camera path and the sweep are lost: the button before Cancel, which has the focus, says to close anyway.
+    xdotool(&display, &["key", "shift+Tab", "Return"]).unwrap();
     let status = wait_for("the program to end", || program.0.try_wait().unwrap());
     assert!(status.success(), "{status}");
 }

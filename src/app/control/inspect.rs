@@ -50,7 +50,12 @@ impl OverlookApp {
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::Isolate(camera) => state.inspector.isolated = camera,
             Command::CopyTable(table) => self.copy_table(table),
-            Command::Help(page) => state.inspector.help = page,
+            Command::Help(page) => {
+                state.inspector.help = page;
+                let memory =
+                    self.window.as_ref().and_then(|window| window.device.generate_allocator_report());
+                self.state.inspector.graphics_memory = memory.map(|memory| memory.total_allocated_bytes);
+            }
             Command::FoundSetting => state.inspector.find_setting = None,
             Command::FindSetting(path) => {
                 state.inspector.find_setting = Some(path);

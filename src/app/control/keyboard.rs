@@ -38,6 +38,8 @@ pub(crate) const HELP: &[Shortcuts] = &[
             (", and . or the arrows", "step back and forward; arrows with Shift ten frames"),
             ("Ctrl + Home, Ctrl + End", "first and last frame"),
             ("I, O, Shift + I", "loop from here, loop to here, loop over all frames"),
+            ("Shift + M", "mark this frame, or take its marker away"),
+            ("Ctrl + arrows", "previous and next marker"),
             ("1 – 9", "show a camera"),
             ("Shift + 1 – 9", "view from a camera"),
             ("K", "add a key to the camera path"),
@@ -60,6 +62,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Wheel", "zoom to the pointer"),
             ("W A S D, Q E", "fly, down and up; faster with Shift"),
             ("[ and ]", "fly slower, faster"),
+            ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
             ("M", "measure a distance between two points"),
             ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
             ("Home, double-click", "reset to the start view"),
@@ -139,6 +142,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     }
     window_keys(ctx, state, commands);
     ctx.input_mut(|input| {
+        commands.extend(axis_keys(input));
         commands.extend(time_keys(input, state));
         // With fewer modifiers a key is consumed whatever else is held: this one goes first.
         if input.consume_key(Modifiers::SHIFT, Key::Space) {
@@ -208,6 +212,9 @@ fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
     let keys = [
         (Modifiers::COMMAND, Key::Home, Command::Frame(0)),
         (Modifiers::COMMAND, Key::End, Command::Frame(last)),
+        (Modifiers::SHIFT, Key::M, Command::ToggleMarker),
+        (Modifiers::COMMAND, Key::ArrowLeft, Command::ToMarker(false)),
+        (Modifiers::COMMAND, Key::ArrowRight, Command::ToMarker(true)),
         (Modifiers::SHIFT, Key::ArrowLeft, Command::Frame(here.saturating_sub(TEN))),
         (Modifiers::SHIFT, Key::ArrowRight, Command::Frame((here + TEN).min(last))),
         (Modifiers::NONE, Key::ArrowLeft, Command::Step(-1)),
@@ -218,6 +225,20 @@ fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
     ];
     let pressed = keys.into_iter().filter(|(modifiers, key, _)| input.consume_key(*modifiers, *key));
     pressed.map(|(_, _, command)| command).collect()
+}
+
+/// Keys that view the scene along an axis. egui tells the digits of a number pad not from those above the letters, which show cameras.
+fn axis_keys(input: &mut egui::InputState) -> Vec<Command> {
+    let mut commands = Vec::new();
+    for (key, axis) in [(Key::X, DVec3::X), (Key::Y, DVec3::Y), (Key::Z, DVec3::Z)] {
+        // With fewer modifiers a key is consumed whatever else is held: this one goes first.
+        for (modifiers, direction) in [(Modifiers::ALT | Modifiers::SHIFT, axis), (Modifiers::ALT, -axis)] {
+            if input.consume_key(modifiers, key) {
+                commands.push(Command::View(ViewCommand::LookAlong(direction)));
+            }
+        }
+    }
+    commands
 }
 
 /// Frames that Shift and an arrow step.

@@ -185,6 +185,7 @@ impl OverlookApp {
     }
 
     fn opened(&mut self, scene: &Arc<OpenScene>) {
+        self.state.remember_picture();
         let state = &mut self.state;
         if let Origin::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
@@ -204,6 +205,7 @@ impl OverlookApp {
         state.timeline.frame = 0;
         state.timeline.playing = false;
         state.timeline.range = None;
+        state.timeline.markers.clear();
         state.live.cameras = ShownCameras::default();
         state.live.ruler = Ruler::default();
         state.live.unit = Unit::default();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::app::dock::Dock;
-use crate::app::model::{Guides, SettingsSlot, State};
+use crate::app::model::{Guides, RecentPicture, SettingsSlot, State};
 use crate::settings::Settings;
 
 const KEY: &str = "overlook";
@@ -21,6 +21,8 @@ const RECENT: usize = 8;
 pub(crate) struct Memory {
     dark: bool,
     recent: Vec<PathBuf>,
+    /// Paths, and PNG pictures in base64.
+    recent_pictures: Vec<(PathBuf, String)>,
     settings: String,
     /// The settings of the slot that is not on; empty while both are the same.
     other_settings: String,
@@ -51,6 +53,10 @@ impl Memory {
         Self {
             dark: state.dark,
             recent: state.recent.clone(),
+            recent_pictures: (state.recent_pictures.iter())
+                .filter(|picture| state.recent.contains(&picture.path))
+                .filter_map(|picture| Some((picture.path.clone(), picture.to_text()?)))
+                .collect(),
             settings: state.settings.to_toml(),
             other_settings: history.other.as_ref().map_or_else(String::new, Settings::to_toml),
             is_b_on: history.slot == SettingsSlot::B,
@@ -74,6 +80,9 @@ impl Memory {
     pub(crate) fn restore(self, state: &mut State) -> Dock {
         state.dark = self.dark;
         state.recent = self.recent;
+        state.recent_pictures = (self.recent_pictures.into_iter())
+            .filter_map(|(path, text)| RecentPicture::from_text(path, &text))
+            .collect();
         let settings = |text: &str| Settings::from_toml(text, "remembered settings").ok();
         state.settings = settings(&self.settings).unwrap_or_default();
         let other = (!self.other_settings.is_empty()).then(|| settings(&self.other_settings)).flatten();

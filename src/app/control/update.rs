@@ -26,7 +26,10 @@ impl OverlookApp {
             .and_then(|command| self.apply_to_views(command));
         match rest {
             Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_))) => self.ask_to_open(command),
-            Some(Command::ForgetRecent) => self.state.recent.clear(),
+            Some(Command::ForgetRecent) => {
+                self.state.recent.clear();
+                self.state.recent_pictures.clear();
+            }
             Some(Command::Recompute) => {
                 self.state.stopped = false;
                 self.state.failed_frame = None;
@@ -63,6 +66,8 @@ impl OverlookApp {
                 timeline.elapsed_secs = 0.0;
             }
             Command::LoopRange(range) => timeline.range = range,
+            Command::ToggleMarker if frames > 0 => timeline.toggle_marker(),
+            Command::ToMarker(forward) => timeline.frame = timeline.marker(forward).unwrap_or(timeline.frame),
             Command::PingPong(on) => (timeline.ping_pong, timeline.backward) = (on, false),
             Command::FramesPerSecond(rate) => timeline.frames_per_second = rate.clamp(1.0, 120.0),
             other => return Some(other),
@@ -244,6 +249,7 @@ fn only_looks(command: &Command) -> bool {
             | Command::LiveArea(_)
             | Command::LoopRange(_)
             | Command::PingPong(_)
+            | Command::ToggleMarker
             | Command::Maximize(_)
             | Command::ShowArea(..)
             | Command::ShowTotals(_)

@@ -105,6 +105,10 @@ pub(crate) enum Command {
     LoopRange(Option<[usize; 2]>),
     /// Whether playback turns back at either end.
     PingPong(bool),
+    /// Mark this frame, or take its marker away.
+    ToggleMarker,
+    /// Go to the next marker (true), or to the one before.
+    ToMarker(bool),
     /// Take every key out of the camera path.
     ClearPath,
     /// Let a view fill the window, or put it back where it fills it already; `None` for the view under the pointer.

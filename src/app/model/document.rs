@@ -12,8 +12,9 @@ use super::notice::{Notice, NoticeKind, and_others};
 use super::orbit_camera::OrbitCamera;
 use super::picture_zoom::PictureZoom;
 use super::purpose::TypedPath;
+use super::recent::RecentPicture;
 use super::results::{Accuracy, Inspected, Whole, method_of};
-use super::scene::{Content, OpenScene};
+use super::scene::{Content, OpenScene, Origin};
 use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
 use super::timeline::Timeline;
@@ -133,6 +134,8 @@ pub(crate) struct State {
     pub display: Display,
     /// What was open lately, the latest first.
     pub recent: Vec<PathBuf>,
+    /// What the live view showed of some of them.
+    pub recent_pictures: Vec<RecentPicture>,
     /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
     pub busy: Vec<Busy>,
 }
@@ -243,6 +246,16 @@ impl State {
             PixelSource::InMemory { image, .. } => Some(image),
             PixelSource::OnAdapter(_) => None,
         }
+    }
+
+    /// Keeps a small picture of what is open, and those of other files that were open lately.
+    pub(crate) fn remember_picture(&mut self) {
+        let Some(Origin::Path(path)) = self.scene.as_ref().map(|scene| &scene.origin) else { return };
+        let Some(picture) = self.shown_picture() else { return };
+        let picture = RecentPicture::new(path, picture);
+        let recent = &self.recent;
+        self.recent_pictures.retain(|known| known.path != picture.path && recent.contains(&known.path));
+        self.recent_pictures.push(picture);
     }
 
     /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
@@ -379,6 +392,7 @@ impl Default for State {
             look: WindowLook::default(),
             display: Display::default(),
             recent: Vec::new(),
+            recent_pictures: Vec::new(),
             busy: Vec::new(),
         }
     }

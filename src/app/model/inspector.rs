@@ -74,6 +74,8 @@ pub(crate) struct Inspector {
     pub find_setting: Option<&'static str>,
     /// The adapter that draws the window; `None` without one.
     pub graphics: Option<String>,
+    /// Bytes that the window's device has allocated on it when *About* was opened, where its driver says.
+    pub graphics_memory: Option<u64>,
     /// Whether the introduction of the first run was read.
     pub introduced: bool,
     /// The settings of the store that was saved last of the open capture, at first those that it was opened with.

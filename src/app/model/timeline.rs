@@ -1,7 +1,9 @@
 //! Where in time, and how time passes: over all frames or a range of them, around the ends or back and forth.
 
+use std::collections::BTreeSet;
+
 /// Where in time.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "ways in which time passes, each by its name")]
 pub(crate) struct Timeline {
     pub frame: usize,
@@ -18,6 +20,8 @@ pub(crate) struct Timeline {
     pub ping_pong: bool,
     /// Whether it goes back now.
     pub backward: bool,
+    /// Frames that are marked.
+    pub markers: BTreeSet<usize>,
 }
 
 impl Timeline {
@@ -49,6 +53,21 @@ impl Timeline {
         self.frame = first + if self.backward { 2 * length - place } else { place };
     }
 
+    /// The next marker after this frame, or the last one before it; around the ends.
+    pub(crate) fn marker(&self, forward: bool) -> Option<usize> {
+        let (before, after) = (self.markers.range(..self.frame), self.markers.range(self.frame + 1..));
+        let (first, last) = (self.markers.first(), self.markers.last());
+        let found = if forward { after.min().or(first) } else { before.max().or(last) };
+        found.copied()
+    }
+
+    /// Marks this frame, or takes its marker away.
+    pub(crate) fn toggle_marker(&mut self) {
+        if !self.markers.remove(&self.frame) {
+            self.markers.insert(self.frame);
+        }
+    }
+
     /// The range with another first frame, or another last one.
     pub(crate) fn range_from(&self, first: Option<usize>, last: Option<usize>, frames: usize) -> [usize; 2] {
         let [now_first, now_last] = self.played(frames);
@@ -77,10 +96,10 @@ mod tests {
         let all = Timeline { frame: 8, ..Timeline::default() };
         assert_eq!(played(all, 3), [9, 0, 1]);
         let range = Timeline { frame: 4, range: Some([3, 5]), ..Timeline::default() };
-        assert_eq!(played(range, 4), [5, 3, 4, 5]);
-        let outside = Timeline { frame: 9, ..range };
+        assert_eq!(played(range.clone(), 4), [5, 3, 4, 5]);
+        let outside = Timeline { frame: 9, ..range.clone() };
         assert_eq!(played(outside, 2), [3, 4]);
-        let both_ways = Timeline { ping_pong: true, ..range };
+        let both_ways = Timeline { ping_pong: true, ..range.clone() };
         assert_eq!(played(both_ways, 6), [5, 4, 3, 4, 5, 4]);
         let one = Timeline { range: Some([4, 4]), ping_pong: true, ..range };
         assert_eq!(played(one, 2), [4, 4]);
@@ -92,5 +111,20 @@ mod tests {
         assert_eq!(timeline.range_from(Some(7), None, 10), [7, 7]);
         assert_eq!(timeline.range_from(None, Some(1), 10), [1, 1]);
         assert_eq!(timeline.played(5), [3, 4], "a range of a longer capture is cut");
+    }
+
+    #[test]
+    fn markers_are_met_in_their_order_and_around_the_ends() {
+        let mut timeline = Timeline::default();
+        assert_eq!(timeline.marker(true), None);
+        for frame in [7, 2] {
+            timeline.frame = frame;
+            timeline.toggle_marker();
+        }
+        let met = |frame, forward| Timeline { frame, ..timeline.clone() }.marker(forward);
+        assert_eq!([met(2, true), met(7, true), met(4, true)], [Some(7), Some(2), Some(7)]);
+        assert_eq!([met(2, false), met(7, false), met(4, false)], [Some(7), Some(2), Some(2)]);
+        timeline.toggle_marker();
+        assert_eq!(timeline.markers.into_iter().collect::<Vec<_>>(), [7]);
     }
 }

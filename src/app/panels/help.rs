@@ -3,7 +3,7 @@
 use egui::{Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
 
 use crate::app::control;
-use crate::app::model::{Command, Commands, HelpPage, State};
+use crate::app::model::{self, Command, Commands, HelpPage, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
 
@@ -164,6 +164,11 @@ fn about_ui(ui: &mut Ui, state: &State) {
         || "Window drawn with OpenGL; the scene is rendered by the CPU.".to_owned(),
         |adapter| format!("Graphics: {adapter}"),
     ));
+    if graphics.is_some() {
+        let memory = state.inspector.graphics_memory;
+        let told = memory.map_or_else(|| "not told by its driver".to_owned(), model::bytes);
+        ui.label(format!("GPU memory in use: {told}"));
+    }
     if let Some(shown) = &state.live_shown {
         ui.label(format!("Last picture rendered by: {}", shown.picture.painter));
     }

@@ -36,11 +36,16 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             let found = state.inspector.find_setting.and_then(|path| path.split_once('.'));
             found.is_some_and(|(of, _)| of == section)
         };
-        for (section, heading, open) in SECTIONS {
+        // What can be changed of a store comes first.
+        let mut sections: Vec<_> = SECTIONS.iter().collect();
+        if !editable {
+            sections.sort_by_key(|(section, ..)| *section != "render");
+        }
+        for (section, heading, open) in sections {
             let fields: Vec<_> = fields_of(section).collect();
             CollapsingHeader::new(RichText::new(*heading).strong())
-                .id_salt(*section)
-                .default_open(*open)
+                .id_salt((*section, editable))
+                .default_open(*open && (editable || *section == "render"))
                 .open(found(section).then_some(true))
                 .show_unindented(ui, |ui| {
                     if *section == "capture" {

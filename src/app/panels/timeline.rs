@@ -2,8 +2,8 @@
 
 use egui::{Align, DragValue, Layout, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{
-    ICON_FIRST_PAGE, ICON_LAST_PAGE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_REPEAT, ICON_SKIP_NEXT,
-    ICON_SKIP_PREVIOUS, ICON_SWAP_HORIZ,
+    ICON_BOOKMARK_ADD, ICON_BOOKMARK_REMOVE, ICON_FIRST_PAGE, ICON_LAST_PAGE, ICON_PAUSE, ICON_PLAY_ARROW,
+    ICON_REPEAT, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS, ICON_SWAP_HORIZ,
 };
 
 use crate::app::model::{self, Command, Commands, State};
@@ -78,6 +78,16 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::LoopRange(None));
         }
     }
+    let (icon, name) = if timeline.markers.contains(&here) {
+        (ICON_BOOKMARK_REMOVE, "Remove marker")
+    } else {
+        (ICON_BOOKMARK_ADD, "Add marker")
+    };
+    if icon_button(ui, icon, name, &format!("{name} (Shift+M); Ctrl+← and Ctrl+→ go from marker to marker"))
+        .clicked()
+    {
+        commands.push(Command::ToggleMarker);
+    }
     let (icon, name) = if timeline.ping_pong {
         (ICON_SWAP_HORIZ, "Play around the ends")
     } else {
@@ -133,6 +143,12 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
     let x = here.center().x;
     painter.vline(x, rect.y_range(), egui::Stroke::new(2.0, tokens.accent));
+    for marker in &state.timeline.markers {
+        let top = pos2(column(*marker).center().x, rect.top());
+        let corners = vec![top + vec2(-5.0, 0.0), top + vec2(5.0, 0.0), top + vec2(0.0, 8.0)];
+        let edge = egui::Stroke::new(1.0, tokens.background);
+        painter.add(egui::Shape::convex_polygon(corners, tokens.text, edge));
+    }
     if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
         let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
         if frame != state.timeline.frame {

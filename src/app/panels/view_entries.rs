@@ -28,6 +28,9 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         ("Measure a distance", "M", Command::View(ViewCommand::Measure(true))),
         ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
         ("Loop over all frames", "Shift+I", Command::LoopRange(None)),
+        ("Mark this frame, or take its marker away", "Shift+M", Command::ToggleMarker),
+        ("Next marker", "Ctrl+→", Command::ToMarker(true)),
+        ("Previous marker", "Ctrl+←", Command::ToMarker(false)),
         ("Play back and forth", "", Command::PingPong(true)),
         ("Play around the ends", "", Command::PingPong(false)),
         ("Save view with legend", "", Command::AskPath(Purpose::SaveShot)),
@@ -38,16 +41,16 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     ] {
         entries.push((name.to_owned(), keys, command));
     }
-    for (name, axis) in [
-        ("+X", DVec3::NEG_X),
-        ("−X", DVec3::X),
-        ("+Y", DVec3::NEG_Y),
-        ("−Y", DVec3::Y),
-        ("+Z", DVec3::NEG_Z),
-        ("−Z", DVec3::Z),
+    for (name, keys, axis) in [
+        ("+X", "Alt+X", DVec3::NEG_X),
+        ("−X", "Alt+Shift+X", DVec3::X),
+        ("+Y", "Alt+Y", DVec3::NEG_Y),
+        ("−Y", "Alt+Shift+Y", DVec3::Y),
+        ("+Z", "Alt+Z", DVec3::NEG_Z),
+        ("−Z", "Alt+Shift+Z", DVec3::Z),
     ] {
         let command = Command::View(ViewCommand::LookAlong(axis));
-        entries.push((format!("View from {name}"), "", command));
+        entries.push((format!("View from {name}"), keys, command));
     }
     for (guide, name, _) in FrameGuide::ALL {
         let guides = Guides { frame: guide, ..state.live.guides };

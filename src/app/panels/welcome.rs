@@ -91,6 +91,11 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
                 commands.push(Command::Stay);
                 commands.push(Command::AskPath(Purpose::SaveStore));
             }
+            let path = &inspector.path;
+            if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {
+                commands.push(Command::Stay);
+                commands.push(Command::AskPath(Purpose::SavePath));
+            }
             for (table, is_lost) in [
                 (Table::Sweep, !inspector.charts.sweep.is_empty()),
                 (Table::StressTest, !inspector.charts.stress.is_empty()),

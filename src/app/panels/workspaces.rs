@@ -35,6 +35,19 @@ pub(crate) fn shown_parts_ui(ui: &mut Ui, state: &State, commands: &mut Commands
     if ui.checkbox(&mut totals, "Figures above the views").accessible_name("Show figures").changed() {
         commands.push(Command::ShowTotals(totals));
     }
+    ui.horizontal(|ui| {
+        ui.label("Interface size");
+        let percent = format!("{:.0} %", 100.0 * ui.ctx().zoom_factor());
+        for (text, name, help, step) in [
+            ("−", "Smaller interface", "Everything smaller (Ctrl+−)", -1),
+            (percent.as_str(), "Normal interface", "As large as the system says (Ctrl+0)", 0),
+            ("+", "Larger interface", "Everything larger (Ctrl++)", 1),
+        ] {
+            if ui.button(text).on_hover_text(help).accessible_name(name).clicked() {
+                commands.push(Command::InterfaceSize(step));
+            }
+        }
+    });
     if ui.add(egui::Button::new("Full screen").shortcut_text("F11")).accessible_name("Full screen").clicked()
     {
         commands.push(Command::FullScreen);

@@ -241,7 +241,13 @@ pub(super) fn answer(
 }
 
 /// What can be done to the camera that the menu was opened on.
-fn menu(ui: &Ui, response: &Response, state: &State, pointed_at: Option<usize>, commands: &mut Commands) {
+pub(super) fn menu(
+    ui: &Ui,
+    response: &Response,
+    state: &State,
+    pointed_at: Option<usize>,
+    commands: &mut Commands,
+) {
     let id = response.id.with("camera of the menu");
     if response.secondary_clicked() {
         ui.data_mut(|data| data.insert_temp(id, pointed_at));

@@ -3,7 +3,7 @@
 use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
-use super::overlays;
+use super::{cameras_overlay, overlays};
 use crate::app::camera_cues;
 use crate::app::model::verdict_text as words;
 use crate::app::model::{self, Command, Commands, OpenScene, State};
@@ -135,10 +135,11 @@ fn card_ui(
     if response.double_clicked() {
         commands.push(Command::JumpTo(index));
     }
+    cameras_overlay::menu(ui, &response, state, Some(index), commands);
     response.on_hover_ui(|ui| {
         ui.label(RichText::new(&camera.name).strong());
         ui.label(format!("{columns}×{rows}, {second}"));
-        ui.label("Pruned pixels are dimmed. Click to see it large, double-click to view from this camera.");
+        ui.label("Pruned pixels are dimmed. Click to see it large, double-click to view from this camera, right-click for more.");
     });
 }
 
