@@ -1,6 +1,6 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-use egui::{Painter, PointerButton, Rect, Response, RichText, Sense, Ui, vec2};
+use egui::{Align, Layout, Painter, PointerButton, Rect, Response, RichText, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
@@ -56,7 +56,11 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         } else {
             ui.separator();
         }
-        ui.label(RichText::new("Holes").size(12.5));
+        // As high as what follows: in a row of its own it would lie above the middle.
+        let height = ui.spacing().interact_size.y;
+        ui.allocate_ui_with_layout(vec2(0.0, height), Layout::left_to_right(Align::Center), |ui| {
+            ui.label(RichText::new("Holes").size(12.5));
+        });
         if let Some(holes) = segments_ui(ui, "Holes", state.holes_shown(), HoleDisplay::ALL) {
             commands.push(Command::Holes(holes));
         }
