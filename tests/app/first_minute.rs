@@ -174,12 +174,13 @@ fn in_the_first_minute_a_real_window_is_maximized_orbited_asked_about_a_pixel_an
     );
     assert!(explanation.contains("footprint density"), "each camera is a row: {explanation}");
 
-    for key in ["shift+space", "Escape", "Escape", "Escape", "Home"] {
+    // What is told of the clipboard is closed; the pixel stays pinned, with its mark in the picture.
+    for key in ["shift+space", "Escape", "Home"] {
         window.press(key);
         std::thread::sleep(Duration::from_millis(300));
     }
     window.point_at(egui::pos2(SIZE[0] / 2.0, 4.0));
-    wait_for("the first picture", || (changed(&start, &window.part(window.live)) < 0.001).then_some(()));
+    wait_for("the first picture", || (changed(&start, &window.part(window.live)) < 0.02).then_some(()));
     quit(&display, program);
 }
 
