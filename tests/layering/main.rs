@@ -243,7 +243,8 @@ fn manifest(path: &str) -> toml::Table {
 fn dependencies(manifest: &toml::Table) -> BTreeMap<String, String> {
     let targets = manifest.get("target").and_then(|targets| targets.as_table());
     let tables = targets.into_iter().flat_map(|targets| targets.values());
-    let tables = tables.map(|target| &target["dependencies"]).chain([&manifest["dependencies"]]);
+    // A target may have libraries for tests alone.
+    let tables = tables.filter_map(|target| target.get("dependencies")).chain([&manifest["dependencies"]]);
     let version = |wanted: &toml::Value| wanted.get("version").unwrap_or(wanted).as_str().unwrap().to_owned();
     tables
         .flat_map(|table| table.as_table().unwrap())
