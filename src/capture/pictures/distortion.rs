@@ -4,7 +4,7 @@
 //! Brandt: A Generic Camera Model and Calibration Method, PAMI 2006); COLMAP's `FOV` (Devernay, Faugeras: Straight Lines Have to Be
 //! Straight, 2001). Coordinates are those of the image plane at z = 1.
 
-use glam::DVec2;
+use glam::{DMat2, DVec2};
 
 /// How a lens differs from a pinhole.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,23 +73,29 @@ impl Distortion {
 
     /// The ray that the lens puts here; `None` where there is none.
     pub(crate) fn undistort(&self, distorted: DVec2) -> Option<DVec2> {
-        const ITERATIONS: usize = 100;
+        const ITERATIONS: usize = 20;
         const CLOSE: f64 = 1e-10;
+        const STEP: f64 = 1e-6;
         let target = distorted.length();
         let mut ideal =
             if target > 0.0 { distorted * (self.ideal_radius(target)? / target) } else { distorted };
-        // What the tangential part leaves is small, and vanishes by substitution.
+        // What the tangential part leaves is small, and vanishes in a step or two of Newton's.
         for _ in 0..ITERATIONS {
-            let off = self.distort(ideal)? - distorted;
+            let at = self.distort(ideal)?;
+            let off = at - distorted;
             if off.length_squared() < CLOSE * CLOSE {
                 return Some(ideal);
             }
-            ideal -= off;
+            let across =
+                [DVec2::X, DVec2::Y].map(|axis| Some((self.distort(ideal + STEP * axis)? - at) / STEP));
+            let [Some(by_x), Some(by_y)] = across else { return None };
+            ideal -= DMat2::from_cols(by_x, by_y).inverse() * off;
         }
         (self.distort(ideal)?.distance(distorted) < 1e-6).then_some(ideal)
     }
 
-    /// The radius that the lens puts at `target`, by bisection: the model rises up to `max_radius`.
+    /// The radius that the lens puts at `target`, by false position (the Illinois rule), which
+    /// stays within bounds: the model rises up to `max_radius`.
     fn ideal_radius(&self, target: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_radius);
         if let Model::RadialTangential { k: [k1, ..], p } = self.model
@@ -102,9 +108,23 @@ impl Distortion {
             // The tangential part may bring it within reach.
             return (self.model.radius(high) > 0.98 * target).then_some(high);
         }
-        for _ in 0..48 {
-            let middle = 0.5 * (low + high);
-            if self.model.radius(middle) < target { low = middle } else { high = middle }
+        let (mut off_low, mut off_high) = (-target, self.model.radius(high) - target);
+        let mut was_below = None;
+        for _ in 0..100 {
+            let between = high - off_high * (high - low) / (off_high - off_low);
+            let off = self.model.radius(between) - target;
+            if off.abs() < 1e-13 * target {
+                return Some(between);
+            }
+            // An end that stays a second time counts half, so that both ends move.
+            let is_below = off < 0.0;
+            let share = if was_below == Some(is_below) { 0.5 } else { 1.0 };
+            if is_below {
+                (low, off_low, off_high) = (between, off, share * off_high);
+            } else {
+                (high, off_high, off_low) = (between, off, share * off_low);
+            }
+            was_below = Some(is_below);
         }
         Some(0.5 * (low + high))
     }

@@ -5,6 +5,8 @@
 //! [`SurfaceMesh`](super::surface_mesh) are drawn, so that color finer than depth leaves no holes; what the color camera sees and the
 //! depth camera does not stays empty.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::distortion::Distortion;
@@ -34,6 +36,69 @@ impl DepthGrid {
     }
 }
 
+/// The rays through a depth camera's pixels, which a lens makes dear to follow: once for all pictures of a camera.
+#[derive(Debug)]
+pub(crate) struct GridRays {
+    columns: usize,
+    /// Through the pixels' centers, row by row, scaled to z = 1; `None` where the lens sees none.
+    centers: Vec<Option<DVec3>>,
+    /// Through the pixels' corners, one more in a row and in a column.
+    corners: Vec<Option<DVec3>>,
+}
+
+impl GridRays {
+    /// Follows the rays of `grid`.
+    pub(crate) fn of(grid: &DepthGrid) -> Self {
+        let (columns, rows) = grid.intrinsics.size();
+        let rays = |columns: usize, rows: usize, offset: f64| {
+            let at =
+                move |index: usize| DVec2::new((index % columns) as f64, (index / columns) as f64) + offset;
+            (0..columns * rows).map(|index| grid.ray(at(index))).collect()
+        };
+        Self { columns, centers: rays(columns, rows, 0.5), corners: rays(columns + 1, rows + 1, 0.0) }
+    }
+
+    /// Through the center of a pixel.
+    fn center(&self, x: usize, y: usize) -> Option<DVec3> {
+        self.centers[y * self.columns + x]
+    }
+
+    /// Through its corners: top left, top right, bottom right, bottom left.
+    fn around(&self, x: usize, y: usize) -> [Option<DVec3>; 4] {
+        let corner = |x: usize, y: usize| self.corners[y * (self.columns + 1) + x];
+        [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)]
+    }
+}
+
+/// The rays of the depth cameras of one capture. Cloning is cheap; clones share them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RayCache(Arc<Mutex<Vec<CachedRays>>>);
+
+/// A lens and the rays of it.
+type CachedRays = ((Intrinsics, Option<Distortion>), Arc<GridRays>);
+
+/// Pixels of all cameras whose rays are kept: 64 bytes each.
+const MAX_KEPT_PIXELS: usize = 2 << 20;
+
+impl RayCache {
+    /// The rays of a grid. Who finds them missing makes them while others wait, without a thread pool.
+    pub(crate) fn rays(&self, grid: &DepthGrid) -> Arc<GridRays> {
+        let lens = (grid.intrinsics, grid.distortion);
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, rays)) = kept.iter().find(|(of, _)| *of == lens) {
+            return rays.clone();
+        }
+        let pixels: usize = kept.iter().map(|((intrinsics, _), _)| intrinsics.pixel_count()).sum();
+        if pixels + grid.intrinsics.pixel_count() > MAX_KEPT_PIXELS {
+            drop(kept);
+            return Arc::new(GridRays::of(grid));
+        }
+        let rays = Arc::new(GridRays::of(grid));
+        kept.push((lens, rays.clone()));
+        rays
+    }
+}
+
 /// A corner of a triangle in the color camera's picture.
 #[derive(Clone, Copy)]
 struct Vertex {
@@ -42,13 +107,15 @@ struct Vertex {
 }
 
 /// Inverse planar depth of every pixel of the color camera, whose lens is `color` without distortion, from that of the depth
-/// camera; negative where the depth camera saw nothing.
-pub(crate) fn register(inverse_depth: &[f32], depth: &DepthGrid, color: &Intrinsics) -> Vec<f32> {
+/// camera, whose rays are `rays`; negative where the depth camera saw nothing.
+pub(crate) fn register(
+    inverse_depth: &[f32],
+    depth: &DepthGrid,
+    rays: &GridRays,
+    color: &Intrinsics,
+) -> Vec<f32> {
     let (columns, rows) = depth.intrinsics.size();
     let mesh = SurfaceMesh::new(inverse_depth, (columns, rows), depth.intrinsics.fx.min(depth.intrinsics.fy));
-    let corner_rays = |row: usize| -> Vec<Option<DVec3>> {
-        (0..=columns).map(|x| depth.ray(DVec2::new(x as f64, row as f64))).collect()
-    };
     let vertex = |ray: Option<DVec3>, inverse: f32| {
         let inverse = f64::from(inverse);
         let DAffine3 { matrix3, translation } = depth.color_from_depth;
@@ -56,22 +123,19 @@ pub(crate) fn register(inverse_depth: &[f32], depth: &DepthGrid, color: &Intrins
         Some(Vertex { pixel: color.project(point)?, inverse_depth: inverse / point.z })
     };
     let mut target = vec![INVALID_INVERSE_DEPTH; color.pixel_count()];
-    let mut above = corner_rays(0);
     for y in 0..rows {
-        let below = corner_rays(y + 1);
         for x in 0..columns {
             let Some((own, corners)) = mesh.pixel(x, y) else { continue };
-            let center = vertex(depth.ray(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)), own);
-            let rays = [above[x], above[x + 1], below[x + 1], below[x]];
+            let center = vertex(rays.center(x, y), own);
+            let corner_rays = rays.around(x, y);
             let around: [Option<Vertex>; 4] =
-                std::array::from_fn(|index| vertex(rays[index], corners[index]));
+                std::array::from_fn(|index| vertex(corner_rays[index], corners[index]));
             for index in 0..4 {
                 if let (Some(center), Some(a), Some(b)) = (center, around[index], around[(index + 1) % 4]) {
                     draw([center, a, b], color.size(), &mut target);
                 }
             }
         }
-        above = below;
     }
     target
 }
@@ -133,7 +197,7 @@ mod tests {
         for distortion in [None, lens] {
             let grid = grid(distortion, DVec3::new(0.02, -0.01, 0.0));
             let n = DVec3::new(0.1, 0.05, 0.5);
-            let found = register(&plane(&grid, n), &grid, &COLOR);
+            let found = register(&plane(&grid, n), &grid, &GridRays::of(&grid), &COLOR);
             // The same plane from the color camera: n · (p − t) = 1.
             let moved = n / (1.0 + n.dot(grid.color_from_depth.translation));
             let inner = (4..36).flat_map(|y| (4..56).map(move |x| (x, y)));
@@ -154,7 +218,7 @@ mod tests {
         // A post at 1 before a wall at 4.
         let seen: Vec<f32> =
             (0..24 * 16).map(|i| if (9..15).contains(&(i % 24)) { 1.0 } else { 0.25 }).collect();
-        let found = register(&seen, &grid, &COLOR);
+        let found = register(&seen, &grid, &GridRays::of(&grid), &COLOR);
         let row: Vec<f32> = found[20 * 60..21 * 60].to_vec();
         assert!(row.contains(&INVALID_INVERSE_DEPTH), "{row:?}");
         let is_one_of =
@@ -167,7 +231,7 @@ mod tests {
     #[test]
     fn the_sky_stays_the_sky_whatever_the_baseline() {
         let grid = grid(None, DVec3::new(5.0, 0.0, 0.0));
-        let found = register(&vec![0.0; 24 * 16], &grid, &COLOR);
+        let found = register(&vec![0.0; 24 * 16], &grid, &GridRays::of(&grid), &COLOR);
         assert_eq!(found[20 * 60 + 30], 0.0);
     }
 }

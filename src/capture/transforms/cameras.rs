@@ -11,6 +11,7 @@ use super::origin::Origin;
 use super::same_camera::refuse_motion;
 use super::{frame_numbers, header_probe, intrinsics, pose};
 use crate::capture::camera::Camera;
+use crate::capture::pictures::RayCache;
 use crate::capture::pose_convention::upright;
 use crate::error::{Error, Result};
 
@@ -78,10 +79,12 @@ pub(super) fn entries(manifest: &Manifest, origin: &Origin) -> Result<Vec<Placed
     let poses: Vec<DAffine3> = poses.into_iter().map(upright).collect();
     let names = camera_names(&keys, &poses, path)?;
     let numbers = frame_numbers::frame_numbers(&keys, &manifest.frames, &names, path)?;
+    let rays = RayCache::default();
     let mut placed = Vec::with_capacity(keys.len());
     for (index, (keys, entry)) in keys.into_iter().zip(&manifest.frames).enumerate() {
         let (camera_name, number) = (names[index].clone(), numbers[index]);
-        let files = picture_files(folder, entry, &keys, path)?;
+        let mut files = picture_files(folder, entry, &keys, path)?;
+        files.rays = rays.clone();
         placed.push(PlacedEntry {
             file_path: entry.file_path.clone(),
             place: format!("{} (camera '{camera_name}', frame {number})", files.color.display()),

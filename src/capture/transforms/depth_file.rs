@@ -145,7 +145,8 @@ fn finish(
         && grid.intrinsics == camera.intrinsics
         && grid.color_from_depth == DAffine3::IDENTITY;
     if !is_colors_own {
-        depth.inverse_depth = register(&depth.inverse_depth, grid, &camera.intrinsics);
+        depth.inverse_depth =
+            register(&depth.inverse_depth, grid, &files.rays.rays(grid), &camera.intrinsics);
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{
     ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
 };
-use crate::capture::pictures::{Distortion, PICTURE_EXTENSIONS, PictureFormat, format_of};
+use crate::capture::pictures::{Distortion, PICTURE_EXTENSIONS, PictureFormat, RayCache, format_of};
 use crate::error::{Error, Result};
 
 /// nerfstudio's unit of depth in PNG, TIFF and `NumPy` files: millimeters.
@@ -33,6 +33,8 @@ pub(crate) struct PictureFiles {
     pub distortion: Option<Distortion>,
     /// The depth camera, where it is another one than color's.
     pub depth_camera: Option<DepthCamera>,
+    /// The rays of depth cameras, shared by all pictures of a capture.
+    pub rays: RayCache,
     wishes: ChannelWishes,
     /// What depth measures, where the manifest says so.
     pub depth_kind: Option<DepthKind>,
@@ -102,6 +104,7 @@ impl PictureFiles {
                 .as_ref()
                 .map(|depth| DepthCamera::new(depth, keys.pose_convention(), place))
                 .transpose()?,
+            rays: RayCache::default(),
             wishes: ChannelWishes {
                 is_apart: false,
                 layer: keys.layer.clone(),
