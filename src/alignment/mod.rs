@@ -1,18 +1,21 @@
-//! What the rig got wrong: poses and exposures, measured from what several cameras see, and mended where it pays.
+//! What the rig got wrong: the color lens, poses and exposures, measured from what several cameras see, and mended where it pays.
 //!
 //! ```text
-//! frames ─ reference views ─ surface samples ─ overlapping pairs ─▶ poses ─▶ exposure ─▶ corrected capture
-//!                                    half of them fit, half judge ┘
+//! frames ─ reference views ─ surface samples ─ overlapping pairs ─▶ color lens ─▶ poses ─▶ exposure ─▶ corrected capture
+//!                                             some of them fit, others judge ┘
 //! ```
 //!
 //! Purpose: a rig that is off by a few pixels, or cameras that expose differently, cost more than any setting brings. Samples of a
 //! lattice are carried into the other cameras; poses are changed so that the surfaces and colors found there agree. A correction is
 //! kept only where samples that took no part in finding it agree better by more than their standard error; a capture that is right
-//! keeps every bit.
+//! keeps every bit. The color lens comes first, since it is the same for all cameras; depth is then carried into the pixels of color.
 //!
 //! Of poses only those of cameras relative to each other are known: most cameras stay where they are. Of gains only ratios are
 //! known: the mean stays.
 
+mod color_lens;
+mod color_lens_matches;
+mod color_lens_search;
 mod corrected_frames;
 mod exposure;
 mod judge;
@@ -21,26 +24,29 @@ mod normal_equations;
 mod overlaps;
 mod poses;
 mod reference_view;
+mod registered_frames;
 mod report;
 mod residuals;
 mod solver;
 mod surface_samples;
 mod view_alignment;
 
-pub use report::{AlignedCamera, AlignedExposure, AlignedPair, AlignedPose, Alignment};
+pub use report::{AlignedCamera, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment};
 pub use view_alignment::align_view;
 
 use glam::DMat3;
 use rayon::prelude::*;
 
-use crate::capture::Capture;
+use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
+use color_lens_search::{LEAST_CAMERAS, LensCorrection};
 use corrected_frames::{FrameCorrection, corrected};
 use median::median;
 use overlaps::overlapping_pairs;
 use reference_view::ReferenceView;
+use registered_frames::with_color_lenses;
 use residuals::Scale;
 use solver::Problem;
 use surface_samples::surface_samples;
@@ -59,7 +65,7 @@ const SAMPLES: usize = 2400;
 const FEWEST_SAMPLES: usize = 1000;
 /// Cameras up to which nothing is spared.
 const FEW_CAMERAS: usize = 9;
-/// More cameras are taken as they are: the unknowns of all of them are solved for at once.
+/// Poses and exposures of more cameras are taken as they are: the unknowns of all of them are solved for at once.
 const MOST_CAMERAS: usize = 400;
 
 /// Measures what is wrong with a capture, and mends what pays.
@@ -68,13 +74,30 @@ const MOST_CAMERAS: usize = 400;
 /// Whatever the capture gives (naming file and frame), and `Cancelled`.
 pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<Aligned> {
     let unchanged = Aligned { capture: capture.clone(), alignment: None };
-    let is_off = [settings.poses, settings.exposure].iter().all(|part| *part == Correction::Off);
+    let parts = [settings.poses, settings.lens, settings.exposure];
+    let is_off = parts.iter().all(|part| *part == Correction::Off);
     let cameras = capture.cameras.len();
-    if is_off || !(2..=MOST_CAMERAS).contains(&cameras) || capture.frame_count() == 0 {
+    if is_off || cameras < 2 || capture.frame_count() == 0 {
         return Ok(unchanged);
     }
     job.start("Aligning cameras", 1);
-    let mut problem = problem(capture, job)?;
+    let (lenses, looked) = if settings.lens == Correction::Auto {
+        let looked = LookedAt::new(capture, job)?;
+        (color_lens_search::find_color_lenses(&looked.problem, job)?, Some(looked))
+    } else {
+        (Vec::new(), None)
+    };
+    let claimed = capture;
+    let registered = registered(claimed, &lenses);
+    let capture = &registered;
+    let is_lens_alone = [settings.poses, settings.exposure].iter().all(|part| *part == Correction::Off);
+    if is_lens_alone || cameras > MOST_CAMERAS {
+        job.advance(1);
+        let Some(looked) = looked.filter(|_| !lenses.is_empty()) else { return Ok(unchanged) };
+        let alignment = looked.alignment(capture, &lenses, job)?;
+        return Ok(Aligned { capture: registered, alignment: Some(alignment) });
+    }
+    let mut problem = problem(capture, None, job)?;
     if problem.pairs.is_empty() {
         return Ok(unchanged);
     }
@@ -87,7 +110,8 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         Vec::new()
     };
     job.advance(1);
-    let is_kept = poses.iter().any(|pose| pose.kept) || gains.iter().any(|gain| gain.kept);
+    let is_kept =
+        !lenses.is_empty() || poses.iter().any(|pose| pose.kept) || gains.iter().any(|gain| gain.kept);
     if !is_kept {
         return Ok(unchanged);
     }
@@ -100,18 +124,70 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
             normal_turn: if now == then { DMat3::IDENTITY } else { now * then.transpose() },
         }
     });
-    let alignment = Alignment::new((capture, &problem), &poses, &gains, before);
+    let alignment = Alignment::new((capture, &problem), &lenses, &poses, &gains, before);
     let cameras = problem.views.iter().map(|view| view.camera.clone()).collect();
     let capture = corrected(capture, cameras, corrections.collect());
     Ok(Aligned { capture, alignment: Some(alignment) })
 }
 
-fn problem(capture: &Capture, job: &Job) -> Result<Problem> {
+/// Cameras that tell a lens that all share, and their pixels; more are evenly chosen from, so that memory is bounded.
+const MOST_LENS_CAMERAS: usize = 24;
+const MOST_LENS_PIXELS: usize = 16 << 20;
+
+/// The cameras that a lens is looked for in.
+struct LookedAt {
+    /// Their indices.
+    cameras: Vec<usize>,
+    problem: Problem,
+    before: Vec<[f64; 2]>,
+}
+
+impl LookedAt {
+    fn new(capture: &Capture, job: &Job) -> Result<Self> {
+        let all = capture.cameras.len();
+        let largest = capture.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).max();
+        let affordable = MOST_LENS_PIXELS / largest.unwrap_or(1).max(1);
+        let count = affordable.clamp(LEAST_CAMERAS, MOST_LENS_CAMERAS).min(all);
+        let cameras: Vec<usize> = (0..count).map(|index| index * all / count).collect();
+        let problem = problem(&Self::of(capture, &cameras), None, job)?;
+        let before = problem.pair_medians();
+        Ok(Self { cameras, problem, before })
+    }
+
+    fn of(capture: &Capture, cameras: &[usize]) -> Capture {
+        capture.with_cameras(|index, _| cameras.contains(&index))
+    }
+
+    /// What was corrected where nothing but lenses was looked for; `capture` is seen through them.
+    fn alignment(self, capture: &Capture, lenses: &[LensCorrection], job: &Job) -> Result<Alignment> {
+        let seen = Self::of(capture, &self.cameras);
+        let problem = problem(&seen, Some(self.problem.pairs), job)?;
+        let mut alignment = Alignment::new((capture, &problem), lenses, &[], &[], self.before);
+        for pair in &mut alignment.pairs {
+            pair.source = self.cameras[pair.source];
+            pair.target = self.cameras[pair.target];
+        }
+        Ok(alignment)
+    }
+}
+
+/// The capture as seen through the color lenses that were found; itself where none was.
+fn registered(capture: &Capture, lenses: &[LensCorrection]) -> Capture {
+    if lenses.is_empty() {
+        return capture.clone();
+    }
+    let of_camera =
+        |camera: &Camera| lenses.iter().find(|lens| lens.claimed == camera.intrinsics).map(|lens| lens.found);
+    with_color_lenses(capture, capture.cameras.iter().map(of_camera).collect())
+}
+
+/// What is solved for. Without `pairs` those that overlap are compared.
+fn problem(capture: &Capture, pairs: Option<Vec<[usize; 2]>>, job: &Job) -> Result<Problem> {
     let views = ReferenceView::all_of(capture, job)?;
     let cameras = views.len();
     let count = (SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_SAMPLES, SAMPLES);
     let samples: Vec<_> = views.par_iter().map(|view| surface_samples(view, count)).collect();
-    let pairs = overlapping_pairs(&views, &samples);
+    let pairs = pairs.unwrap_or_else(|| overlapping_pairs(&views, &samples));
     let mut depths: Vec<f64> = samples.iter().flatten().map(|sample| sample.inverse_depth).collect();
     let mut focals: Vec<f64> = views.iter().map(|view| view.camera.intrinsics.fx).collect();
     let scale = Scale {

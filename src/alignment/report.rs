@@ -1,13 +1,16 @@
 //! What alignment found, for people and for JSON.
 
-use glam::DQuat;
+use std::fmt::Write;
+
+use glam::{DAffine3, DQuat};
 use serde::{Deserialize, Serialize};
 
+use super::color_lens_search::LensCorrection;
 use super::exposure::GainCorrection;
 use super::median::MEDIAN_PER_SIGMA;
 use super::poses::PoseCorrection;
 use super::solver::Problem;
-use crate::capture::Capture;
+use crate::capture::{Capture, Intrinsics, TruthView};
 
 /// What was wrong with a capture, and how much better cameras agree without it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,6 +18,9 @@ use crate::capture::Capture;
 pub struct Alignment {
     /// Per camera, in the capture's order.
     pub cameras: Vec<AlignedCamera>,
+    /// The color lenses that are not the lens of depth that was claimed for both, each of all cameras that claim it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lenses: Vec<AlignedLens>,
     /// The pairs of cameras that were compared.
     pub pairs: Vec<AlignedPair>,
 }
@@ -58,6 +64,37 @@ pub struct AlignedPose {
     pub loss_se: f64,
 }
 
+/// The color lens of all cameras that claim one lens, and its place beside the depth lens.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AlignedLens {
+    /// The lens that the capture claims for color and depth, which depth has.
+    pub claimed: Intrinsics,
+    /// The lens of color.
+    pub color: Intrinsics,
+    /// Standard error of its focal length, pixels.
+    pub focal_se: f64,
+    /// Standard errors of its principal point, pixels; `None` where it was taken as claimed.
+    pub principal_point_se: Option<[f64; 2]>,
+    /// From the space of the depth camera into that of the color camera: rigid, in the capture's unit.
+    pub color_from_depth: DAffine3,
+    /// Angle between both cameras.
+    pub degrees: f64,
+    /// Its standard error about the worst-known axis; `None` where color was taken to be seen from the depth camera.
+    pub degrees_se: Option<f64>,
+    /// Distance of both cameras, in the capture's unit.
+    pub distance: f64,
+    /// Its standard error along the worst-known axis; as `degrees_se`.
+    pub distance_se: Option<f64>,
+    /// How far colors moved, root mean square, pixels.
+    pub moved_px: f64,
+    /// Mean loss of pairs with cameras that took no part, as claimed; 0 where cameras agree.
+    pub loss_before: f64,
+    /// The same through the color lens.
+    pub loss_after: f64,
+    /// Standard error of the difference.
+    pub loss_se: f64,
+}
+
 /// How a camera's colors were changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -91,23 +128,16 @@ pub struct AlignedPair {
 impl Alignment {
     pub(super) fn new(
         (capture, problem): (&Capture, &Problem),
+        lenses: &[LensCorrection],
         poses: &[PoseCorrection],
         gains: &[GainCorrection],
         before: Vec<[f64; 2]>,
     ) -> Self {
         let of_camera = |camera: usize| {
-            let now = problem.views[camera].camera.world_from_camera;
-            let then = capture.cameras[camera].world_from_camera;
-            let turn = DQuat::from_mat3(&(now.matrix3 * then.matrix3.transpose())).to_scaled_axis();
-            let pose = poses.get(camera).filter(|pose| pose.kept).map(|pose| AlignedPose {
-                degrees: turn.length().to_degrees(),
-                degrees_se: pose.standard_errors[0].to_degrees(),
-                distance: now.translation.distance(then.translation),
-                distance_se: pose.standard_errors[1],
-                footprints: pose.footprints,
-                loss_before: pose.judgment.before,
-                loss_after: pose.judgment.after,
-                loss_se: pose.judgment.standard_error,
+            let pose = poses.get(camera).filter(|pose| pose.kept).map(|pose| {
+                let now = problem.views[camera].camera.world_from_camera;
+                let then = capture.cameras[camera].world_from_camera;
+                AlignedPose::new(pose, now, then)
             });
             let exposure = gains.get(camera).filter(|gain| gain.kept).map(|gain| AlignedExposure {
                 stops: gain.log_gain.map(|gain| gain / std::f64::consts::LN_2),
@@ -127,13 +157,96 @@ impl Alignment {
             footprints: [before[0], after[0]],
             brightness: [before[1], after[1]],
         });
-        Self { cameras: (0..problem.views.len()).map(of_camera).collect(), pairs: pairs.collect() }
+        Self {
+            cameras: (0..capture.cameras.len()).map(of_camera).collect(),
+            lenses: lenses.iter().map(AlignedLens::new).collect(),
+            pairs: pairs.collect(),
+        }
     }
 
-    /// What was corrected, one line a camera.
+    /// What was corrected, one line a lens and one a camera.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
-        self.cameras.iter().filter_map(AlignedCamera::sentence).collect()
+        let lenses = self.lenses.iter().map(AlignedLens::sentence);
+        lenses.chain(self.cameras.iter().filter_map(AlignedCamera::sentence)).collect()
+    }
+
+    /// Sees views that claim a lens through the color lens that was found in its place: they were taken with the same sensor.
+    /// Returns how many.
+    pub fn correct_lenses_of(&self, views: &mut [TruthView]) -> usize {
+        let mut corrected = 0;
+        for view in views {
+            if let Some(lens) = self.lenses.iter().find(|lens| lens.claimed == view.camera.intrinsics) {
+                view.camera.intrinsics = lens.color;
+                view.camera.world_from_camera *= lens.color_from_depth.inverse();
+                corrected += 1;
+            }
+        }
+        corrected
+    }
+}
+
+impl AlignedPose {
+    fn new(pose: &PoseCorrection, now: DAffine3, then: DAffine3) -> Self {
+        let turn = DQuat::from_mat3(&(now.matrix3 * then.matrix3.transpose())).to_scaled_axis();
+        Self {
+            degrees: turn.length().to_degrees(),
+            degrees_se: pose.standard_errors[0].to_degrees(),
+            distance: now.translation.distance(then.translation),
+            distance_se: pose.standard_errors[1],
+            footprints: pose.footprints,
+            loss_before: pose.judgment.before,
+            loss_after: pose.judgment.after,
+            loss_se: pose.judgment.standard_error,
+        }
+    }
+}
+
+impl AlignedLens {
+    fn new(correction: &LensCorrection) -> Self {
+        let LensCorrection { claimed, found, free, standard_errors, moved_px, judgment } = correction;
+        let largest = |range: std::ops::Range<usize>| {
+            let is_free = range.clone().all(|unknown| free.contains(&unknown));
+            is_free.then(|| standard_errors[range].iter().fold(0.0_f64, |most, error| most.max(*error)))
+        };
+        let is_centered = free.contains(&7);
+        Self {
+            claimed: *claimed,
+            color: found.intrinsics,
+            focal_se: standard_errors[0] * found.intrinsics.fx,
+            principal_point_se: is_centered.then_some([standard_errors[7], standard_errors[8]]),
+            color_from_depth: found.color_from_depth,
+            degrees: DQuat::from_mat3(&found.color_from_depth.matrix3).to_scaled_axis().length().to_degrees(),
+            degrees_se: largest(1..4).map(f64::to_degrees),
+            distance: found.color_from_depth.translation.length(),
+            distance_se: largest(4..7),
+            moved_px: *moved_px,
+            loss_before: judgment.before,
+            loss_after: judgment.after,
+            loss_se: judgment.standard_error,
+        }
+    }
+
+    /// What was found.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let mut text = format!(
+            "color lens: focal length {:.2} ± {:.2} px where {:.2} px is claimed for color and depth",
+            self.color.fx, self.focal_se, self.claimed.fx
+        );
+        if let (Some(degrees_se), Some(distance_se)) = (self.degrees_se, self.distance_se) {
+            let at = self.color_from_depth.inverse().translation;
+            let _ = write!(
+                text,
+                ", at ({:.4}, {:.4}, {:.4}) ± {distance_se:.4} from the depth lens, turned by {:.3} ± {degrees_se:.3}°",
+                at.x, at.y, at.z, self.degrees
+            );
+        }
+        if let Some([x_se, y_se]) = self.principal_point_se {
+            let Intrinsics { cx, cy, .. } = self.color;
+            let _ = write!(text, ", principal point ({cx:.2} ± {x_se:.2}, {cy:.2} ± {y_se:.2}) px");
+        }
+        text + &format!("; colors move by {:.2} px", self.moved_px)
     }
 }
 

@@ -63,7 +63,7 @@ pub(crate) struct Weighing {
 }
 
 /// Residuals beyond so many standard deviations do not count: Tukey's constant for 95 % efficiency.
-const TUKEY: f64 = 4.685;
+pub(crate) const TUKEY: f64 = 4.685;
 /// Standard deviations are never taken for less: rounding of pictures and of positions.
 const LEAST_SIGMAS: [f64; 2] = [0.02, 0.004];
 /// Standard deviations are never taken for more, and with fewer readings for so much.

@@ -19,6 +19,7 @@ const NAMES: &[(&str, &str)] = &[
     ("capture.cache", "Frame cache"),
     ("capture.views", "Views read"),
     ("align.poses", "Correct poses"),
+    ("align.lens", "Correct color lens"),
     ("align.exposure", "Correct exposure"),
     ("normals.source", "Normals from"),
     ("normals.estimator", "Normal estimation"),

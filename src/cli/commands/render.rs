@@ -11,6 +11,7 @@ use crate::cli::output::{self, CommandError, PicturePaths};
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, Scoreboard, add_aligned, frame_of, render_view, vantage_order};
 use crate::job::Job;
+use crate::preprocess::diagnostics::Report;
 use crate::render::Renderer;
 use crate::settings::RenderSettings;
 use crate::store::playback::Playback;
@@ -47,10 +48,19 @@ impl RenderArgs {
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
         let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
-        let views = transforms::open_views_of(&self.views, frames_are_ranked)?;
+        let mut views = transforms::open_views_of(&self.views, frames_are_ranked)?;
+        let report = &playback.store().info().report;
+        let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
+        let corrected = alignment.map_or(0, |alignment| alignment.correct_lenses_of(&mut views));
         let paths = self.picture_paths(&views)?;
         let evaluation =
             output::watched(|job| paint(&playback, &views, &paths, (&settings, self.align_views), job))?;
+        if corrected > 0 {
+            let what = format!(
+                "{corrected} views claim the lens that the capture claims; they are rendered through the color lens that was found in its place"
+            );
+            output::warn(&[what]);
+        }
         output::warn(evaluation.notice.as_slice());
         output::warn(&playback.store().damage());
         if self.json {

@@ -57,8 +57,13 @@ pub fn compare(
     for view in with_truth(views, job) {
         frame_of(view, &capture.name, &capture.frame_numbers)?;
     }
-    let classes = truth::class_maps(capture, views, job)?;
     let scan = preprocess::scan(capture, settings, job)?;
+    let mut views = views.to_vec();
+    if let Some(alignment) = scan.alignment() {
+        alignment.correct_lenses_of(&mut views);
+    }
+    let views = views.as_slice();
+    let classes = truth::class_maps(scan.capture(), views, job)?;
     let mut compared = |method| {
         let mut settings = settings.clone();
         settings.pruning.method = method;

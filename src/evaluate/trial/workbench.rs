@@ -46,6 +46,15 @@ impl FoldSamples {
     fn unstored(samples: Arc<SampleSet>, report: Report, seconds: f64) -> Self {
         Self { samples, report, bytes: 0, bytes_record: 0, seconds }
     }
+
+    /// The views as they were taken: through the lenses that were found.
+    fn seen(&self, views: &[TruthView]) -> Vec<TruthView> {
+        let mut views = views.to_vec();
+        if let Some(alignment) = &self.report.alignment {
+            alignment.correct_lenses_of(&mut views);
+        }
+        views
+    }
 }
 
 /// A view, and what a trial shows it from.
@@ -130,7 +139,7 @@ impl Workbench {
             let model = fold.model(trial, &self.reference, job)?;
             job.start("Scoring views", fold.fold.views.len());
             let mut scores = Scoreboard::default();
-            for (view, classes) in fold.fold.views.iter().zip(&fold.fold.classes) {
+            for (view, classes) in model.seen(&fold.fold.views).iter().zip(&fold.fold.classes) {
                 job.check()?;
                 let classes = classes.as_deref();
                 let mut painted = render_view(renderer, &model.samples, view, classes, &filling, job)?;
@@ -191,8 +200,10 @@ impl Workbench {
             let Some(index) = fold.fold.views.iter().position(|view| view.file_path == file_path) else {
                 continue;
             };
-            let (view, classes) = (fold.fold.views[index].clone(), fold.fold.classes[index].clone());
-            let samples = fold.model(trial, &self.reference, job)?.samples.clone();
+            let classes = fold.fold.classes[index].clone();
+            let model = fold.model(trial, &self.reference, job)?;
+            let view = model.seen(&fold.fold.views[index..=index]).remove(0);
+            let samples = model.samples.clone();
             return Ok(Some(ViewModel { view, classes, samples }));
         }
         Ok(None)

@@ -1,0 +1,398 @@
+//! Finds the color lens that all cameras of one sensor share, and judges it by cameras that took no part.
+//!
+//! Purpose: see [`super::color_lens`]. Source: Gauss–Newton with Tukey's biweight from coarse pictures to fine ones, started from
+//! several focal lengths, since brightness has local minima; errors of the unknowns from the spread of what single cameras ask for
+//! (H. White, *A Heteroskedasticity-Consistent Covariance Matrix Estimator*, 1980). What differs: models of one, seven and nine
+//! unknowns are tried in turn, and each is kept only where pairs with cameras that took no part get better by it.
+
+use rayon::prelude::*;
+
+use super::color_lens::{ColorLens, Difference, Matches, Sensing, UNKNOWNS};
+use super::color_lens_matches::matches;
+use super::judge::Judgment;
+use super::median::{MEDIAN_PER_SIGMA, median};
+use super::normal_equations::NormalEquations;
+use super::solver::{Problem, TUKEY, loss};
+use crate::capture::Intrinsics;
+use crate::error::Result;
+use crate::job::Job;
+
+/// Fewer cameras do not judge a lens that they share.
+pub(crate) const LEAST_CAMERAS: usize = 4;
+/// Every so many cameras take no part, from the second on.
+const JUDGES: usize = 4;
+/// Matches of a pair, at least, and of all pairs, at most; and at the coarsest resolution, where a pixel is an eighth.
+const LEAST_MATCHES: usize = 40;
+const MOST_MATCHES: usize = 40_000;
+const MOST_COARSE_MATCHES: usize = 10_000;
+/// Focal lengths of color to start from, relative to what is claimed.
+const START_RATIOS: [f64; 7] = [1.0, 0.95, 1.05, 0.9, 1.1, 0.85, 1.15];
+/// Standard deviations of the unknowns, as they are known beforehand; in the order of [`UNKNOWNS`].
+const TRUST: [f64; UNKNOWNS] = [0.1, 0.02, 0.02, 0.02, 0.03, 0.03, 0.03, 0.02, 0.02];
+/// What a match counts beside that: neighbors are not independent, and wrong poses are wrong for all matches of a pair.
+const INDEPENDENT: f64 = 0.05;
+/// Unknowns of the models in turn.
+const MODELS: [&[usize]; 3] = [&[0], &[0, 1, 2, 3, 4, 5, 6], &[0, 1, 2, 3, 4, 5, 6, 7, 8]];
+/// Resolutions and steps at each, of the first model and of those that start from it.
+const FIRST_STAGES: [(usize, usize); 3] = [(2, 5), (1, 4), (0, 4)];
+const FURTHER_STAGES: [(usize, usize); 4] = [(3, 6), (2, 5), (1, 5), (0, 5)];
+/// Steps at the coarsest resolution from every start.
+const START_STEPS: usize = 5;
+const COARSEST: usize = 3;
+/// A change that moves colors by less, in pixels, does not show.
+const LEAST_MOVE_PX: f64 = 0.4;
+/// No change that moves colors by less than this is looked for farther than the first look.
+const SETTLED_PX: f64 = 0.3;
+/// Standardized brightness differs by so much within one surface whatever the lens: the width of the loss that judges.
+const JUDGED_SIGMA: f64 = 0.3;
+/// Standard deviations of differences are never taken for less.
+const LEAST_SIGMA: f64 = 0.05;
+/// A better start has a loss that is lower by this share.
+const BETTER_START: f64 = 0.03;
+/// A model pays where the loss of pairs that judge falls by so many standard errors, and by this share. Pairs come in both
+/// directions: half of them are independent.
+const STANDARD_ERRORS: f64 = 2.0;
+const LEAST_FALL: f64 = 0.005;
+/// The lens that is found in the end pays where their loss is lower than that of the claimed one by this share: what is less may be
+/// wrong poses, which a lens can make up for in part.
+const LEAST_FALL_IN_ALL: f64 = 0.1;
+/// A pair of which less is in the pictures says nothing for a lens.
+const LEAST_SEEN: f64 = 0.5;
+
+/// What was found of the color lens of all cameras that claim one lens.
+#[derive(Clone, Debug)]
+pub(crate) struct LensCorrection {
+    /// The lens that the capture claims for color and depth.
+    pub(crate) claimed: Intrinsics,
+    /// The color lens that was found.
+    pub(crate) found: ColorLens,
+    /// Unknowns that were free; the others stay as claimed.
+    pub(crate) free: &'static [usize],
+    /// Standard errors of the unknowns: of the logarithm of the focal length, radians, units, pixels.
+    pub(crate) standard_errors: [f64; UNKNOWNS],
+    /// How far colors move, root mean square, pixels.
+    pub(crate) moved_px: f64,
+    pub(crate) judgment: Judgment,
+}
+
+/// The color lenses that pay, one for every lens that enough cameras claim.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<Vec<LensCorrection>> {
+    let mut claimed: Vec<Intrinsics> = Vec::new();
+    for view in &problem.views {
+        if !claimed.contains(&view.camera.intrinsics) {
+            claimed.push(view.camera.intrinsics);
+        }
+    }
+    let mut found = Vec::new();
+    for lens in claimed {
+        if let Some(search) = Search::new(problem, lens) {
+            found.extend(search.run(job)?);
+        }
+    }
+    Ok(found)
+}
+
+/// All pairs of cameras that claim one lens.
+struct Search<'a> {
+    claimed: Intrinsics,
+    distance: f64,
+    /// Pairs that find the lens, and pairs that judge it.
+    fitting: Vec<Matches<'a>>,
+    judging: Vec<Matches<'a>>,
+}
+
+impl<'a> Search<'a> {
+    /// `None` where too few cameras claim the lens, or too few of their pairs match.
+    fn new(problem: &'a Problem, claimed: Intrinsics) -> Option<Self> {
+        let cameras: Vec<usize> = (0..problem.views.len())
+            .filter(|camera| problem.views[*camera].camera.intrinsics == claimed)
+            .collect();
+        if cameras.len() < LEAST_CAMERAS {
+            return None;
+        }
+        let judges: Vec<usize> = cameras.into_iter().skip(1).step_by(JUDGES).collect();
+        let pairs = problem.pairs.par_iter().map(|pair| {
+            let is_shared = pair.iter().all(|camera| problem.views[*camera].camera.intrinsics == claimed);
+            let matches = is_shared.then(|| matches(problem, *pair))?;
+            Some((pair.iter().any(|camera| judges.contains(camera)), matches))
+        });
+        let pairs: Vec<_> = pairs.collect();
+        let (judging, fitting): (Vec<_>, Vec<_>) = pairs
+            .into_iter()
+            .flatten()
+            .filter(|(_, pair)| pair.points.len() >= LEAST_MATCHES)
+            .partition(|pair| pair.0);
+        let [fitting, judging] =
+            [fitting, judging].map(|pairs| pairs.into_iter().map(|(_, pair)| pair).collect::<Vec<_>>());
+        (fitting.len() >= 2 && judging.len() >= 2).then(|| Self {
+            claimed,
+            distance: 1.0 / problem.scale.inverse_depth,
+            fitting,
+            judging,
+        })
+    }
+
+    fn sensing(&self, level: usize) -> Sensing {
+        let all: usize = self.fitting.iter().map(|pair| pair.points.len()).sum();
+        let most = if level == COARSEST { MOST_COARSE_MATCHES } else { MOST_MATCHES };
+        Sensing {
+            level,
+            stride: all.div_ceil(most).max(1),
+            distance: self.distance,
+            depth_focal: self.claimed.fx,
+        }
+    }
+
+    fn run(&self, job: &Job) -> Result<Option<LensCorrection>> {
+        let claimed = ColorLens::of_depth(self.claimed);
+        let Some(start) = self.start(claimed, job)? else { return Ok(None) };
+        let mut kept: Option<(ColorLens, &'static [usize], Judgment)> = None;
+        let mut from = claimed.scaled(start.intrinsics.fx / self.claimed.fx);
+        for (index, free) in MODELS.into_iter().enumerate() {
+            let stages: &[(usize, usize)] =
+                if index == 0 { &FIRST_STAGES } else { &FURTHER_STAGES[index - 1..] };
+            let found = self.refined(from, free, stages, &self.fitting, job)?;
+            let before = kept.as_ref().map_or(claimed, |kept| kept.0);
+            if pays(&self.judged(&before, &found)) {
+                kept = Some((found, free, self.judged(&claimed, &found)));
+            }
+            from = if index == 0 { start } else { found };
+        }
+        let Some((found, free, judgment)) = kept else { return Ok(None) };
+        // What judged joins in once it has judged.
+        let found = self.refined_by_all(found, free, job)?;
+        let moved_px = self.moved_px(&claimed, &found);
+        let is_large = judgment.before - judgment.after > LEAST_FALL_IN_ALL * judgment.before;
+        Ok((is_large && moved_px > LEAST_MOVE_PX).then(|| LensCorrection {
+            claimed: self.claimed,
+            found,
+            free,
+            standard_errors: self.standard_errors(&found, free),
+            moved_px,
+            judgment,
+        }))
+    }
+
+    /// Where to start from; `None` where nothing is wrong: the claimed lens is the best of all starts, and a step at the finest
+    /// resolution does not show.
+    fn start(&self, claimed: ColorLens, job: &Job) -> Result<Option<ColorLens>> {
+        let coarse = self.sensing(COARSEST);
+        let mut best = (claimed, self.mean_loss(&claimed, &coarse));
+        let claimed_loss = best.1;
+        for ratio in START_RATIOS {
+            let stages = [(COARSEST, START_STEPS)];
+            let found = self.refined(claimed.scaled(ratio), MODELS[1], &stages, &self.fitting, job)?;
+            let loss = self.mean_loss(&found, &coarse);
+            if loss < best.1 * (1.0 - BETTER_START) {
+                best = (found, loss);
+            }
+        }
+        if best.1 < claimed_loss {
+            return Ok(Some(best.0));
+        }
+        let looked = self.refined(claimed, MODELS[1], &[(1, 1)], &self.fitting, job)?;
+        Ok((self.moved_px(&claimed, &looked) > SETTLED_PX).then_some(claimed))
+    }
+
+    /// Mean loss over the pairs that find the lens; a pair that is hardly seen counts as wrong.
+    fn mean_loss(&self, lens: &ColorLens, sensing: &Sensing) -> f64 {
+        let of_pair = |pair: &Matches| {
+            let differences = pair.differences(lens, sensing);
+            let count = pair.count(sensing);
+            if (differences.len() as f64) < LEAST_SEEN * count as f64 {
+                return (count as f64, count as f64);
+            }
+            let sum: f64 = differences.iter().map(|difference| loss(difference.value, JUDGED_SIGMA)).sum();
+            (sum, differences.len() as f64)
+        };
+        let pairs: Vec<(f64, f64)> = self.fitting.par_iter().map(of_pair).collect();
+        let (sum, count) = pairs.iter().fold((0.0, 0.0), |(sum, count), pair| (sum + pair.0, count + pair.1));
+        sum / count
+    }
+
+    fn refined(
+        &self,
+        mut lens: ColorLens,
+        free: &[usize],
+        stages: &[(usize, usize)],
+        pairs: &[Matches],
+        job: &Job,
+    ) -> Result<ColorLens> {
+        for (level, steps) in stages {
+            let sensing = self.sensing(*level);
+            for _ in 0..*steps {
+                job.check()?;
+                let equations = self.equations(&lens, free, shares(pairs, &lens, &sensing).iter());
+                let Some(factor) = equations.factor() else { break };
+                let step = spread(free, &factor.solve(&equations.right));
+                lens = lens.moved(&step, &self.claimed, self.distance);
+                if step.iter().all(|part| part.abs() < SETTLED) {
+                    break;
+                }
+            }
+        }
+        Ok(lens)
+    }
+
+    fn refined_by_all(&self, mut lens: ColorLens, free: &[usize], job: &Job) -> Result<ColorLens> {
+        const STEPS: usize = 4;
+        let sensing = self.sensing(0);
+        for _ in 0..STEPS {
+            job.check()?;
+            let shares = self.shares_of_all(&lens, &sensing);
+            let equations = self.equations(&lens, free, shares.iter());
+            let Some(factor) = equations.factor() else { break };
+            let step = spread(free, &factor.solve(&equations.right));
+            lens = lens.moved(&step, &self.claimed, self.distance);
+        }
+        Ok(lens)
+    }
+
+    fn shares_of_all(&self, lens: &ColorLens, sensing: &Sensing) -> Vec<Share> {
+        let mut all = shares(&self.fitting, lens, sensing);
+        all.extend(shares(&self.judging, lens, sensing));
+        all
+    }
+
+    /// The normal equations of the free unknowns, with the pull toward what is claimed.
+    fn equations<'s>(
+        &self,
+        lens: &ColorLens,
+        free: &[usize],
+        shares: impl Iterator<Item = &'s Share>,
+    ) -> NormalEquations {
+        let now = lens.unknowns(&self.claimed, self.distance);
+        let mut equations = NormalEquations::new(free.len());
+        for (row, &unknown) in free.iter().enumerate() {
+            let pull = TRUST[unknown].powi(-2);
+            equations.add(row, row, pull);
+            equations.right[row] -= pull * now[unknown];
+        }
+        for share in shares {
+            for (row, &unknown) in free.iter().enumerate() {
+                equations.right[row] += share.right[unknown];
+                for (column, &other) in free.iter().enumerate().take(row + 1) {
+                    equations.add(row, column, share.matrix[unknown][other]);
+                }
+            }
+        }
+        equations
+    }
+
+    /// Standard errors from what each pair asks for: its residuals have the same cause, where a pose is wrong.
+    fn standard_errors(&self, lens: &ColorLens, free: &[usize]) -> [f64; UNKNOWNS] {
+        let shares = self.shares_of_all(lens, &self.sensing(0));
+        let mut errors = [0.0; UNKNOWNS];
+        let Some(factor) = self.equations(lens, free, shares.iter()).factor() else { return errors };
+        for share in &shares {
+            let right: Vec<f64> = free.iter().map(|unknown| share.right[*unknown]).collect();
+            let asked = spread(free, &factor.solve(&right));
+            for (error, asked) in errors.iter_mut().zip(asked) {
+                *error += asked * asked;
+            }
+        }
+        let in_units = [1.0, 1.0, 1.0, 1.0, self.distance, self.distance, self.distance];
+        let units = in_units.into_iter().chain([self.claimed.fx; 2]);
+        // Both directions of a pair say the same.
+        for (error, unit) in errors.iter_mut().zip(units) {
+            *error = (2.0 * *error).sqrt() * unit;
+        }
+        errors
+    }
+
+    /// How far colors move from one lens to another, root mean square over all points, pixels.
+    fn moved_px(&self, before: &ColorLens, after: &ColorLens) -> f64 {
+        let points = self.fitting.iter().flat_map(|pair| pair.points.iter().step_by(8));
+        let moves =
+            points.filter_map(|[own, _]| Some(before.image(*own)?.distance_squared(after.image(*own)?)));
+        let (sum, count) = moves.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0_f64));
+        (sum / count.max(1.0)).sqrt()
+    }
+
+    /// What pairs with cameras that took no part say, pair by pair, about matches that both lenses show.
+    fn judged(&self, before: &ColorLens, after: &ColorLens) -> Judgment {
+        let sensing = Sensing { stride: 1, ..self.sensing(1) };
+        let of_pair = |pair: &Matches| {
+            let [before, after] = [before, after].map(|lens| pair.differences(lens, &sensing));
+            let both = common(&before, &after);
+            let count = both.len() as f64;
+            (count >= LEAST_SEEN * pair.count(&sensing) as f64).then(|| {
+                let mean = |which: usize| {
+                    both.iter().map(|values| loss(values[which], JUDGED_SIGMA)).sum::<f64>() / count
+                };
+                [mean(0), mean(1)]
+            })
+        };
+        let losses: Vec<Option<[f64; 2]>> = self.judging.par_iter().map(of_pair).collect();
+        let mut judgment = Judgment::of(&losses.into_iter().flatten().collect::<Vec<_>>());
+        judgment.standard_error *= std::f64::consts::SQRT_2;
+        judgment
+    }
+}
+
+/// A step below this, in the scale of the unknowns, changes nothing.
+const SETTLED: f64 = 2e-5;
+
+fn pays(judgment: &Judgment) -> bool {
+    let fall = judgment.before - judgment.after;
+    judgment.samples >= 2
+        && fall > STANDARD_ERRORS * judgment.standard_error
+        && fall > LEAST_FALL * judgment.before
+}
+
+/// The values of differences at the same matches, which are in order.
+fn common(before: &[Difference], after: &[Difference]) -> Vec<[f64; 2]> {
+    let mut after = after.iter().peekable();
+    let mut both = Vec::with_capacity(before.len());
+    for own in before {
+        while after.next_if(|other| other.match_index < own.match_index).is_some() {}
+        if let Some(other) = after.next_if(|other| other.match_index == own.match_index) {
+            both.push([own.value, other.value]);
+        }
+    }
+    both
+}
+
+/// The values of free unknowns among all of them.
+fn spread(free: &[usize], values: &[f64]) -> [f64; UNKNOWNS] {
+    let mut all = [0.0; UNKNOWNS];
+    for (unknown, value) in free.iter().zip(values) {
+        all[*unknown] = *value;
+    }
+    all
+}
+
+/// One pair's share of the normal equations of all unknowns, of which the lower triangle counts.
+struct Share {
+    matrix: [[f64; UNKNOWNS]; UNKNOWNS],
+    right: [f64; UNKNOWNS],
+}
+
+fn shares(pairs: &[Matches], lens: &ColorLens, sensing: &Sensing) -> Vec<Share> {
+    pairs.par_iter().map(|pair| share(&pair.differences(lens, sensing))).collect()
+}
+
+fn share(differences: &[Difference]) -> Share {
+    let mut share = Share { matrix: [[0.0; UNKNOWNS]; UNKNOWNS], right: [0.0; UNKNOWNS] };
+    let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.value.abs()).collect();
+    let Some(middle) = median(&mut sizes) else { return share };
+    let sigma = (middle / MEDIAN_PER_SIGMA).max(LEAST_SIGMA);
+    for Difference { value, by_unknown, .. } in differences {
+        let relative = value / (TUKEY * sigma);
+        if relative.abs() >= 1.0 {
+            continue;
+        }
+        let weight = INDEPENDENT * (1.0 - relative * relative).powi(2) / (sigma * sigma);
+        for row in 0..UNKNOWNS {
+            let weighted = weight * by_unknown[row];
+            for column in 0..=row {
+                share.matrix[row][column] += weighted * by_unknown[column];
+            }
+            share.right[row] -= weighted * value;
+        }
+    }
+    share
+}

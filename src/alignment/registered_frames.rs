@@ -1,0 +1,124 @@
+//! A capture whose depth is carried from the lens that it was claimed to share with color into the lens that color has.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::{DVec2, Vec3};
+
+use super::color_lens::ColorLens;
+use crate::capture::conventions::{DepthClaim, PoseConvention};
+use crate::capture::pictures::{DepthGrid, RayCache, register};
+use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics};
+use crate::error::Result;
+use crate::grid::Grid;
+
+/// Frames of a capture, registered as they are asked for.
+struct RegisteredFrames {
+    original: Capture,
+    /// Per camera; `None` where color has the lens of depth.
+    lenses: Vec<Option<ColorLens>>,
+    /// Of the depth cameras.
+    rays: RayCache,
+}
+
+impl FrameSource for RegisteredFrames {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        let frame = self.original.frame(camera, frame)?;
+        let depth = &self.original.cameras[camera];
+        Ok(match &self.lenses[camera] {
+            Some(lens) => registered(&frame, depth, lens, &self.rays),
+            None => Frame::clone(&frame),
+        })
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        self.original.place(camera, frame)
+    }
+
+    fn frames_are_ranked(&self) -> bool {
+        self.original.frames_are_ranked()
+    }
+
+    fn depth_claim(&self) -> DepthClaim {
+        self.original.source.depth_claim()
+    }
+
+    fn pose_convention(&self) -> PoseConvention {
+        self.original.source.pose_convention()
+    }
+
+    fn files(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
+        self.original.files_of(camera, frame)
+    }
+}
+
+/// Color as it is, with the depth and the normals that lie behind it.
+fn registered(frame: &Frame, depth: &Camera, lens: &ColorLens, rays: &RayCache) -> Frame {
+    let ColorLens { intrinsics: color, color_from_depth } = *lens;
+    let grid = DepthGrid { intrinsics: depth.intrinsics, distortion: None, color_from_depth };
+    let inverse_depth = register(frame.inverse_depth.as_slice(), &grid, &rays.rays(&grid), &color);
+    let (width, height) = color.size();
+    let inverse_depth = Grid::from_vec(width, height, inverse_depth);
+    let normal_in_world = frame.normal_in_world.as_ref().map(|normals| {
+        Grid::from_fn(width, height, |x, y| {
+            let position = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            normal_behind((frame, normals), &depth.intrinsics, lens, position, inverse_depth[(x, y)])
+                .unwrap_or_default()
+        })
+    });
+    Frame { color: frame.color.clone(), inverse_depth, normal_in_world, ..*frame }
+}
+
+/// A normal is of the surface where its depth differs by less, relative.
+const SAME_DEPTH_RELATIVE: f64 = 0.02;
+
+/// The normal that the depth camera has for what is seen at a position of the color picture; `None` where it has none.
+fn normal_behind(
+    (frame, normals): (&Frame, &Grid<[f32; 3]>),
+    depth: &Intrinsics,
+    lens: &ColorLens,
+    position: DVec2,
+    inverse_depth: f32,
+) -> Option<[f32; 3]> {
+    if inverse_depth <= 0.0 {
+        return None;
+    }
+    let point = lens.intrinsics.ray_in_camera(position) / f64::from(inverse_depth);
+    let there = lens.color_from_depth.inverse().transform_point3(point);
+    let image = depth.project(there)?;
+    if image.x < 0.0 || image.y < 0.0 {
+        return None;
+    }
+    let at = (image.x as usize, image.y as usize);
+    let own = f64::from(*frame.inverse_depth.get(at.0, at.1)?);
+    let normal = normals[at];
+    let is_surface = (own * there.z - 1.0).abs() < SAME_DEPTH_RELATIVE;
+    (is_surface && Vec3::from_array(normal) != Vec3::ZERO).then_some(normal)
+}
+
+/// The camera of the color whose depth is of `camera`.
+pub(crate) fn color_camera(camera: &Camera, lens: &ColorLens) -> Camera {
+    Camera {
+        name: camera.name.clone(),
+        intrinsics: lens.intrinsics,
+        world_from_camera: camera.world_from_camera * lens.color_from_depth.inverse(),
+    }
+}
+
+/// Registered frames that are kept, bytes; the decoded ones are kept by the capture below.
+const CACHE_BYTES: usize = 256 << 20;
+
+/// The capture as seen through the color lenses, per camera; `None` where color has the lens of depth.
+pub(crate) fn with_color_lenses(capture: &Capture, lenses: Vec<Option<ColorLens>>) -> Capture {
+    let camera = |(camera, lens): (&Camera, &Option<ColorLens>)| {
+        lens.as_ref().map_or_else(|| camera.clone(), |lens| color_camera(camera, lens))
+    };
+    let cameras = capture.cameras.iter().zip(&lenses).map(camera).collect();
+    let original: &CaptureParts = capture;
+    let parts = CaptureParts {
+        cameras,
+        source: Arc::new(RegisteredFrames { original: capture.clone(), lenses, rays: RayCache::default() }),
+        ..original.clone()
+    };
+    Capture::new(parts, CACHE_BYTES)
+}
