@@ -9,7 +9,7 @@ use half::f16;
 use overlook::capture::{Camera, Intrinsics};
 use overlook::job::Job;
 use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE, TileMask};
-use overlook::settings::Settings;
+use overlook::settings::{Precision, Settings};
 
 use reader::Store;
 
@@ -28,12 +28,14 @@ fn set() -> SampleSet {
             images.push(Arc::new(image(index, camera, Span { start, end })));
         }
     }
+    let mut settings = Settings::default();
+    settings.store.precision = Precision::Lossless;
     SampleSet {
         name: "second".to_owned(),
         cameras,
         frame_numbers: (0..12).collect(),
         up_in_world: DVec3::Z,
-        settings: Settings::default(),
+        settings,
         images,
     }
 }

@@ -7,7 +7,7 @@ use half::f16;
 use overlook::capture::{Camera, Intrinsics};
 use overlook::preprocess::diagnostics::{CameraReport, Report};
 use overlook::samples::{DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE, TileMask};
-use overlook::settings::Settings;
+use overlook::settings::{Precision, Settings};
 use proptest::prelude::*;
 
 fn camera(name: &str, width: u32, height: u32) -> Camera {
@@ -66,13 +66,20 @@ fn image(
     }
 }
 
+/// What promises every bit.
+fn lossless() -> Settings {
+    let mut settings = Settings::default();
+    settings.store.precision = Precision::Lossless;
+    settings
+}
+
 fn set_of(cameras: Vec<Camera>, frames: usize, images: Vec<SampleImage>) -> SampleSet {
     SampleSet {
         name: "Kristallisation ❄".to_owned(),
         cameras,
         frame_numbers: (0..frames as i64).map(|frame| 3 * frame - 4).collect(),
         up_in_world: DVec3::new(0.0, 0.6, 0.8),
-        settings: Settings::default(),
+        settings: lossless(),
         images: images.into_iter().filter(|image| !image.is_empty()).map(Arc::new).collect(),
     }
 }
