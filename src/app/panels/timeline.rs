@@ -83,8 +83,13 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     } else {
         (ICON_BOOKMARK_ADD, "Add marker")
     };
-    if icon_button(ui, icon, name, &format!("{name} (Shift+M); Ctrl+← and Ctrl+→ go from marker to marker"))
-        .clicked()
+    if icon_button(
+        ui,
+        icon,
+        name,
+        &format!("{name} (Shift+M); Ctrl+Left and Ctrl+Right go from marker to marker"),
+    )
+    .clicked()
     {
         commands.push(Command::ToggleMarker);
     }
