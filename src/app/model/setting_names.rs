@@ -120,10 +120,10 @@ impl SettingPairs {
     }
 }
 
-/// What `after` has other than `before`, by the panel's names: `Kernel: Gather (interpolate cameras) → Point`.
+/// What `after` has other than `before`, by the panel's names: `Kernel: Gather (interpolate cameras) » Point`.
 pub(crate) fn changes(before: &Settings, after: &Settings) -> Vec<String> {
     let words = |(field, [before, after]): (&Field, [&toml::Value; 2])| {
-        format!("{}: {} → {}", name(field.path), value(field.path, before), value(field.path, after))
+        format!("{}: {} » {}", name(field.path), value(field.path, before), value(field.path, after))
     };
     SettingPairs::new(before, after).differing().map(words).collect()
 }
@@ -186,7 +186,7 @@ mod tests {
         let told = changes(&before, &after);
         assert_eq!(told.len(), 2, "{told:?}");
         assert!(told[0].starts_with("Static depth range: "), "{told:?}");
-        assert!(told[0].ends_with(" → 0.004"), "{told:?}");
-        assert_eq!(told[1], "Kernel: Gather (interpolate cameras) → Point");
+        assert!(told[0].ends_with(" » 0.004"), "{told:?}");
+        assert_eq!(told[1], "Kernel: Gather (interpolate cameras) » Point");
     }
 }

@@ -86,7 +86,7 @@ fn settings_put_on_from_a_chart_are_named_as_in_the_panel() {
     settings.render.kernel = Kernel::Point;
     app.apply(Command::TakeSettings(Box::new(settings.clone())));
     let notices = app.notices();
-    let told = "Settings applied: Kernel: Gather (interpolate cameras) → Point (Ctrl+Z undoes)";
+    let told = "Settings applied: Kernel: Gather (interpolate cameras) » Point (Ctrl+Z undoes)";
     assert_eq!(notices, [told]);
     assert!(view_says(&app.state, DockView::Thresholds, "1 setting differs from its default"));
     app.apply(Command::TakeSettings(Box::new(settings)));
