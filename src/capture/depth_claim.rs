@@ -1,5 +1,6 @@
 //! What the numbers of depth files measure, and how they were read.
 
+use glam::{DAffine3, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// What a number of depth measures.
@@ -29,7 +30,8 @@ impl DepthMeasure {
             Self::PlanarZ => Some("planar_z"),
             Self::RayDistance => Some("ray_distance"),
             Self::RayDistanceFromNearClip => Some("ray_distance_from_near_clip"),
-            Self::InversePlanarZ | Self::InverseRayDistance | Self::WorldZ => None,
+            Self::WorldZ => Some("world_z"),
+            Self::InversePlanarZ | Self::InverseRayDistance => None,
         }
     }
 
@@ -71,14 +73,16 @@ impl Default for DepthClaim {
 }
 
 impl DepthClaim {
-    /// The number of the file that was read as the planar z `z`, for a ray of this length to planar z 1.
-    pub(crate) fn value(&self, z: f64, ray_length: f64) -> f64 {
+    /// The number of the file that was read as the planar z `z`, for a ray to planar z 1 in the camera's space.
+    pub(crate) fn value(&self, z: f64, ray: DVec3, world_from_camera: &DAffine3) -> f64 {
+        let ray_length = ray.length();
         match self.measure {
             DepthMeasure::RayDistance => z * ray_length / self.unit,
             DepthMeasure::RayDistanceFromNearClip => (z - self.near_clip) * ray_length / self.unit,
             DepthMeasure::InversePlanarZ => (z * self.unit).recip(),
             DepthMeasure::InverseRayDistance => (z * ray_length * self.unit).recip(),
-            DepthMeasure::PlanarZ | DepthMeasure::WorldZ => z / self.unit,
+            DepthMeasure::PlanarZ => z / self.unit,
+            DepthMeasure::WorldZ => world_from_camera.transform_point3(ray * z).z / self.unit,
         }
     }
 }

@@ -87,6 +87,8 @@ impl CameraAxes {
     pub const OPENGL: Self = Self([AxisDirection::Right, AxisDirection::Up, AxisDirection::Back]);
     /// OpenCV's and COLMAP's, and ours: x right, y down, z forward.
     pub const OPENCV: Self = Self([AxisDirection::Right, AxisDirection::Down, AxisDirection::Forward]);
+    /// Direct3D's, which are left-handed: x right, y up, z forward.
+    pub const DIRECT3D: Self = Self([AxisDirection::Right, AxisDirection::Up, AxisDirection::Forward]);
 
     /// All 48; those that are right-handed first.
     #[must_use]

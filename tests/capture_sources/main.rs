@@ -5,6 +5,7 @@ mod colmap;
 mod folder;
 mod phones;
 mod renderers;
+mod rigs;
 #[path = "../common/analytic_scene.rs"]
 mod scene;
 mod simulators;

@@ -24,8 +24,8 @@ fn sagitta(point: DVec3, camera: &Camera, width: f64) -> f64 {
     (width / cosine).powi(2) / (8.0 * BALL.1)
 }
 
-/// Planar z along a ray of the camera.
-fn depth(camera: &Camera, pixel: DVec2) -> f64 {
+/// Planar z along the ray of the camera through a position in its picture.
+pub(crate) fn depth(camera: &Camera, pixel: DVec2) -> f64 {
     let eye = camera.position_in_world();
     let ray = camera.unproject(pixel, 1.0) - eye;
     let to = |gap: f64, speed: f64| if speed > 1e-9 { gap / speed } else { f64::INFINITY };
@@ -92,6 +92,17 @@ pub(crate) fn rows(pose: &DAffine3) -> Vec<f64> {
 /// surfaces meet within a pixel of depth, which is `depth_pixel` pixels of color wide, depth between the pixels cuts the corner, and on
 /// the ball it follows the chord.
 pub(crate) fn check(capture: &Capture, views: usize, depth_pixel: f64) {
+    check_elsewhere(capture, views, depth_pixel, &DAffine3::IDENTITY);
+}
+
+/// The same of a capture in another world than the scene's: turned, mirrored, shifted, and scaled alike along all axes.
+pub(crate) fn check_elsewhere(
+    capture: &Capture,
+    views: usize,
+    depth_pixel: f64,
+    scene_from_world: &DAffine3,
+) {
+    let scale = scene_from_world.matrix3.determinant().abs().cbrt();
     assert_eq!((capture.cameras.len(), capture.frame_count()), (views, 1));
     for (index, camera) in capture.cameras.iter().enumerate() {
         let frame = capture.frame(index, 0).unwrap();
@@ -104,7 +115,8 @@ pub(crate) fn check(capture: &Capture, views: usize, depth_pixel: f64) {
                     continue;
                 }
                 let point = camera.unproject(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 1.0 / inverse);
-                let footprint = 1.0 / inverse / camera.intrinsics.fx;
+                let point = scene_from_world.transform_point3(point);
+                let footprint = scale / inverse / camera.intrinsics.fx;
                 let [nearest, next] = distances(point);
                 let is_at_crease = depth_pixel > 1.0 && next < 1.5 * depth_pixel * footprint;
                 let chord =

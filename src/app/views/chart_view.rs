@@ -66,7 +66,10 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         }
         nearest(plot_ui, places.into_iter())
     });
-    let hint = format!("{} settings; click one to apply it", charts.sweep.len());
+    let hint = match charts.sweep.len() {
+        1 => "1 setting; click it to apply it".to_owned(),
+        count => format!("{count} settings; click one to apply it"),
+    };
     one_line(ui, hint, tokens.text_weak);
     shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
     if let Some(point) = shown.inner.and_then(|index| charts.sweep.get(index)) {

@@ -42,7 +42,11 @@ impl View {
         let value_at = |index: usize| {
             let inverse = f64::from(inverse_depth(index));
             let ray = intrinsics.ray_in_camera(center(index % width, index / width));
-            if inverse > 0.0 { claim.value(inverse.recip(), ray.length()) as f32 } else { f32::NAN }
+            if inverse > 0.0 {
+                claim.value(inverse.recip(), ray, &camera.world_from_camera) as f32
+            } else {
+                f32::NAN
+            }
         };
         let values: Vec<f32> = (0..width * height).map(value_at).collect();
         let points = spread_points(&intrinsics, &values);

@@ -5,6 +5,7 @@
 //! ray_distance                  z = v · cos a            a: angle between ray and optical axis
 //! ray_distance_from_near_clip   z = v · cos a + near     (Mitsuba 3 measures from the near plane, along the ray)
 //! position                      z = forward · (p − eye)  (states its kind by itself)
+//! world_z                       z = (v − eye.z) / ray.z  (ray: in world space, scaled to z = 1 in the camera's)
 //! ```
 
 use glam::{DVec2, DVec3};
@@ -32,6 +33,8 @@ pub(crate) enum DepthKind {
     RayDistanceFromNearClip,
     /// World-space position of the surface point, three channels.
     WorldPosition,
+    /// The z coordinate of the surface point in world space.
+    WorldZ,
 }
 
 impl DepthKind {
@@ -42,6 +45,7 @@ impl DepthKind {
             "ray_distance" => Self::RayDistance,
             "ray_distance_from_near_clip" => Self::RayDistanceFromNearClip,
             "position" => Self::WorldPosition,
+            "world_z" => Self::WorldZ,
             _ => return None,
         })
     }
@@ -92,7 +96,7 @@ impl DepthRules {
         let raw = f64::from(value);
         let scaled = raw * self.unit_scale;
         let depth_z = match self.kind {
-            DepthKind::PlanarZ | DepthKind::WorldPosition => scaled,
+            DepthKind::PlanarZ | DepthKind::WorldPosition | DepthKind::WorldZ => scaled,
             DepthKind::RayDistance => scaled / ray_length,
             DepthKind::RayDistanceFromNearClip => scaled / ray_length + self.near_clip,
         };
@@ -133,10 +137,31 @@ impl DepthRules {
     /// Inverse planar z of every pixel of `camera` in place of a plane of raw values, row-major.
     pub(crate) fn inverse_depth_plane(&self, mut values: Vec<f32>, camera: &Camera) -> Vec<f32> {
         let width = camera.intrinsics.size().0.max(1);
+        if self.kind == DepthKind::WorldZ {
+            let inverse = |(index, value): (usize, &f32)| {
+                let pixel = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
+                self.inverse_depth_of_world_z(*value, pixel, camera)
+            };
+            return values.iter().enumerate().map(inverse).collect();
+        }
         for (y, values) in values.chunks_mut(width).enumerate() {
             simd::run(DepthRow { rules: *self, intrinsics: camera.intrinsics, y, values });
         }
         values
+    }
+
+    /// Inverse planar z of a pixel whose surface point has this z coordinate in world space.
+    fn inverse_depth_of_world_z(&self, value: f32, pixel: DVec2, camera: &Camera) -> f32 {
+        let raw = f64::from(value);
+        let is_unknown = value.is_nan() || (value == 0.0 && self.zero_is_unknown);
+        if is_unknown || Some(value) == self.invalid_value {
+            return INVALID_INVERSE_DEPTH;
+        }
+        if self.is_given_miss(raw) || value >= self.misses_from {
+            return 0.0;
+        }
+        let ray = camera.world_from_camera.transform_vector3(camera.intrinsics.ray_in_camera(pixel));
+        self.inverse_of_planar((raw * self.unit_scale - camera.position_in_world().z) / ray.z)
     }
 
     /// Inverse planar z of every pixel of `camera` from planes of world-space positions, in the file's unit, row-major. A

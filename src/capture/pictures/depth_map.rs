@@ -24,11 +24,12 @@ pub(crate) struct DepthMap {
 }
 
 impl DepthMap {
-    /// Reads depth from any format but `OpenEXR`.
+    /// Reads depth from any format but `OpenEXR`. Of PNG, 8 bits of gray (or of three equal channels) are enough where values are
+    /// `levels` between two planes.
     ///
     /// # Errors
     /// `Io`, `Invalid`, `Unsupported`: a file that is missing, damaged, or holds something else.
-    pub(crate) fn read(path: &Path, place: &str) -> Result<Self> {
+    pub(crate) fn read(path: &Path, levels: bool, place: &str) -> Result<Self> {
         let bytes = || std::fs::read(path).map_err(|error| Error::io(path, error));
         let whole =
             |size, values| Self { size, values, whole_up_to: Some(f32::from(u16::MAX)), step_relative: 0.0 };
@@ -52,9 +53,24 @@ impl DepthMap {
                     let size = (gray.width() as usize, gray.height() as usize);
                     Ok(whole(size, gray.pixels().map(|pixel| f32::from(pixel.0[0])).collect()))
                 }
+                picture if levels && has_eight_bits(&picture) => {
+                    let gray = picture.into_luma8();
+                    let size = (gray.width() as usize, gray.height() as usize);
+                    let values = gray.pixels().map(|pixel| f32::from(pixel.0[0])).collect();
+                    Ok(Self { size, values, whole_up_to: Some(f32::from(u8::MAX)), step_relative: 0.0 })
+                }
                 _ => Err(not_depth(place)),
             },
         }
+    }
+}
+
+/// Whether a picture is gray of 8 bits, also where three channels say the same.
+fn has_eight_bits(picture: &DynamicImage) -> bool {
+    match picture {
+        DynamicImage::ImageLuma8(_) => true,
+        DynamicImage::ImageRgb8(rgb) => rgb.pixels().all(|pixel| pixel.0 == [pixel.0[0]; 3]),
+        _ => false,
     }
 }
 
@@ -62,15 +78,17 @@ fn not_depth(place: &str) -> Error {
     Error::unsupported(place, "depth in PNG must be 16-bit gray; save it so, or as EXR")
 }
 
-/// Columns and rows of depth in any format but `OpenEXR`, from the header where it is apart.
-pub(crate) fn depth_size(path: &Path, place: &str) -> Result<(usize, usize)> {
+/// Columns and rows of depth in any format but `OpenEXR`, from the header where it is apart; `levels` as in
+/// [`DepthMap::read`].
+pub(crate) fn depth_size(path: &Path, levels: bool, place: &str) -> Result<(usize, usize)> {
     match format_of(path, place)? {
+        PictureFormat::Png if levels => size(path, place),
         PictureFormat::Png => {
             super::raster::check_gray16(path, place)
                 .map_err(|error| error.unwrap_or_else(|| not_depth(place)))?;
             size(path, place)
         }
-        _ => Ok(DepthMap::read(path, place)?.size),
+        _ => Ok(DepthMap::read(path, levels, place)?.size),
     }
 }
 

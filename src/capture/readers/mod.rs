@@ -10,10 +10,13 @@
 mod bop;
 mod colmap;
 mod convertible;
+mod easymocap;
 mod exr_header;
 mod isaac;
 mod kubric;
+mod livescan3d;
 mod miv;
+mod msr;
 mod nerfstudio;
 mod place;
 mod polycam;
@@ -47,6 +50,7 @@ const READERS: &[&dyn Reader] = &[
     &scanner_app::ScannerApp,
     &miv::Miv,
     &tum::Tum,
+    &livescan3d::LiveScan3d,
     &redwood::Redwood,
     &seven_scenes::SevenScenes,
     &scannet::ScanNet,
@@ -55,6 +59,8 @@ const READERS: &[&dyn Reader] = &[
     &bop::Bop,
     &isaac::Isaac,
     &kubric::Kubric,
+    &msr::Msr,
+    &easymocap::EasyMocap,
     &exr_header::ExrHeader,
 ];
 

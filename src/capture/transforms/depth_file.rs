@@ -10,7 +10,7 @@ use super::exr_picture::{
 };
 use super::files::PictureFiles;
 use crate::capture::camera::Camera;
-use crate::capture::exr::{DepthKind, DepthTrouble, ExrFile};
+use crate::capture::exr::{DepthKind, DepthRules, DepthTrouble, ExrFile};
 use crate::capture::pictures::{
     DepthGrid, DepthMap, PictureFormat, depth_size, drop_unsure, format_of, gray, register,
 };
@@ -32,21 +32,26 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
     if format_of(path, place)? == PictureFormat::Yuv {
         let grid = grid_of(camera.intrinsics.size(), files, camera, place)?;
         let (values, half_step) = files.raw_video.depth(path, place, camera.intrinsics.size())?;
-        let rules = files.raw_video_rules(place)?;
+        let rules = files.level_rules(place)?;
         refuse_bent_rays(rules.kind, &grid, place)?;
-        let inverse_depth = rules.inverse_depth_plane(values, &camera_of(&grid, camera));
-        // Levels are even in 1/z: their relative error grows with distance.
-        let farthest = quantile_of_hits(&inverse_depth, 1.0 - NEARLY_ALL);
-        let mut depth = DepthPart {
-            step_relative: if farthest > 0.0 { half_step / farthest } else { 0.0 },
-            inverse_depth,
-            name: path.display().to_string(),
-            trouble: DepthTrouble::MayBeUnmeasured,
-        };
+        let mut depth = of_levels((values, half_step), &rules, &camera_of(&grid, camera), path);
         return finish(&mut depth, &grid, files, camera, place).map(|()| depth);
     }
-    let map = DepthMap::read(path, place)?;
+    let map = DepthMap::read(path, files.raw_video.has_range(), place)?;
     let grid = grid_of(map.size, files, camera, place)?;
+    if files.raw_video.has_range() {
+        let levels = map.whole_up_to.and_then(|most| files.raw_video.depth_of_levels(&map.values, most));
+        let Some(levels) = levels else {
+            return Err(Error::invalid(
+                place,
+                "depth_range is of depth in whole numbers, and these are floats; leave it out",
+            ));
+        };
+        let rules = files.level_rules(place)?;
+        refuse_bent_rays(rules.kind, &grid, place)?;
+        let mut depth = of_levels(levels, &rules, &camera_of(&grid, camera), path);
+        return finish(&mut depth, &grid, files, camera, place).map(|()| depth);
+    }
     let rules = files.map_depth_rules(map.whole_up_to, place)?;
     refuse_bent_rays(rules.kind, &grid, place)?;
     let inverse_depth = rules.inverse_depth_plane(map.values, &camera_of(&grid, camera));
@@ -58,6 +63,24 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         trouble: DepthTrouble::MayBeUnmeasured,
     };
     finish(&mut depth, &grid, files, camera, place).map(|()| depth)
+}
+
+/// Depth in world units that was given in levels, half of which is `half_step` as inverse depth.
+fn of_levels(
+    (values, half_step): (Vec<f32>, f32),
+    rules: &DepthRules,
+    camera: &Camera,
+    path: &Path,
+) -> DepthPart {
+    let inverse_depth = rules.inverse_depth_plane(values, camera);
+    // Levels are even in 1/z: their relative error grows with distance.
+    let farthest = quantile_of_hits(&inverse_depth, 1.0 - NEARLY_ALL);
+    DepthPart {
+        step_relative: if farthest > 0.0 { half_step / farthest } else { 0.0 },
+        inverse_depth,
+        name: path.display().to_string(),
+        trouble: DepthTrouble::MayBeUnmeasured,
+    }
 }
 
 /// Registers depth that came with the color, where the lens bends both.
@@ -83,9 +106,9 @@ pub(super) fn probe(path: &Path, files: &PictureFiles, camera: &Camera, place: &
     if format_of(path, place)? == PictureFormat::Yuv {
         grid_of(camera.intrinsics.size(), files, camera, place)?;
         files.raw_video.check_depth(path, place, camera.intrinsics.size())?;
-        return Ok(files.raw_video_rules(place)?.kind);
+        return Ok(files.level_rules(place)?.kind);
     }
-    grid_of(depth_size(path, place)?, files, camera, place)?;
+    grid_of(depth_size(path, files.raw_video.has_range(), place)?, files, camera, place)?;
     Ok(files.map_depth_rules(None, place)?.kind)
 }
 

@@ -68,7 +68,7 @@ impl PictureFiles {
                 Error::invalid(
                     place,
                     format!(
-                        "depth_kind '{name}' is unknown; there are planar_z, ray_distance, ray_distance_from_near_clip, position"
+                        "depth_kind '{name}' is unknown; there are planar_z, ray_distance, ray_distance_from_near_clip, position, world_z"
                     ),
                 )
             })
@@ -158,10 +158,12 @@ impl PictureFiles {
             None | Some(DepthKind::PlanarZ | DepthKind::WorldPosition) => DepthMeasure::PlanarZ,
             Some(DepthKind::RayDistance) => DepthMeasure::RayDistance,
             Some(DepthKind::RayDistanceFromNearClip) => DepthMeasure::RayDistanceFromNearClip,
+            Some(DepthKind::WorldZ) => DepthMeasure::WorldZ,
         };
         let file = self.depth.as_ref().unwrap_or(&self.color);
         let is_exr = matches!(format_of(file, ""), Ok(PictureFormat::Exr));
-        let unit = self.unit_scale.unwrap_or(if is_exr { 1.0 } else { UNIT_SCALE });
+        let is_in_world_units = is_exr || self.raw_video.has_range();
+        let unit = self.unit_scale.unwrap_or(if is_in_world_units { 1.0 } else { UNIT_SCALE });
         DepthClaim { measure, unit, near_clip: self.rules.near_clip }
     }
 
@@ -217,11 +219,11 @@ impl PictureFiles {
         })
     }
 
-    /// The rules for depth of raw video, which is in world units already.
+    /// The rules for depth in levels between a near and a far plane, which is in world units already.
     ///
     /// # Errors
     /// `Invalid` for positions, which take three channels.
-    pub(crate) fn raw_video_rules(&self, place: &str) -> Result<DepthRules> {
+    pub(crate) fn level_rules(&self, place: &str) -> Result<DepthRules> {
         let rules = self.map_depth_rules(None, place)?;
         Ok(DepthRules { unit_scale: 1.0, misses_from: f32::MAX, ..rules })
     }

@@ -23,10 +23,10 @@ pub(crate) struct RawVideoKeys {
     /// Weights and range of raw video of color.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yuv_color: Option<String>,
-    /// Near and far plane of raw video of depth, whose levels run evenly in 1/z; far is null where it is infinite.
+    /// Near and far plane of depth in raw video or in whole numbers, whose levels run evenly in 1/z; far is null where it is infinite.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_range: Option<(f64, Option<f64>)>,
-    /// Whether level 0 of raw video of depth means that there is none.
+    /// Whether level 0 of such depth means that there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_zero_is_unknown: Option<bool>,
 }
@@ -116,6 +116,19 @@ impl RawVideo {
     /// Checks that a picture of depth is there.
     pub(super) fn check_depth(&self, path: &Path, place: &str, size: (usize, usize)) -> Result<()> {
         self.depth_file(path, place, size)?.0.check(self.index)
+    }
+
+    /// Whether depth is given in levels between a near and a far plane.
+    pub(super) fn has_range(&self) -> bool {
+        self.range.is_some()
+    }
+
+    /// Levels of at most `largest` as depth in world units, and half a level of it as inverse depth; `None` where depth is not
+    /// given in levels.
+    pub(super) fn depth_of_levels(&self, levels: &[f32], largest: f32) -> Option<(Vec<f32>, f32)> {
+        let range = self.range?;
+        let depth = levels.iter().map(|level| range.depth(*level, largest)).collect();
+        Some((depth, range.half_step(largest)))
     }
 
     fn depth_file<'a>(

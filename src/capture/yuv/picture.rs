@@ -38,6 +38,11 @@ impl DepthRange {
         (self.far.recip() + share * (self.near.recip() - self.far.recip())).recip() as f32
     }
 
+    /// Half a level of at most `largest`, as inverse depth.
+    pub(crate) fn half_step(&self, largest: f32) -> f32 {
+        (0.5 * (self.near.recip() - self.far.recip()) / f64::from(largest)) as f32
+    }
+
     /// The level of an inverse depth of 0 or more; `None` where it is negative: that is no depth.
     pub(crate) fn level(&self, inverse_depth: f32, largest: u16) -> u16 {
         if inverse_depth < 0.0 {
@@ -86,8 +91,7 @@ impl<'a> YuvFile<'a> {
 
     /// Half a level, as inverse depth.
     pub(crate) fn half_step(&self, range: &DepthRange) -> f32 {
-        let span = range.near.recip() - range.far.recip();
-        (0.5 * span / f64::from(self.format.largest())) as f32
+        range.half_step(f32::from(self.format.largest()))
     }
 
     /// The samples of picture `index`: luma, U, V.

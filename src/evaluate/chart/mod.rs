@@ -9,6 +9,7 @@
 pub(crate) mod axis;
 mod color;
 mod error_picture;
+mod labels;
 mod pareto;
 mod stress;
 mod svg;

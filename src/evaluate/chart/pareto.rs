@@ -2,6 +2,7 @@
 
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
+use super::labels::Labels;
 use super::svg::{Anchor, Chart, Marker, Svg};
 use crate::evaluate::sweep::{Point, Series, mark_pareto};
 use crate::settings::Kernel;
@@ -108,9 +109,9 @@ impl Panel<'_> {
                 svg.marker(shape, self.position(point), radius, point_color(point));
             }
         }
+        let mut labels = Labels::new([self.left, TOP, self.right, BOTTOM]);
         for point in points.iter().filter(|point| point.series == Series::External) {
-            let (x, y) = self.position(point);
-            svg.text((x + 12.0, y + 5.0), Anchor::Start, (14.0, color::PINK), &point.label);
+            labels.draw(svg, self.position(point), 8.0, (14.0, color::PINK), &point.label);
         }
         for point in points.iter().filter(|point| point.series == Series::Reference) {
             let (x, y) = self.position(point);

@@ -2,6 +2,7 @@
 
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
+use super::labels::Labels;
 use super::svg::{Anchor, Chart, Marker, Svg};
 use crate::evaluate::sweep::Series;
 use crate::evaluate::trial::MeanEstimate;
@@ -51,6 +52,7 @@ pub(crate) fn together(points: &[TogetherPoint]) -> Chart {
         "bytes, as a share of the default's",
     );
     svg.upward((30.0, 0.5 * (top + bottom)), (16.0, color::INK), "dB ahead of the default");
+    let mut labels = Labels::new(PLOT);
     for point in points {
         let at = (x.at(point.bytes), y.at(point.ahead_db.mean));
         let [low, high] = bar(point).map(|end| y.at(end));
@@ -63,7 +65,7 @@ pub(crate) fn together(points: &[TogetherPoint]) -> Chart {
         };
         svg.marker(marker, at, 6.0, ink);
         if point.series != Series::Variation {
-            svg.text((at.0 + 10.0, at.1 - 6.0), Anchor::Start, (12.0, ink), &point.label);
+            labels.draw(&mut svg, at, 6.0, (12.0, ink), &point.label);
         }
     }
     svg.finish()

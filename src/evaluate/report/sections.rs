@@ -123,9 +123,14 @@ fn verdict(points: &[Point]) -> String {
     let best = points.iter().max_by(|a, b| a.psnr_filled_db.total_cmp(&b.psnr_filled_db));
     let leader = best.map_or_else(String::new, |best| format!("; the most accurate is '{}'", best.label));
     if others.is_empty() {
-        return format!(
-            "All {count} points on the Pareto front of bytes and accuracy are settings of ours{leader}."
-        );
+        return match count {
+            1 => format!(
+                "The one point on the Pareto front of bytes and accuracy is a setting of ours{leader}."
+            ),
+            _ => format!(
+                "All {count} points on the Pareto front of bytes and accuracy are settings of ours{leader}."
+            ),
+        };
     }
     let named: Vec<String> = others
         .iter()
@@ -138,10 +143,13 @@ fn verdict(points: &[Point]) -> String {
             )
         })
         .collect();
-    format!(
-        "{count} points on the Pareto front of bytes and accuracy are settings of ours; the others are {}{leader}.",
-        named.join(", ")
-    )
+    let ours = match count {
+        0 => "No point on the Pareto front of bytes and accuracy is a setting of ours".to_owned(),
+        1 => "1 point on the Pareto front of bytes and accuracy is a setting of ours".to_owned(),
+        _ => format!("{count} points on the Pareto front of bytes and accuracy are settings of ours"),
+    };
+    let verb = if others.len() == 1 { "the other is" } else { "the others are" };
+    format!("{ours}; {verb} {}{leader}.", named.join(", "))
 }
 
 fn name(label: &str, series: Series) -> String {

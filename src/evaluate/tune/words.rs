@@ -43,6 +43,7 @@ fn good_enough(tuned: &Tuned, plan: &TunePlan) -> String {
         (None, Some(TuneBudget::Bytes(bytes))) => {
             format!("Of {tried} settings tried, the most accurate within {} was taken.", mebibytes(bytes))
         }
+        (None, None) if tried == 1 => "1 setting was tried.".to_owned(),
         (None, None) => format!("{tried} settings were tried."),
     }
 }
