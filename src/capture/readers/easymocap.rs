@@ -1,4 +1,4 @@
-//! Rigs calibrated by `EasyMocap`, as ENeRF, ZJU-MoCap and `4K4D` have them too.
+//! Rigs calibrated by `EasyMocap`, as `ENeRF`, `ZJU-MoCap` and `4K4D` have them too.
 //!
 //! Source: `EasyMocap`'s `camera_utils.py`: `intri.yml` (`K_NAME` 3×3, `dist_NAME` k1 k2 p1 p2 k3) and `extri.yml` (`names`, `R_NAME`
 //! Rodrigues' vector, `Rot_NAME` 3×3, `T_NAME`: world to camera, x right, y down, z forward) in `OpenCV`'s YAML, `images/NAME/000000.jpg`.

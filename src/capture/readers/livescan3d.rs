@@ -157,7 +157,8 @@ fn poses(path: &Path) -> Result<Vec<(u64, DAffine3)>> {
 
 /// The file of calibration in a sensor's folder.
 fn calibration_in(folder: &Path) -> Result<PathBuf> {
-    let is_calibration = |name: &String| name.starts_with("Intrinsics_Calib_") && name.ends_with(".json");
+    let is_calibration =
+        |name: &String| name.strip_suffix(".json").is_some_and(|stem| stem.starts_with("Intrinsics_Calib_"));
     let name = names_in(folder)?.into_iter().find(is_calibration);
     name.map(|name| folder.join(name)).ok_or_else(|| {
         let what = "there is no Intrinsics_Calib_*.json; record the take with its calibration saved (LiveScan3D writes it with raw frames)";
@@ -196,7 +197,7 @@ fn color_mode((width, height): (usize, usize)) -> Option<Mode> {
     let (width, height) = (width as f64, height as f64);
     let all_rows = 0.75 * width;
     let is_known = height * 4.0 == width * 3.0 || height * 16.0 == width * 9.0;
-    is_known.then(|| Mode { scaled: (width, all_rows), offset: (0.0, 0.5 * (all_rows - height)) })
+    is_known.then_some(Mode { scaled: (width, all_rows), offset: (0.0, 0.5 * (all_rows - height)) })
 }
 
 /// Depth: the four modes of the sensor of 1024×1024.

@@ -84,7 +84,7 @@ impl Reader for Msr {
 
 /// The file of calibrations: the one that was named, or the first of the folder's.
 fn calibration_of(place: &Place) -> Option<&str> {
-    let is_ours = |name: &str| name.starts_with("calibParams") && name.ends_with(".txt");
+    let is_ours = |name: &str| name.strip_suffix(".txt").is_some_and(|stem| stem.starts_with("calibParams"));
     match place.file.as_deref() {
         Some(name) => Some(name).filter(|name| is_ours(name)),
         None => place.names().find(|name| is_ours(name)),
@@ -117,7 +117,7 @@ fn calibrations(path: &Path) -> Result<Vec<Calibration>> {
             Error::invalid(path.display(), format!("camera {position}, counted from 0, {what}"))
         };
         let index = of_camera[0];
-        if !(index >= 0.0 && index < 1e6 && index.fract() == 0.0) {
+        if !((0.0..1e6).contains(&index) && index.fract() == 0.0) {
             return Err(wrong(format!("has the index {index}")));
         }
         if of_camera[10..12] != [0.0; 2] {

@@ -179,7 +179,8 @@ fn depth_size_of(entry: &Value, folder: &Path, lens: &AlignedLens) -> Result<(us
     let named = ["depth_file_path", "depth_path"].iter().find_map(|key| entry.get(key)?.as_str());
     let is_apart = |path: &PathBuf| path.extension().is_some_and(|extension| extension != "exr");
     match named.map(|name| folder.join(name)).filter(is_apart) {
-        Some(path) => depth_size(&path, &path.display().to_string()),
+        // The capture was opened: what its bits mean is known to be right.
+        Some(path) => depth_size(&path, true, &path.display().to_string()),
         None => Ok(lens.claimed.size()),
     }
 }
