@@ -126,12 +126,18 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Commands) {
 
 fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
-        for (view, name, help) in DockView::ALL {
-            let button = ui.button(name).on_hover_text(help);
-            if button.accessible_name(format!("Open view {name}")).clicked() {
-                commands.push(Command::OpenView(view));
+        // In two columns, so that all of the menu fits a window 640 points high.
+        egui::Grid::new("views").num_columns(2).show(ui, |ui| {
+            for (nth, (view, name, help)) in DockView::ALL.into_iter().enumerate() {
+                let button = ui.button(name).on_hover_text(help);
+                if button.accessible_name(format!("Open view {name}")).clicked() {
+                    commands.push(Command::OpenView(view));
+                }
+                if nth % 2 == 1 {
+                    ui.end_row();
+                }
             }
-        }
+        });
         ui.separator();
         shown_parts_ui(ui, state, commands);
         ui.separator();
