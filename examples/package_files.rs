@@ -135,18 +135,19 @@ fn third_party(found: Found) -> Result<String, Box<dyn Error>> {
     Ok(list)
 }
 
-/// The licenses in the folder of a manifest and in that of its fonts, in the order of their names.
+/// The licenses in the folder of a manifest, in one that is named so, and in that of its fonts, in the order of their paths.
 fn texts_beside(manifest: &Path) -> Result<Vec<String>, Box<dyn Error>> {
     let Some(folder) = manifest.parent() else { return Ok(Vec::new()) };
     let mut files = Vec::new();
     for (folder, is_license) in [
         (folder.to_path_buf(), (|name| name.starts_with("LICENSE")) as fn(&str) -> bool),
+        (folder.join("LICENSES"), |_| true),
         (folder.join("fonts"), |name| Path::new(name).extension().is_some_and(|ending| ending == "txt")),
     ] {
         let Ok(entries) = fs::read_dir(folder) else { continue };
         for entry in entries {
             let path = entry?.path();
-            if path.file_name().and_then(|name| name.to_str()).is_some_and(is_license) {
+            if path.is_file() && path.file_name().and_then(|name| name.to_str()).is_some_and(is_license) {
                 files.push(path);
             }
         }
