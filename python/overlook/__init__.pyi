@@ -151,7 +151,9 @@ class Store:
         """What preprocessing counted and measured, as `overlook preprocess --json` gives it."""
 
     def save(self, path: Path) -> int:
-        """Writes the store to a file, rounded as the setting store.precision says, and gives its size in bytes. A file that is there is replaced once the new one is whole."""
+        """Writes the store to a file, rounded as the setting store.precision says, and gives its size in bytes.
+
+        A file that is there is replaced once the new one is whole."""
 
     def samples(self, frame: int | None = None, camera: int | None = None) -> Samples:
         """The samples that show one frame, or of all spans; of one camera, or of all.

@@ -29,7 +29,7 @@ const MOST_COARSE_MATCHES: usize = 10_000;
 const START_RATIOS: [f64; 7] = [1.0, 0.95, 1.05, 0.9, 1.1, 0.85, 1.15];
 /// Standard deviations of the unknowns, as they are known beforehand; in the order of [`UNKNOWNS`].
 const TRUST: [f64; UNKNOWNS] = [0.1, 0.02, 0.02, 0.02, 0.03, 0.03, 0.03, 0.02, 0.02];
-/// What a match counts beside that: neighbors are not independent, and wrong poses are wrong for all matches of a pair.
+/// The weight of one match: neighbors are not independent, and a wrong pose is wrong for all matches of a pair.
 const INDEPENDENT: f64 = 0.05;
 /// Unknowns of the models in turn.
 const MODELS: [&[usize]; 3] = [&[0], &[0, 1, 2, 3, 4, 5, 6], &[0, 1, 2, 3, 4, 5, 6, 7, 8]];
@@ -41,7 +41,7 @@ const START_STEPS: usize = 5;
 const COARSEST: usize = 3;
 /// A change that moves colors by less, in pixels, does not show.
 const LEAST_MOVE_PX: f64 = 0.4;
-/// No change that moves colors by less than this is looked for farther than the first look.
+/// The search ends at once where the first step from the claimed lens moves colors by no more, pixels.
 const SETTLED_PX: f64 = 0.3;
 /// Standardized brightness differs by so much within one surface whatever the lens: the width of the loss that judges.
 const JUDGED_SIGMA: f64 = 0.3;
@@ -154,7 +154,7 @@ impl<'a> Search<'a> {
         for (index, free) in MODELS.into_iter().enumerate() {
             let stages: &[(usize, usize)] =
                 if index == 0 { &FIRST_STAGES } else { &FURTHER_STAGES[index - 1..] };
-            let found = self.refined(from, free, stages, &self.fitting, job)?;
+            let found = self.refined(from, free, stages, job)?;
             let before = kept.as_ref().map_or(claimed, |kept| kept.0);
             if pays(&self.judged(&before, &found)) {
                 kept = Some((found, free, self.judged(&claimed, &found)));
@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
         let claimed_loss = best.1;
         for ratio in START_RATIOS {
             let stages = [(COARSEST, START_STEPS)];
-            let found = self.refined(claimed.scaled(ratio), MODELS[1], &stages, &self.fitting, job)?;
+            let found = self.refined(claimed.scaled(ratio), MODELS[1], &stages, job)?;
             let loss = self.mean_loss(&found, &coarse);
             if loss < best.1 * (1.0 - BETTER_START) {
                 best = (found, loss);
@@ -193,7 +193,7 @@ impl<'a> Search<'a> {
         if best.1 < claimed_loss {
             return Ok(Some(best.0));
         }
-        let looked = self.refined(claimed, MODELS[1], &[(1, 1)], &self.fitting, job)?;
+        let looked = self.refined(claimed, MODELS[1], &[(1, 1)], job)?;
         Ok((self.moved_px(&claimed, &looked) > SETTLED_PX).then_some(claimed))
     }
 
@@ -213,22 +213,20 @@ impl<'a> Search<'a> {
         sum / count
     }
 
+    /// Refined by the pairs that find the lens: so many steps at each resolution, fewer where nothing changes any more.
     fn refined(
         &self,
         mut lens: ColorLens,
         free: &[usize],
         stages: &[(usize, usize)],
-        pairs: &[Matches],
         job: &Job,
     ) -> Result<ColorLens> {
         for (level, steps) in stages {
             let sensing = self.sensing(*level);
             for _ in 0..*steps {
                 job.check()?;
-                let equations = self.equations(&lens, free, shares(pairs, &lens, &sensing).iter());
-                let Some(factor) = equations.factor() else { break };
-                let step = spread(free, &factor.solve(&equations.right));
-                lens = lens.moved(&step, &self.claimed, self.distance);
+                let shares = shares(&self.fitting, &lens, &sensing);
+                let Some(step) = self.step(&mut lens, free, &shares) else { break };
                 if step.iter().all(|part| part.abs() < SETTLED) {
                     break;
                 }
@@ -237,18 +235,26 @@ impl<'a> Search<'a> {
         Ok(lens)
     }
 
+    /// Refined by all pairs at the finest resolution.
     fn refined_by_all(&self, mut lens: ColorLens, free: &[usize], job: &Job) -> Result<ColorLens> {
         const STEPS: usize = 4;
         let sensing = self.sensing(0);
         for _ in 0..STEPS {
             job.check()?;
             let shares = self.shares_of_all(&lens, &sensing);
-            let equations = self.equations(&lens, free, shares.iter());
-            let Some(factor) = equations.factor() else { break };
-            let step = spread(free, &factor.solve(&equations.right));
-            lens = lens.moved(&step, &self.claimed, self.distance);
+            if self.step(&mut lens, free, &shares).is_none() {
+                break;
+            }
         }
         Ok(lens)
+    }
+
+    /// Moves a lens by one step of Gauss–Newton, which it returns; `None` where the equations do not tell it.
+    fn step(&self, lens: &mut ColorLens, free: &[usize], shares: &[Share]) -> Option<[f64; UNKNOWNS]> {
+        let equations = self.equations(lens, free, shares);
+        let step = spread(free, &equations.factor()?.solve(&equations.right));
+        *lens = lens.moved(&step, &self.claimed, self.distance);
+        Some(step)
     }
 
     fn shares_of_all(&self, lens: &ColorLens, sensing: &Sensing) -> Vec<Share> {
@@ -258,12 +264,7 @@ impl<'a> Search<'a> {
     }
 
     /// The normal equations of the free unknowns, with the pull toward what is claimed.
-    fn equations<'s>(
-        &self,
-        lens: &ColorLens,
-        free: &[usize],
-        shares: impl Iterator<Item = &'s Share>,
-    ) -> NormalEquations {
+    fn equations(&self, lens: &ColorLens, free: &[usize], shares: &[Share]) -> NormalEquations {
         let now = lens.unknowns(&self.claimed, self.distance);
         let mut equations = NormalEquations::new(free.len());
         for (row, &unknown) in free.iter().enumerate() {
@@ -286,7 +287,7 @@ impl<'a> Search<'a> {
     fn standard_errors(&self, lens: &ColorLens, free: &[usize]) -> [f64; UNKNOWNS] {
         let shares = self.shares_of_all(lens, &self.sensing(0));
         let mut errors = [0.0; UNKNOWNS];
-        let Some(factor) = self.equations(lens, free, shares.iter()).factor() else { return errors };
+        let Some(factor) = self.equations(lens, free, &shares).factor() else { return errors };
         for share in &shares {
             let right: Vec<f64> = free.iter().map(|unknown| share.right[*unknown]).collect();
             let asked = spread(free, &factor.solve(&right));

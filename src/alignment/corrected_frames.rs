@@ -1,14 +1,10 @@
 //! A capture as it would have been recorded without what was found wrong.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
 use glam::{DMat3, Mat3, Vec3};
 use half::f16;
 
-use crate::capture::conventions::{DepthClaim, PoseConvention};
-use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
-use crate::error::Result;
+use super::derived_frames::derived;
+use crate::capture::{Camera, Capture, Frame};
 
 /// What is changed about the frames of one camera.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,60 +18,31 @@ pub(crate) struct FrameCorrection {
 impl FrameCorrection {
     /// Nothing.
     pub(crate) const NONE: Self = Self { gain: [1.0; 3], normal_turn: DMat3::IDENTITY };
-}
 
-/// Frames of a capture, corrected as they are asked for.
-struct CorrectedFrames {
-    original: Capture,
-    corrections: Vec<FrameCorrection>,
-}
-
-impl FrameSource for CorrectedFrames {
-    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        let frame = self.original.frame(camera, frame)?;
-        let mut frame = Frame::clone(&frame);
-        let correction = &self.corrections[camera];
-        if correction.gain != [1.0; 3] {
+    /// A frame as it would have been recorded.
+    fn applied(&self, frame: &Frame) -> Frame {
+        let mut frame = frame.clone();
+        if self.gain != [1.0; 3] {
             for color in frame.color.as_mut_slice() {
                 *color = std::array::from_fn(|channel| {
-                    let brighter = f32::from(color[channel]) * correction.gain[channel];
+                    let brighter = f32::from(color[channel]) * self.gain[channel];
                     f16::from_f32(brighter.min(f16::MAX.to_f32()))
                 });
             }
         }
-        if correction.normal_turn != DMat3::IDENTITY
+        if self.normal_turn != DMat3::IDENTITY
             && let Some(normals) = &mut frame.normal_in_world
         {
-            let turn: Mat3 = correction.normal_turn.as_mat3();
+            let turn: Mat3 = self.normal_turn.as_mat3();
             for normal in normals.as_mut_slice() {
                 *normal = (turn * Vec3::from_array(*normal)).to_array();
             }
         }
-        Ok(frame)
-    }
-
-    fn place(&self, camera: usize, frame: usize) -> String {
-        self.original.place(camera, frame)
-    }
-
-    fn frames_are_ranked(&self) -> bool {
-        self.original.frames_are_ranked()
-    }
-
-    fn depth_claim(&self) -> DepthClaim {
-        self.original.source.depth_claim()
-    }
-
-    fn pose_convention(&self) -> PoseConvention {
-        self.original.source.pose_convention()
-    }
-
-    fn files(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
-        self.original.files_of(camera, frame)
+        frame
     }
 }
 
-/// Decoded frames are kept by the capture below; those that were corrected are made again.
+/// Corrected frames that are kept, bytes: few, since they are soon made again.
 const CACHE_BYTES: usize = 64 << 20;
 
 /// The capture with these cameras in place of its own, and frames corrected.
@@ -89,7 +56,5 @@ pub(crate) fn corrected(
         moved.cameras = cameras;
         return moved;
     }
-    let source = Arc::new(CorrectedFrames { original: capture.clone(), corrections });
-    let original: &CaptureParts = capture;
-    Capture::new(CaptureParts { cameras, source, ..original.clone() }, CACHE_BYTES)
+    derived(capture, cameras, CACHE_BYTES, move |camera, frame| corrections[camera].applied(frame))
 }

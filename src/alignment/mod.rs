@@ -17,6 +17,7 @@ mod color_lens;
 mod color_lens_matches;
 mod color_lens_search;
 mod corrected_frames;
+mod derived_frames;
 mod exposure;
 mod judge;
 mod median;
@@ -87,8 +88,7 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     } else {
         (Vec::new(), None)
     };
-    let claimed = capture;
-    let registered = registered(claimed, &lenses);
+    let registered = registered(capture, &lenses);
     let capture = &registered;
     let is_lens_alone = [settings.poses, settings.exposure].iter().all(|part| *part == Correction::Off);
     if is_lens_alone || cameras > MOST_CAMERAS {
@@ -97,7 +97,12 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         let alignment = looked.alignment(capture, &lenses, job)?;
         return Ok(Aligned { capture: registered, alignment: Some(alignment) });
     }
-    let mut problem = problem(capture, None, job)?;
+    // What a lens was looked for in is what poses are solved for, where no lens changed it and no camera was left out.
+    let known = looked.filter(|looked| lenses.is_empty() && looked.cameras.len() == cameras);
+    let mut problem = match known {
+        Some(looked) => looked.problem,
+        None => problem(capture, None, job)?,
+    };
     if problem.pairs.is_empty() {
         return Ok(unchanged);
     }
@@ -139,7 +144,6 @@ struct LookedAt {
     /// Their indices.
     cameras: Vec<usize>,
     problem: Problem,
-    before: Vec<[f64; 2]>,
 }
 
 impl LookedAt {
@@ -150,8 +154,7 @@ impl LookedAt {
         let count = affordable.clamp(LEAST_CAMERAS, MOST_LENS_CAMERAS).min(all);
         let cameras: Vec<usize> = (0..count).map(|index| index * all / count).collect();
         let problem = problem(&Self::of(capture, &cameras), None, job)?;
-        let before = problem.pair_medians();
-        Ok(Self { cameras, problem, before })
+        Ok(Self { cameras, problem })
     }
 
     fn of(capture: &Capture, cameras: &[usize]) -> Capture {
@@ -160,9 +163,10 @@ impl LookedAt {
 
     /// What was corrected where nothing but lenses was looked for; `capture` is seen through them.
     fn alignment(self, capture: &Capture, lenses: &[LensCorrection], job: &Job) -> Result<Alignment> {
+        let before = self.problem.pair_medians();
         let seen = Self::of(capture, &self.cameras);
         let problem = problem(&seen, Some(self.problem.pairs), job)?;
-        let mut alignment = Alignment::new((capture, &problem), lenses, &[], &[], self.before);
+        let mut alignment = Alignment::new((capture, &problem), lenses, &[], &[], before);
         for pair in &mut alignment.pairs {
             pair.source = self.cameras[pair.source];
             pair.target = self.cameras[pair.target];

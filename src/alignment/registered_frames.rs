@@ -1,56 +1,12 @@
 //! A capture whose depth is carried from the lens that it was claimed to share with color into the lens that color has.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
 use glam::{DVec2, Vec3};
 
 use super::color_lens::ColorLens;
-use crate::capture::conventions::{DepthClaim, PoseConvention};
+use super::derived_frames::derived;
 use crate::capture::pictures::{DepthGrid, RayCache, register};
-use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics};
-use crate::error::Result;
+use crate::capture::{Camera, Capture, Frame, Intrinsics};
 use crate::grid::Grid;
-
-/// Frames of a capture, registered as they are asked for.
-struct RegisteredFrames {
-    original: Capture,
-    /// Per camera; `None` where color has the lens of depth.
-    lenses: Vec<Option<ColorLens>>,
-    /// Of the depth cameras.
-    rays: RayCache,
-}
-
-impl FrameSource for RegisteredFrames {
-    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        let frame = self.original.frame(camera, frame)?;
-        let depth = &self.original.cameras[camera];
-        Ok(match &self.lenses[camera] {
-            Some(lens) => registered(&frame, depth, lens, &self.rays),
-            None => Frame::clone(&frame),
-        })
-    }
-
-    fn place(&self, camera: usize, frame: usize) -> String {
-        self.original.place(camera, frame)
-    }
-
-    fn frames_are_ranked(&self) -> bool {
-        self.original.frames_are_ranked()
-    }
-
-    fn depth_claim(&self) -> DepthClaim {
-        self.original.source.depth_claim()
-    }
-
-    fn pose_convention(&self) -> PoseConvention {
-        self.original.source.pose_convention()
-    }
-
-    fn files(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
-        self.original.files_of(camera, frame)
-    }
-}
 
 /// Color as it is, with the depth and the normals that lie behind it.
 fn registered(frame: &Frame, depth: &Camera, lens: &ColorLens, rays: &RayCache) -> Frame {
@@ -105,7 +61,7 @@ pub(crate) fn color_camera(camera: &Camera, lens: &ColorLens) -> Camera {
     }
 }
 
-/// Registered frames that are kept, bytes; the decoded ones are kept by the capture below.
+/// Registered frames that are kept, bytes.
 const CACHE_BYTES: usize = 256 << 20;
 
 /// The capture as seen through the color lenses, per camera; `None` where color has the lens of depth.
@@ -114,11 +70,10 @@ pub(crate) fn with_color_lenses(capture: &Capture, lenses: Vec<Option<ColorLens>
         lens.as_ref().map_or_else(|| camera.clone(), |lens| color_camera(camera, lens))
     };
     let cameras = capture.cameras.iter().zip(&lenses).map(camera).collect();
-    let original: &CaptureParts = capture;
-    let parts = CaptureParts {
-        cameras,
-        source: Arc::new(RegisteredFrames { original: capture.clone(), lenses, rays: RayCache::default() }),
-        ..original.clone()
-    };
-    Capture::new(parts, CACHE_BYTES)
+    let originals = capture.cameras.clone();
+    let rays = RayCache::default();
+    derived(capture, cameras, CACHE_BYTES, move |camera, frame| match &lenses[camera] {
+        Some(lens) => registered(frame, &originals[camera], lens, &rays),
+        None => frame.clone(),
+    })
 }

@@ -5,10 +5,12 @@ use std::fmt::Write;
 use glam::{DAffine3, DQuat};
 use serde::{Deserialize, Serialize};
 
+use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
 use super::exposure::GainCorrection;
 use super::median::MEDIAN_PER_SIGMA;
 use super::poses::PoseCorrection;
+use super::registered_frames::color_camera;
 use super::solver::Problem;
 use crate::capture::{Capture, Intrinsics, TruthView};
 
@@ -177,8 +179,8 @@ impl Alignment {
         let mut corrected = 0;
         for view in views {
             if let Some(lens) = self.lenses.iter().find(|lens| lens.claimed == view.camera.intrinsics) {
-                view.camera.intrinsics = lens.color;
-                view.camera.world_from_camera *= lens.color_from_depth.inverse();
+                let lens = ColorLens { intrinsics: lens.color, color_from_depth: lens.color_from_depth };
+                view.camera = color_camera(&view.camera, &lens);
                 corrected += 1;
             }
         }

@@ -1,6 +1,6 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
-use crate::app::model::{Command, ExportTarget, NoticeKind, Purpose, SavedPathKey, Study};
+use crate::app::model::{Command, ExportTarget, HelpPage, NoticeKind, Purpose, SavedPathKey, Study};
 use crate::app::model::{DockView, PictureZoom, Spot, Table, csv, setting_names, verdict_text};
 use crate::app::overlook_app::OverlookApp;
 use crate::app::work::{ExportRequest, StudyRequest};
@@ -52,9 +52,11 @@ impl OverlookApp {
             Command::CopyTable(table) => self.copy_table(table),
             Command::Help(page) => {
                 state.inspector.help = page;
-                let memory =
-                    self.window.as_ref().and_then(|window| window.device.generate_allocator_report());
-                self.state.inspector.graphics_memory = memory.map(|memory| memory.total_allocated_bytes);
+                if page == Some(HelpPage::About) {
+                    let window = self.window.as_ref();
+                    let memory = window.and_then(|window| window.device.generate_allocator_report());
+                    state.inspector.graphics_memory = memory.map(|memory| memory.total_allocated_bytes);
+                }
             }
             Command::FoundSetting => state.inspector.find_setting = None,
             Command::FindSetting(path) => {

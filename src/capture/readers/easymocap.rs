@@ -73,13 +73,16 @@ impl Reader for EasyMocap {
 fn matrices(path: &Path) -> Result<BTreeMap<String, Vec<f64>>> {
     let file = TextFile::read(path)?;
     let mut found = BTreeMap::new();
+    // Of the matrix that was begun last: its name, its first line, and its numbers as far as they were read.
     let mut open: Option<(String, usize, Option<String>)> = None;
+    let wrong = |line: usize, what: String| Error::invalid(format!("{}, line {line}", path.display()), what);
+    let endless = |(name, line, _): &(String, usize, Option<String>)| {
+        wrong(*line, format!("the matrix {name} has no end: there is no ']'"))
+    };
     for (index, line) in file.text().lines().enumerate() {
-        let wrong =
-            |line: usize, what: String| Error::invalid(format!("{}, line {line}", path.display()), what);
         if let Some((name, _)) = line.split_once(':').filter(|(_, value)| value.contains("!!opencv-matrix")) {
-            if let Some((open, line, _)) = &open {
-                return Err(wrong(*line, format!("the matrix {open} has no end: there is no ']'")));
+            if let Some(open) = &open {
+                return Err(endless(open));
             }
             open = Some((name.trim().trim_matches('"').to_owned(), index + 1, None));
             continue;
@@ -109,11 +112,8 @@ fn matrices(path: &Path) -> Result<BTreeMap<String, Vec<f64>>> {
         }
         open = None;
     }
-    match open {
-        Some((name, line, _)) => Err(Error::invalid(
-            format!("{}, line {line}", path.display()),
-            format!("the matrix {name} has no end: there is no ']'"),
-        )),
+    match &open {
+        Some(open) => Err(endless(open)),
         None => Ok(found),
     }
 }
@@ -150,10 +150,7 @@ fn pose_of(poses: &BTreeMap<String, Vec<f64>>, name: &str, path: &Path) -> Resul
     let (matrix, vector) = (format!("Rot_{name}"), format!("R_{name}"));
     let of_vector = || -> Result<DMat3> {
         let vector = DVec3::from(numbers::<3>(poses, &vector, path)?);
-        let turn = vector
-            .try_normalize()
-            .map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, vector.length()));
-        Ok(DMat3::from_quat(turn))
+        Ok(DMat3::from_quat(DQuat::from_scaled_axis(vector)))
     };
     let rotation = if poses.contains_key(&matrix) {
         let [a, b, c, d, e, f, g, h, i] = numbers::<9>(poses, &matrix, path)?;

@@ -23,8 +23,8 @@ use crate::whole_file;
 pub(crate) struct AlignArgs {
     /// The capture: a folder or its transforms.json.
     capture: PathBuf,
-    /// Where to write a manifest of the same pictures with the corrected poses and color lenses, for other programs. Pictures are named as they lie
-    /// beside the capture's own manifest. Color and depth have a lens each where they differ.
+    /// Where to write a manifest of the same pictures with the corrected poses and color lenses, for other programs. Pictures are
+    /// named as they lie beside the capture's own manifest. Color and depth have a lens each where they differ.
     #[arg(long, value_name = "TRANSFORMS")]
     out: Option<PathBuf>,
     #[command(flatten)]

@@ -57,7 +57,8 @@ impl RenderArgs {
             output::watched(|job| paint(&playback, &views, &paths, (&settings, self.align_views), job))?;
         if corrected > 0 {
             let what = format!(
-                "{corrected} views claim the lens that the capture claims; they are rendered through the color lens that was found in its place"
+                "views that claim the capture's lens are rendered through the color lens that was found in its place: {corrected} of {}",
+                views.len()
             );
             output::warn(&[what]);
         }

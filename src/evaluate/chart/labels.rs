@@ -54,10 +54,8 @@ impl Labels {
         let free = candidates.iter().find(|(.., place)| self.is_free(place));
         let Some((row, anchor, place)) = free.or(candidates.first()).copied() else { return };
         self.taken.push(place);
-        let (x, baseline) = match anchor {
-            Anchor::End => (place[2], place[3] - 0.3 * size),
-            _ => (place[0], place[3] - 0.3 * size),
-        };
+        let x = if matches!(anchor, Anchor::End) { place[2] } else { place[0] };
+        let baseline = place[3] - 0.3 * size;
         if row.abs() > 1.0 {
             svg.line(point, (x, 0.5 * (place[1] + place[3])), (0.6, ink));
         }

@@ -26,7 +26,8 @@ pub(crate) fn is_known(id: ChunkId) -> bool {
 }
 
 impl InfoChunks {
-    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB` stands before the last of them.
+    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB` stands before the last
+    /// of them.
     pub(crate) fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
         let iff = |error| from_iff(path, error);
         let mut version = None;

@@ -1,0 +1,53 @@
+//! A capture whose frames are changed as they are asked for, and that tells all else as the original does.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::capture::conventions::{DepthClaim, PoseConvention};
+use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
+use crate::error::Result;
+
+/// Frames of a capture, changed by `change`, which is given the camera and the frame.
+struct DerivedFrames<F> {
+    original: Capture,
+    change: F,
+}
+
+impl<F: Fn(usize, &Frame) -> Frame + Send + Sync> FrameSource for DerivedFrames<F> {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        Ok((self.change)(camera, &*self.original.frame(camera, frame)?))
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        self.original.place(camera, frame)
+    }
+
+    fn frames_are_ranked(&self) -> bool {
+        self.original.frames_are_ranked()
+    }
+
+    fn depth_claim(&self) -> DepthClaim {
+        self.original.source.depth_claim()
+    }
+
+    fn pose_convention(&self) -> PoseConvention {
+        self.original.source.pose_convention()
+    }
+
+    fn files(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
+        self.original.files_of(camera, frame)
+    }
+}
+
+/// The capture with these cameras in place of its own, and its frames changed. Of the changed frames `cache_bytes` are kept; the
+/// decoded ones are kept by the capture below.
+pub(super) fn derived(
+    capture: &Capture,
+    cameras: Vec<Camera>,
+    cache_bytes: usize,
+    change: impl Fn(usize, &Frame) -> Frame + Send + Sync + 'static,
+) -> Capture {
+    let source = Arc::new(DerivedFrames { original: capture.clone(), change });
+    let original: &CaptureParts = capture;
+    Capture::new(CaptureParts { cameras, source, ..original.clone() }, cache_bytes)
+}
