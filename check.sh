@@ -33,4 +33,4 @@ step "Python module"
 # Built like the tests, so that most of it is built already. Its own tests compare it with the command line.
 python3 -m venv target/python
 MATURIN_PEP517_ARGS="--profile dev" target/python/bin/pip install --quiet --disable-pip-version-check ".[test]"
-OVERLOOK="$PWD/target/debug/overlook" target/python/bin/python -m pytest --quiet
+OVERLOOK="$(realpath "${CARGO_TARGET_DIR:-target}")/debug/overlook" target/python/bin/python -m pytest --quiet

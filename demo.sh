@@ -13,7 +13,7 @@ need_packages gcc libc6-dev libvulkan1 mesa-vulkan-drivers libegl1 libxcursor1 l
 out=target/demo
 mkdir -p "$out"
 cargo build --release --locked
-overlook=target/release/overlook
+overlook=${CARGO_TARGET_DIR:-target}/release/overlook
 
 run() { printf '\n$ overlook %s\n' "$*"; "$overlook" "$@"; }
 
