@@ -51,6 +51,7 @@ pub mod error;
 pub mod evaluate;
 pub mod grid;
 pub mod job;
+pub mod part;
 pub mod preprocess;
 #[cfg(feature = "python")]
 pub mod python;

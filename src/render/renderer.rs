@@ -15,7 +15,7 @@ use crate::samples::SampleSet;
 use crate::settings::{Backend, Kernel, RenderSettings};
 
 /// What painted a picture.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Painter {
     /// `Cpu` or `Gpu`.
     pub backend: Backend,

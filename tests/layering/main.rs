@@ -10,7 +10,7 @@ use imports::Imports;
 
 /// Modules from the bottom up. A module may use those before it and itself.
 const LAYERS: [&[&str]; 11] = [
-    &["error", "grid", "job", "color", "random", "settings", "simd", "whole_file"],
+    &["error", "grid", "job", "part", "color", "random", "settings", "simd", "whole_file"],
     &["capture"],
     &["alignment"],
     &["samples", "demo"],

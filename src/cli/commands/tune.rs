@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::{self, SettingsArgs, TruthArgs};
-use crate::cli::output::{self, CommandError};
+use crate::capture::Capture;
+use crate::cli::input::{self, PartArgs, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError, PartFiles};
+use crate::evaluate::truth::Truth;
 use crate::evaluate::tune::{self, TuneBudget, TunePlan};
+use crate::part::Part;
 use crate::settings::Settings;
 use crate::whole_file;
 
@@ -32,9 +35,12 @@ pub(crate) struct TuneArgs {
     /// Keep all cameras.
     #[arg(long)]
     all_cameras: bool,
-    /// Folder to keep what was measured in, so that a run that was cut short goes on from there.
+    /// Folder to keep what was measured in, so that a run that was cut short goes on from there. Parts are kept there too: of the
+    /// settings that every search begins with. Those that are tried after them depend on all of them, and are measured by --join.
     #[arg(long, value_name = "DIR")]
     journal: Option<PathBuf>,
+    #[command(flatten)]
+    parts: PartArgs,
     #[command(flatten)]
     settings: SettingsArgs,
     /// Print one JSON document.
@@ -54,16 +60,20 @@ impl TuneArgs {
         let opened = input::open_capture(&self.capture, &settings.capture)?;
         output::refuse_capture_files(&self.capture, self.truth.views.as_deref(), &self.out)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
+        let part_files = self.part_files(&settings, &opened, &truth)?;
         let journal = match &self.journal {
-            Some(folder) => {
+            Some(folder) if self.parts.part.is_none() => {
                 let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;
                 Some(output::Journal::open(folder, "tune", &fingerprint)?)
             }
-            None => None,
+            _ => None,
         };
         let budget = self.max_bytes.map(TuneBudget::Bytes).or(self.max_ms.map(TuneBudget::Milliseconds));
-        let done = journal.as_ref().map(output::Journal::points).unwrap_or_default();
-        let plan = TunePlan {
+        let mut done: Vec<_> = journal.as_ref().map(output::Journal::points).unwrap_or_default();
+        if let (Some(files), Some(of)) = (&part_files, self.parts.join) {
+            done.extend(files.join(of)?);
+        }
+        let mut plan = TunePlan {
             settings,
             budget,
             whole: Some(opened),
@@ -71,6 +81,9 @@ impl TuneArgs {
             drop_cameras: !self.all_cameras,
             done,
         };
+        if let (Some(files), Some(part)) = (&part_files, self.parts.part) {
+            return self.measure_part((files, part), &capture, &mut plan, &truth);
+        }
         let tuned =
             output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
@@ -83,6 +96,44 @@ impl TuneArgs {
         }
         written?;
         if self.json { Ok(()) } else { output::print(&format!("Wrote {}", self.out.display())) }
+    }
+}
+
+impl TuneArgs {
+    /// The parts of what every search begins with, where the work is cut.
+    fn part_files(
+        &self,
+        settings: &Settings,
+        opened: &Capture,
+        truth: &Truth,
+    ) -> Result<Option<PartFiles>, CommandError> {
+        if self.parts.part.is_none() && self.parts.join.is_none() {
+            return Ok(None);
+        }
+        let Some(folder) = &self.journal else {
+            return Err(CommandError::Usage(
+                "--part and --join need a folder for the parts; name it with --journal".to_owned(),
+            ));
+        };
+        let inputs =
+            self.truth.inputs(&self.capture, opened, truth)?.with("settings", &format!("{settings:?}"));
+        Ok(Some(PartFiles::new(folder, "tune", inputs)))
+    }
+
+    fn measure_part(
+        &self,
+        (files, part): (&PartFiles, Part),
+        capture: &Capture,
+        plan: &mut TunePlan,
+        truth: &Truth,
+    ) -> Result<(), CommandError> {
+        let file = files.complete(part, |journal| {
+            plan.done = journal.points();
+            output::recorded(Some(journal), |job, keep| {
+                tune::measure_part(capture, plan, truth, part, job, keep)
+            })
+        })?;
+        output::print_parts(part, &[file], self.json)
     }
 }
 

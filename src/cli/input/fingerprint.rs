@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use rayon::prelude::*;
@@ -22,10 +22,19 @@ pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Res
         pictures.extend(picture_places(views)?);
         manifests.push(manifest_path(views));
     }
+    Ok(format!("{}; {:?}", files_state(&manifests, &pictures)?, capture.cameras))
+}
+
+/// A text that changes with any byte of a manifest of views, and with any rewritten true picture that it names.
+pub(crate) fn views_state(views: &Path) -> Result<String> {
+    files_state(&[manifest_path(views)], &picture_places(views)?)
+}
+
+fn files_state(manifests: &[PathBuf], pictures: &[PathBuf]) -> Result<String> {
     // Manifests are small enough to be read again. Pictures are not: their lengths and times have to do.
     let mut state = String::new();
     for manifest in manifests {
-        let bytes = std::fs::read(&manifest).map_err(|error| Error::io(&manifest, error))?;
+        let bytes = std::fs::read(manifest).map_err(|error| Error::io(manifest, error))?;
         let _ = write!(state, "{:08x} ", crc32fast::hash(&bytes));
     }
     let (mut sum, mut files) = (crc32fast::Hasher::new(), 0);
@@ -35,7 +44,7 @@ pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Res
         sum.update(&modified.unwrap_or_default().as_nanos().to_le_bytes());
         files += 1;
     }
-    let _ = write!(state, "{:08x} of {files} files; {:?}", sum.finalize(), capture.cameras);
+    let _ = write!(state, "{:08x} of {files} files", sum.finalize());
     Ok(state)
 }
 

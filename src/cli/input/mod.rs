@@ -3,9 +3,11 @@
 mod fingerprint;
 mod open;
 mod options;
+mod part_args;
 mod truth;
 
-pub(crate) use fingerprint::input_files;
+pub(crate) use fingerprint::{input_files, views_state};
 pub(crate) use open::{open_capture, open_store};
 pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, choice};
+pub(crate) use part_args::PartArgs;
 pub(crate) use truth::TruthArgs;

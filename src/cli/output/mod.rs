@@ -2,6 +2,7 @@
 
 mod command_error;
 mod output_guard;
+mod part_files;
 mod picture;
 mod process;
 mod progress;
@@ -16,6 +17,7 @@ pub(crate) use output_guard::{
     check_file, check_folder, refuse_capture_files, refuse_input, refuse_pipe, refuse_store,
     refuse_true_pictures, refuse_view_files,
 };
+pub(crate) use part_files::{Inputs, OpenPart, PartFiles};
 pub(crate) use picture::PicturePaths;
 pub(crate) use process::peak_rss_bytes;
 pub(crate) use progress::{STOPPED, watched};
@@ -26,4 +28,6 @@ pub(crate) use study::{
     PAGE, SavedPicture, StressDocument, SweepDocument, command, save_picture, version, write_error_map,
     write_page,
 };
-pub(crate) use text::{bytes, count, number, percent, print, print_error, print_json, warn, without_depth};
+pub(crate) use text::{
+    bytes, count, number, percent, print, print_error, print_json, print_parts, warn, without_depth,
+};

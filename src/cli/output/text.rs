@@ -1,12 +1,14 @@
 //! Printing, and numbers as text.
 
 use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
 
 use indicatif::{DecimalBytes, HumanCount};
 use serde::Serialize;
 
 use super::command_error::CommandError;
 use crate::error::Error;
+use crate::part::Part;
 use crate::preprocess::diagnostics::Report;
 
 /// Prints lines of text.
@@ -24,6 +26,19 @@ pub(crate) fn print_json(document: &impl Serialize) -> Result<(), CommandError> 
     let text = serde_json::to_string_pretty(document)
         .map_err(|error| Error::invalid("JSON output", error.to_string()))?;
     print(&text)
+}
+
+/// Prints where the files of a part are.
+pub(crate) fn print_parts(part: Part, files: &[PathBuf], json: bool) -> Result<(), CommandError> {
+    if json {
+        return print_json(&serde_json::json!({ "part": part.to_string(), "files": files }));
+    }
+    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let of = part.of();
+    print(&format!(
+        "Part {part} is complete: {}\nNext: once all parts are, the same command with --join {of}",
+        names.join(", ")
+    ))
 }
 
 /// Prints one line on stderr. Failing to do so must not end the work.

@@ -9,7 +9,7 @@ mod pictures;
 mod scoreboard;
 mod view;
 
-pub(crate) use aligned_view::add_aligned;
+pub(crate) use aligned_view::{add_aligned, aligned_score, average_aligned};
 pub(crate) use pictures::score_pictures;
 pub use pictures::{PictureScore, PictureScores};
 pub(crate) use scoreboard::{Scoreboard, evaluate_with, nothing_to_compare, with_truth};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::capture::{Frame, TruthView};
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 
 /// How close a picture comes to the truth once the view is aligned.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AlignedScore {
     /// See [`Scores::psnr_db`](crate::evaluate::metrics::Scores::psnr_db).
     pub psnr_db: f64,
@@ -30,7 +30,7 @@ pub struct AlignedScore {
 }
 
 /// What one view cost and, where its truth is known, how close to it the picture came.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ViewScore {
     /// The view's own name.
     pub file_path: String,

@@ -18,12 +18,32 @@ use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 
+/// Measures every unknown point of the plan as [`measure`] does, and compares all points with each other.
+///
+/// # Errors
+/// As [`measure`].
+pub fn run(
+    capture: &Capture,
+    plan: &SweepPlan,
+    truth: &Truth,
+    job: &Job,
+    on_point: impl FnMut(&Point, usize),
+) -> Result<Vec<Point>> {
+    let mut points = measure(capture, plan, truth, job, on_point)?;
+    only_the_best_single_camera(&mut points);
+    let vantages = points.iter().map(|point| point.vantages).max().unwrap_or_default();
+    points.extend(plan.external.iter().map(|external| external.point(&plan.reference, vantages)));
+    mark_behind_best(&mut points);
+    mark_pareto_of_stores(&mut points);
+    Ok(points)
+}
+
 /// Measures every unknown point of the plan, in order; a single camera is skipped if no view can be scored for it. `on_point`
-/// receives each new point and the number of known ones.
+/// receives each new point and the number of known ones. No point is compared with another.
 ///
 /// # Errors
 /// Those of preprocessing, rendering and truth; `Cancelled`: put the points received so far into [`SweepPlan::done`] to continue.
-pub fn run(
+pub fn measure(
     capture: &Capture,
     plan: &SweepPlan,
     truth: &Truth,
@@ -49,13 +69,7 @@ pub fn run(
         }
         job.set_context("");
     }
-    let mut points: Vec<Point> = points.into_iter().flatten().collect();
-    only_the_best_single_camera(&mut points);
-    let vantages = points.iter().map(|point| point.vantages).max().unwrap_or_default();
-    points.extend(plan.external.iter().map(|external| external.point(&plan.reference, vantages)));
-    mark_behind_best(&mut points);
-    mark_pareto_of_stores(&mut points);
-    Ok(points)
+    Ok(points.into_iter().flatten().collect())
 }
 
 /// Keeps only the most accurate of the single cameras.

@@ -9,6 +9,7 @@ use crate::evaluate::sweep::{Point, Series, variations};
 use crate::evaluate::trial::{TimeLeft, Trial, Workbench};
 use crate::evaluate::truth::{Recorded, Truth};
 use crate::job::Job;
+use crate::part::Part;
 use crate::settings::{Kernel, PruningMethod, Settings};
 
 type OnPoint<'a> = Box<dyn FnMut(&Point) + 'a>;
@@ -112,20 +113,25 @@ impl<'a> Search<'a> {
         self.points
     }
 
+    /// Measures one part of the trials that are known before anything is measured.
+    pub(super) fn measure_part(&mut self, part: Part) -> Result<()> {
+        let trials = first_trials(&self.plan.settings);
+        let range = part.range(trials.len());
+        self.expected = range.len();
+        trials[range].iter().try_for_each(|trial| self.measure(trial).map(|_| ()))
+    }
+
     /// Finds the setting.
     pub(super) fn choose(&mut self) -> Result<Point> {
-        let start = self.plan.settings.clone();
-        let variations = variations(&start);
-        self.expected = variations.len() + 14;
-        let first = self.measure(&Trial::new("start", start.clone()))?;
+        let trials = first_trials(&self.plan.settings);
+        self.expected = trials.len() + 12;
+        let first = self.measure(&trials[0])?;
         self.starts_beyond = !self.is_within_budget(&first)?;
-        let mut everything = start.clone();
-        everything.pruning.method = PruningMethod::Off;
-        self.measure(&Trial::new("no pruning", everything))?;
-        let mut changes = Vec::with_capacity(variations.len());
-        for (assignment, settings) in variations {
-            let point = self.measure(&Trial::new(assignment.clone(), settings))?;
-            changes.push(TriedChange { assignment, point });
+        self.measure(&trials[1])?;
+        let mut changes = Vec::with_capacity(trials.len());
+        for trial in &trials[2..] {
+            let point = self.measure(trial)?;
+            changes.push(TriedChange { assignment: trial.label.clone(), point });
         }
         self.combine(changes)?;
         let simplest = self.chosen()?.settings;
@@ -240,6 +246,16 @@ impl<'a> Search<'a> {
         };
         Ok(Error::invalid("budget", what))
     }
+}
+
+/// The trials that every search begins with: the start, no pruning, and every variation of one setting.
+fn first_trials(start: &Settings) -> Vec<Trial> {
+    let mut everything = start.clone();
+    everything.pruning.method = PruningMethod::Off;
+    let mut trials = vec![Trial::new("start", start.clone()), Trial::new("no pruning", everything)];
+    trials
+        .extend(variations(start).into_iter().map(|(assignment, settings)| Trial::new(assignment, settings)));
+    trials
 }
 
 /// Points as the rule compares them.

@@ -1,5 +1,6 @@
 //! `overlook export`: what a store holds, in forms that other programs read.
 
+mod film_parts;
 mod miv;
 mod path;
 mod pictures;

@@ -1,20 +1,19 @@
 //! `overlook render`: a store seen from any vantages.
 
+mod views;
+
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::capture::{Camera, TruthView, transforms};
-use crate::cli::input::{self, PaintingArgs, SettingsArgs};
-use crate::cli::output::{self, CommandError, PicturePaths};
+use crate::capture::{TruthView, transforms};
+use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
 use crate::error::{Error, Result};
-use crate::evaluate::{Evaluation, Scoreboard, add_aligned, frame_of, render_view, vantage_order};
-use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
-use crate::render::Renderer;
-use crate::settings::RenderSettings;
-use crate::store::playback::Playback;
+use crate::store::file::StoreInfo;
+use views::{ViewPainting, ViewRecord};
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
@@ -30,6 +29,8 @@ pub(crate) struct RenderArgs {
     /// wrong by some pixels, those of views as those of cameras. Pictures are written as the views say.
     #[arg(long)]
     align_views: bool,
+    #[command(flatten)]
+    parts: PartArgs,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -53,8 +54,29 @@ impl RenderArgs {
         let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
         let corrected = alignment.map_or(0, |alignment| alignment.correct_lenses_of(&mut views));
         let paths = self.picture_paths(&views)?;
-        let evaluation =
-            output::watched(|job| paint(&playback, &views, &paths, (&settings, self.align_views), job))?;
+        let painting = ViewPainting {
+            playback: &playback,
+            views: &views,
+            paths: &paths,
+            settings: &settings,
+            aligns: self.align_views,
+        };
+        let files = PartFiles::new(&self.out, "render", self.inputs(playback.store().info(), &painting)?);
+        if let Some(part) = self.parts.part {
+            let file = files.complete(part, |journal| {
+                let known: Vec<ViewRecord> = journal.points();
+                output::recorded(Some(journal), |job, keep| painting.paint_part(part, &known, job, keep))
+            })?;
+            output::warn(&playback.store().damage());
+            return output::print_parts(part, &[file], self.json);
+        }
+        let evaluation = if let Some(of) = self.parts.join {
+            let records: Vec<ViewRecord> = files.join(of)?;
+            painting.check_pictures(&records)?;
+            painting.evaluation(records)?
+        } else {
+            output::watched(|job| painting.paint_all(job))?
+        };
         if corrected > 0 {
             let what = format!(
                 "views that claim the capture's lens are rendered through the color lens that was found in its place: {corrected} of {}",
@@ -76,6 +98,18 @@ impl RenderArgs {
         ))
     }
 
+    /// What the parts have in common. A store names its own input, and the place and length of each of its images.
+    fn inputs(&self, store: &StoreInfo, painting: &ViewPainting<'_>) -> Result<Inputs> {
+        if self.parts.part.is_none() && self.parts.join.is_none() {
+            return Ok(Inputs::default());
+        }
+        let ViewPainting { settings, aligns, .. } = painting;
+        Ok(Inputs::default()
+            .with("store", &format!("{store:?}"))
+            .with("list of views or a true picture", &input::views_state(&self.views)?)
+            .with("settings", &format!("{settings:?} {aligns}")))
+    }
+
     /// Where each picture goes; checked before any is painted.
     fn picture_paths(&self, views: &[TruthView]) -> Result<Vec<PicturePaths>> {
         let mut taken = BTreeSet::new();
@@ -93,38 +127,4 @@ impl RenderArgs {
         output::refuse_true_pictures(&self.views, &self.out, &paths)?;
         Ok(paths)
     }
-}
-
-fn paint(
-    playback: &Playback,
-    views: &[TruthView],
-    paths: &[PicturePaths],
-    (settings, align_views): (&RenderSettings, bool),
-    job: &Job,
-) -> Result<Evaluation> {
-    let info = playback.store().info();
-    let index_of = |view| frame_of(view, &info.name, &info.frame_numbers);
-    let frames = views.iter().map(index_of).collect::<Result<Vec<_>>>()?;
-    let mut renderer = Renderer::strict(settings.backend)?;
-    let mut scores = Scoreboard::default();
-    job.start("Painting views", views.len());
-    // Views of one vantage one after the other, so that flicker shows and the background stays.
-    let order = vantage_order(&views.iter().collect::<Vec<_>>());
-    for &index in &order {
-        let (view, paths) = (&views[index], &paths[index]);
-        job.check()?;
-        let samples = playback.seen_from(&view.camera, frames[index], job)?;
-        let painted = render_view(&mut renderer, &samples, view, None, settings, job)?;
-        paths.write(&painted.picture)?;
-        scores.add(view, painted);
-        job.advance(1);
-    }
-    let mut evaluation = scores.finish().in_order_of_views(&order);
-    if align_views {
-        let seen = |view: &TruthView, camera: &Camera| {
-            playback.seen_from(camera, frame_of(view, &info.name, &info.frame_numbers)?, job)
-        };
-        add_aligned(&mut evaluation, &mut renderer, &views.iter().collect::<Vec<_>>(), settings, seen, job)?;
-    }
-    Ok(evaluation)
 }
