@@ -154,7 +154,7 @@ fn stress_names_the_point_of_failure_of_every_method() {
     assert_eq!(std::fs::read_to_string(folder.join("stress/stress.journal")).unwrap(), journal);
     assert_eq!(json(&folder.join("stress/stress.json")), document);
     let failures = document["failures"].as_array().unwrap();
-    assert_eq!(failures.len(), 7, "ours, without defenses, the paper's, and four of others");
+    assert_eq!(failures.len(), 8, "ours, without defenses, the paper's, and five of others");
     let breaking = document["breaking"].as_array().unwrap();
     assert_eq!(breaking.len(), 1, "one picture for each disturbance");
     assert!(folder.join("stress").join(breaking[0]["file"].as_str().unwrap()).is_file());

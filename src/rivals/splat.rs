@@ -1,6 +1,6 @@
 //! Pixels carried forward one by one, each as a square as wide as it appears, nearest first.
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use crate::capture::Camera;
 use crate::grid::Grid;
@@ -12,6 +12,7 @@ const MAX_WIDTH: f64 = 7.0;
 /// A picture that pixels of one camera, or several, are carried to.
 pub(super) struct Splatter {
     target: Camera,
+    target_from_world: DAffine3,
     nearest: Grid<f32>,
     color: Grid<[f32; 3]>,
 }
@@ -31,13 +32,14 @@ impl Splatter {
         let (width, height) = target.intrinsics.size();
         Self {
             target: target.clone(),
+            target_from_world: target.camera_from_world(),
             nearest: Grid::filled(width, height, -1.0),
             color: Grid::filled(width, height, [0.0; 3]),
         }
     }
 
     pub(super) fn map_from(&self, source: &Camera) -> PixelMap {
-        let target_from_world = self.target.camera_from_world();
+        let target_from_world = self.target_from_world;
         let (from, to) = (source.intrinsics, self.target.intrinsics);
         PixelMap {
             source: source.clone(),
@@ -52,9 +54,21 @@ impl Splatter {
         let ray = map.source.intrinsics.ray_in_camera(position);
         // The point times its inverse depth, so that infinity needs no case of its own.
         let point = map.target_from_source * ray + f64::from(inverse_depth) * map.shift;
-        let Some(at) = self.target.intrinsics.project(point) else { return };
         let inverse_here = (f64::from(inverse_depth) / point.z) as f32;
-        let width = (map.focal_ratio / point.z).clamp(1.0, MAX_WIDTH);
+        self.draw(point, inverse_here, map.focal_ratio / point.z, color);
+    }
+
+    /// Carries a point of the world here, as wide as `width` there.
+    pub(super) fn add_point(&mut self, point_in_world: DVec3, width: f64, color: [f32; 3]) {
+        let point = self.target_from_world.transform_point3(point_in_world);
+        let k = self.target.intrinsics;
+        self.draw(point, (1.0 / point.z) as f32, width * (k.fx * k.fy).sqrt() / point.z, color);
+    }
+
+    /// Draws the square of a point in the target's space, up to scale, where nothing nearer is.
+    fn draw(&mut self, point: DVec3, inverse_here: f32, width: f64, color: [f32; 3]) {
+        let Some(at) = self.target.intrinsics.project(point) else { return };
+        let width = width.clamp(1.0, MAX_WIDTH);
         let (columns, rows) = self.color.size();
         let covered = |center: f64, end: usize| {
             let first = (center - 0.5 * width + 0.5).floor().max(0.0) as usize;

@@ -38,7 +38,7 @@ fn marker(series: Series) -> Marker {
         Series::FirstCameraAtCount | Series::LayeredDepthImage => Marker::Diamond,
         Series::Random => Marker::Cross,
         Series::VoxelGrid | Series::Tsdf => Marker::Square,
-        Series::SingleCamera => Marker::Plus,
+        Series::SingleCamera | Series::LdiTree => Marker::Plus,
         Series::Paper | Series::External => Marker::Star,
     }
 }
