@@ -15,6 +15,7 @@ mod help_and_recent;
 mod inspector;
 mod manners;
 mod many_cameras;
+mod other_pictures;
 mod random;
 #[cfg(target_os = "linux")]
 mod real_window;

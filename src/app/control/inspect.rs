@@ -47,6 +47,7 @@ impl OverlookApp {
                 }
                 state.inspector.compare = *look;
             }
+            Command::ClosePictures(id) => state.inspector.close_pictures(|folder| folder.id == id),
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::Isolate(camera) => state.inspector.isolated = camera,
             Command::CopyTable(table) => self.copy_table(table),

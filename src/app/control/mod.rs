@@ -1,5 +1,6 @@
 //! Carries out commands and takes in answers: the only place where the state changes.
 
+mod comparison;
 mod inspect;
 mod keyboard;
 mod paths;

@@ -157,6 +157,11 @@ impl OverlookApp {
                     self.workers.file.submit(FileRequest::LoadPath { path, scene });
                 }
             }
+            Purpose::OpenPictures => {
+                if let Some(scene) = self.state.scene.clone() {
+                    self.workers.file.submit(FileRequest::OpenPictures { path, scene });
+                }
+            }
             Purpose::ExportPictures => {
                 self.export_path(ExportTarget { path, film_rate: None, linear: false });
             }
@@ -247,10 +252,16 @@ impl OverlookApp {
             Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => "Nothing to export yet",
             Purpose::SavePath => "No camera path to save",
             Purpose::LoadPath => "No scene for a camera path",
+            Purpose::OpenPictures => "Nothing to compare pictures with",
             _ => return false,
         };
         let exports = matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm);
-        let text = if self.state.scene.is_none() {
+        let text = if purpose == Purpose::OpenPictures {
+            if self.state.has_capture() {
+                return false;
+            }
+            "Open a capture first: a store has no viewpoints with true pictures."
+        } else if self.state.scene.is_none() {
             "Open a capture or a store first."
         } else if purpose == Purpose::LoadPath {
             return false;
@@ -284,7 +295,11 @@ fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
         Purpose::ExportFilm => "video.mp4".to_owned(),
         Purpose::SavePath => "transforms.json".to_owned(),
-        Purpose::OpenFile | Purpose::OpenFolder | Purpose::LoadSettings | Purpose::LoadPath => String::new(),
+        Purpose::OpenFile
+        | Purpose::OpenFolder
+        | Purpose::LoadSettings
+        | Purpose::LoadPath
+        | Purpose::OpenPictures => String::new(),
     }
 }
 

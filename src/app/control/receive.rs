@@ -8,9 +8,9 @@ use egui::{TextureFilter, TextureOptions};
 use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
-    self, Accuracy, CompareChoice, CompareKey, Display, DockView, Exported, LivePicture, Message, NoticeKind,
-    OpenScene, OrbitCamera, Origin, PictureDifference, PixelSource, Probed, Ruler, ShownCameras,
-    ShownComparison, ShownPicture, SourceLook, Spot, Texture, Unit, Whole, and_others, method_of,
+    self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, OpenScene, OrbitCamera,
+    Origin, PixelSource, Probed, Ruler, ShownCameras, ShownPicture, SourceLook, Spot, Texture, Unit, Whole,
+    and_others, method_of,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::error::Error;
@@ -78,6 +78,7 @@ impl OverlookApp {
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
             Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),
+            Message::PicturesOpened { folder, .. } => self.pictures_opened(folder),
             Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
             Message::DestinationChecked { destination, taken } => {
@@ -167,21 +168,6 @@ impl OverlookApp {
             _ => {}
         }
         probe.shown = probed;
-    }
-
-    fn compared(&mut self, key: &CompareKey, outcome: Result<PictureDifference, String>) {
-        let inspector = &mut self.state.inspector;
-        match outcome {
-            Ok(comparison) => {
-                let [left, right] = comparison.images.clone();
-                let textures = [left, right, comparison.difference.clone()]
-                    .map(|image| self.ctx.load_texture("comparison", image, TextureOptions::NEAREST));
-                let CompareChoice { sides, from, .. } = key.choice;
-                inspector.compared = Some(ShownComparison { sides, from, comparison, textures });
-                inspector.compare_error = None;
-            }
-            Err(trouble) => inspector.compare_error = Some(trouble),
-        }
     }
 
     fn opened(&mut self, scene: &Arc<OpenScene>) {

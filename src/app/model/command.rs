@@ -124,6 +124,8 @@ pub(crate) enum Command {
     /// Show the selected point in a camera's picture.
     ShowPointIn(usize),
     Compare(Box<CompareLook>),
+    /// Close the pictures of another program, by their folder's number.
+    ClosePictures(u64),
     CopyExplanation,
     CopyPicture,
     /// Center the live view on the selected pixel.

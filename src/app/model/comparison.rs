@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use egui::ColorImage;
 
+use super::compare_vantage::CompareVantage;
+use super::picture_folder::PictureFolder;
 use super::picture_zoom::PictureZoom;
 use super::scene::OpenScene;
 use crate::grid::Grid;
@@ -31,11 +33,14 @@ pub(crate) enum CompareSide {
     Tsdf,
     NearestCamera,
     LayeredDepthImage,
+    LdiTree,
+    /// What another program made: a [`PictureFolder`] by its number.
+    Pictures(u64),
 }
 
 impl CompareSide {
-    /// Every side, in the order of the list: name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 15] = [
+    /// Every side that is always there, in the order of the list: name and what it is.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 16] = [
         (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
         (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
         (Self::A, "Settings A", "After pruning with settings A."),
@@ -71,6 +76,11 @@ impl CompareSide {
             "Layered depth image",
             "All pixels as others show them: one picture with several samples along each ray (Shade et al., 1998).",
         ),
+        (
+            Self::LdiTree,
+            "LDI tree",
+            "All pixels as others show them: an octree with a layered depth image in each cell (Chang et al., 1999).",
+        ),
     ];
 }
 
@@ -82,20 +92,10 @@ impl CompareSide {
             Self::Tsdf => Some(Rival::Tsdf(4)),
             Self::NearestCamera => Some(Rival::NearestCamera),
             Self::LayeredDepthImage => Some(Rival::LayeredDepthImage),
+            Self::LdiTree => Some(Rival::LdiTree),
             _ => None,
         }
     }
-}
-
-/// From where.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum CompareVantage {
-    /// Where the live view stands.
-    Live,
-    /// A vantage whose truth is known, by its place among those.
-    Truth(usize),
-    /// A camera, whose own samples are left out.
-    HoldOut(usize),
 }
 
 /// How the two are shown.
@@ -103,14 +103,16 @@ pub(crate) enum CompareVantage {
 pub(crate) enum Mode {
     Wipe,
     Flip,
+    Beside,
     Difference,
 }
 
 impl Mode {
     /// Every mode: name and what it does.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::Wipe, "Wipe", "One over the other, cut at a line that is dragged."),
         (Self::Flip, "Flip", "One at a time: hold X for the other."),
+        (Self::Beside, "Side by side", "The two beside each other, with one zoom."),
         (Self::Difference, "Difference", "Where and how much they differ."),
     ];
 }
@@ -122,11 +124,12 @@ pub(crate) enum CompareMeasure {
     Brightness,
     Flip,
     Class,
+    Flicker,
 }
 
 impl CompareMeasure {
     /// Every measure: name and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 5] = [
         (Self::Steps, "Absolute", "The largest difference of a color channel, in 8-bit steps."),
         (
             Self::Brightness,
@@ -143,6 +146,12 @@ impl CompareMeasure {
             "Where",
             "The absolute difference, colored by where it lies: on surfaces that no camera saw (pink), at edges of the truth (orange), \
              elsewhere (blue).",
+        ),
+        (
+            Self::Flicker,
+            "Flicker",
+            "By how much the difference changes from the frame before to this one, in 8-bit steps: beside the truth, error that comes and \
+             goes.",
         ),
     ];
 }
@@ -193,6 +202,8 @@ pub(crate) struct CompareKey {
     pub scan: Option<Arc<PreparedScan>>,
     /// The settings on the sliders, A and B.
     pub settings: [Settings; 3],
+    /// Pictures of other programs that are open.
+    pub pictures: Vec<PictureFolder>,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
 }
@@ -218,6 +229,8 @@ impl PartialEq for CompareKey {
 pub(crate) struct ShownComparison {
     /// Whose pictures these are.
     pub sides: [CompareSide; 2],
+    /// What these are called.
+    pub names: [String; 2],
     /// From where.
     pub from: CompareVantage,
     pub comparison: PictureDifference,
@@ -246,6 +259,10 @@ pub(crate) struct PictureDifference {
     pub mean: f64,
     /// Peak signal-to-noise ratio of one side against the other where both have a sample; infinite where equal.
     pub psnr_db: f64,
+    /// Structural similarity of luma where both have a sample, −1 to 1.
+    pub ssim: f64,
+    /// Root mean square change of the difference since the frame before, 8-bit steps; `None` where that is not measured.
+    pub flicker_steps: Option<f64>,
     /// Shares of the squared difference where both have a sample: unseen, edge and inner; `None` where that is not measured.
     pub by_class: Option<[f64; 3]>,
     /// Share of pixels that only one side has a sample for.

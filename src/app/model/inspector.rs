@@ -9,10 +9,12 @@ use egui::TextureHandle;
 use super::camera_path::CameraPath;
 use super::charts::Charts;
 use super::command::{CommandPalette, HelpPage};
-use super::comparison::{CompareLook, CompareVantage, ShownComparison};
+use super::compare_vantage::CompareVantage;
+use super::comparison::{CompareLook, CompareSide, ShownComparison};
 use super::frame_timer::Meter;
 use super::histogram::ThresholdHistogram;
 use super::notice::{LogLine, NoticeKind};
+use super::picture_folder::PictureFolder;
 use super::pixel::{Probed, Spot};
 use super::presets::OwnPreset;
 use super::results::CameraMemory;
@@ -62,6 +64,8 @@ pub(crate) struct Inspector {
     pub compared: Option<ShownComparison>,
     /// Why there is none.
     pub compare_error: Option<String>,
+    /// Pictures of other programs, to be compared with; of the open scene.
+    pub pictures: Vec<PictureFolder>,
     pub charts: Charts,
     pub path: CameraPath,
     /// The command palette, while it is open.
@@ -97,12 +101,36 @@ impl Inspector {
         self.isolated = None;
         self.histograms.clear();
         self.compare.choice.from = CompareVantage::Live;
+        self.close_pictures(|_| true);
         self.compared = None;
         self.path = CameraPath::default();
         self.charts = Charts::default();
         self.saved = None;
         self.compare_error = None;
         self.reported_damage.clear();
+    }
+
+    /// Name of a side of a comparison.
+    pub(crate) fn side_name(&self, side: CompareSide) -> String {
+        if let CompareSide::Pictures(id) = side {
+            let folder = self.pictures.iter().find(|folder| folder.id == id);
+            return folder.map(PictureFolder::name).unwrap_or_default();
+        }
+        let known = CompareSide::ALL.iter().find(|(of, ..)| *of == side);
+        known.map(|(_, name, _)| (*name).to_owned()).unwrap_or_default()
+    }
+
+    /// Closes pictures of other programs; sides that showed them show what they did at first.
+    pub(crate) fn close_pictures(&mut self, closes: impl Fn(&PictureFolder) -> bool) {
+        self.pictures.retain(|folder| !closes(folder));
+        let first = CompareLook::default().choice.sides;
+        for (side, first) in self.compare.choice.sides.iter_mut().zip(first) {
+            if let CompareSide::Pictures(id) = *side
+                && self.pictures.iter().all(|folder| folder.id != id)
+            {
+                *side = first;
+            }
+        }
     }
 
     /// What stands in no file and ends with the scene, in words; `None` where there is nothing.

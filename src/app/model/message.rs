@@ -7,6 +7,7 @@ use super::camera_path::{CameraPath, Exported};
 use super::comparison::{CompareKey, PictureDifference};
 use super::histogram::ThresholdHistogram;
 use super::live_picture::{LiveKey, LivePicture};
+use super::picture_folder::PictureFolder;
 use super::pixel::{Probed, Spot};
 use super::purpose::{Destination, Purpose};
 use super::results::{Accuracy, CameraMemory, Inspected};
@@ -114,6 +115,11 @@ pub(crate) enum Message {
         path: PathBuf,
         views: Vec<PathView>,
     },
+    /// Pictures of another program are open.
+    PicturesOpened {
+        scene: u64,
+        folder: PictureFolder,
+    },
     SettingsLoaded {
         path: PathBuf,
         settings: Settings,
@@ -154,6 +160,7 @@ impl Message {
             | Self::MemoryMapped { scene, .. }
             | Self::Swept { scene, .. }
             | Self::Stressed { scene, .. }
+            | Self::PicturesOpened { scene, .. }
             | Self::PathLoaded { scene, .. } => Some(*scene),
             Self::SourcePainted { key, .. } => Some(key.scene),
             Self::LivePainted { key, .. } => Some(key.scene),

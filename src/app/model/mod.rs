@@ -10,6 +10,7 @@ mod camera_text;
 mod chart_axis;
 mod charts;
 mod command;
+mod compare_vantage;
 mod comparison;
 pub(crate) mod csv;
 mod display;
@@ -21,6 +22,7 @@ mod live_picture;
 mod message;
 mod notice;
 mod orbit_camera;
+mod picture_folder;
 mod picture_zoom;
 mod pixel;
 mod pose;
@@ -46,8 +48,9 @@ pub(crate) use camera_text::{CameraText, TextPart};
 pub(crate) use chart_axis::{Quantity, label, marks};
 pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};
 pub(crate) use command::{Command, CommandPalette, Commands, HelpPage};
+pub(crate) use compare_vantage::CompareVantage;
 pub(crate) use comparison::{
-    CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareSide, CompareVantage, DisplayColors, Mode,
+    CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareSide, DisplayColors, Mode,
     PictureDifference, ShownComparison,
 };
 pub(crate) use display::{Background, Channel, Display, EXPOSURES, LEVELS, PictureHistogram, ToneCurve};
@@ -58,6 +61,7 @@ pub(crate) use live_picture::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelS
 pub(crate) use message::Message;
 pub(crate) use notice::{Notice, NoticeKind, and_others};
 pub(crate) use orbit_camera::OrbitCamera;
+pub(crate) use picture_folder::PictureFolder;
 pub(crate) use picture_zoom::PictureZoom;
 pub(crate) use pixel::{ProbeKey, Probed, Spot};
 pub(crate) use pose::{ANGLES_OF_VIEW, ViewAngles};

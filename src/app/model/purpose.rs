@@ -32,12 +32,17 @@ pub(crate) enum Purpose {
     SavePath,
     /// Read a camera path from a manifest.
     LoadPath,
+    /// Read pictures that another program made.
+    OpenPictures,
 }
 
 impl Purpose {
     /// Whether something is written to the path.
     pub(crate) fn writes(self) -> bool {
-        !matches!(self, Self::OpenFile | Self::OpenFolder | Self::LoadSettings | Self::LoadPath)
+        !matches!(
+            self,
+            Self::OpenFile | Self::OpenFolder | Self::LoadSettings | Self::LoadPath | Self::OpenPictures
+        )
     }
 
     /// Name of the worker that reads or writes there.
@@ -64,6 +69,7 @@ impl Purpose {
             Self::ExportExr => "Export EXR pictures into a folder",
             Self::SavePath => "Save the camera path",
             Self::LoadPath => "Open a camera path",
+            Self::OpenPictures => "Open pictures of another program",
             Self::ExportFilm => "Export a video",
         }
     }
@@ -83,6 +89,7 @@ impl Purpose {
             Self::ExportExr => "EXR pictures to path…",
             Self::SavePath => "Save camera path to path…",
             Self::LoadPath => "Open camera path from path…",
+            Self::OpenPictures => "Open pictures from path…",
         }
     }
 }

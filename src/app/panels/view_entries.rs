@@ -38,6 +38,7 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         ("Reset colors", "", Command::Display(Display::default())),
         ("Save camera path", "", Command::AskPath(Purpose::SavePath)),
         ("Open camera path", "", Command::AskPath(Purpose::LoadPath)),
+        ("Compare with pictures of another program", "", Command::AskPath(Purpose::OpenPictures)),
     ] {
         entries.push((name.to_owned(), keys, command));
     }

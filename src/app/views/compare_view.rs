@@ -1,13 +1,13 @@
-//! Two pictures of one place: wiped over each other, flipped, or as their difference. One zoom for both.
+//! Two pictures of one place: wiped over each other, flipped, beside each other, or as their difference. One zoom for both.
 
 use egui::{Align2, Key, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
-use egui_material_icons::icons::{ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
+use egui_material_icons::icons::{ICON_ADD_PHOTO_ALTERNATE, ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::legend;
 use crate::app::colormap::{diverging, sequential};
 use crate::app::model::{
     self, Command, Commands, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode,
-    PictureDifference, PictureZoom, ShownComparison, State,
+    PictureDifference, PictureZoom, Purpose, ShownComparison, State,
 };
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{self, choice_ui, empty_ui, icon_button, one_line, scrolled, segments_ui, waiting};
@@ -22,7 +22,7 @@ const BAR_WIDTH: f32 = 150.0;
 pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let before = &state.inspector.compare;
     let mut look = before.clone();
-    header_ui(ui, state, &mut look);
+    header_ui(ui, state, &mut look, commands);
     let area = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(area.min, area.max - vec2(0.0, FOOTER));
     if let Some(trouble) = &state.inspector.compare_error {
@@ -42,16 +42,17 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
 }
 
 /// What is compared above, how below: rows that wrap break each other apart in a narrow view.
-fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
+fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, commands: &mut Commands) {
     ui.horizontal(|ui| {
         for (index, name) in [(0, "Left side"), (1, "Right side")] {
-            if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &CompareSide::ALL, LIST_WIDTH) {
+            if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &sides(state), LIST_WIDTH) {
                 look.choice.sides[index] = side;
             }
         }
         if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), LIST_WIDTH) {
             look.choice.from = place;
         }
+        pictures_menu_ui(ui, state, commands);
     });
     ui.horizontal(|ui| {
         if let Some(mode) = segments_ui(ui, "Compare by", look.mode, Mode::ALL) {
@@ -67,6 +68,38 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook) {
         }
     });
 }
+
+/// Every side: what is always there, and the pictures of other programs.
+fn sides(state: &State) -> Vec<(CompareSide, String, String)> {
+    let always = CompareSide::ALL.map(|(side, name, help)| (side, name.to_owned(), help.to_owned()));
+    let opened = state.inspector.pictures.iter();
+    let opened = opened.map(|folder| (CompareSide::Pictures(folder.id), folder.name(), folder.words()));
+    always.into_iter().chain(opened).collect()
+}
+
+/// Opens and closes pictures of other programs.
+fn pictures_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let button = egui::Button::new(ICON_ADD_PHOTO_ALTERNATE.rich_text().size(16.0));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        for (name, command) in [
+            ("Open folder of pictures…", Command::AskPath(Purpose::OpenPictures)),
+            ("Open pictures from path…", Command::TypePath(Purpose::OpenPictures)),
+        ] {
+            if ui.button(name).on_hover_text(PICTURES).clicked() {
+                commands.push(command);
+            }
+        }
+        for folder in &state.inspector.pictures {
+            if ui.button(format!("Close {}", folder.name())).on_hover_text(folder.words()).clicked() {
+                commands.push(Command::ClosePictures(folder.id));
+            }
+        }
+    });
+    response.on_hover_text(PICTURES).accessible_name("Pictures of other programs");
+}
+
+const PICTURES: &str = "Compare with pictures that another program made of the same viewpoints. Where their folder has a \
+                        transforms.json, it says where each was taken; else each has its viewpoint's own name.";
 
 fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
     let mut places =
@@ -99,11 +132,11 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
         return None;
     };
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
-    let picture = look.part.placed(size, canvas);
     let flipped = response.is_pointer_button_down_on() && look.mode == Mode::Flip
         || ui.input(|input| input.key_down(Key::X));
     let parts = parts(look, flipped);
-    draw(&painter, picture, canvas, compared, &parts);
+    let areas: Vec<Rect> = parts.iter().map(|(_, shares)| area_of(look.mode, canvas, *shares)).collect();
+    draw(&painter, canvas, compared, look, &parts);
     let font = egui::TextStyle::Small.resolve(ui.style());
     let plate = |at: egui::Pos2, align: Align2, words: &str| {
         let galley = painter.layout_no_wrap(words.to_owned(), font.clone(), tokens.on_scrim);
@@ -117,21 +150,21 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     }
     let (left, right) = (canvas.left_top() + vec2(6.0, 6.0), canvas.right_top() + vec2(-6.0, 6.0));
     for (index, (texture, _)) in parts.iter().enumerate() {
-        let words = compared.sides.get(*texture).map_or("Difference", |side| side_name(*side));
+        let words = compared.names.get(*texture).map_or("Difference", String::as_str);
         if index == 0 {
             plate(left, Align2::LEFT_TOP, words);
         } else {
             plate(right, Align2::RIGHT_TOP, words);
         }
     }
+    // Side by side, the pointer is over one of the two.
+    let pointer = response.hover_pos();
+    let under = areas.iter().find(|area| pointer.is_some_and(|at| area.contains(at))).or(areas.first());
+    let picture = look.part.placed(size, *under.unwrap_or(&canvas));
     move_ui(ui, &response, canvas, picture, look);
     let at = response.hover_pos().filter(|at| picture.contains(*at))?;
     let at = (at - picture.min) / picture.size() * size;
     Some([at.x as usize, at.y as usize])
-}
-
-fn side_name(side: CompareSide) -> &'static str {
-    CompareSide::ALL.iter().find(|(of, ..)| *of == side).map_or("", |(_, name, _)| name)
 }
 
 /// Whether pictures show what is chosen; else what is chosen is being worked out.
@@ -146,19 +179,32 @@ fn parts(look: &CompareLook, flipped: bool) -> Vec<(usize, [f32; 2])> {
         Mode::Flip | Mode::Wipe if flipped => vec![(1, [0.0, 1.0])],
         Mode::Flip => vec![(0, [0.0, 1.0])],
         Mode::Wipe => vec![(0, [0.0, look.wipe]), (1, [look.wipe, 1.0])],
+        Mode::Beside => vec![(0, [0.0, 0.5]), (1, [0.5, 1.0])],
+    }
+}
+
+/// What a picture is fitted into that is drawn between two shares of the width: all of it where pictures lie over each other.
+fn area_of(mode: Mode, canvas: Rect, [from, to]: [f32; 2]) -> Rect {
+    let column = |share: f32| canvas.left() + canvas.width() * share;
+    if mode == Mode::Beside {
+        Rect::from_x_y_ranges(column(from)..=column(to), canvas.y_range())
+    } else {
+        canvas
     }
 }
 
 fn draw(
     painter: &Painter,
-    picture: Rect,
     canvas: Rect,
     compared: &ShownComparison,
+    look: &CompareLook,
     parts: &[(usize, [f32; 2])],
 ) {
+    let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
     let column = |share: f32| canvas.left() + canvas.width() * share;
     for (texture, [from, to]) in parts {
         let clip = Rect::from_x_y_ranges(column(*from)..=column(*to), canvas.y_range());
+        let picture = look.part.placed(size, area_of(look.mode, canvas, [*from, *to]));
         let texture = compared.textures[*texture].id();
         widgets::picture(&painter.with_clip_rect(clip), texture, picture);
     }
@@ -212,6 +258,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
         } else {
             let hint = match look.mode {
                 Mode::Wipe => "Drag the line. Wheel to zoom, Shift + drag to pan; hold X for the right side.",
+                Mode::Beside => "Wheel to zoom, drag to pan: both move alike.",
                 _ => "Hold X, or the mouse button, for the right side.",
             };
             one_line(ui, hint, tokens.text_weak);
@@ -221,7 +268,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
     let (words, color) = if is_of(compared, look) {
         (words, tokens.text)
     } else {
-        let [left, right] = compared.sides.map(side_name);
+        let [left, right] = &compared.names;
         (format!("{left} and {right}: {words}"), tokens.text_weak)
     };
     one_line(ui, words, color);
@@ -231,7 +278,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
 fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
     let range = model::significant(f64::from(comparison.range));
     match comparison.measure {
-        CompareMeasure::Steps | CompareMeasure::Class => {
+        CompareMeasure::Steps | CompareMeasure::Class | CompareMeasure::Flicker => {
             legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential);
         }
         CompareMeasure::Brightness => legend::bar(
@@ -254,6 +301,7 @@ fn about_pixel(comparison: &PictureDifference, [x, y]: [usize; 2]) -> Option<Str
     let apart = match comparison.apart.get(x, y)? {
         Some(apart) if comparison.measure == CompareMeasure::Flip => format!("FLIP {apart:.3}"),
         Some(apart) if comparison.measure == CompareMeasure::Brightness => format!("{apart:+.1}/255"),
+        Some(apart) if comparison.measure == CompareMeasure::Flicker => format!("change {apart:.0}/255"),
         Some(apart) => format!("error {apart:.0}/255"),
         None => "nothing to compare".to_owned(),
     };
@@ -266,11 +314,17 @@ fn figures(comparison: &PictureDifference) -> String {
         "identical where both have samples".to_owned()
     } else {
         format!(
-            "PSNR {:.1} dB, mean {}",
+            "PSNR {:.1} dB, SSIM {:.3}, {}",
             comparison.psnr_db,
+            comparison.ssim,
             match comparison.measure {
-                CompareMeasure::Flip => format!("FLIP {}", model::significant(comparison.mean)),
-                _ => format!("error {}/255", model::significant(comparison.mean)),
+                CompareMeasure::Flip => format!("mean FLIP {}", model::significant(comparison.mean)),
+                CompareMeasure::Flicker => {
+                    let steps =
+                        comparison.flicker_steps.map_or_else(|| "unknown".to_owned(), model::significant);
+                    format!("flicker {steps} 8-bit steps (root mean square)")
+                }
+                _ => format!("mean error {}/255", model::significant(comparison.mean)),
             }
         )
     };

@@ -5,14 +5,11 @@
 use std::sync::Arc;
 
 use super::accuracy::with_nothing_pruned;
+use super::compare_place::{Place, cameras_left, capture_of, left_out, unknown_truth};
 use super::difference::{self, DisplayedSide};
-use crate::app::model::{
-    CompareKey, CompareMeasure, CompareSide, CompareVantage, Content, Message, OpenScene, PictureDifference,
-    method_of,
-};
-use crate::capture::{Capture, Frame};
+use crate::app::model::{CompareKey, CompareMeasure, CompareSide, Message, PictureDifference, method_of};
 use crate::error::{Error, Result};
-use crate::evaluate::truth;
+use crate::evaluate::{picture_of_frame, truth};
 use crate::job::Job;
 use crate::preprocess::{self, PreparedScan};
 use crate::render::fill::fill;
@@ -47,8 +44,8 @@ struct Made {
 /// What a model of another method was made from: scene, frame, the camera left out, and the method.
 type RivalKey = (u64, usize, Option<usize>, Rival);
 
-/// Models of other methods that are kept: one for each side.
-const KEPT_RIVALS: usize = 2;
+/// Models of other methods that are kept: one for each side, at two frames.
+const KEPT_RIVALS: usize = 4;
 
 /// Sample sets that are kept.
 const KEPT: usize = 4;
@@ -75,14 +72,17 @@ impl Comparer {
 
     /// Makes the comparison; `Invalid` where a side cannot be shown there.
     fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
-        let (vantage, truth) = vantage_and_truth(key)?;
-        let left = self.side(key, key.choice.sides[0], &vantage, truth.as_deref(), job)?;
-        job.check()?;
-        let right = self.side(key, key.choice.sides[1], &vantage, truth.as_deref(), job)?;
-        let compared = difference::between([left, right], key.choice.measure, key.choice.range, key.dark)?;
+        let place = Place::of(key, key.choice.from, key.vantage.frame)?;
+        let sides = self.sides(key, &place, job)?;
+        if key.choice.measure == CompareMeasure::Flicker {
+            let before = self.sides(key, &place.before(key)?, job)?;
+            return difference::flicker([before, sides], key.choice.range, key.dark);
+        }
+        let compared = difference::between(sides, key.choice.measure, key.choice.range, key.dark)?;
         if key.choice.measure != CompareMeasure::Class {
             return Ok(compared);
         }
+        let Place { vantage, truth, .. } = place;
         let truth = truth.ok_or_else(unknown_truth)?;
         let seen = truth::seen_at(&cameras_left(key)?, vantage.frame)?;
         let classes = truth::class_map(&vantage.camera, &truth, &seen).ok_or_else(|| {
@@ -92,6 +92,12 @@ impl Comparer {
             )
         })?;
         difference::by_class(compared, &classes, key.dark)
+    }
+
+    fn sides(&mut self, key: &CompareKey, place: &Place, job: &Job) -> Result<[DisplayedSide; 2]> {
+        let left = self.side(key, key.choice.sides[0], place, job)?;
+        job.check()?;
+        Ok([left, self.side(key, key.choice.sides[1], place, job)?])
     }
 
     /// A method of others, made of what all cameras but a left-out one recorded.
@@ -115,12 +121,15 @@ impl Comparer {
         &mut self,
         key: &CompareKey,
         side: CompareSide,
-        vantage: &Vantage,
-        truth: Option<&Frame>,
+        place: &Place,
         job: &Job,
     ) -> Result<DisplayedSide> {
+        let vantage = &place.vantage;
         if side == CompareSide::Truth {
-            return Ok(difference::of_frame(truth.ok_or_else(unknown_truth)?));
+            return Ok(difference::of_frame(place.truth.as_deref().ok_or_else(unknown_truth)?));
+        }
+        if let CompareSide::Pictures(id) = side {
+            return picture_of_folder(key, id, place);
         }
         if let Some(rival) = side.rival() {
             return self.rival(key, rival, vantage);
@@ -208,27 +217,6 @@ impl Comparer {
     }
 }
 
-fn unknown_truth() -> Error {
-    Error::invalid(
-        "comparison",
-        "The truth is known at viewpoints with a true picture and at hold-out cameras only: choose one in the last list above.",
-    )
-}
-
-/// The camera whose place the comparison is made from, so that its own samples are left out.
-fn left_out(key: &CompareKey) -> Option<usize> {
-    match key.choice.from {
-        CompareVantage::HoldOut(camera) => Some(camera),
-        _ => None,
-    }
-}
-
-/// The capture without a left-out camera.
-fn cameras_left(key: &CompareKey) -> Result<Capture> {
-    let left_out = left_out(key);
-    Ok(capture_of(&key.scene)?.with_cameras(|index, _| Some(index) != left_out))
-}
-
 /// Adds the latest; of more than `most` the first goes.
 fn keep<T>(kept: &mut Vec<T>, most: usize, latest: T) {
     if kept.len() == most {
@@ -237,45 +225,13 @@ fn keep<T>(kept: &mut Vec<T>, most: usize, latest: T) {
     kept.push(latest);
 }
 
-fn capture_of(scene: &OpenScene) -> Result<&Capture> {
-    scene.capture().ok_or_else(|| {
-        Error::invalid(
-            "comparison",
-            "A store holds no source frames to compare with: open the capture it was made from.",
-        )
-    })
-}
-
-/// The vantage, and what was recorded there.
-fn vantage_and_truth(key: &CompareKey) -> Result<(Vantage, Option<Arc<Frame>>)> {
-    match key.choice.from {
-        CompareVantage::Live => Ok((key.vantage.clone(), None)),
-        CompareVantage::HoldOut(camera) => {
-            let capture = capture_of(&key.scene)?;
-            let there = capture
-                .cameras
-                .get(camera)
-                .ok_or_else(|| Error::invalid("comparison", "there is no such camera"))?;
-            let vantage = Vantage { camera: there.clone(), frame: key.vantage.frame };
-            Ok((vantage, Some(capture.frame(camera, key.vantage.frame)?)))
-        }
-        CompareVantage::Truth(index) => {
-            let capture = capture_of(&key.scene)?;
-            let Content::Capture { truth, .. } = &key.scene.content else {
-                return Err(Error::invalid("comparison", "a store has no viewpoints with true pictures"));
-            };
-            let view = truth
-                .iter()
-                .filter(|view| view.truth.is_some())
-                .nth(index)
-                .ok_or_else(|| Error::invalid("comparison", "there is no such viewpoint"))?;
-            let frame = capture.frame_index(view.frame_number).ok_or_else(|| {
-                Error::invalid(&view.file_path, format!("there is no frame {}", view.frame_number))
-            })?;
-            let load = view.truth.as_ref().map(|load| load()).transpose()?;
-            Ok((Vantage { camera: view.camera.clone(), frame }, load.map(Arc::new)))
-        }
-    }
+/// What another program made there.
+fn picture_of_folder(key: &CompareKey, id: u64, place: &Place) -> Result<DisplayedSide> {
+    let folder = key.pictures.iter().find(|folder| folder.id == id);
+    let folder = folder.ok_or_else(|| Error::invalid("comparison", "These pictures are closed."))?;
+    let load = folder.picture(place.from, place.vantage.frame);
+    let frame = load.map_err(|reason| Error::invalid("comparison", reason))?()?;
+    Ok(difference::of_picture(&picture_of_frame(&frame)))
 }
 
 #[cfg(test)]
@@ -283,7 +239,7 @@ mod tests {
     use crate::settings::{MixedPixels, SpanLevels};
 
     use super::*;
-    use crate::app::model::{CompareChoice, CompareLook, Origin};
+    use crate::app::model::{CompareChoice, CompareLook, CompareVantage, OpenScene, Origin};
     use crate::app::work::workers::pool;
     use crate::demo::{Demo, DemoSpec};
 
@@ -311,6 +267,7 @@ mod tests {
             whole: true,
             scan: Some(scan),
             settings: [a.clone(), a, b],
+            pictures: Vec::new(),
             dark: true,
         }
     }
@@ -350,7 +307,7 @@ mod tests {
             },
             ..key(Settings::default())
         };
-        let (vantage, _) = vantage_and_truth(&key).unwrap();
+        let vantage = Place::of(&key, key.choice.from, key.vantage.frame).unwrap().vantage;
         assert_ne!(vantage.frame, key.vantage.frame);
         let expected = comparer().compare(&key, &Job::new()).unwrap();
         let capture = capture_of(&key.scene).unwrap();

@@ -10,7 +10,7 @@ use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::color::{linear_from_srgb, srgb8_from_linear, steps_from_linear};
 use crate::error::{Error, Result};
-use crate::evaluate::metrics::{ClassMap, DEFAULT_PIXELS_PER_DEGREE, ErrorClass, flip};
+use crate::evaluate::metrics::{self, ClassMap, DEFAULT_PIXELS_PER_DEGREE, ErrorClass, flip, ssim};
 use crate::grid::Grid;
 use crate::render::{NO_IMAGE, Picture};
 
@@ -78,11 +78,10 @@ pub(crate) fn between(
         _ => sequential(apart / range),
     };
     // A gray, which no color of the maps is: the holes' own purple is near their lower end.
-    let map = apart.map(|apart| apart.map_or(tokens.raised, color));
-    let difference = Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()));
-    let known = || apart.as_slice().iter().flatten();
-    let mean = known().map(|apart| f64::from(apart.abs())).sum::<f64>() / known().count().max(1) as f64;
-    let (psnr_db, one_sided) = (psnr_db(&left, &right), one_sided(&left, &right));
+    let difference = map_of(&apart, tokens.raised, color);
+    let mean = mean_of(&apart);
+    let (psnr_db, ssim) = (psnr_db(&left, &right), similarity(&left, &right));
+    let one_sided = one_sided(&left, &right);
     let sides = [left, right];
     let by_class = None;
     Ok(PictureDifference {
@@ -94,9 +93,56 @@ pub(crate) fn between(
         range,
         mean,
         psnr_db,
+        ssim,
+        flicker_steps: None,
         by_class,
         one_sided,
     })
+}
+
+/// A map of how far pixels are apart, in a color of its own where that is not known.
+fn map_of(apart: &Grid<Option<f32>>, unknown: Color32, color: impl Fn(f32) -> Color32) -> Arc<ColorImage> {
+    let map = apart.map(|apart| apart.map_or(unknown, &color));
+    Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()))
+}
+
+/// Mean of how far pixels are apart, signs aside.
+fn mean_of(apart: &Grid<Option<f32>>) -> f64 {
+    let known = || apart.as_slice().iter().flatten();
+    known().map(|apart| f64::from(apart.abs())).sum::<f64>() / known().count().max(1) as f64
+}
+
+/// Compares two sides by how their difference changes from the frame `before` to the one `now`, where both have a sample at both:
+/// at each pixel that of the channel where it changes most, 8-bit steps. `Invalid` where sizes differ.
+pub(crate) fn flicker(
+    [before, now]: [[DisplayedSide; 2]; 2],
+    range: Option<f32>,
+    dark: bool,
+) -> Result<PictureDifference> {
+    let measure = CompareMeasure::Flicker;
+    let [before_left, before_right] = before.map(|side| side.known);
+    let compared = between(now, CompareMeasure::Steps, None, dark)?;
+    let [left, right] = &compared.sides;
+    if [&before_left, &before_right].iter().any(|side| side.size() != left.size()) {
+        return Err(Error::invalid("comparison", "The pictures of the frame before have another size."));
+    }
+    let (mut squares, mut count) = (0.0, 0_u64);
+    let apart = Grid::from_fn(left.width(), left.height(), |x, y| {
+        let at = (x, y);
+        let [a, b, c, d] = [left[at]?, right[at]?, before_left[at]?, before_right[at]?];
+        let change: [f32; 3] = std::array::from_fn(|channel| {
+            let [a, b, c, d] = [a, b, c, d].map(|color| f32::from(color[channel]));
+            ((a - b) - (c - d)).abs()
+        });
+        squares += change.iter().map(|change| f64::from(change * change)).sum::<f64>();
+        count += 3;
+        change.into_iter().reduce(f32::max)
+    });
+    let range = range.unwrap_or_else(|| fitted(&apart, measure));
+    let difference = map_of(&apart, Tokens::of(dark).raised, |apart| sequential(apart / range));
+    let flicker_steps = (count > 0).then(|| (squares / count as f64).sqrt());
+    let mean = mean_of(&apart);
+    Ok(PictureDifference { difference, measure, apart, range, mean, flicker_steps, ..compared })
 }
 
 /// The color of a class on the map of where a difference lies.
@@ -143,7 +189,7 @@ fn apart(left: &DisplayColors, right: &DisplayColors, measure: CompareMeasure) -
         Grid::from_vec(left.width(), left.height(), values.collect())
     };
     match measure {
-        CompareMeasure::Steps | CompareMeasure::Class => {
+        CompareMeasure::Steps | CompareMeasure::Class | CompareMeasure::Flicker => {
             both(&|a, b| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0).into())
         }
         CompareMeasure::Brightness => both(&|a, b| luma(b) - luma(a)),
@@ -189,6 +235,20 @@ fn psnr_db(left: &DisplayColors, right: &DisplayColors) -> f64 {
     10.0 * (255.0 * 255.0 * count.max(1) as f64 / squares).log10()
 }
 
+/// Structural similarity of luma where both sides have a sample; elsewhere the other side is taken to be equal.
+fn similarity(left: &DisplayColors, right: &DisplayColors) -> f64 {
+    let of = |own: &DisplayColors, other: &DisplayColors| {
+        let pixels = own.as_slice().iter().zip(other.as_slice());
+        let values = pixels.map(|(own, other)| {
+            let encoded = own.or(*other).unwrap_or_default().map(|step| f32::from(step) / 255.0);
+            metrics::luma(&encoded)
+        });
+        Grid::from_vec(own.width(), own.height(), values.collect())
+    };
+    let counts = |x: usize, y: usize| left[(x, y)].is_some() && right[(x, y)].is_some();
+    ssim(&of(left, right), &of(right, left), counts)
+}
+
 fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
     let pairs = left.as_slice().iter().zip(right.as_slice());
     let lonely = pairs.filter(|(a, b)| a.is_some() != b.is_some()).count();
@@ -215,10 +275,24 @@ mod tests {
         let steps = compared(CompareMeasure::Steps);
         assert_eq!(steps.apart.as_slice(), [Some(20.0), Some(10.0), None, Some(0.0)]);
         assert_eq!((steps.range, steps.mean, steps.one_sided), (20.0, 10.0, 0.25));
+        assert!(steps.ssim < 1.0);
         assert!((steps.psnr_db - 10.0 * (255.0_f64.powi(2) / (500.0 / 3.0)).log10()).abs() < 1e-9);
         let brightness = compared(CompareMeasure::Brightness);
         let signed: Vec<_> = brightness.apart.as_slice().iter().map(|apart| apart.map(f32::round)).collect();
         assert_eq!(signed, [Some(20.0), Some(-10.0), None, Some(0.0)]);
+    }
+
+    #[test]
+    fn flicker_is_how_the_difference_changes_and_a_constant_one_has_none() {
+        let truth = [Some(10), Some(20), Some(30), None];
+        let sides = |painted| [side(painted), side(truth)];
+        let before = sides([Some(14), Some(20), Some(30), Some(9)]);
+        let now = sides([Some(14), Some(24), None, Some(9)]);
+        let compared = flicker([before.clone(), now], None, true).unwrap();
+        assert_eq!(compared.apart.as_slice(), [Some(0.0), Some(4.0), None, None]);
+        assert!((compared.flicker_steps.unwrap() - 8.0_f64.sqrt()).abs() < 1e-9);
+        let still = flicker([before.clone(), before], None, true).unwrap();
+        assert_eq!((still.flicker_steps, still.mean), (Some(0.0), 0.0));
     }
 
     #[test]

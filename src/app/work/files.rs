@@ -6,6 +6,7 @@ use egui::ColorImage;
 use image::{ImageFormat, RgbaImage};
 
 use super::develop::developed;
+use super::other_pictures;
 use super::requests::{ExportRequest, FileRequest};
 use crate::app::model::{
     Background, Destination, Display, ExportTarget, Exported, Message, NO_KEYS, Purpose,
@@ -124,6 +125,10 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
             let views = read_path(&path)?;
             return Ok(Message::PathLoaded { scene, path, views });
         }
+        FileRequest::OpenPictures { path, scene } => {
+            let folder = other_pictures::open(&path, &scene)?;
+            return Ok(Message::PicturesOpened { scene: scene.id, folder });
+        }
         FileRequest::LoadSettings { path } => {
             let settings = Settings::load(&path)?;
             return Ok(Message::SettingsLoaded { path, settings });
@@ -196,7 +201,9 @@ pub(crate) fn check(destination: Destination) -> Message {
 pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new().set_file_name(name).set_title(purpose.title());
     match purpose {
-        Purpose::OpenFolder | Purpose::ExportPictures | Purpose::ExportExr => dialog.pick_folder(),
+        Purpose::OpenFolder | Purpose::ExportPictures | Purpose::ExportExr | Purpose::OpenPictures => {
+            dialog.pick_folder()
+        }
         Purpose::OpenFile => dialog
             .add_filter("Stores and captures", &["ovl", "json", "txt", "bin", "log"])
             .add_filter("All files", &["*"])

@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod compare;
+mod compare_place;
 mod develop;
 mod difference;
 mod facts;
@@ -13,6 +14,7 @@ mod files;
 mod histograms;
 mod live_image;
 mod opening;
+mod other_pictures;
 mod pruning;
 mod requests;
 mod scheduler;

@@ -95,6 +95,11 @@ pub(crate) enum FileRequest {
         path: PathBuf,
         scene: u64,
     },
+    /// Read which pictures of another program are those of a scene's viewpoints.
+    OpenPictures {
+        path: PathBuf,
+        scene: Arc<OpenScene>,
+    },
 }
 
 impl FileRequest {
@@ -110,7 +115,7 @@ impl FileRequest {
             | Self::SavePath { path, .. } => {
                 ("Saving stopped", format!("Nothing was written to {}.", path.display()))
             }
-            Self::LoadSettings { path } | Self::LoadPath { path, .. } => {
+            Self::LoadSettings { path } | Self::LoadPath { path, .. } | Self::OpenPictures { path, .. } => {
                 ("Loading stopped", format!("Nothing was read from {}.", path.display()))
             }
         }

@@ -289,6 +289,7 @@ impl Scheduler {
                 history.of(SettingsSlot::A, now).clone(),
                 history.of(SettingsSlot::B, now).clone(),
             ],
+            pictures: state.inspector.pictures.clone(),
             dark: state.dark,
         });
         submit_new(&workers.compare, &mut self.compare, key);

@@ -60,6 +60,37 @@ pub(super) fn without_rounding(known: &mut Vec<Camera>, camera: Camera) -> Camer
     camera
 }
 
+/// How far apart the places of a view and of a picture of it may be, relative to the distance from the origin or 1, and how far the
+/// entries of their rotations: poses that another program wrote with five digits; a fifth of a pixel at a focal length of 2000.
+const SAME_VIEW: f64 = 1e-4;
+
+/// How far focal length and principal point of a view and of a picture of it may differ, pixels.
+const SAME_VIEW_LENS_PX: f64 = 0.05;
+
+/// Whether another program took a picture from where a view was taken, with what it rounds its poses to.
+pub(super) fn is_view_from(view: &Camera, picture: &Camera) -> bool {
+    let (a, b) = (&view.world_from_camera, &picture.world_from_camera);
+    let apart = SAME_VIEW * a.translation.length().max(1.0);
+    a.matrix3.abs_diff_eq(b.matrix3, SAME_VIEW) && a.translation.abs_diff_eq(b.translation, apart)
+}
+
+/// Whether another program's picture has the size and the lens of a view.
+pub(super) fn is_view_by(view: &Camera, picture: &Camera) -> bool {
+    let (a, b) = (&view.intrinsics, &picture.intrinsics);
+    a.size() == b.size() && lens_differences(a, b).iter().all(|d| d.abs() <= SAME_VIEW_LENS_PX)
+}
+
+/// Angle between the orientations of two cameras, degrees.
+pub(super) fn turned_by_degrees(a: &Camera, b: &Camera) -> f64 {
+    let turn = a.world_from_camera.matrix3.transpose() * b.world_from_camera.matrix3;
+    let cosine = 0.5 * (turn.x_axis.x + turn.y_axis.y + turn.z_axis.z - 1.0);
+    cosine.clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+fn lens_differences(a: &Intrinsics, b: &Intrinsics) -> [f64; 4] {
+    [a.fx - b.fx, a.fy - b.fy, a.cx - b.cx, a.cy - b.cy]
+}
+
 fn same_lens(a: &Intrinsics, b: &Intrinsics) -> bool {
-    [a.fx - b.fx, a.fy - b.fy, a.cx - b.cx, a.cy - b.cy].iter().all(|d| d.abs() <= SAME_INTRINSICS_PX)
+    lens_differences(a, b).iter().all(|d| d.abs() <= SAME_INTRINSICS_PX)
 }

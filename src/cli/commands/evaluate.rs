@@ -6,11 +6,18 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use crate::capture::{Capture, TruthLoader, TruthView, transforms};
+use crate::capture::transforms::{self, OtherPictures};
+use crate::capture::{Capture, TruthView};
 use crate::cli::input::{self, HoldOutArgs, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
-use crate::evaluate::{MethodComparison, MethodScore, PictureScores, compare, score_pictures, truth};
+use crate::error::Result;
+use crate::evaluate::metrics::ClassMap;
+use crate::evaluate::{MethodComparison, MethodScore, PictureScores, compare_each, score_pictures, truth};
+use crate::render::Picture;
 use crate::settings::Settings;
+
+/// Folder of our own error maps beside those of other programs.
+const OURS: &str = "overlook";
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
@@ -25,11 +32,12 @@ pub(crate) struct EvaluateArgs {
     align_views: bool,
     #[command(flatten)]
     held_out: HoldOutArgs,
-    /// Score the pictures that another program made of the same viewpoints, under the viewpoints' own names in this folder; may be given
-    /// several times.
+    /// Score the pictures that another program made of the same viewpoints; may be given several times. Where the folder has a
+    /// transforms.json, a viewpoint's picture is the one that it says was taken from there, by the same lens, at the same frame; else
+    /// the one under the viewpoint's own name.
     #[arg(long, value_name = "DIR")]
     pictures: Vec<PathBuf>,
-    /// Folder for the truth, each picture of --pictures, and its error, beside each other.
+    /// Folder for the truth, each picture of --pictures and of ours (in `overlook`), and its error, beside each other.
     #[arg(long, value_name = "DIR", requires = "pictures")]
     error_maps: Option<PathBuf>,
     #[command(flatten)]
@@ -59,13 +67,17 @@ impl EvaluateArgs {
         self.painting.apply(&mut settings.render);
         let capture = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, views) = self.truth(capture)?;
-        let loaders = self.pictures.iter().map(|folder| transforms::open_pictures(folder, &views));
-        let loaders = loaders.collect::<Result<Vec<_>, _>>()?;
-        let comparison = output::watched(|job| compare(&capture, &views, &settings, self.align_views, job))?;
+        let others = self.others(&capture, &views)?;
+        let comparison = output::watched(|job| {
+            let mut on_picture = |view: &TruthView, picture: &Picture, classes: Option<&ClassMap>| {
+                self.save_error_map(OURS, view, picture, classes)
+            };
+            compare_each(&capture, &views, &settings, self.align_views, job, &mut on_picture)
+        })?;
         let MethodComparison { as_set, no_pruning, first_camera } = &comparison;
         let notices = [as_set, no_pruning, first_camera].map(|compared| compared.evaluation.notice.clone());
         output::warn(&notices.into_iter().flatten().collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>());
-        let pictures = self.scored_pictures(&capture, &views, &loaders)?;
+        let pictures = self.scored_pictures(&capture, &views, &others)?;
         if self.json {
             return output::print_json(&EvaluateOutput {
                 as_set,
@@ -85,30 +97,55 @@ impl EvaluateArgs {
         ))
     }
 
+    /// The pictures of other programs, each under a name of its own; all views have one.
+    fn others(&self, capture: &Capture, views: &[TruthView]) -> Result<Vec<(String, OtherPictures)>> {
+        let mut others: Vec<(String, OtherPictures)> = Vec::new();
+        for folder in &self.pictures {
+            let other = transforms::open_pictures(folder, views, capture.frames_are_ranked())?;
+            other.all()?;
+            output::warn(&other.warning().into_iter().collect::<Vec<_>>());
+            let is_free = |name: &String| name != OURS && others.iter().all(|(known, _)| known != name);
+            let mut names = (2..).map(|nth| format!("{} ({nth})", other.name()));
+            let name = std::iter::once(other.name()).chain(&mut names).find(is_free).unwrap_or_default();
+            others.push((name, other));
+        }
+        Ok(others)
+    }
+
     /// The pictures of other programs, scored as ours are.
     fn scored_pictures(
         &self,
         capture: &Capture,
         views: &[TruthView],
-        loaders: &[Vec<TruthLoader>],
+        others: &[(String, OtherPictures)],
     ) -> Result<Vec<PictureScores>, CommandError> {
-        if loaders.is_empty() {
+        if others.is_empty() {
             return Ok(Vec::new());
         }
         let classes = output::watched(|job| truth::class_maps(capture, views, job))?;
         let mut all = Vec::new();
-        for (folder, pictures) in self.pictures.iter().zip(loaders) {
-            let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
+        for (name, other) in others {
             let scores = output::watched(|job| {
-                score_pictures(&name, (views, pictures), &classes, job, |view, picture, classes| {
-                    let (Some(maps), Some(truth)) = (&self.error_maps, &view.truth) else { return Ok(()) };
-                    let file = output::PicturePaths::below(&maps.join(&name), &view.file_path)?.png;
-                    output::write_error_map(&file, picture, &truth()?, classes)
+                score_pictures(name, other, views, &classes, job, |view, picture, classes| {
+                    self.save_error_map(name, view, picture, classes)
                 })
             })?;
             all.push(scores);
         }
         Ok(all)
+    }
+
+    /// Writes the truth, the picture of a program and its error, where that is asked for.
+    fn save_error_map(
+        &self,
+        program: &str,
+        view: &TruthView,
+        picture: &Picture,
+        classes: Option<&ClassMap>,
+    ) -> Result<()> {
+        let (Some(maps), Some(truth)) = (&self.error_maps, &view.truth) else { return Ok(()) };
+        let file = output::PicturePaths::below(&maps.join(program), &view.file_path)?.png;
+        output::write_error_map(&file, picture, &truth()?, classes)
     }
 
     /// The capture to preprocess, and the views to score it at.

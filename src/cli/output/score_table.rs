@@ -91,7 +91,7 @@ pub(crate) fn picture_table(programs: &[PictureScores]) -> String {
     if !programs.is_empty() {
         let _ = write!(
             text,
-            "\n\n{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
+            "\n\n{:<28} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}  matched by",
             "pictures of", "PSNR dB", "all dB", "SSIM", "FLIP", "cover", "flicker"
         );
     }
@@ -108,6 +108,7 @@ pub(crate) fn picture_table(programs: &[PictureScores]) -> String {
         for (value, decimals) in values {
             let _ = write!(text, " {}", text::number(value, decimals, 8));
         }
+        let _ = write!(text, "  {}", program.matched_by);
     }
     text
 }

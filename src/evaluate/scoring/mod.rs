@@ -10,9 +10,9 @@ mod scoreboard;
 mod view;
 
 pub(crate) use aligned_view::{add_aligned, aligned_score, average_aligned};
-pub(crate) use pictures::score_pictures;
 pub use pictures::{PictureScore, PictureScores};
-pub(crate) use scoreboard::{Scoreboard, evaluate_with, nothing_to_compare, with_truth};
+pub(crate) use pictures::{picture_of_frame, score_pictures};
+pub(crate) use scoreboard::{OnPicture, Scoreboard, evaluate_each, nothing_to_compare, with_truth};
 pub use scoreboard::{evaluate, vantage_order};
 pub use view::{AlignedScore, Evaluation, MeanScore, ViewScore};
 pub(crate) use view::{ViewCost, frame_of, render_view, scored, unknown_truth_warning};

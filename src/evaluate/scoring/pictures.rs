@@ -7,7 +7,8 @@ use serde::Serialize;
 
 use super::scoreboard::{Scoreboard, vantage_order, with_truth};
 use super::view::{PaintedView, ViewCost, ViewScore, scored};
-use crate::capture::{Frame, TruthLoader, TruthView};
+use crate::capture::transforms::{MatchedBy, OtherPictures};
+use crate::capture::{Frame, TruthView};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{ClassMap, ErrorByClass, Scores};
 use crate::grid::Grid;
@@ -19,6 +20,8 @@ use crate::render::{NO_IMAGE, Painter, Picture, RenderStats};
 pub struct PictureScores {
     /// Name of the program, or of its folder.
     pub name: String,
+    /// How the pictures were found to be those of the views.
+    pub matched_by: MatchedBy,
     /// One by one, in the order of the views.
     pub views: Vec<PictureScore>,
     /// Mean of [`Scores::psnr_db`] over the views.
@@ -49,15 +52,19 @@ pub struct PictureScore {
     pub error_by_class: Option<ErrorByClass>,
 }
 
-/// Scores pictures that another program made of views with known truth; `pictures` are in the order of the views. `on_picture`
-/// receives each.
+/// Scores pictures that another program made of views with known truth, all of which must have one. `on_picture` receives each.
+///
+/// # Errors
+/// `Invalid` naming the first view without a picture; those of reading pictures; `Cancelled`.
 pub(crate) fn score_pictures(
     name: &str,
-    (views, pictures): (&[TruthView], &[TruthLoader]),
+    other: &OtherPictures,
+    views: &[TruthView],
     classes: &[Option<Arc<ClassMap>>],
     job: &Job,
     mut on_picture: impl FnMut(&TruthView, &Picture, Option<&ClassMap>) -> Result<()>,
 ) -> Result<PictureScores> {
+    let pictures = other.all()?;
     let places: HashMap<&str, usize> =
         views.iter().enumerate().map(|(index, view)| (view.file_path.as_str(), index)).collect();
     let known = with_truth(views, job);
@@ -69,7 +76,7 @@ pub(crate) fn score_pictures(
         let view = known[index];
         let place = places[view.file_path.as_str()];
         let load = pictures.get(place).ok_or_else(|| Error::invalid(&view.file_path, "has no picture"))?;
-        let picture = Arc::new(picture_of(&load()?));
+        let picture = Arc::new(picture_of_frame(&load()?));
         let classes = classes.get(place).and_then(Option::as_deref);
         let cost = ViewCost { stats: RenderStats::default(), painter: Painter::cpu(), notice: None };
         let painted: PaintedView = scored(view, picture.clone(), classes, cost, job)?;
@@ -86,6 +93,7 @@ pub(crate) fn score_pictures(
     let mean = evaluation.mean;
     Ok(PictureScores {
         name: name.to_owned(),
+        matched_by: other.matched_by,
         views: evaluation.views.into_iter().map(of_view).collect(),
         psnr_db: mean.psnr_db,
         psnr_all_db: mean.psnr_all_db,
@@ -98,7 +106,7 @@ pub(crate) fn score_pictures(
 }
 
 /// A frame that another program rendered, as one of our pictures: what has no depth is a hole.
-fn picture_of(frame: &Frame) -> Picture {
+pub(crate) fn picture_of_frame(frame: &Frame) -> Picture {
     let (width, height) = frame.size();
     let image = frame.inverse_depth.map(|inverse_depth| if *inverse_depth >= 0.0 { 0 } else { NO_IMAGE });
     let color: Grid<[f32; 3]> = frame.color.map(|color| color.map(half::f16::to_f32));
@@ -108,6 +116,7 @@ fn picture_of(frame: &Frame) -> Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::TruthLoader;
     use crate::demo::{Demo, DemoSpec};
 
     #[test]
@@ -117,9 +126,15 @@ mod tests {
         let own: Vec<TruthLoader> = views.iter().filter_map(|view| view.truth.clone()).collect();
         let mut turned = own.clone();
         turned.rotate_left(1);
+        let other = |pictures: &[TruthLoader]| OtherPictures {
+            folder: "other".into(),
+            matched_by: MatchedBy::FileName,
+            pictures: pictures.iter().cloned().map(Ok).collect(),
+            left_over: Vec::new(),
+        };
         let score = |pictures: &[TruthLoader]| {
             let mut shown = 0;
-            let scores = score_pictures("other", (&views, pictures), &[], &Job::new(), |_, _, _| {
+            let scores = score_pictures("other", &other(pictures), &views, &[], &Job::new(), |_, _, _| {
                 shown += 1;
                 Ok(())
             });
@@ -129,6 +144,8 @@ mod tests {
         assert_eq!((perfect.views.len(), shown), (views.len(), views.len()));
         assert_eq!((perfect.flicker_steps, perfect.flip), (Some(0.0), Some(0.0)));
         assert!(score(&turned).0.psnr_db < Some(30.0));
-        assert!(score_pictures("few", (&views, &own[..1]), &[], &Job::new(), |_, _, _| Ok(())).is_err());
+        assert!(
+            score_pictures("other", &other(&own[..1]), &views, &[], &Job::new(), |_, _, _| Ok(())).is_err()
+        );
     }
 }

@@ -8,7 +8,7 @@ use crate::capture::{Camera, TruthView};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{ClassErrors, ClassMap, FlickerMeter, FlickerSum, Scores};
 use crate::job::Job;
-use crate::render::Renderer;
+use crate::render::{Picture, Renderer};
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 
@@ -126,17 +126,22 @@ pub fn evaluate(
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<Evaluation> {
-    evaluate_with(&mut Renderer::strict(settings.backend)?, samples, views, &[], settings, job)
+    let mut renderer = Renderer::strict(settings.backend)?;
+    evaluate_each(&mut renderer, samples, (views, &[]), settings, job, &mut |_, _, _| Ok(()))
 }
 
-/// As [`evaluate()`], by class of error at the views whose `classes` are known, which are in the order of the views.
-pub(crate) fn evaluate_with(
+/// Takes each rendered view, its picture, and the classes of its error where they are known.
+pub(crate) type OnPicture<'a> = dyn FnMut(&TruthView, &Picture, Option<&ClassMap>) -> Result<()> + 'a;
+
+/// As [`evaluate()`], by class of error at the views whose `classes` are known, which are in the order of the views; `on_picture` takes
+/// each picture.
+pub(crate) fn evaluate_each(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
-    views: &[TruthView],
-    classes: &[Option<Arc<ClassMap>>],
+    (views, classes): (&[TruthView], &[Option<Arc<ClassMap>>]),
     settings: &RenderSettings,
     job: &Job,
+    on_picture: &mut OnPicture<'_>,
 ) -> Result<Evaluation> {
     let classes: HashMap<&str, &ClassMap> = views
         .iter()
@@ -156,7 +161,9 @@ pub(crate) fn evaluate_with(
         job.check()?;
         let view = views[index];
         let classes = classes.get(view.file_path.as_str()).copied();
-        scores.add(view, render_view(renderer, samples, view, classes, settings, job)?);
+        let painted = render_view(renderer, samples, view, classes, settings, job)?;
+        on_picture(view, &painted.picture, classes)?;
+        scores.add(view, painted);
         job.advance(1);
     }
     Ok(scores.finish().in_order_of_views(&order))

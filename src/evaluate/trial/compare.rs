@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::workbench::{FoldSamples, stored};
 use crate::capture::{Capture, TruthView};
 use crate::error::Result;
-use crate::evaluate::scoring::{Evaluation, add_aligned, evaluate_with, frame_of, with_truth};
+use crate::evaluate::scoring::{Evaluation, OnPicture, add_aligned, evaluate_each, frame_of, with_truth};
 use crate::evaluate::truth;
 use crate::job::Job;
 use crate::preprocess;
@@ -53,6 +53,18 @@ pub fn compare(
     align_views: bool,
     job: &Job,
 ) -> Result<MethodComparison> {
+    compare_each(capture, views, settings, align_views, job, &mut |_, _, _| Ok(()))
+}
+
+/// As [`compare`]; `on_picture` takes each picture of the given settings.
+pub(crate) fn compare_each(
+    capture: &Capture,
+    views: &[TruthView],
+    settings: &Settings,
+    align_views: bool,
+    job: &Job,
+    on_picture: &mut OnPicture<'_>,
+) -> Result<MethodComparison> {
     let mut renderer = Renderer::strict(settings.render.backend)?;
     for view in with_truth(views, job) {
         frame_of(view, &capture.name, &capture.frame_numbers)?;
@@ -64,12 +76,13 @@ pub fn compare(
     }
     let views = views.as_slice();
     let classes = truth::class_maps(scan.capture(), views, job)?;
-    let mut compared = |method| {
+    let mut compared = |method, on_picture: &mut OnPicture<'_>| {
         let mut settings = settings.clone();
         settings.pruning.method = method;
         let pruned = preprocess::prune(capture, &scan, &settings, job)?;
         let FoldSamples { samples, bytes: bytes_store, .. } = stored(&pruned.samples, &pruned.report, job)?;
-        let mut evaluation = evaluate_with(&mut renderer, &samples, views, &classes, &settings.render, job)?;
+        let mut evaluation =
+            evaluate_each(&mut renderer, &samples, (views, &classes), &settings.render, job, on_picture)?;
         if align_views {
             let views = with_truth(views, job);
             add_aligned(
@@ -84,9 +97,10 @@ pub fn compare(
         let (samples_kept, bytes_memory) = (samples.sample_count(), samples.bytes());
         Ok(MethodScore { method, samples_kept, bytes_memory, bytes_store, evaluation })
     };
+    let unseen: &mut OnPicture<'_> = &mut |_, _, _| Ok(());
     Ok(MethodComparison {
-        as_set: compared(settings.pruning.method)?,
-        no_pruning: compared(PruningMethod::Off)?,
-        first_camera: compared(PruningMethod::FirstCamera)?,
+        as_set: compared(settings.pruning.method, on_picture)?,
+        no_pruning: compared(PruningMethod::Off, unseen)?,
+        first_camera: compared(PruningMethod::FirstCamera, unseen)?,
     })
 }

@@ -11,6 +11,7 @@ mod trial_result;
 mod trial_setting;
 mod workbench;
 
+pub(crate) use compare::compare_each;
 pub use compare::{MethodComparison, MethodScore, compare};
 pub(crate) use eta::TimeLeft;
 pub use paired::{PairedDifference, ViewAccuracy};

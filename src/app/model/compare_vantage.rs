@@ -1,0 +1,12 @@
+//! Where a comparison is made from.
+
+/// From where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CompareVantage {
+    /// Where the live view stands.
+    Live,
+    /// A vantage whose truth is known, by its place among those.
+    Truth(usize),
+    /// A camera, whose own samples are left out.
+    HoldOut(usize),
+}
