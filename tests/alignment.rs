@@ -89,8 +89,7 @@ fn a_capture_that_is_right_is_left_alone_and_gives_the_samples_of_alignment_swit
         let right = capture(scene, 0.0);
         assert!(aligned(&right).alignment.is_none(), "{scene}");
         let on = Settings { align: everything(), ..Settings::default() };
-        let nothing = AlignSettings { lens: Correction::Off, ..AlignSettings::default() };
-        let [on, off] = [on, Settings { align: nothing, ..Settings::default() }]
+        let [on, off] = [on, Settings { align: AlignSettings::OFF, ..Settings::default() }]
             .map(|settings| overlook::preprocess::preprocess(&right, &settings, &Job::new()).unwrap());
         assert_eq!(on.samples.settings, off.samples.settings);
         assert_eq!(on.samples.cameras, off.samples.cameras);

@@ -61,11 +61,9 @@ fn numbers() -> (Capture, Vec<TruthView>) {
         warnings: vec![],
         source: Arc::new(Numbers),
     };
-    let view = |index: usize, with_truth: bool| TruthView {
-        file_path: format!("v/{index}.png"),
-        camera: camera(index),
-        frame_number: 5,
-        truth: with_truth.then(|| Arc::new(move || Ok(numbered_frame(index, 1))) as _),
+    let view = |index: usize, with_truth: bool| {
+        let truth = with_truth.then(|| Arc::new(move || Ok(numbered_frame(index, 1))) as _);
+        TruthView::new(format!("v/{index}.png"), camera(index), 5, truth)
     };
     (Capture::new(parts, 1 << 20), vec![view(0, true), view(1, false)])
 }

@@ -63,7 +63,7 @@ fn recorded_by_two_sensors(demo: &Demo) -> Capture {
 }
 
 fn lens_alone() -> AlignSettings {
-    AlignSettings { lens: Correction::Auto, ..AlignSettings::default() }
+    AlignSettings { poses: Correction::Off, lens: Correction::Auto, exposure: Correction::Off }
 }
 
 #[test]
@@ -110,14 +110,9 @@ fn pictures_of_the_same_sensor_fit_once_its_color_lens_is_found() {
     let middle = front.translation.lerp(right.translation, 0.5);
     claimed.world_from_camera = DAffine3 { translation: middle, ..front };
     let truth_camera = color_camera(&claimed);
-    let view = TruthView {
-        file_path: "held_out.png".to_owned(),
-        camera: claimed,
-        frame_number: capture.frame_numbers[0],
-        truth: Some(Arc::new(move || Ok(demo.render(&truth_camera, 0)))),
-    };
-    let nothing = AlignSettings { lens: Correction::Off, ..AlignSettings::default() };
-    let [off, auto] = [nothing, lens_alone()].map(|align| {
+    let truth = Arc::new(move || Ok(demo.render(&truth_camera, 0)));
+    let view = TruthView::new("held_out.png".to_owned(), claimed, capture.frame_numbers[0], Some(truth));
+    let [off, auto] = [AlignSettings::OFF, lens_alone()].map(|align| {
         let settings = Settings { align, ..Settings::default() };
         let scores = compare(&capture, std::slice::from_ref(&view), &settings, false, &Job::new()).unwrap();
         scores.as_set.evaluation.mean.psnr_db.unwrap()

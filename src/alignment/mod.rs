@@ -23,6 +23,7 @@ mod judge;
 mod median;
 mod normal_equations;
 mod overlaps;
+mod picture_numbers;
 mod poses;
 mod reference_view;
 mod registered_frames;
@@ -31,9 +32,11 @@ mod residuals;
 mod solver;
 mod surface_samples;
 mod view_alignment;
+mod view_corrections;
 
 pub use report::{AlignedCamera, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment};
 pub use view_alignment::align_view;
+pub use view_corrections::{CameraCorrection, CorrectedViews, Foretelling, Proven, ViewCorrections};
 
 use glam::DMat3;
 use rayon::prelude::*;
@@ -75,10 +78,8 @@ const MOST_CAMERAS: usize = 400;
 /// Whatever the capture gives (naming file and frame), and `Cancelled`.
 pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<Aligned> {
     let unchanged = Aligned { capture: capture.clone(), alignment: None };
-    let parts = [settings.poses, settings.lens, settings.exposure];
-    let is_off = parts.iter().all(|part| *part == Correction::Off);
     let cameras = capture.cameras.len();
-    if is_off || cameras < 2 || capture.frame_count() == 0 {
+    if *settings == AlignSettings::OFF || cameras < 2 || capture.frame_count() == 0 {
         return Ok(unchanged);
     }
     job.start("Aligning cameras", 1);

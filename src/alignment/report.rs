@@ -12,7 +12,8 @@ use super::median::MEDIAN_PER_SIGMA;
 use super::poses::PoseCorrection;
 use super::registered_frames::color_camera;
 use super::solver::Problem;
-use crate::capture::{Capture, Intrinsics, TruthView};
+use super::view_corrections::{CameraCorrection, CorrectedViews, ViewCorrections};
+use crate::capture::{Camera, Capture, Intrinsics, TruthView};
 
 /// What was wrong with a capture, and how much better cameras agree without it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -25,6 +26,9 @@ pub struct Alignment {
     pub lenses: Vec<AlignedLens>,
     /// The pairs of cameras that were compared.
     pub pairs: Vec<AlignedPair>,
+    /// What is wrong with views between the cameras; `None` where what was corrected does not foretell it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub views: Option<ViewCorrections>,
 }
 
 /// What was corrected of one camera.
@@ -163,29 +167,56 @@ impl Alignment {
             cameras: (0..capture.cameras.len()).map(of_camera).collect(),
             lenses: lenses.iter().map(AlignedLens::new).collect(),
             pairs: pairs.collect(),
+            views: view_corrections(capture, problem, gains),
         }
     }
 
-    /// What was corrected, one line a lens and one a camera.
+    /// What was corrected, one line a lens and one a camera, and one of what is foretold of views.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let lenses = self.lenses.iter().map(AlignedLens::sentence);
-        lenses.chain(self.cameras.iter().filter_map(AlignedCamera::sentence)).collect()
+        let cameras = self.cameras.iter().filter_map(AlignedCamera::sentence);
+        let views = self.views.as_ref().and_then(ViewCorrections::sentence);
+        lenses.chain(cameras).chain(views).collect()
     }
 
-    /// Sees views that claim a lens through the color lens that was found in its place: they were taken with the same sensor.
-    /// Returns how many.
-    pub fn correct_lenses_of(&self, views: &mut [TruthView]) -> usize {
-        let mut corrected = 0;
+    /// Corrects views that were recorded with the capture, without looking at their pictures. Those that claim a lens are seen
+    /// through the color lens that was found in its place, since they were taken with the same sensor. They are moved and exposed as
+    /// the pictures beside them were, where those foretell it.
+    pub fn correct_views(&self, views: &mut [TruthView]) -> CorrectedViews {
+        let mut corrected = CorrectedViews::default();
         for view in views {
             if let Some(lens) = self.lenses.iter().find(|lens| lens.claimed == view.camera.intrinsics) {
                 let lens = ColorLens { intrinsics: lens.color, color_from_depth: lens.color_from_depth };
                 view.camera = color_camera(&view.camera, &lens);
-                corrected += 1;
+                corrected.lenses += 1;
             }
+            let [pose, exposure] = self.views.as_ref().map_or([false; 2], |views| views.correct(view));
+            corrected.poses += usize::from(pose);
+            corrected.exposures += usize::from(exposure);
         }
         corrected
     }
+}
+
+/// What the corrections that were kept foretell of views.
+fn view_corrections(
+    capture: &Capture,
+    problem: &Problem,
+    gains: &[GainCorrection],
+) -> Option<ViewCorrections> {
+    // Where only lenses were looked for, the problem may hold a part of the cameras, and none of them moved.
+    if problem.views.len() != capture.cameras.len() {
+        return None;
+    }
+    let of_camera = |(index, then): (usize, &Camera)| {
+        let gain = gains.get(index).filter(|gain| gain.kept);
+        let log_gain = gain.map_or([0.0; 3], |gain| gain.log_gain);
+        let file = capture.files_of(index, 0).into_iter().next();
+        CameraCorrection::new(file.as_deref(), then, &problem.views[index].camera, log_gain)
+    };
+    let cameras = capture.cameras.iter().enumerate().map(of_camera).collect();
+    ViewCorrections::new(cameras, 1.0 / problem.scale.inverse_depth)
 }
 
 impl AlignedPose {

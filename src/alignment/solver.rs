@@ -72,7 +72,7 @@ const LEAST_READINGS: usize = 20;
 /// Distances up to this may be of one surface whatever the noise, footprints.
 const LEAST_GATE: f64 = 2.0;
 /// How far the capture may be wrong: standard deviations of the pull toward it, footprints and logarithm of gain.
-const TRUST: [f64; 2] = [30.0, 0.5];
+const TRUST: [f64; 2] = [1.0, 0.5];
 /// Pull of the mean toward where it was: only relative poses are known.
 const MEAN_WEIGHT: f64 = 1e4;
 

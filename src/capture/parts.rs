@@ -10,6 +10,7 @@ use super::frame::Frame;
 use super::frame_cache::FrameCache;
 use super::pose_convention::PoseConvention;
 use crate::error::{Error, Result};
+use crate::grid::Grid;
 
 /// Where the frames of a capture come from: files, or a scene that is rendered on demand.
 pub trait FrameSource: Send + Sync {
@@ -192,6 +193,28 @@ pub struct TruthView {
     pub frame_number: i64,
     /// The true picture, where there is one.
     pub truth: Option<TruthLoader>,
+    /// Name of the recorded picture's file without folder and extension: where in a sequence it was taken. `None` where it lies in no
+    /// file.
+    pub picture: Option<String>,
+    /// What colors of the capture are multiplied with to look as this view was exposed, per channel of linear color.
+    pub gain: [f32; 3],
+}
+
+impl TruthView {
+    /// A view as exposed as the capture's cameras, whose picture lies in no file.
+    #[must_use]
+    pub fn new(file_path: String, camera: Camera, frame_number: i64, truth: Option<TruthLoader>) -> Self {
+        Self { file_path, camera, frame_number, truth, picture: None, gain: [1.0; 3] }
+    }
+
+    /// Exposes colors of the capture, linear, as this view was.
+    pub fn expose(&self, colors: &mut Grid<[f32; 3]>) {
+        if self.gain != [1.0; 3] {
+            for color in colors.as_mut_slice() {
+                *color = std::array::from_fn(|channel| color[channel] * self.gain[channel]);
+            }
+        }
+    }
 }
 
 impl std::fmt::Debug for Capture {

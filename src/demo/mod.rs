@@ -215,12 +215,9 @@ impl Demo {
                 let mut camera = camera.clone();
                 camera.name = format!("novel{index}");
                 let (demo, truth_camera) = (self.clone(), camera.clone());
-                views.push(TruthView {
-                    file_path: format!("novel{index}/{frame:04}.exr"),
-                    camera,
-                    frame_number: frame as i64,
-                    truth: Some(Arc::new(move || Ok(demo.render(&truth_camera, frame)))),
-                });
+                let truth = Arc::new(move || Ok(demo.render(&truth_camera, frame)));
+                let file_path = format!("novel{index}/{frame:04}.exr");
+                views.push(TruthView::new(file_path, camera, frame as i64, Some(truth)));
             }
         }
         views

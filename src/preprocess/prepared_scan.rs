@@ -62,6 +62,12 @@ impl PreparedScan {
         self.aligned.alignment.as_ref()
     }
 
+    /// What was looked for.
+    #[must_use]
+    pub fn align_settings(&self) -> &AlignSettings {
+        &self.align
+    }
+
     /// Whether the scan serves these settings, or the frames have to be passed over again.
     #[must_use]
     pub fn serves(&self, settings: &Settings) -> bool {

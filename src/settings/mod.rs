@@ -42,14 +42,21 @@ section! {
 section! {
     /// What the rig got wrong, mended before anything else.
     pub struct AlignSettings in "align" {
-        /// Whether cameras are turned and moved so that they agree about where surfaces are.
-        poses: Correction = Correction::Off, "", ValueKind::Choice(Correction::NAMES);
+        /// Whether cameras are turned and moved so that they agree about where surfaces are. Views between them are moved as they
+        /// were, where that is foretold.
+        poses: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
         /// Whether color is seen through a lens and from a place of its own, where the capture says that it shares those of depth. Views
         /// that claim the same lens are rendered through the one that was found.
         lens: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
-        /// Whether colors are multiplied so that cameras agree about them: exposure and white balance.
-        exposure: Correction = Correction::Off, "", ValueKind::Choice(Correction::NAMES);
+        /// Whether colors are multiplied so that cameras agree about them: exposure and white balance. Views between them are exposed
+        /// as they were, where that is foretold.
+        exposure: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
     }
+}
+
+impl AlignSettings {
+    /// The capture as it claims to be.
+    pub const OFF: Self = Self { poses: Correction::Off, lens: Correction::Off, exposure: Correction::Off };
 }
 
 section! {

@@ -75,6 +75,12 @@ fn a_camera_in_a_wrong_place_is_called_a_pose_error_that_leads_to_the_matrix() {
     });
     let mut window = open(Start::Path(capture), SIZE);
     settle(&mut window);
+    assert!(!shows(&window, "Check the capture: "), "the pose was corrected");
+    click(&mut window, "Commands");
+    window.get_by_label("Command").type_text("correct poses off");
+    window.run_steps(3);
+    click(&mut window, "Do: Correct poses: Off");
+    settle(&mut window);
     let warning = text_with(&window, "Check the capture: ");
     assert_eq!(warning, "Check the capture: pose error");
     assert!(shows(&window, "cam1"), "the camera is named");

@@ -1,6 +1,7 @@
 //! The window, driven as a person does: off screen by the names of its widgets, and on a display of the tests' own.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
+mod alignment;
 mod cameras_and_view;
 mod color;
 mod device;

@@ -20,6 +20,7 @@ use crate::settings::Settings;
 pub(crate) enum CompareSide {
     Kept,
     Everything,
+    AsClaimed,
     A,
     B,
     Truth,
@@ -40,9 +41,14 @@ pub(crate) enum CompareSide {
 
 impl CompareSide {
     /// Every side that is always there, in the order of the list: name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 16] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 17] = [
         (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
         (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
+        (
+            Self::AsClaimed,
+            "As claimed",
+            "After pruning, with poses, lens and exposure as the capture claims them.",
+        ),
         (Self::A, "Settings A", "After pruning with settings A."),
         (Self::B, "Settings B", "After pruning with settings B."),
         (

@@ -28,6 +28,7 @@ pub(crate) fn csv(table: Table, state: &State) -> Option<String> {
             .collect(),
         Table::Replacements => replacements(state.report()?),
         Table::Agreement => agreement(state.report()?),
+        Table::Alignment => alignment(state.report()?),
         Table::Pixel => pixel(state)?,
         Table::Cameras => cameras(state.report()?),
     };
@@ -91,6 +92,27 @@ fn replacements(report: &Report) -> Vec<Row> {
         .filter(|(loser, winner, _)| loser != winner)
         .map(|(loser, winner, count)| {
             vec![("camera", name(loser)), ("replaced_by", name(winner)), ("samples", count.to_string())]
+        })
+        .collect()
+}
+
+fn alignment(report: &Report) -> Vec<Row> {
+    let cameras = report.alignment.iter().flat_map(|alignment| &alignment.cameras);
+    cameras
+        .map(|camera| {
+            let (pose, exposure) = (camera.pose.unwrap_or_default(), camera.exposure.unwrap_or_default());
+            vec![
+                ("camera", camera.name.clone()),
+                ("degrees", pose.degrees.to_string()),
+                ("degrees_se", pose.degrees_se.to_string()),
+                ("distance", pose.distance.to_string()),
+                ("distance_se", pose.distance_se.to_string()),
+                ("footprints", pose.footprints.to_string()),
+                ("red_stops", exposure.stops[0].to_string()),
+                ("green_stops", exposure.stops[1].to_string()),
+                ("blue_stops", exposure.stops[2].to_string()),
+                ("pose_is_weak", camera.pose_is_weak.to_string()),
+            ]
         })
         .collect()
 }

@@ -9,6 +9,8 @@ pub(crate) enum Table {
     Replacements,
     /// How far cameras are off each other.
     Agreement,
+    /// What was corrected of cameras.
+    Alignment,
     /// What every camera says of the selected pixel.
     Pixel,
     Cameras,
@@ -16,11 +18,12 @@ pub(crate) enum Table {
 
 impl Table {
     /// Every table: what it is called in commands, and its file.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 6] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 7] = [
         (Self::Sweep, "sweep", "sweep.csv"),
         (Self::StressTest, "stress test", "stress.csv"),
         (Self::Replacements, "matrix of replaced samples", "replacements.csv"),
         (Self::Agreement, "matrix of agreement", "agreement.csv"),
+        (Self::Alignment, "table of corrections", "alignment.csv"),
         (Self::Pixel, "pixel table", "pixel.csv"),
         (Self::Cameras, "camera table", "cameras.csv"),
     ];

@@ -1,5 +1,6 @@
 //! The areas of the window around the views.
 
+mod alignment;
 mod camera_list;
 mod color_panel;
 mod command_palette;

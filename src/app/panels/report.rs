@@ -4,6 +4,7 @@ use egui::{Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons::ICON_GRID_ON;
 
+use super::alignment::alignment_ui;
 use super::matrix::{agreement_ui, replacements_ui};
 use super::pair_grid::{by_weight, short};
 use crate::app::model::{self, Commands, State, Table};
@@ -26,6 +27,7 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         ui.add_space(space::LARGE);
         agreement_ui(ui, report, commands);
         ui.add_space(space::LARGE);
+        alignment_ui(ui, state, report, commands);
         cameras_ui(ui, report, commands);
         ui.add_space(space::LARGE);
     });
@@ -51,12 +53,14 @@ pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         stale_ui(ui, state);
         if ui.available_width() < TWO_COLUMNS {
+            alignment_ui(ui, state, report, commands);
             replacements_ui(ui, report, commands);
             ui.add_space(space::LARGE);
             agreement_ui(ui, report, commands);
         } else {
             ui.columns(2, |columns| {
                 replacements_ui(&mut columns[0], report, commands);
+                alignment_ui(&mut columns[1], state, report, commands);
                 agreement_ui(&mut columns[1], report, commands);
             });
         }

@@ -8,7 +8,7 @@ use crate::capture::{Frame, TruthView};
 use crate::error::Result;
 use crate::evaluate::metrics;
 use crate::job::Job;
-use crate::preprocess;
+use crate::preprocess::{self, PreparedScan};
 use crate::render::{CpuRenderer, Vantage};
 use crate::samples::SampleSet;
 use crate::settings::{MixedPixels, PruningMethod, Settings, SpanLevels};
@@ -19,6 +19,11 @@ const VIEWS: usize = 3;
 /// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` where there is no truth.
 pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {
     let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
+    let mut truth = truth.clone();
+    let capture = request.scan.as_deref().map_or(&**capture, PreparedScan::capture);
+    if let Some(alignment) = request.scan.as_ref().and_then(|scan| scan.alignment()) {
+        alignment.correct_views(&mut truth);
+    }
     let known: Vec<(&TruthView, usize)> = truth
         .iter()
         .filter(|view| view.truth.is_some())
@@ -33,9 +38,8 @@ pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accu
         let Some(load) = &view.truth else { continue };
         let truth = load()?;
         let unpruned = preprocess::inspect_frame(capture, None, &all_settings, frame, job)?.samples;
-        let vantage = Vantage { camera: view.camera.clone(), frame };
-        pruned_db += psnr_at(&request.samples, &vantage, &truth, &request.settings, job)?;
-        unpruned_db += psnr_at(&unpruned, &vantage, &truth, &request.settings, job)?;
+        pruned_db += psnr_at(&request.samples, (view, frame), &truth, &request.settings, job)?;
+        unpruned_db += psnr_at(&unpruned, (view, frame), &truth, &request.settings, job)?;
         views += 1;
         job.advance(1);
     }
@@ -57,12 +61,14 @@ pub(crate) fn with_nothing_pruned(settings: &Settings) -> Settings {
 
 fn psnr_at(
     samples: &Arc<SampleSet>,
-    vantage: &Vantage,
+    (view, frame): (&TruthView, usize),
     truth: &Frame,
     settings: &Settings,
     job: &Job,
 ) -> Result<f64> {
-    let (picture, _) = CpuRenderer::new().render(samples, vantage, &settings.render, job)?;
+    let vantage = Vantage { camera: view.camera.clone(), frame };
+    let (mut picture, _) = CpuRenderer::new().render(samples, &vantage, &settings.render, job)?;
+    view.expose(&mut Arc::make_mut(&mut picture).color);
     Ok(metrics::score(&picture, truth)?.psnr_db)
 }
 

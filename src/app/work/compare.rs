@@ -5,18 +5,20 @@
 use std::sync::Arc;
 
 use super::accuracy::with_nothing_pruned;
-use super::compare_place::{Place, cameras_left, capture_of, left_out, unknown_truth};
+use super::compare_place::{
+    Place, cameras_left, capture_of, corrected_by, corrected_capture, left_out, unknown_truth,
+};
 use super::difference::{self, DisplayedSide};
 use crate::app::model::{CompareKey, CompareMeasure, CompareSide, Message, PictureDifference, method_of};
 use crate::error::{Error, Result};
 use crate::evaluate::{picture_of_frame, truth};
 use crate::job::Job;
 use crate::preprocess::{self, PreparedScan};
+use crate::render::Renderer;
 use crate::render::fill::fill;
-use crate::render::{Renderer, Vantage};
 use crate::rivals::{Rival, RivalModel};
 use crate::samples::SampleSet;
-use crate::settings::{Backend, Kernel, Settings};
+use crate::settings::{AlignSettings, Backend, Kernel, Settings};
 
 /// Samples made for comparisons: the last few are kept.
 pub(crate) struct Comparer {
@@ -39,10 +41,13 @@ struct Made {
     left_out: Option<usize>,
     /// Whether it was known what is the same over all frames: by a scan that serves the method.
     with_scan: bool,
+    /// What the capture was corrected by; `None` before that was known.
+    align: Option<AlignSettings>,
 }
 
-/// What a model of another method was made from: scene, frame, the camera left out, and the method.
-type RivalKey = (u64, usize, Option<usize>, Rival);
+/// What a model of another method was made from: scene, frame, the camera left out, the method, and what the capture was corrected
+/// by.
+type RivalKey = (u64, usize, Option<usize>, Rival, Option<AlignSettings>);
 
 /// Models of other methods that are kept: one for each side, at two frames.
 const KEPT_RIVALS: usize = 4;
@@ -101,8 +106,9 @@ impl Comparer {
     }
 
     /// A method of others, made of what all cameras but a left-out one recorded.
-    fn rival(&mut self, key: &CompareKey, rival: Rival, vantage: &Vantage) -> Result<DisplayedSide> {
-        let made = (key.scene.id, vantage.frame, left_out(key), rival);
+    fn rival(&mut self, key: &CompareKey, rival: Rival, place: &Place) -> Result<DisplayedSide> {
+        let vantage = &place.vantage;
+        let made = (key.scene.id, vantage.frame, left_out(key), rival, corrected_by(key));
         let known = self.rivals.iter().find(|(known, _)| *known == made).map(|(_, model)| model.clone());
         let model = if let Some(model) = known {
             model
@@ -114,6 +120,7 @@ impl Comparer {
         };
         let mut picture = model.render(&vantage.camera);
         fill(&mut picture, &vantage.camera, &key.settings[0].render);
+        place.expose(&mut picture);
         Ok(difference::of_picture(&picture))
     }
 
@@ -124,6 +131,8 @@ impl Comparer {
         place: &Place,
         job: &Job,
     ) -> Result<DisplayedSide> {
+        let claimed = (side == CompareSide::AsClaimed).then(|| place.as_claimed(key)).flatten();
+        let place = claimed.as_ref().unwrap_or(place);
         let vantage = &place.vantage;
         if side == CompareSide::Truth {
             return Ok(difference::of_frame(place.truth.as_deref().ok_or_else(unknown_truth)?));
@@ -132,7 +141,7 @@ impl Comparer {
             return picture_of_folder(key, id, place);
         }
         if let Some(rival) = side.rival() {
-            return self.rival(key, rival, vantage);
+            return self.rival(key, rival, place);
         }
         let mut settings = match side {
             CompareSide::A => key.settings[1].clone(),
@@ -148,6 +157,7 @@ impl Comparer {
             CompareSide::Cpu => render.backend = Backend::Cpu,
             CompareSide::Gpu => render.backend = Backend::Gpu,
             CompareSide::Everything => settings = with_nothing_pruned(&settings),
+            CompareSide::AsClaimed => settings.align = AlignSettings::OFF,
             _ => {}
         }
         let as_shown = method_of(&settings) == method_of(&key.settings[0]);
@@ -162,12 +172,13 @@ impl Comparer {
             self.samples(key, &settings, (vantage.frame, left_out), scan.as_deref(), job)?
         };
         self.renderer.forget_background();
-        let (picture, _) = self.renderer.render(&samples, vantage, &render, job)?;
+        let (mut picture, _) = self.renderer.render(&samples, vantage, &render, job)?;
         if side == CompareSide::Gpu
             && let Some(notice) = self.renderer.notice()
         {
             return Err(Error::invalid("comparison", notice));
         }
+        place.expose(Arc::make_mut(&mut picture));
         Ok(difference::of_picture(&picture))
     }
 
@@ -198,13 +209,14 @@ impl Comparer {
         scan: Option<&PreparedScan>,
         job: &Job,
     ) -> Result<Arc<SampleSet>> {
-        let capture = capture_of(&key.scene)?;
+        let capture = corrected_capture(key)?;
         let made = Made {
             scene: key.scene.id,
             frame,
             method: method_of(settings),
             left_out,
             with_scan: scan.is_some(),
+            align: corrected_by(key),
         };
         if let Some((_, samples)) = self.made.iter().find(|(known, _)| *known == made) {
             return Ok(samples.clone());
@@ -242,6 +254,7 @@ mod tests {
     use crate::app::model::{CompareChoice, CompareLook, CompareVantage, OpenScene, Origin};
     use crate::app::work::workers::pool;
     use crate::demo::{Demo, DemoSpec};
+    use crate::render::Vantage;
 
     /// A comparison of settings A, the defaults, with settings B, by a scan that serves A.
     fn key(b: Settings) -> CompareKey {

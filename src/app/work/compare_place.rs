@@ -5,7 +5,9 @@ use std::sync::Arc;
 use crate::app::model::{CompareKey, CompareVantage, Content, OpenScene};
 use crate::capture::{Capture, Frame, TruthView};
 use crate::error::{Error, Result};
-use crate::render::Vantage;
+use crate::preprocess::PreparedScan;
+use crate::render::{Picture, Vantage};
+use crate::settings::AlignSettings;
 
 /// A viewpoint at a frame.
 pub(super) struct Place {
@@ -13,6 +15,8 @@ pub(super) struct Place {
     pub(super) vantage: Vantage,
     /// What was recorded there, where that is known.
     pub(super) truth: Option<Arc<Frame>>,
+    /// The recorded view, where its exposure may be another than the capture's.
+    view: Option<TruthView>,
 }
 
 impl Place {
@@ -21,16 +25,16 @@ impl Place {
         match from {
             CompareVantage::Live => {
                 let vantage = Vantage { camera: key.vantage.camera.clone(), frame };
-                Ok(Self { from, vantage, truth: None })
+                Ok(Self { from, vantage, truth: None, view: None })
             }
             CompareVantage::HoldOut(camera) => {
-                let capture = capture_of(&key.scene)?;
+                let capture = corrected_capture(key)?;
                 let there = capture
                     .cameras
                     .get(camera)
                     .ok_or_else(|| Error::invalid("comparison", "there is no such camera"))?;
                 let vantage = Vantage { camera: there.clone(), frame };
-                Ok(Self { from, vantage, truth: Some(capture.frame(camera, frame)?) })
+                Ok(Self { from, vantage, truth: Some(capture.frame(camera, frame)?), view: None })
             }
             CompareVantage::Truth(index) => {
                 let capture = capture_of(&key.scene)?;
@@ -38,12 +42,16 @@ impl Place {
                 let view = views
                     .get(index)
                     .ok_or_else(|| Error::invalid("comparison", "there is no such viewpoint"))?;
+                let mut view = TruthView::clone(view);
+                if let Some(alignment) = key.scan.as_ref().and_then(|scan| scan.alignment()) {
+                    alignment.correct_views(std::slice::from_mut(&mut view));
+                }
                 let frame = capture.frame_index(view.frame_number).ok_or_else(|| {
                     Error::invalid(&view.file_path, format!("there is no frame {}", view.frame_number))
                 })?;
                 let load = view.truth.as_ref().map(|load| load()).transpose()?;
                 let vantage = Vantage { camera: view.camera.clone(), frame };
-                Ok(Self { from, vantage, truth: load.map(Arc::new) })
+                Ok(Self { from, vantage, truth: load.map(Arc::new), view: Some(view) })
             }
         }
     }
@@ -67,6 +75,24 @@ impl Place {
             return Self::of(key, CompareVantage::Truth(index), 0);
         }
         Self::of(key, self.from, self.vantage.frame.checked_sub(1).ok_or_else(first)?)
+    }
+
+    /// The same view from where it says that it was taken; `None` where that is no other place.
+    pub(super) fn as_claimed(&self, key: &CompareKey) -> Option<Self> {
+        let camera = match self.from {
+            CompareVantage::Live => return None,
+            CompareVantage::HoldOut(camera) => capture_of(&key.scene).ok()?.cameras.get(camera)?.clone(),
+            CompareVantage::Truth(index) => views_with_truth(&key.scene).ok()?.get(index)?.camera.clone(),
+        };
+        let vantage = Vantage { camera, frame: self.vantage.frame };
+        Some(Self { from: self.from, vantage, truth: None, view: None })
+    }
+
+    /// Exposes a picture as what was recorded there.
+    pub(super) fn expose(&self, picture: &mut Picture) {
+        if let Some(view) = &self.view {
+            view.expose(&mut picture.color);
+        }
     }
 }
 
@@ -95,7 +121,7 @@ pub(super) fn left_out(key: &CompareKey) -> Option<usize> {
 /// The capture without a left-out camera.
 pub(super) fn cameras_left(key: &CompareKey) -> Result<Capture> {
     let left_out = left_out(key);
-    Ok(capture_of(&key.scene)?.with_cameras(|index, _| Some(index) != left_out))
+    Ok(corrected_capture(key)?.with_cameras(|index, _| Some(index) != left_out))
 }
 
 pub(super) fn capture_of(scene: &OpenScene) -> Result<&Capture> {
@@ -105,4 +131,15 @@ pub(super) fn capture_of(scene: &OpenScene) -> Result<&Capture> {
             "A store holds no source frames to compare with: open the capture it was made from.",
         )
     })
+}
+
+/// The capture as it is shown: without what the rig got wrong, once that is known.
+pub(super) fn corrected_capture(key: &CompareKey) -> Result<&Capture> {
+    let recorded = capture_of(&key.scene)?;
+    Ok(key.scan.as_deref().map_or(recorded, PreparedScan::capture))
+}
+
+/// What [`corrected_capture`] was corrected by.
+pub(super) fn corrected_by(key: &CompareKey) -> Option<AlignSettings> {
+    key.scan.as_ref().map(|scan| scan.align_settings().clone())
 }

@@ -27,12 +27,8 @@ pub(super) fn open(folder: &Path, scene: &OpenScene) -> Result<PictureFolder> {
     }
     let with_truth: Vec<TruthView> = truth.iter().filter(|view| view.truth.is_some()).cloned().collect();
     let of_camera = |camera| {
-        let view = move |number: &i64| TruthView {
-            file_path: picture_name(camera, *number),
-            camera: camera.clone(),
-            frame_number: *number,
-            truth: None,
-        };
+        let view =
+            move |number: &i64| TruthView::new(picture_name(camera, *number), camera.clone(), *number, None);
         capture.frame_numbers.iter().map(view)
     };
     let of_cameras: Vec<TruthView> = capture.cameras.iter().flat_map(of_camera).collect();

@@ -264,6 +264,7 @@ impl Scheduler {
             workers.measure.submit(MeasureRequest {
                 scene: scene.clone(),
                 samples: whole.samples.clone(),
+                scan: state.scan.clone(),
                 settings: state.settings.clone(),
             });
             self.measure = Some((whole.samples.clone(), state.settings.clone()));

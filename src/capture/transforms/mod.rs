@@ -172,7 +172,8 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
                 let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
                 Arc::new(move || load::frame(&files, &camera, &place, NeededPlanes::ColorOnly)) as TruthLoader
             });
-            Ok(TruthView { file_path: entry.file_path, camera, frame_number: entry.number, truth })
+            let picture = entry.files.color.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+            Ok(TruthView { picture, ..TruthView::new(entry.file_path, camera, entry.number, truth) })
         })
         .collect()
 }

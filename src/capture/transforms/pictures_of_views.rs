@@ -103,17 +103,10 @@ mod tests {
     /// Views from two places at two frames, without truth.
     fn views() -> Vec<TruthView> {
         let intrinsics = Intrinsics { width: 4, height: 3, fx: 5.0, fy: 5.0, cx: 2.0, cy: 1.5 };
-        let view = |place: usize, frame: i64| TruthView {
-            file_path: format!("at{place}/{frame:04}.exr"),
-            camera: Camera::look_at(
-                format!("at{place}"),
-                intrinsics,
-                DVec3::new(place as f64, -3.0, 1.0),
-                DVec3::ZERO,
-                DVec3::Z,
-            ),
-            frame_number: frame,
-            truth: None,
+        let view = |place: usize, frame: i64| {
+            let position = DVec3::new(place as f64, -3.0, 1.0);
+            let camera = Camera::look_at(format!("at{place}"), intrinsics, position, DVec3::ZERO, DVec3::Z);
+            TruthView::new(format!("at{place}/{frame:04}.exr"), camera, frame, None)
         };
         vec![view(0, 4), view(0, 7), view(1, 4), view(1, 7)]
     }

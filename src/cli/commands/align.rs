@@ -16,7 +16,7 @@ use crate::capture::{Camera, Capture, Intrinsics};
 use crate::cli::input::{self, SettingsArgs};
 use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
-use crate::settings::{AlignSettings, Correction, Settings};
+use crate::settings::{AlignSettings, Settings};
 use crate::whole_file;
 
 #[derive(Debug, Args)]
@@ -43,12 +43,8 @@ struct AlignOutput<'a> {
 
 impl AlignArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        // Who asks for corrections wants all of them, unless settings say otherwise.
-        let all =
-            AlignSettings { poses: Correction::Auto, lens: Correction::Auto, exposure: Correction::Auto };
-        let settings = self.settings.over(Settings { align: all, ..Settings::default() })?;
-        let AlignSettings { poses, lens, exposure } = settings.align;
-        if [poses, lens, exposure] == [Correction::Off; 3] {
+        let settings = self.settings.over(Settings::default())?;
+        if settings.align == AlignSettings::OFF {
             let what = "every part of align is off; set at least one to auto".to_owned();
             return Err(CommandError::Usage(what));
         }

@@ -211,7 +211,7 @@ pub(crate) fn scored(
     Ok(PaintedView { picture, score, pair, class_errors, fill_ms, notice })
 }
 
-/// The picture of a view, with nothing kept from the view before.
+/// The picture of a view, exposed as the view was, with nothing kept from the view before.
 pub(super) fn painted(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
@@ -222,5 +222,9 @@ pub(super) fn painted(
     let frame = frame_of(view, &samples.name, &samples.frame_numbers)?;
     let vantage = Vantage { camera: view.camera.clone(), frame };
     renderer.forget_background();
-    renderer.render(samples, &vantage, settings, job)
+    let (mut picture, stats) = renderer.render(samples, &vantage, settings, job)?;
+    if view.gain != [1.0; 3] {
+        view.expose(&mut Arc::make_mut(&mut picture).color);
+    }
+    Ok((picture, stats))
 }

@@ -72,7 +72,7 @@ pub(crate) fn compare_each(
     let scan = preprocess::scan(capture, settings, job)?;
     let mut views = views.to_vec();
     if let Some(alignment) = scan.alignment() {
-        alignment.correct_lenses_of(&mut views);
+        alignment.correct_views(&mut views);
     }
     let views = views.as_slice();
     let classes = truth::class_maps(scan.capture(), views, job)?;

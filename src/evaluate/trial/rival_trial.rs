@@ -47,10 +47,12 @@ pub(super) fn measure(
         bytes = bytes.zip(model.bytes()).map(|(sum, bytes): (u64, u64)| sum + bytes);
         for index in views {
             job.check()?;
-            let (camera, started) = (&fold.views[index].camera, Instant::now());
+            let view = &fold.views[index];
+            let (camera, started) = (&view.camera, Instant::now());
             let mut picture = model.render(camera);
             let milliseconds = started.elapsed().as_secs_f64() * 1e3;
             fill(&mut picture, camera, &filling);
+            view.expose(&mut picture.color);
             painted[index] = Some((picture, milliseconds));
             job.advance(1);
         }

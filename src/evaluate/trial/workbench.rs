@@ -17,6 +17,7 @@ use super::rival_trial;
 use super::standard_error::MeanEstimate;
 use super::trial_result::{TrialResult, scores_by_vantage};
 use super::trial_setting::{ModelKey, Thinning, Trial};
+use crate::alignment::Alignment;
 use crate::capture::TruthView;
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{ClassErrors, ClassMap};
@@ -47,14 +48,19 @@ impl FoldSamples {
         Self { samples, report, bytes: 0, bytes_record: 0, seconds }
     }
 
-    /// The views as they were taken: through the lenses that were found.
+    /// The views as they were taken, as far as what was corrected of the cameras tells.
     fn seen(&self, views: &[TruthView]) -> Vec<TruthView> {
-        let mut views = views.to_vec();
-        if let Some(alignment) = &self.report.alignment {
-            alignment.correct_lenses_of(&mut views);
-        }
-        views
+        corrected(views, self.report.alignment.as_ref())
     }
+}
+
+/// Views without what is known to be wrong with them.
+fn corrected(views: &[TruthView], alignment: Option<&Alignment>) -> Vec<TruthView> {
+    let mut views = views.to_vec();
+    if let Some(alignment) = alignment {
+        alignment.correct_views(&mut views);
+    }
+    views
 }
 
 /// A view, and what a trial shows it from.
@@ -214,11 +220,13 @@ impl Workbench {
         opened(&mut self.renderers, backend)
     }
 
-    /// Measures a method of others. Where it keeps all pictures as they were recorded, it is as large as our store of them.
+    /// Measures a method of others on what ours is made of: the capture without what the rig got wrong. Where it keeps all pictures as
+    /// they were recorded, it is as large as our store of them.
     fn measure_rival(&mut self, rival: Rival, trial: &Trial, job: &Job) -> Result<TrialResult> {
         let mut parts = Vec::new();
         for fold in &mut self.folds {
-            let pictures = rival_trial::measure(rival, &fold.fold, &trial.settings.render, job)?;
+            let aligned = fold.aligned(trial, job)?;
+            let pictures = rival_trial::measure(rival, &aligned, &trial.settings.render, job)?;
             let (bytes, bytes_record) = if let Some(bytes) = pictures.bytes {
                 (bytes, 0)
             } else {
@@ -273,6 +281,13 @@ impl FoldState {
         self.scans.truncate(KEPT - 1);
         self.scans.insert(0, (key, scan.clone(), seconds));
         Ok((scan, seconds))
+    }
+
+    /// The fold without what the rig got wrong.
+    fn aligned(&mut self, trial: &Trial, job: &Job) -> Result<Fold> {
+        let (scan, _) = self.scan(trial, job)?;
+        let views = corrected(&self.fold.views, scan.alignment());
+        Ok(Fold { capture: scan.capture().clone(), views, ..self.fold.clone() })
     }
 
     fn model(&mut self, trial: &Trial, reference: &Settings, job: &Job) -> Result<Arc<FoldSamples>> {

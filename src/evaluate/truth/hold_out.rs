@@ -1,5 +1,6 @@
 //! Hold-out evaluation: preprocessing leaves cameras out, and their own frames are the truth.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use crate::capture::transforms::picture_name;
@@ -34,12 +35,12 @@ pub(crate) fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, 
         for frame in evenly_spaced(capture.frame_count(), MAX_FRAMES) {
             let truth = capture.clone();
             let number = capture.frame_numbers[frame];
-            views.push(TruthView {
-                file_path: picture_name(camera, number),
-                camera: camera.clone(),
-                frame_number: number,
-                truth: Some(Arc::new(move || truth.frame(index, frame).map(|frame| (*frame).clone()))),
-            });
+            let load = Arc::new(move || truth.frame(index, frame).map(|frame| (*frame).clone()));
+            let view = TruthView::new(picture_name(camera, number), camera.clone(), number, Some(load));
+            let file = capture.files_of(index, frame).into_iter().next();
+            let picture = file.as_deref().and_then(Path::file_stem);
+            views
+                .push(TruthView { picture: picture.map(|stem| stem.to_string_lossy().into_owned()), ..view });
         }
     }
     Ok((rest, views))

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::alignment::CorrectedViews;
 use crate::capture::{TruthView, transforms};
 use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
@@ -29,6 +30,10 @@ pub(crate) struct RenderArgs {
     /// wrong by some pixels, those of views as those of cameras. Pictures are written as the views say.
     #[arg(long)]
     align_views: bool,
+    /// Render views from exactly where they say, as the corrected cameras are exposed. Else views that were recorded with the capture
+    /// are corrected as the pictures beside them were, where those foretell it.
+    #[arg(long, conflicts_with = "align_views")]
+    as_claimed: bool,
     #[command(flatten)]
     parts: PartArgs,
     #[command(flatten)]
@@ -50,9 +55,13 @@ impl RenderArgs {
         self.painting.apply(&mut settings);
         let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
         let mut views = transforms::open_views_of(&self.views, frames_are_ranked)?;
-        let report = &playback.store().info().report;
-        let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
-        let corrected = alignment.map_or(0, |alignment| alignment.correct_lenses_of(&mut views));
+        let corrected = if self.as_claimed {
+            CorrectedViews::default()
+        } else {
+            let report = &playback.store().info().report;
+            let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
+            alignment.map_or_else(CorrectedViews::default, |alignment| alignment.correct_views(&mut views))
+        };
         let paths = self.picture_paths(&views)?;
         let painting = ViewPainting {
             playback: &playback,
@@ -77,13 +86,7 @@ impl RenderArgs {
         } else {
             output::watched(|job| painting.paint_all(job))?
         };
-        if corrected > 0 {
-            let what = format!(
-                "views that claim the capture's lens are rendered through the color lens that was found in its place: {corrected} of {}",
-                views.len()
-            );
-            output::warn(&[what]);
-        }
+        output::warn(&correction_notices(corrected, views.len()));
         output::warn(evaluation.notice.as_slice());
         output::warn(&playback.store().damage());
         if self.json {
@@ -107,7 +110,7 @@ impl RenderArgs {
         Ok(Inputs::default()
             .with("store", &format!("{store:?}"))
             .with("list of views or a true picture", &input::views_state(&self.views)?)
-            .with("settings", &format!("{settings:?} {aligns}")))
+            .with("settings", &format!("{settings:?} {aligns} {}", self.as_claimed)))
     }
 
     /// Where each picture goes; checked before any is painted.
@@ -127,4 +130,20 @@ impl RenderArgs {
         output::refuse_true_pictures(&self.views, &self.out, &paths)?;
         Ok(paths)
     }
+}
+
+/// What was changed about views, for people.
+fn correction_notices(corrected: CorrectedViews, all: usize) -> Vec<String> {
+    let CorrectedViews { lenses, poses, exposures } = corrected;
+    let notices = [
+        (
+            lenses,
+            "claim the capture's lens and are rendered through the color lens that was found in its place",
+        ),
+        (poses, "are moved as the pictures beside them were when poses were corrected"),
+        (exposures, "are exposed as the pictures beside them were"),
+    ];
+    let told = notices.into_iter().filter(|(count, _)| *count > 0);
+    told.map(|(count, what)| format!("{count} of {all} views {what} (--as-claimed renders them as they say)"))
+        .collect()
 }
