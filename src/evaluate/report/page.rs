@@ -18,8 +18,13 @@ th:first-child, td:first-child { text-align: left; } th { color: #6b7480; font-w
 img { max-width: 100%; image-rendering: auto; } figcaption { color: #6b7480; font-size: .9em; }
 pre { background: #f5f6f8; padding: .8em; overflow-x: auto; white-space: pre-wrap; font-size: .82em; }
 @page { size: A4; margin: 12mm; }
-@media print { body { margin: 0; padding: 0; max-width: none; font-size: 10pt; } tr, .chart { break-inside: avoid; }
-  thead { display: table-header-group; } h2, h3 { break-after: avoid; } section { break-before: page; } table { font-size: 7.5pt; } }
+@media print { body { margin: 0; padding: 0; max-width: none; font-size: 10pt; } p { orphans: 3; widows: 3; }
+  tr, .chart, figure { break-inside: avoid; } thead { display: table-header-group; } table { font-size: 7.5pt; }
+  td { white-space: nowrap; padding: .2em .5em; } td:first-child { white-space: normal; }
+  tbody tr:nth-child(-n+3):not(:first-child), tbody tr:nth-last-child(-n+3) { break-before: avoid; }
+  h2, h3, h3 + .note { break-after: avoid; } table + .note { break-before: avoid; }
+  section { break-before: page; } section > h2 { margin-top: 0; border-top: none; padding-top: 0; }
+  .chart svg { max-height: 230mm; } figure { margin: .6em 0; } img { max-height: 225mm; } pre { overflow: visible; } }
 ";
 
 /// A page on captures that stands by itself: style, charts and pictures are in it, and it needs no script.
@@ -87,6 +92,7 @@ mod tests {
             "All 2 captures together",
             "TSDF volume",
             "[pruning]",
+            "tr, .chart, figure { break-inside: avoid; }",
         ] {
             assert!(html.contains(wanted), "{wanted}");
         }
