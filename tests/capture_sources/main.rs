@@ -313,11 +313,19 @@ fn sources_that_another_program_has_to_convert_say_how() {
         ("a.mkv", "azure_kinect_mkv_reader.py"),
         ("a.bag", "rs-convert"),
         ("a.sens", "reader.py --filename"),
-        ("a.r3d", "EXR + RGB"),
+        ("a.r3d", "as \"EXR + RGB\", and open the folder EXR_RGBD"),
+        ("A.SVO2", "export_svo.py FILE.svo2 FOLDER 4"),
+        ("a.svo", "export_svo.py FILE.svo FOLDER 4"),
+        ("a.mcap", "ROS 2"),
+        ("a.db3", "ROS 2"),
+        ("a.oni", "OpenNI"),
+        ("a.mov", "holds no depth"),
+        ("a.mp4", "ffmpeg -i FILE.mp4"),
     ] {
         let folder = Folder::new();
         folder.put(name, b"12345678");
-        assert!(refusal(&folder).contains(advice));
+        let said = refusal(&folder);
+        assert!(said.contains(advice) && said.contains(name) && !said.contains('\n'), "{said}");
     }
     let folder = Folder::new();
     folder.put("odometry.csv", b"");

@@ -12,7 +12,7 @@ struct Convertible {
 }
 
 /// Sources by the ending of their files.
-const BY_ENDING: [Convertible; 9] = [
+const BY_ENDING: [Convertible; 16] = [
     Convertible {
         ending: ".mkv",
         advice: "is an Azure Kinect recording; convert it with Open3D: python azure_kinect_mkv_reader.py --input FILE.mkv --output FOLDER, then open FOLDER with a trajectory.log of poses",
@@ -27,7 +27,35 @@ const BY_ENDING: [Convertible; 9] = [
     },
     Convertible {
         ending: ".r3d",
-        advice: "is a Record3D recording; export it again in the app as \"EXR + RGB\", and open the folder EXR_RGBD",
+        advice: "is Record3D's own archive; export the recording again in the app as \"EXR + RGB\", and open the folder EXR_RGBD, which holds EXR depth and metadata.json",
+    },
+    Convertible {
+        ending: ".svo",
+        advice: "is a ZED recording; export it with the ZED SDK's sample: python export_svo.py FILE.svo FOLDER 4 (color and 16-bit depth), then write the poses of positional tracking into a transforms.json beside the pictures",
+    },
+    Convertible {
+        ending: ".svo2",
+        advice: "is a ZED recording; export it with the ZED SDK's sample: python export_svo.py FILE.svo2 FOLDER 4 (color and 16-bit depth), then write the poses of positional tracking into a transforms.json beside the pictures",
+    },
+    Convertible {
+        ending: ".mcap",
+        advice: "is a ROS 2 recording; export its topics of color and depth as pictures (RTAB-Map: rtabmap-export), and write their poses into a transforms.json",
+    },
+    Convertible {
+        ending: ".db3",
+        advice: "is a ROS 2 recording; export its topics of color and depth as pictures (RTAB-Map: rtabmap-export), and write their poses into a transforms.json",
+    },
+    Convertible {
+        ending: ".oni",
+        advice: "is an OpenNI recording; export its color and depth as pictures, estimate poses (COLMAP, RTAB-Map) and open that",
+    },
+    Convertible {
+        ending: ".mp4",
+        advice: "is a video, which holds no depth; cut it into pictures (ffmpeg -i FILE.mp4 images/%06d.png), compute poses and dense depth with COLMAP, and open its dense folder",
+    },
+    Convertible {
+        ending: ".mov",
+        advice: "is a video, which holds no depth; cut it into pictures (ffmpeg -i FILE.mov images/%06d.png), compute poses and dense depth with COLMAP, and open its dense folder",
     },
     Convertible {
         ending: ".hdf5",
