@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use overlook::capture::conventions::{
-    CameraAxes, DepthMeasure, Finding, Part, PoseConvention, PoseDirection, Verdict, check,
+    CameraAxes, DepthMeasure, Finding, Part, PoseConvention, PoseDirection, Verdict, check, pictures,
 };
 use overlook::capture::transforms::{self, write_capture};
-use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics};
+use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, Source};
 use overlook::error::Result;
 use overlook::job::Job;
 use overlook::settings::CaptureSettings;
@@ -276,6 +276,47 @@ fn a_wrong_key_is_named_and_what_is_named_corrects_the_capture() {
         assert!(same.into_iter().all(|(a, b)| a.abs_diff_eq(b, 1e-9)), "{told}");
         assert!(corrected.cameras.iter().all(|c| c.world_from_camera.matrix3.determinant() > 0.0));
     }
+}
+
+/// How far the colors of other views lie from what the camera recorded, in the middle of the pixels that they show, and the share of
+/// those pixels.
+fn distance_from_recorded(
+    recorded: &overlook::grid::Grid<[f32; 3]>,
+    shown: &overlook::grid::Grid<Option<[f32; 3]>>,
+) -> (f32, f64) {
+    let both = recorded.as_slice().iter().zip(shown.as_slice());
+    let mut apart: Vec<f32> = both
+        .filter_map(|(recorded, shown)| {
+            let shown = shown.as_ref()?;
+            Some(recorded.iter().zip(shown).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max))
+        })
+        .collect();
+    apart.sort_unstable_by(f32::total_cmp);
+    (apart.get(apart.len() / 2).copied().unwrap_or(f32::MAX), apart.len() as f64 / recorded.len() as f64)
+}
+
+#[test]
+fn pictures_of_two_readings_show_which_is_right_and_reading_otherwise_leaves_the_files_alone() {
+    let opencv = PoseConvention { axes: CameraAxes::OPENCV, ..PoseConvention::default() };
+    let folder = written(|manifest| change_matrices(manifest, opencv));
+    let before = std::fs::read(folder.path().join("transforms.json")).unwrap();
+    let misread = open(&folder).unwrap();
+    let finding = check(&misread).unwrap();
+    let other = finding.alternative().unwrap();
+    assert!(other.can_be_written(&finding.claimed));
+    let pictures = pictures(&misread, [finding.claimed, other.reading], 40).unwrap();
+    assert_eq!(pictures.recorded.size(), (40, 30));
+    let [as_read, otherwise] = &pictures.readings;
+    let (apart, shown) = distance_from_recorded(&pictures.recorded, &otherwise.color);
+    assert!(apart < 0.03 && shown > 0.5, "{apart} {shown}");
+    let (apart_as_read, shown_as_read) = distance_from_recorded(&pictures.recorded, &as_read.color);
+    assert!(apart_as_read > 3.0 * apart || shown_as_read < 0.5 * shown, "{apart_as_read} {shown_as_read}");
+    assert!(otherwise.agree > 0.5 && otherwise.contradict < 0.02 && as_read.agree < 0.2, "{otherwise:?}");
+    let source = Source::find(folder.path()).unwrap();
+    assert_eq!(source.manifest(), Some(folder.path().join("transforms.json").as_path()));
+    let reread = source.read_as(&other.keys).unwrap().open(&CaptureSettings::default()).unwrap();
+    assert_eq!(check(&reread).unwrap().warning(), None);
+    assert_eq!(std::fs::read(folder.path().join("transforms.json")).unwrap(), before);
 }
 
 #[test]

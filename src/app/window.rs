@@ -50,6 +50,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     panels::naming_ui(ui.ctx(), state, commands);
     panels::palette_ui(ui.ctx(), state, commands);
     panels::help_ui(ui.ctx(), state, commands);
+    panels::readings_ui(ui.ctx(), state, commands);
     panels::closing_ui(ui.ctx(), state, commands);
     drop_hint_ui(ui);
 }

@@ -43,6 +43,23 @@ impl Source {
         self.reading.places()
     }
 
+    /// The manifest of its own that says how it is read; `None` where its layout does.
+    #[must_use]
+    pub fn manifest(&self) -> Option<&Path> {
+        let is_manifest = self.reading.description.source == readers::MANIFEST_SOURCE;
+        is_manifest.then_some(self.reading.origin.path.as_path())
+    }
+
+    /// The same source, read otherwise: keys of the manifest, with their values as JSON, count for every picture, whatever its files
+    /// say. Files stay as they are.
+    ///
+    /// # Errors
+    /// `Invalid` where a value is none that its key may have.
+    pub fn read_as(mut self, keys: &[(String, String)]) -> Result<Self> {
+        self.reading.manifest = self.reading.manifest.with_keys(keys)?;
+        Ok(self)
+    }
+
     /// Opens it. Every file is looked for, and the first one of each camera has its header read; pictures are decoded on demand,
     /// but for those that views are chosen by.
     ///

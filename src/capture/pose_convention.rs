@@ -26,6 +26,15 @@ impl PoseDirection {
             Self::WorldToCamera => "world_to_camera",
         }
     }
+
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::CameraToWorld => "camera to world",
+            Self::WorldToCamera => "world to camera",
+        }
+    }
 }
 
 /// Where an axis of camera space points, as the picture shows it.

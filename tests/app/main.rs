@@ -18,6 +18,7 @@ mod manners;
 mod many_cameras;
 mod other_pictures;
 mod random;
+mod readings;
 #[cfg(target_os = "linux")]
 mod real_window;
 mod screenshots;

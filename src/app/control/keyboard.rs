@@ -100,8 +100,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let inspector = &state.inspector;
     let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
     let edits = edits_text(ctx);
-    let asks =
-        typing || inspector.help.is_some() || inspector.closing.asks || state.open_after_question.is_some();
+    let asks = state.is_asking() || inspector.help.is_some();
     // An open menu takes the key for itself, and so does a number that is typed: it goes back to what it was.
     if !egui::Popup::is_any_open(ctx)
         && (asks || !edits)

@@ -4,6 +4,7 @@ mod comparison;
 mod inspect;
 mod keyboard;
 mod paths;
+mod readings;
 mod receive;
 mod remembered;
 mod settings;

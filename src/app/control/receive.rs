@@ -8,12 +8,13 @@ use egui::{TextureFilter, TextureOptions};
 use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
-    self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, OpenScene, OrbitCamera,
-    Origin, PixelSource, Probed, Ruler, ShownCameras, ShownPicture, SourceLook, Spot, Texture, Unit, Whole,
+    self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, NoticeLink, OpenScene, OrbitCamera,
+    Origin, PixelSource, Probed, Readings, Ruler, ShownCameras, ShownPicture, SourceLook, Spot, Texture, Unit, Whole,
     and_others, method_of,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::error::Error;
+use crate::preprocess::diagnostics::Suspect;
 use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
 
@@ -84,6 +85,8 @@ impl OverlookApp {
             Message::DestinationChecked { destination, taken } => {
                 self.destination_checked(&destination, taken);
             }
+            Message::ReadingsChecked { finding, .. } => self.readings_checked(finding),
+            Message::ReadingsShown { images, .. } => self.readings_shown(images),
             Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
             Message::Failed { what, error } => self.failed(what, &error),
             // Nobody sees it.
@@ -109,8 +112,13 @@ impl OverlookApp {
         }
         let report = &result.report;
         for (suspect, warning) in report.suspects() {
+            // That another reading fits better is told by itself.
+            let is_told = suspect == Suspect::Depth && report.conventions.is_some();
+            if is_told && state.why_no_readings().is_none() {
+                continue;
+            }
             let title = format!("Check the capture: {}", suspect.name().to_lowercase());
-            state.warn_with_link(title, model::sentence(&warning), DockView::Matrix);
+            state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Matrix));
         }
         let line = format!(
             "Pruned the capture: {} of {} samples kept in {} s",
@@ -185,6 +193,9 @@ impl OverlookApp {
         state.failed_frame = None;
         state.inspected = None;
         state.accuracy = None;
+        if !scene.is_reread {
+            state.inspector.readings = Readings::default();
+        }
         state.inspector.close_scene();
         state.source_shown = None;
         state.live_shown = None;
@@ -227,6 +238,7 @@ impl OverlookApp {
         self.workers.measure.cancel();
         self.workers.study.cancel();
         self.workers.compare.cancel();
+        self.workers.readings.cancel();
         self.scheduler = crate::app::work::Scheduler::default();
     }
 

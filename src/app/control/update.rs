@@ -21,11 +21,14 @@ impl OverlookApp {
             .and_then(|command| self.apply_to_timeline(command))
             .and_then(|command| self.apply_to_inspector(command))
             .and_then(|command| self.apply_to_path(command))
+            .and_then(|command| self.apply_to_readings(command))
             .and_then(|command| self.apply_to_window(command))
             .and_then(|command| self.apply_to_view(command))
             .and_then(|command| self.apply_to_views(command));
         match rest {
-            Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_))) => self.ask_to_open(command),
+            Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_) | Command::OpenReading(_))) => {
+                self.ask_to_open(command);
+            }
             Some(Command::ForgetRecent) => {
                 self.state.recent.clear();
                 self.state.recent_pictures.clear();
@@ -145,6 +148,7 @@ impl OverlookApp {
                 self.open_demo(DemoSpec::new(scene));
             }
             Command::OpenPath(path) => self.open_path(path),
+            Command::OpenReading(otherwise) => self.open_reading(otherwise),
             _ => {}
         }
     }
@@ -170,9 +174,7 @@ impl OverlookApp {
 
     /// Opens a capture or a store.
     pub(crate) fn open_path(&mut self, path: PathBuf) {
-        let path = lasting(path);
-        self.state.opening = Some(path.display().to_string());
-        self.workers.open.submit(OpenRequest::Path { path, settings: self.state.settings.capture.clone() });
+        self.open_with_keys(lasting(path), Vec::new());
     }
 
     /// Stops the work that the line at the bottom names, and nothing beside it.
@@ -207,8 +209,10 @@ impl OverlookApp {
             | inspector.naming.take().is_some()
             | inspector.help.take().is_some()
             | inspector.closing.asks
+            | inspector.readings.is_open
             | self.state.open_after_question.take().is_some();
         inspector.closing.asks = false;
+        inspector.readings.is_open = false;
         if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
             return;
         }

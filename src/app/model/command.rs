@@ -167,6 +167,12 @@ pub(crate) enum Command {
     TakeSettings(Box<Settings>),
     /// Write frame times into the program's log, and count them anew.
     LogFrameTimes,
+    /// Open or close the comparison of two readings of the capture.
+    CompareReadings(bool),
+    /// Open the capture again, under the other reading (true) or as its files say.
+    OpenReading(bool),
+    /// Copy the keys of the manifest that say the other reading.
+    CopyKeys,
     Dismiss(u64),
 }
 

@@ -17,6 +17,7 @@ use super::notice::{LogLine, NoticeKind};
 use super::picture_folder::PictureFolder;
 use super::pixel::{Probed, Spot};
 use super::presets::OwnPreset;
+use super::readings::Readings;
 use super::results::CameraMemory;
 use super::undo::History;
 use crate::settings::Settings;
@@ -68,6 +69,8 @@ pub(crate) struct Inspector {
     pub pictures: Vec<PictureFolder>,
     pub charts: Charts,
     pub path: CameraPath,
+    /// How the capture is read, and how it would fit better.
+    pub readings: Readings,
     /// The command palette, while it is open.
     pub palette: Option<CommandPalette>,
     /// The page of help that is open.

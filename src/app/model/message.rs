@@ -10,9 +10,11 @@ use super::live_picture::{LiveKey, LivePicture};
 use super::picture_folder::PictureFolder;
 use super::pixel::{Probed, Spot};
 use super::purpose::{Destination, Purpose};
+use super::readings::ReadingImages;
 use super::results::{Accuracy, CameraMemory, Inspected};
 use super::scene::OpenScene;
 use super::source_picture::{SourceKey, SourcePicture};
+use crate::capture::conventions::Finding;
 use crate::capture::transforms::PathView;
 use crate::error::Error;
 use crate::evaluate::stress::StressPoint;
@@ -139,6 +141,16 @@ pub(crate) enum Message {
         title: &'static str,
         text: String,
     },
+    /// What the agreement between a capture's views says of its reading, or why nothing.
+    ReadingsChecked {
+        scene: u64,
+        finding: Result<Arc<Finding>, String>,
+    },
+    /// Two readings as pictures, or why there are none.
+    ReadingsShown {
+        scene: u64,
+        images: Result<ReadingImages, String>,
+    },
     /// A job failed or was cancelled.
     Failed {
         what: &'static str,
@@ -161,6 +173,8 @@ impl Message {
             | Self::Swept { scene, .. }
             | Self::Stressed { scene, .. }
             | Self::PicturesOpened { scene, .. }
+            | Self::ReadingsChecked { scene, .. }
+            | Self::ReadingsShown { scene, .. }
             | Self::PathLoaded { scene, .. } => Some(*scene),
             Self::SourcePainted { key, .. } => Some(key.scene),
             Self::LivePainted { key, .. } => Some(key.scene),

@@ -12,6 +12,15 @@ pub(crate) enum NoticeKind {
     Done,
 }
 
+/// Where a message leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoticeLink {
+    /// A view that shows what it speaks of.
+    View(DockView),
+    /// The dialog that compares two readings of the capture.
+    Readings,
+}
+
 /// A message to the person.
 #[derive(Clone, Debug)]
 pub(crate) struct Notice {
@@ -24,8 +33,8 @@ pub(crate) struct Notice {
     pub since: Instant,
     /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
     pub scene: Option<u64>,
-    /// The view that shows what it speaks of.
-    pub link: Option<DockView>,
+    /// What shows what it speaks of.
+    pub link: Option<NoticeLink>,
 }
 
 /// A line of the log.

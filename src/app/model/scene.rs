@@ -58,6 +58,10 @@ pub(crate) struct OpenScene {
     pub up_in_world: DVec3,
     /// What the cameras look at.
     pub pivot_in_world: DVec3,
+    /// The manifest that says how a capture is read; `None` where the layout of its folder does.
+    pub manifest: Option<PathBuf>,
+    /// Whether a capture is read otherwise than its files say.
+    pub is_reread: bool,
 }
 
 impl OpenScene {
@@ -77,6 +81,8 @@ impl OpenScene {
             up_in_world: capture.up_in_world,
             pivot_in_world: pivot(&capture.cameras, typical_depth),
             content: Content::Capture { capture: Box::new(capture), truth },
+            manifest: None,
+            is_reread: false,
         }
     }
 
@@ -105,6 +111,8 @@ impl OpenScene {
                 report: Arc::new(report),
                 bytes,
             },
+            manifest: None,
+            is_reread: false,
         })
     }
 

@@ -8,7 +8,7 @@ use crate::app::model::{
     State, Study, setting_names,
 };
 use crate::app::theme::space;
-use crate::app::widgets::weak;
+use crate::app::widgets::{note, weak};
 use crate::demo::SCENES;
 use crate::settings::{Settings, ValueKind};
 
@@ -17,6 +17,14 @@ struct PaletteEntry {
     name: String,
     keys: &'static str,
     command: Command,
+    /// Why it cannot be done now; `None` where it can.
+    why_not: Option<String>,
+}
+
+impl PaletteEntry {
+    fn new(name: String, keys: &'static str, command: Command) -> Self {
+        Self { name, keys, command, why_not: None }
+    }
 }
 
 /// Entries shown at once.
@@ -53,7 +61,8 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
         next = Some(CommandPalette { text, chosen });
         ui.add_space(space::SMALL);
         let clicked = entries_ui(ui, &matching, chosen);
-        if let Some(entry) = clicked.or(taken.then_some(chosen)).and_then(|index| matching.get(index)) {
+        let entry = clicked.or(taken.then_some(chosen)).and_then(|index| matching.get(index));
+        if let Some(entry) = entry.filter(|entry| entry.why_not.is_none()) {
             commands.push(entry.command.clone());
             next = None;
         }
@@ -79,12 +88,16 @@ fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<us
             ui.spacing_mut().item_spacing.y = 1.0;
             for (index, entry) in entries.iter().enumerate().take(SHOWN) {
                 let button = egui::Button::selectable(index == chosen, &entry.name).shortcut_text(entry.keys);
-                let response = ui.add(button).accessible_name(format!("Do: {}", entry.name));
+                let response = ui.add_enabled(entry.why_not.is_none(), button);
+                let response = response.accessible_name(format!("Do: {}", entry.name));
                 if index == chosen {
                     response.scroll_to_me(None);
                 }
                 if response.clicked() {
                     clicked = Some(index);
+                }
+                if let Some(why_not) = &entry.why_not {
+                    note(ui, why_not);
                 }
             }
         });
@@ -126,11 +139,11 @@ const CAMERA_KEYS: [[&str; 2]; 9] = [
 fn entries(state: &State) -> Vec<PaletteEntry> {
     let view_entries = super::view_entries::view_entries(state).into_iter();
     let mut entries: Vec<_> =
-        view_entries.map(|(name, keys, command)| PaletteEntry { name, keys, command }).collect();
+        view_entries.map(|(name, keys, command)| PaletteEntry::new(name, keys, command)).collect();
     // Those of a store are not its own, and cannot be seen beside it.
     let turns = state.has_thresholds();
     let mut add = |name: String, keys: &'static str, command: Command| {
-        entries.push(PaletteEntry { name, keys, command });
+        entries.push(PaletteEntry::new(name, keys, command));
     };
     for (name, keys, command) in [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
@@ -176,6 +189,10 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
             add(name.to_owned(), keys, command);
         }
     }
+    entries.push(PaletteEntry {
+        why_not: state.why_no_readings(),
+        ..PaletteEntry::new("Compare readings".to_owned(), "", Command::CompareReadings(true))
+    });
     entries.extend(choices(state));
     entries.extend(settings(turns));
     entries
@@ -186,7 +203,7 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
     let mut entries = Vec::new();
     let turns = state.has_thresholds();
     let mut add = |name: String, keys: &'static str, command: Command| {
-        entries.push(PaletteEntry { name, keys, command });
+        entries.push(PaletteEntry::new(name, keys, command));
     };
     for (view, name, _) in DockView::ALL {
         add(format!("Open view: {name}"), "", Command::OpenView(view));
@@ -225,7 +242,7 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
 fn settings(turns: bool) -> Vec<PaletteEntry> {
     let mut entries = Vec::new();
     let mut add = |name: String, keys: &'static str, command: Command| {
-        entries.push(PaletteEntry { name, keys, command });
+        entries.push(PaletteEntry::new(name, keys, command));
     };
     for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
         let setting = setting_names::name(field.path);

@@ -3,13 +3,16 @@
 /// A word that may be typed, and words by which what it means goes in the palette: every entry that holds one of them.
 const SYNONYMS: &[(&str, &[&str])] = &[
     ("about", &["about", "version"]),
+    ("axes", &["axes", "view from", "compare readings"]),
     ("background", &["background", "hole", "theme", "save picture"]),
     ("bigger", &["larger", "maximize"]),
     ("brightness", &["exposure", "gamma", "tone"]),
+    ("conventions", &["compare readings"]),
     ("csv", &["csv", "copy", "export"]),
     ("dark", &["dark theme"]),
     ("delete", &["remove", "reset", "forget"]),
     ("denoise", &["noise", "cross-camera check"]),
+    ("detect", &["compare readings"]),
     ("dpi", &["interface"]),
     ("exposure", &["exposure", "gamma", "tone", "source shows"]),
     ("fieldofview", &["field of view", "view from", "reset view"]),

@@ -67,6 +67,12 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 commands.push(command);
             }
         }
+        let why_not = state.why_no_readings();
+        let compare = ui.add_enabled(why_not.is_none(), Button::new("Compare readings…"));
+        let help = "Show how poses and depth are read, and how they would fit better.";
+        if compare.on_hover_text(help).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+            commands.push(Command::CompareReadings(true));
+        }
         if state.recent.is_empty() {
             return;
         }

@@ -16,6 +16,7 @@ mod live_image;
 mod opening;
 mod other_pictures;
 mod pruning;
+mod readings;
 mod requests;
 mod scheduler;
 mod source_image;

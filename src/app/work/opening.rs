@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::requests::OpenRequest;
 use crate::app::model::{Message, OpenScene, Origin, median_depth};
-use crate::capture::{self, Capture, TruthView, transforms};
+use crate::capture::{Capture, Source, TruthView, transforms};
 use crate::demo::Demo;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -23,35 +23,52 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
             let truth = demo.truth_views();
             open_capture(Origin::Demo(spec.scene), capture, truth, job)
         }
-        OpenRequest::Path { path, settings } => {
+        OpenRequest::Path { path, settings, keys } => {
             job.start(format!("Opening {}", path.display()), 0);
-            open_path(path, &settings, job)
+            open_path(path, &settings, &keys, job)
         }
     }?;
     // Who cancelled meanwhile, or opened something else, does not want it any more.
     job.check()?;
-    Ok(opened)
+    Ok(Message::Opened(Arc::new(opened)))
 }
 
-fn open_path(path: PathBuf, settings: &CaptureSettings, job: &Job) -> Result<Message> {
+fn open_path(
+    path: PathBuf,
+    settings: &CaptureSettings,
+    keys: &[(String, String)],
+    job: &Job,
+) -> Result<OpenScene> {
     if store::file::Store::is_store(&path)? {
         let playback = Playback::new(store::file::Store::open(&path)?, store::playback::DEFAULT_CACHE_BYTES);
-        return Ok(Message::Opened(Arc::new(OpenScene::of_store(path, playback, job)?)));
+        return OpenScene::of_store(path, playback, job);
     }
-    let capture = capture::open(&path, settings)?;
+    let source = Source::find(&path)?;
+    let manifest = source.manifest().map(PathBuf::from);
+    let is_reread = !keys.is_empty();
+    let source = if is_reread { source.read_as(keys)? } else { source };
+    let mut capture = source.open(settings)?;
     job.check()?;
-    let truth = transforms::truth_beside(&path).map_or_else(
-        || Ok(Vec::new()),
-        |views| transforms::open_views_of(&views, capture.frames_are_ranked()),
-    )?;
-    open_capture(Origin::Path(path), capture, truth, job)
+    let mut truth = Vec::new();
+    if is_reread {
+        let keys: Vec<String> = keys.iter().map(|(key, value)| format!("\"{key}\": {value}")).collect();
+        capture.warnings.push(format!(
+            "it is read otherwise than its files say; to keep this, write {} in the manifest",
+            keys.join(", ")
+        ));
+    } else if let Some(views) = transforms::truth_beside(&path) {
+        // Views beside a capture that is read otherwise are placed as the capture was: they would show something else.
+        truth = transforms::open_views_of(&views, capture.frames_are_ranked())?;
+    }
+    let scene = open_capture(Origin::Path(path), capture, truth, job)?;
+    Ok(OpenScene { manifest, is_reread, ..scene })
 }
 
-fn open_capture(origin: Origin, capture: Capture, truth: Vec<TruthView>, job: &Job) -> Result<Message> {
+fn open_capture(origin: Origin, capture: Capture, truth: Vec<TruthView>, job: &Job) -> Result<OpenScene> {
     job.check()?;
     if capture.cameras.is_empty() || capture.frame_count() == 0 {
         return Err(Error::invalid(&capture.name, "there is no camera or no frame in it"));
     }
     let depth = median_depth(capture.frame(0, 0)?.inverse_depth.as_slice());
-    Ok(Message::Opened(Arc::new(OpenScene::of_capture(origin, capture, truth, depth))))
+    Ok(OpenScene::of_capture(origin, capture, truth, depth))
 }

@@ -21,8 +21,8 @@ use crate::store::playback::Playback;
 pub(crate) enum OpenRequest {
     /// A built-in scene.
     Demo { spec: DemoSpec, settings: CaptureSettings },
-    /// A file or folder.
-    Path { path: PathBuf, settings: CaptureSettings },
+    /// A file or folder; `keys` of a manifest, with their values as JSON, count whatever its files say.
+    Path { path: PathBuf, settings: CaptureSettings, keys: Vec<(String, String)> },
 }
 
 /// What to prune: the whole capture, or one frame.

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::readings::ReadingRequest;
 use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
 use super::worker::Worker;
 use super::workers::Workers;
 use crate::app::model::{
-    ColorBy, CompareKey, DockView, LiveKey, OpenScene, ProbeKey, SettingsSlot, SourceKey, Spot, State,
-    method_of,
+    ColorBy, CompareKey, DockView, LiveKey, OpenScene, Origin, ProbeKey, SettingsSlot, SourceKey, Spot,
+    State, method_of,
 };
 use crate::preprocess::inspect::FrameInspection;
 use crate::render::Vantage;
@@ -69,6 +70,9 @@ pub(crate) struct Scheduler {
     memory: Option<Arc<SampleSet>>,
     histograms: Option<(Arc<FrameInspection>, bool)>,
     compare: Option<Box<CompareKey>>,
+    /// The scene whose reading was checked last, and the one whose two readings were shown.
+    checked: Option<u64>,
+    shown_readings: Option<u64>,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
     /// When the live view last looked elsewhere, or at another frame.
@@ -112,6 +116,7 @@ impl Scheduler {
         self.request_memory(state, visible, workers);
         self.request_histograms(state, visible, workers);
         self.request_comparison(state, visible, workers);
+        self.request_readings(state, workers);
         self.request_whole(state, workers).into_iter().chain(rest).chain(preparation).min()
     }
 
@@ -294,6 +299,27 @@ impl Scheduler {
             dark: state.dark,
         });
         submit_new(&workers.compare, &mut self.compare, key);
+    }
+
+    /// Once the first frame is shown: whether the capture's files are read as they are meant. A built-in scene is.
+    fn request_readings(&mut self, state: &State, workers: &Workers) {
+        let Some(scene) = state.scene.as_ref().filter(|_| state.inspected.is_some()) else { return };
+        let is_read = state.has_capture() && matches!(scene.origin, Origin::Path(_));
+        if !is_read {
+            return;
+        }
+        let readings = &state.inspector.readings;
+        if !scene.is_reread && self.checked != Some(scene.id) {
+            workers.readings.submit(ReadingRequest::Check(scene.clone()));
+            self.checked = Some(scene.id);
+        }
+        if let Some(finding) =
+            readings.finding.as_ref().filter(|_| readings.is_open && readings.shown.is_none())
+            && self.shown_readings != Some(scene.id)
+        {
+            workers.readings.submit(ReadingRequest::Show(scene.clone(), finding.clone()));
+            self.shown_readings = Some(scene.id);
+        }
     }
 
     fn request_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::accuracy::measure;
 use super::compare::Comparer;
+use super::readings::{self, ReadingRequest};
 use super::requests::{
     ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
 };
@@ -40,6 +41,8 @@ pub(crate) struct Workers {
     pub compare: Worker<Box<CompareKey>>,
     pub export: Worker<ExportRequest>,
     pub study: Worker<StudyRequest>,
+    /// How the capture is read, and how it would fit better.
+    pub readings: Worker<ReadingRequest>,
 }
 
 impl Workers {
@@ -50,6 +53,7 @@ impl Workers {
         let decoder = pool("decode", 1, false)?;
         let studying = pool("study", rayon::current_num_threads(), true)?;
         let (measuring, preparing) = (background.clone(), background.clone());
+        let comparing = studying.clone();
         let (progress, points) = (outbox.clone(), outbox.clone());
         let mut renderer = Renderer::sharing(shared);
         let mut filter = live_image::CameraFilter::default();
@@ -118,6 +122,9 @@ impl Workers {
             export: Worker::start("Export", Supersede::Queue, outbox, |request: ExportRequest, job| {
                 or_stopped(job, "Export stopped", request.target.stopped(), || files::export(&request, job))
             })?,
+            readings: Worker::start("Compare readings", Supersede::Queue, outbox, move |request, _| {
+                Ok(comparing.install(|| readings::answer(request)))
+            })?,
             study: Worker::start("Study", Supersede::Always, outbox, move |request, job| {
                 studying.install(|| study::study(request, &points, job))
             })?,
@@ -142,6 +149,7 @@ impl Workers {
             && self.compare.is_idle()
             && self.export.is_idle()
             && self.study.is_idle()
+            && self.readings.is_idle()
     }
 }
 

@@ -28,6 +28,23 @@ enum Vote {
     Hidden,
 }
 
+/// What points say that were carried from view to view.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Votes {
+    pub agree: usize,
+    /// Those that lie before all that the other view saw there.
+    pub contradict: usize,
+    /// All that were carried.
+    pub tried: usize,
+}
+
+impl Votes {
+    /// Points that agree less those that contradict, as a share of all.
+    pub(super) fn score(&self) -> f64 {
+        (self.agree as f64 - self.contradict as f64) / self.tried.max(1) as f64
+    }
+}
+
 impl Comparison {
     /// World space from our camera space of every view, if its matrix is meant as `reading` says.
     pub(super) fn poses(&self, reading: &Reading) -> Vec<DAffine3> {
@@ -38,27 +55,43 @@ impl Comparison {
     /// Points that agree less those that contradict, as a share of those carried; `points` of each pair, those within `tolerance`
     /// of a number agree.
     pub(super) fn score(&self, reading: &Reading, points: usize, tolerance: f64) -> f64 {
+        self.votes(reading, points, tolerance).score()
+    }
+
+    /// What `points` points of each pair say.
+    pub(super) fn votes(&self, reading: &Reading, points: usize, tolerance: f64) -> Votes {
+        self.votes_of(reading, self.pairs.iter().copied(), points, tolerance)
+    }
+
+    /// What `points` points of each of some pairs say.
+    pub(super) fn votes_of(
+        &self,
+        reading: &Reading,
+        pairs: impl Iterator<Item = (usize, usize)>,
+        points: usize,
+        tolerance: f64,
+    ) -> Votes {
         let poses = self.poses(reading);
-        let (mut votes, mut tried) = (0_i64, 0_usize);
-        for &(from, to) in &self.pairs {
+        let mut votes = Votes::default();
+        for (from, to) in pairs {
             let (source, target) = (&self.views[from], &self.views[to]);
             let target_from_source = poses[to].inverse() * poses[from];
             for point in source.points.iter().take(points) {
-                tried += 1;
+                votes.tried += 1;
                 let ray = (point.ray, point.ray_length);
                 let z = reading.planar_z(point.value, ray, &poses[from], self.near_clip);
                 let point_in_target = target_from_source.transform_point3(point.ray * z);
                 if !(z > 0.0 && point_in_target.z > 0.0) {
                     continue;
                 }
-                votes += match self.vote(reading, target, point_in_target, &poses[to], tolerance) {
-                    Some(Vote::Agrees) => 1,
-                    Some(Vote::InFront) => -1,
-                    Some(Vote::Hidden) | None => 0,
-                };
+                match self.vote(reading, target, point_in_target, &poses[to], tolerance) {
+                    Some(Vote::Agrees) => votes.agree += 1,
+                    Some(Vote::InFront) => votes.contradict += 1,
+                    Some(Vote::Hidden) | None => {}
+                }
             }
         }
-        votes as f64 / tried.max(1) as f64
+        votes
     }
 
     /// What a point in front of a view says about it; `None` where the view has no depth there.

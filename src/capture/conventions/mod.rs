@@ -11,6 +11,8 @@
 //! only turn; anything with one camera, or with cameras that see nothing in common; what is wrong alike in all of the world.
 
 mod agreement;
+mod chosen_views;
+mod pictures;
 mod reading;
 mod search;
 mod verdict;
@@ -19,10 +21,9 @@ mod views;
 pub use super::depth_claim::{DepthClaim, DepthMeasure};
 pub(crate) use super::pose_convention::MIRROR;
 pub use super::pose_convention::{AxisDirection, CameraAxes, PoseConvention, PoseDirection, upright};
+pub use pictures::{ReadingPictures, RegisteredViews, pictures};
 pub use reading::Reading;
 pub use verdict::{Alternative, Finding, Part, Undecided, Verdict};
-
-use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
@@ -30,34 +31,22 @@ use super::camera::Camera;
 use super::parts::Capture;
 use crate::error::Result;
 use agreement::Comparison;
+use chosen_views::ChosenViews;
 use views::View;
-
-/// Pixels that are read at most, of a few views at least.
-const MAX_PIXELS: usize = 12 << 20;
-const FEW_VIEWS: usize = 4;
-const MANY_VIEWS: usize = 24;
 
 /// Checks how a capture's poses and depth are read, by the agreement between its views at one instant, in the middle of the recording.
 ///
 /// # Errors
 /// Those of reading the frames that are looked at.
 pub fn check(capture: &Capture) -> Result<Finding> {
-    let frame = capture.frame_count() / 2;
-    let largest = capture.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).max().unwrap_or(1);
-    let budget = (MAX_PIXELS / largest.max(1)).clamp(FEW_VIEWS, MANY_VIEWS);
-    let pairs = within(&views::pairs(capture.cameras.len()), budget);
-    let indices: BTreeSet<usize> = pairs.iter().flat_map(|&(from, to)| [from, to]).collect();
-    let indices: Vec<usize> = indices.into_iter().collect();
-    let claim = capture.source.depth_claim();
-    let views = indices.par_iter().map(|&camera| {
-        let picture = capture.frame(camera, frame)?;
+    let (claim, pose) = (capture.source.depth_claim(), capture.source.pose_convention());
+    let chosen = ChosenViews::of(capture);
+    let views = chosen.frames(capture)?;
+    let views = views.iter().zip(&chosen.cameras).map(|(picture, &camera)| {
         let inverse = picture.inverse_depth.as_slice();
-        Ok(View::new(&capture.cameras[camera], |index| inverse[index], &claim))
+        View::new(&capture.cameras[camera], |index| inverse[index], &claim)
     });
-    let views = views.collect::<Result<Vec<View>>>()?;
-    let place = |camera: usize| indices.binary_search(&camera).unwrap_or(0);
-    let pairs = pairs.iter().map(|&(from, to)| (place(from), place(to))).collect();
-    Ok(check_views(views, pairs, &claim, capture.source.pose_convention()))
+    Ok(check_views(views.collect(), chosen.pairs, &claim, pose))
 }
 
 /// The same of pictures of depth at hand: `inverse_depth` gives 1/z of a camera's pixel, by their indices, 0 or less for none.
@@ -96,18 +85,4 @@ fn check_views(
     }
     let comparison = Comparison { views, pairs, near_clip: claim.near_clip, claimed };
     verdict::decide(&comparison, &search::search(&comparison))
-}
-
-/// Pairs of no more than so many views, in their order.
-fn within(pairs: &[(usize, usize)], most_views: usize) -> Vec<(usize, usize)> {
-    let mut views = BTreeSet::new();
-    let fits = |&(from, to): &(usize, usize)| {
-        let more = [from, to].iter().filter(|view| !views.contains(*view)).count();
-        if views.len() + more > most_views {
-            return None;
-        }
-        views.extend([from, to]);
-        Some((from, to))
-    };
-    pairs.iter().filter_map(fits).collect()
 }

@@ -27,7 +27,7 @@ const SOME_POINTS: usize = 80;
 const FEW_LEFT: usize = 32;
 const SOME_LEFT: usize = 10;
 /// What numbers may differ by where poses and units are sought, and where measures are told apart.
-const WIDE: f64 = 0.03;
+pub(super) const WIDE: f64 = 0.03;
 const NARROW: f64 = 0.01;
 /// Readings that score this are not chance; from the second on no other measure is tried.
 pub(super) const NOT_CHANCE: f64 = 0.08;

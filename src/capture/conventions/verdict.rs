@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use super::agreement::Comparison;
 use super::reading::Reading;
 use super::search::{NOT_CHANCE, Scored, UNITS};
-use crate::capture::pose_convention::PoseDirection;
 
 /// Another reading has to agree this many times as well to speak against the claimed one, and to be told from others.
 const DECIDES: f64 = 2.0;
@@ -201,10 +200,19 @@ fn number(value: f64) -> String {
 }
 
 impl Finding {
+    /// The reading that fits far better than the claimed one, where there is one.
+    #[must_use]
+    pub fn alternative(&self) -> Option<&Alternative> {
+        match &self.verdict {
+            Verdict::Other(other) => Some(other),
+            Verdict::Stands { .. } | Verdict::Unknown { .. } => None,
+        }
+    }
+
     /// One sentence where another reading fits far better than the claimed one: which, how sure, and the keys to write.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let Verdict::Other(other) = &self.verdict else { return None };
+        let other = self.alternative()?;
         let mut said = format!(
             "the views agree far better ({:.2} of the points, against {:.2} as read) {}",
             other.score,
@@ -219,8 +227,7 @@ impl Finding {
             let _ = write!(said, "; not sure: {}", undecided.why);
         }
         if other.undecided.is_empty() {
-            let sure = if other.margin >= SURE { "sure" } else { "likely" };
-            let _ = write!(said, " ({sure}: {:.0} times as well as the next)", other.margin);
+            let _ = write!(said, " ({}: {:.0} times as well as the next)", other.certainty(), other.margin);
         }
         Some(said)
     }
@@ -246,15 +253,25 @@ impl Finding {
 }
 
 impl Alternative {
+    /// Whether keys of a manifest say all that it differs by.
+    #[must_use]
+    pub fn can_be_written(&self, claimed: &Reading) -> bool {
+        !self.keys.is_empty()
+            && (self.reading.measure == claimed.measure || self.reading.measure.depth_kind().is_some())
+    }
+
+    /// How sure it is, in words.
+    #[must_use]
+    pub fn certainty(&self) -> &'static str {
+        if self.margin >= SURE { "sure" } else { "likely" }
+    }
+
     /// What the numbers mean under this reading where that differs from the claimed one.
     #[must_use]
     pub fn meaning(&self, claimed: &Reading) -> String {
         let mut parts = Vec::new();
         if self.keys.iter().any(|(key, _)| key == "transform_direction" || key == "camera_axes") {
-            let direction = match self.reading.pose.direction {
-                PoseDirection::CameraToWorld => "camera to world",
-                PoseDirection::WorldToCamera => "world to camera",
-            };
+            let direction = self.reading.pose.direction.words();
             parts.push(format!("if poses are {direction} with axes {}", self.reading.pose.axes.words()));
         }
         if self.reading.measure != claimed.measure {

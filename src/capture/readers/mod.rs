@@ -32,6 +32,7 @@ mod text;
 mod tum;
 mod views;
 
+pub(crate) use nerfstudio::MANIFEST_SOURCE;
 pub(crate) use place::Place;
 pub use reader::{Description, Skipped};
 pub(crate) use reader::{Reader, Reading};

@@ -7,12 +7,15 @@ use super::reader::{Description, Reader, Reading};
 use crate::capture::transforms::{MANIFEST_NAME, Manifest, Origin, PictureEntry};
 use crate::error::Result;
 
+/// What [`Description::source`] says of a manifest.
+pub(crate) const MANIFEST_SOURCE: &str = "transforms.json (nerfstudio, instant-ngp, Overlook)";
+
 /// Reads a manifest: the file itself, or the one in the folder.
 pub(super) struct Nerfstudio;
 
 impl Reader for Nerfstudio {
     fn source(&self) -> &'static str {
-        "transforms.json (nerfstudio, instant-ngp, Overlook)"
+        MANIFEST_SOURCE
     }
 
     fn marks(&self) -> &'static str {

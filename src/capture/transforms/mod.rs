@@ -26,6 +26,7 @@ mod manifest_file;
 mod normal_file;
 mod origin;
 mod other_pictures;
+mod other_reading;
 mod path;
 mod pictures_by_pose;
 mod pictures_of_views;

@@ -1,0 +1,105 @@
+//! Two readings of one capture: what is found is told and compared, and the capture stays as it is until a person says so.
+
+use std::path::{Path, PathBuf};
+
+use egui::Key;
+use egui_kittest::kittest::{NodeT, Queryable};
+use overlook::app::Start;
+use serde_json::json;
+
+use super::driver::{SIZE, Window, click, open, settle, shows, small_demo, wait};
+
+/// The small capture in a folder of the test's own, its manifest with these keys.
+pub(crate) fn capture_that_says(folder: &Path, keys: &serde_json::Value) -> PathBuf {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let to = folder.join("misread");
+    for camera in ["cam0", "cam1", "cam2", "cam3"] {
+        std::fs::create_dir_all(to.join(camera)).unwrap();
+        for file in std::fs::read_dir(from.join(camera)).unwrap() {
+            let file = file.unwrap();
+            std::fs::copy(file.path(), to.join(camera).join(file.file_name())).unwrap();
+        }
+    }
+    let text = std::fs::read_to_string(from.join("transforms.json")).unwrap();
+    let mut manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for (key, value) in keys.as_object().unwrap() {
+        manifest[key] = value.clone();
+    }
+    std::fs::write(to.join("transforms.json"), manifest.to_string()).unwrap();
+    to
+}
+
+fn is_told(window: &Window) -> bool {
+    window.state().notices().iter().any(|notice| notice.contains("another reading fits better"))
+}
+
+fn positions(window: &Window) -> Vec<[f64; 3]> {
+    (0..4).map(|camera| window.state().camera_position(camera)).collect()
+}
+
+#[test]
+fn a_misread_capture_is_compared_side_by_side_and_opened_otherwise_only_by_a_button() {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = capture_that_says(folder.path(), &json!({"transform_direction": "world_to_camera"}));
+    let manifest = std::fs::read(capture.join("transforms.json")).unwrap();
+    let mut right =
+        open(Start::Path(Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")), SIZE);
+    settle(&mut right);
+    assert!(!is_told(&right), "{:?}", right.state().notices());
+    let mut window = open(Start::Path(capture.clone()), SIZE);
+    settle(&mut window);
+    wait(&mut window, "the finding", is_told);
+    let as_read = positions(&window);
+    assert_ne!(as_read, positions(&right), "nothing is changed by itself");
+    window.run_steps(2);
+    click(&mut window, "Compare readings…");
+    wait(&mut window, "the pictures", |window| shows(window, "% of the points agree"));
+    for title in ["Recorded by cam", "As the capture is read", "Other reading"] {
+        assert!(shows(&window, &format!("Picture: {title}")), "{title}");
+    }
+    assert!(shows(&window, "\"transform_direction\": \"camera_to_world\""), "the key to write");
+    assert!(shows(&window, &capture.join("transforms.json").display().to_string()), "and where");
+    let shares: Vec<u32> = window
+        .query_all_by_label_contains("% of the points agree")
+        .map(|node| {
+            let text = node.accesskit_node().value().or_else(|| node.accesskit_node().label()).unwrap();
+            text.split(' ').next().unwrap().parse().unwrap()
+        })
+        .collect();
+    assert!(shares.len() == 2 && shares[1] > 2 * shares[0] + 20, "{shares:?}");
+    assert_eq!(positions(&window), as_read);
+    click(&mut window, "Open under the other reading");
+    wait(&mut window, "the capture", |window| positions(window) != as_read);
+    settle(&mut window);
+    assert_eq!(positions(&window), positions(&right));
+    assert!(!is_told(&window), "{:?}", window.state().notices());
+    assert!(
+        window.state().notices().iter().any(|notice| notice.contains("read otherwise than its files say"))
+    );
+    assert_eq!(std::fs::read(capture.join("transforms.json")).unwrap(), manifest, "files stay as they are");
+    click(&mut window, "Open");
+    click(&mut window, "Compare readings…");
+    click(&mut window, "Open as its files say");
+    wait(&mut window, "the capture", |window| positions(window) == as_read);
+    settle(&mut window);
+}
+
+#[test]
+fn nothing_to_compare_is_said_with_its_reason_in_menu_and_palette() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Open");
+    let entry = window.get_by_label("Compare readings…");
+    assert!(entry.accesskit_node().is_disabled());
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::P);
+    window.run_steps(3);
+    window.get_by_label("Command").type_text("compare readings");
+    window.run_steps(3);
+    assert!(window.get_by_label("Do: Compare readings").accesskit_node().is_disabled());
+    assert!(shows(&window, "A built-in scene is read as it was made."));
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert!(!shows(&window, "As the capture is read"));
+}
