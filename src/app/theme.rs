@@ -196,14 +196,26 @@ pub(crate) fn figure_style() -> TextStyle {
 /// Seconds for which the pointer rests before a tooltip appears.
 const TOOLTIP_SECS: f32 = 0.35;
 
+/// Seconds after a tooltip within which the next one appears at once.
+const GRACE_SECS: f32 = 0.2;
+
 /// Longer than anybody rests.
 const NEVER_SECS: f32 = 1e6;
 
-/// Takes tooltips away while something is asked: egui would keep the open one above the question.
+/// Takes tooltips away while something is asked: egui would keep the open one above the question, and show it again at once if another
+/// one was there just before.
 pub(crate) fn show_tooltips(ctx: &egui::Context, show: bool) {
-    let secs = if show { TOOLTIP_SECS } else { NEVER_SECS };
+    let (secs, grace_secs) = if show { (TOOLTIP_SECS, GRACE_SECS) } else { (NEVER_SECS, 0.0) };
     if ctx.global_style().interaction.tooltip_delay != secs {
-        ctx.all_styles_mut(|style| style.interaction.tooltip_delay = secs);
+        ctx.all_styles_mut(|style| {
+            style.interaction.tooltip_delay = secs;
+            style.interaction.tooltip_grace_time = grace_secs;
+        });
+    }
+    let is_tooltip = |layer: &egui::LayerId| layer.order == egui::Order::Tooltip;
+    if !show && ctx.memory(|memory| memory.areas().visible_layer_ids().iter().any(is_tooltip)) {
+        // A tooltip that was there stays as long as the pointer does, whatever the delay; what is forgotten was not there.
+        ctx.memory_mut(egui::Memory::reset_areas);
     }
 }
 

@@ -5,6 +5,7 @@ mod alignment;
 mod cameras_and_view;
 mod color;
 mod device;
+mod dialogs;
 #[cfg(target_os = "linux")]
 mod display;
 mod driver;
