@@ -1,7 +1,8 @@
 //! The live view's camera: moved by numbers, copied and pasted, along paths that are saved; and the cameras that it shows.
 
 use super::driver::{
-    SIZE, Window, choose, click, demo, open, open_view, settle, shows, small_demo, type_path, wait,
+    SIZE, Window, choose, click, demo, drag, open, open_view, pick, settle, shows, small_demo, type_path,
+    wait,
 };
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
@@ -84,7 +85,7 @@ fn a_copied_view_is_pasted_and_what_is_no_view_says_so() {
     let views =
         overlook::capture::transforms::path_from_json(copied.as_bytes(), "clipboard".as_ref()).unwrap();
     assert_eq!(views[0].camera.world_from_camera.translation.to_array(), home);
-    super::driver::drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
+    drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
     assert_ne!(position(&window), home);
     window.event(egui::Event::Paste(copied));
     settle(&mut window);
@@ -176,7 +177,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     window.key_press(Key::K);
-    super::driver::drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
+    drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
     window.key_press(Key::Period);
     window.run_steps(2);
     window.key_press(Key::K);
@@ -349,4 +350,25 @@ fn a_thumbnail_has_a_menu_with_what_can_be_done_to_its_camera() {
     click(&mut window, "View from it");
     settle(&mut window);
     assert_eq!(position(&window), window.state().camera_position(1));
+}
+
+#[test]
+fn another_axis_is_up_for_a_capture_that_lies_on_its_side() {
+    let mut window = explore();
+    let before = position(&window);
+    let horizon = |window: &Window| number(window, "Roll");
+    pick(&mut window, "Up axis", "+X");
+    settle(&mut window);
+    assert_eq!(position(&window), before, "the eye stays");
+    assert!(horizon(&window).abs() < 0.1, "the horizon is level by the new up");
+    // Orbiting to the side keeps the height over the new ground.
+    drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(120.0, 0.0));
+    let after = position(&window);
+    assert!((after[0] - before[0]).abs() < 1e-6 && after != before, "{before:?} {after:?}");
+    window.key_press(Key::Home);
+    window.run_steps(3);
+    assert!(horizon(&window).abs() < 0.1);
+    pick(&mut window, "Up axis", "As recorded");
+    settle(&mut window);
+    assert!(horizon(&window).abs() < 0.1);
 }

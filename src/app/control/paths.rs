@@ -218,7 +218,8 @@ impl OverlookApp {
             return;
         };
         let (camera_path, size) = (self.state.inspector.path.clone(), self.state.export_size());
-        self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size });
+        let up_in_world = self.state.up_in_world();
+        self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size, up_in_world });
     }
 
     fn save_store(&mut self, path: PathBuf) {

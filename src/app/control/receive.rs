@@ -206,9 +206,10 @@ impl OverlookApp {
         state.live.cameras = ShownCameras::default();
         state.live.ruler = Ruler::default();
         state.live.unit = Unit::default();
+        state.live.up = None;
         state.display = Display::default();
         state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
-        state.live.orbit = OrbitCamera::home(scene);
+        state.live.orbit = OrbitCamera::home(scene, scene.up_in_world);
         state.inspector.saved = scene.capture().map(|_| state.settings.clone());
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
         state.scene = Some(scene.clone());

@@ -54,6 +54,11 @@ impl OverlookApp {
             Some(Command::Dismiss(id)) => self.state.notices.retain(|notice| notice.id != id),
             _ => {}
         }
+        // Whichever camera or key the view was taken to, what is up stays.
+        let up = self.state.up_in_world();
+        if let Some(orbit) = &mut self.state.live.orbit {
+            orbit.set_up(up);
+        }
     }
 
     fn apply_to_timeline(&mut self, command: Command) -> Option<Command> {
@@ -98,7 +103,8 @@ impl OverlookApp {
                 }
             }
             Command::Home => {
-                state.live.orbit = state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene));
+                let up = state.up_in_world();
+                state.live.orbit = state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene, up));
                 state.source.part = PictureZoom::default();
             }
             Command::ColorBy(color_by) => state.live.color_by = color_by,

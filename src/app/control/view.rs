@@ -25,6 +25,14 @@ impl OverlookApp {
                 live.fly_speed = speed.clamp(*FLY_SPEEDS.start(), *FLY_SPEEDS.end());
             }
             ViewCommand::Unit(unit) => live.unit = unit,
+            ViewCommand::Up(up) => {
+                live.up = up;
+                let up = self.state.up_in_world();
+                if let Some(orbit) = &mut self.state.live.orbit {
+                    orbit.set_up(up);
+                    orbit.level();
+                }
+            }
             ViewCommand::CameraOn(camera, true) => {
                 live.cameras.off.remove(&camera);
             }
@@ -64,7 +72,7 @@ impl OverlookApp {
         let camera = orbit.camera(orbit.lens.width, orbit.lens.height);
         let frame_number = scene.frame_numbers.get(self.state.timeline.frame).copied().unwrap_or_default();
         let view = PathView { camera, frame_number, is_key: true };
-        match path_to_json(scene.up_in_world, &[view]) {
+        match path_to_json(self.state.up_in_world(), &[view]) {
             Ok(text) => {
                 self.ctx.copy_text(text);
                 self.state.notify(

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
+
+use glam::DVec3;
 
 use super::command::{Command, HelpPage};
 use super::display::Display;
@@ -53,6 +54,8 @@ pub(crate) struct LiveLook {
     pub cameras: ShownCameras,
     pub ruler: Ruler,
     pub unit: Unit,
+    /// Which way is up in world space, where it was chosen; as the capture says else.
+    pub up: Option<DVec3>,
     /// Where the view and its legend lie in the window, points.
     pub area: egui::Rect,
     /// How fast keys fly, in the speed of a first run.
@@ -230,6 +233,12 @@ impl State {
         self.failed_frame == Some(self.timeline.frame) && self.inspection_here().is_none()
     }
 
+    /// Up in world space, unit length: as chosen, else as the capture says.
+    pub(crate) fn up_in_world(&self) -> DVec3 {
+        let recorded = self.scene.as_ref().map_or(DVec3::Z, |scene| scene.up_in_world);
+        self.live.up.unwrap_or(recorded)
+    }
+
     /// The best account of the frame shown: the whole capture's samples, or while those are stale this frame's.
     pub(crate) fn samples_here(&self) -> Option<&Arc<SampleSet>> {
         if let Some(Content::Store { samples, .. }) = self.content() {
@@ -321,6 +330,7 @@ impl Default for State {
                 cameras: ShownCameras::default(),
                 ruler: Ruler::default(),
                 unit: Unit::default(),
+                up: None,
                 area: egui::Rect::NOTHING,
                 fly_speed: 1.0,
                 shares_device: false,

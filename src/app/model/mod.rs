@@ -81,6 +81,6 @@ pub(crate) use texture::Texture;
 pub(crate) use undo::SettingsSlot;
 pub(crate) use view::{Area, DockView};
 pub(crate) use view_look::{
-    FLY_SPEEDS, FrameGuide, Guides, Ruler, ShownCameras, Unit, ViewCommand,
+    FLY_SPEEDS, FrameGuide, Guides, Ruler, ShownCameras, UP_DIRECTIONS, Unit, ViewCommand,
 };
 pub(crate) use workspace::Workspace;

@@ -39,25 +39,25 @@ pub(crate) struct OrbitCamera {
 impl OrbitCamera {
     /// The first view: a step from the first camera toward the second, on their circle about what they look at. With
     /// one camera, a step to its side.
-    pub(crate) fn home(scene: &OpenScene) -> Option<Self> {
+    pub(crate) fn home(scene: &OpenScene, up_in_world: DVec3) -> Option<Self> {
         let first = scene.cameras.first()?;
         let pivot = scene.pivot_in_world;
         let eye_a = first.position_in_world() - pivot;
         let distance = home_distance(scene);
         let eye_b = scene.cameras.get(1).map_or_else(
-            || DQuat::from_axis_angle(scene.up_in_world, 0.4) * eye_a,
+            || DQuat::from_axis_angle(up_in_world, 0.4) * eye_a,
             |second| second.position_in_world() - pivot,
         );
         let radius = distance + (eye_b.length() - distance) * HOME_STEP;
         let aside = eye_a / distance * (1.0 - HOME_STEP) + eye_b.normalize_or_zero() * HOME_STEP;
         let eye = aside.try_normalize().unwrap_or_else(|| eye_a / distance) * radius;
-        let camera = Camera::look_at("home", first.intrinsics, pivot + eye, pivot, scene.up_in_world);
+        let camera = Camera::look_at("home", first.intrinsics, pivot + eye, pivot, up_in_world);
         Some(Self {
             world_from_camera: camera.world_from_camera,
             pivot_distance: radius.max(LEAST_DISTANCE),
             home_distance: distance,
             lens: first.intrinsics,
-            up_in_world: scene.up_in_world,
+            up_in_world,
         })
     }
 

@@ -86,6 +86,16 @@ impl OrbitCamera {
         (self.lens.fx, self.lens.fy) = (focal, self.lens.fy * focal / self.lens.fx);
     }
 
+    /// Lets another direction be up, for what is done from now on; the view stays.
+    pub(crate) fn set_up(&mut self, up_in_world: DVec3) {
+        self.up_in_world = up_in_world;
+    }
+
+    /// Turns about the line of sight until the horizon is level.
+    pub(crate) fn level(&mut self) {
+        self.set_angles(ViewAngles { roll: 0.0, ..self.angles() });
+    }
+
     /// Up in world space, unit length.
     pub(crate) fn up_in_world(&self) -> DVec3 {
         self.up_in_world
@@ -125,6 +135,17 @@ mod tests {
                 assert_eq!(orbit.world_from_camera.translation, eye);
             }
         }
+    }
+
+    #[test]
+    fn a_view_is_leveled_by_another_up_and_looks_where_it_looked() {
+        let mut orbit = OrbitCamera::for_tests();
+        let forward = orbit.world_from_camera.matrix3.z_axis;
+        orbit.set_up(DVec3::X);
+        orbit.level();
+        let DMat3 { x_axis: right, y_axis: down, z_axis } = orbit.world_from_camera.matrix3;
+        assert!((z_axis - forward).length() < 1e-12);
+        assert!(right.dot(DVec3::X).abs() < 1e-12 && down.dot(DVec3::X) < 0.0);
     }
 
     #[test]

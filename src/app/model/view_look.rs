@@ -65,6 +65,20 @@ impl ShownCameras {
     }
 }
 
+/// Which way may be up: its name, and what it means. `None` is what the capture says.
+pub(crate) const UP_DIRECTIONS: [(Option<DVec3>, &str, &str); 7] = [
+    (None, "As recorded", "Up as the capture says."),
+    (Some(DVec3::X), "+X", UP_HELP),
+    (Some(DVec3::NEG_X), "−X", UP_HELP),
+    (Some(DVec3::Y), "+Y", UP_HELP),
+    (Some(DVec3::NEG_Y), "−Y", UP_HELP),
+    (Some(DVec3::Z), "+Z", UP_HELP),
+    (Some(DVec3::NEG_Z), "−Z", UP_HELP),
+];
+
+const UP_HELP: &str = "Which axis of the world is up, for a capture that lies on its side: orbiting, the horizon and the ground go by it. To keep it, \
+     write \"up\" into the manifest, as in \"up\": [0, 1, 0].";
+
 /// The unit of the scene's lengths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Unit {
@@ -137,6 +151,8 @@ pub(crate) enum ViewCommand {
     Guides(Guides),
     FlySpeed(f64),
     Unit(Unit),
+    /// Let a direction of world space be up; what the capture says by `None`.
+    Up(Option<DVec3>),
     /// Show or leave out the samples of a camera.
     CameraOn(usize, bool),
     /// Show the samples of one camera alone; of all that are on by `None`.

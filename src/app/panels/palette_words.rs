@@ -46,12 +46,14 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("scale", &["interface", "scale"]),
     ("screenshot", &["save picture", "copy picture"]),
     ("shortcut", &["shortcuts"]),
+    ("sideways", &["up:"]),
     ("size", &["interface", "size"]),
     ("snapshot", &["save picture", "copy picture"]),
     ("solo", &["solo", "show camera"]),
     ("theme", &["theme"]),
     ("tutorial", &["guide", "introduction"]),
     ("viewpoint", &["view from", "reset view"]),
+    ("upright", &["up:"]),
     ("zoom", &["interface", "zoom", "reset view", "center view"]),
 ];
 

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use crate::app::model::{Area, Command, Display, FrameGuide, Guides, Purpose, State, ViewCommand, Workspace};
+use crate::app::model::{
+    Area, Command, Display, FrameGuide, Guides, Purpose, State, UP_DIRECTIONS, ViewCommand, Workspace,
+};
 
 /// Names, keys and commands.
 pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)> {
@@ -52,6 +54,9 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     ] {
         let command = Command::View(ViewCommand::LookAlong(axis));
         entries.push((format!("View from {name}"), keys, command));
+    }
+    for (up, name, _) in UP_DIRECTIONS {
+        entries.push((format!("Up: {name}"), "", Command::View(ViewCommand::Up(up))));
     }
     for (guide, name, _) in FrameGuide::ALL {
         let guides = Guides { frame: guide, ..state.live.guides };

@@ -7,11 +7,11 @@ use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_CONTENT_PASTE};
 
 use super::camera_list::camera_list_ui;
 use crate::app::model::{
-    ANGLES_OF_VIEW, Command, Commands, FLY_SPEEDS, FrameGuide, OrbitCamera, State, Unit, ViewAngles,
-    ViewCommand,
+    ANGLES_OF_VIEW, Command, Commands, FLY_SPEEDS, FrameGuide, OrbitCamera, State, UP_DIRECTIONS, Unit,
+    ViewAngles, ViewCommand,
 };
 use crate::app::theme::space;
-use crate::app::widgets::{note, segments_ui};
+use crate::app::widgets::{choice_ui, note, segments_ui};
 
 /// The panel.
 pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
@@ -139,6 +139,11 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
         let help = "Speed of W A S D, Q E; [ and ] change it, Shift is four times as fast.";
         if ui.add(slider).accessible_name("Fly speed").on_hover_text(help).changed() {
             sent.push(ViewCommand::FlySpeed(speed));
+        }
+        ui.end_row();
+        ui.label("Up");
+        if let Some(up) = choice_ui(ui, "Up axis", state.live.up, &UP_DIRECTIONS, 106.0) {
+            sent.push(ViewCommand::Up(up));
         }
         ui.end_row();
         ui.label("Unit");

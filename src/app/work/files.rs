@@ -116,9 +116,9 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
             save_shot(&path, &picture, area)?;
             (path, None, None)
         }
-        FileRequest::SavePath { path, scene, camera_path, size } => {
+        FileRequest::SavePath { path, scene, camera_path, size, up_in_world } => {
             let views = camera_path.views(size, &scene.frame_numbers);
-            whole_file::write_all(&path, path_to_json(scene.up_in_world, &views)?)?;
+            whole_file::write_all(&path, path_to_json(up_in_world, &views)?)?;
             return Ok(Message::PathSaved { path, saved: camera_path });
         }
         FileRequest::LoadPath { path, scene } => {

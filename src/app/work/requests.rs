@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::app::model::{CameraPath, Display, ExportTarget, OpenScene, Study};
 use crate::demo::DemoSpec;
 use crate::evaluate::stress::StressPoint;
@@ -92,6 +94,7 @@ pub(crate) enum FileRequest {
         scene: Arc<OpenScene>,
         camera_path: CameraPath,
         size: [u32; 2],
+        up_in_world: DVec3,
     },
     LoadPath {
         path: PathBuf,
