@@ -9,6 +9,8 @@ pub mod error;
 pub mod grid;
 #[path = "../src/job.rs"]
 pub mod job;
+#[path = "../src/plural.rs"]
+mod plural;
 #[path = "../src/settings/mod.rs"]
 pub mod settings;
 #[path = "../src/simd.rs"]

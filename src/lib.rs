@@ -52,6 +52,7 @@ pub mod evaluate;
 pub mod grid;
 pub mod job;
 pub mod part;
+mod plural;
 pub mod preprocess;
 #[cfg(feature = "python")]
 pub mod python;

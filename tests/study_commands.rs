@@ -301,7 +301,7 @@ fn views_without_a_true_picture_are_told_and_absurd_numbers_are_refused_before_a
     let output = overlook(folder, &["evaluate", "scene", "--kernel", "block"]).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && said.lines().count() == 1, "{said}");
-    assert!(said.contains("warning: 1 of 6 views are passed over") && said.contains(first), "{said}");
+    assert!(said.contains("warning: 1 of 6 views is passed over") && said.contains(first), "{said}");
 
     // A frame that the capture lacks is told before anything is measured.
     let mut late = views.clone();

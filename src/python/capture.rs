@@ -17,6 +17,7 @@ use crate::capture::{self, Capture, Frame, TruthView, transforms};
 use crate::demo::{Demo, DemoSpec};
 use crate::error::Error;
 use crate::evaluate::{compare, truth};
+use crate::plural::counted;
 use crate::preprocess::preprocess;
 use crate::settings::Settings;
 
@@ -116,7 +117,8 @@ impl PyCapture {
 
     fn __repr__(&self) -> String {
         let (cameras, frames) = (self.capture.cameras.len(), self.capture.frame_count());
-        format!("<overlook.Capture '{}', {cameras} cameras, {frames} frames>", self.capture.name)
+        let (cameras, frames) = (counted(cameras, "camera"), counted(frames, "frame"));
+        format!("<overlook.Capture '{}', {cameras}, {frames}>", self.capture.name)
     }
 }
 

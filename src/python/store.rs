@@ -17,6 +17,7 @@ use super::{arrays, work};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
+use crate::plural::counted;
 use crate::preprocess::Preprocessed;
 use crate::render::{NO_IMAGE, Renderer, Vantage};
 use crate::samples::{SampleImage, SampleSet};
@@ -127,7 +128,12 @@ impl PyStore {
     fn samples(&self, py: Python<'_>, frame: Option<usize>, camera: Option<usize>) -> PyResult<PySamples> {
         let (frames, cameras) = (self.outline.frame_count(), self.outline.cameras.len());
         if frame.is_some_and(|frame| frame >= frames) || camera.is_some_and(|camera| camera >= cameras) {
-            let what = format!("'{}' has {frames} frames and {cameras} cameras", self.outline.name);
+            let what = format!(
+                "'{}' has {} and {}",
+                self.outline.name,
+                counted(frames, "frame"),
+                counted(cameras, "camera")
+            );
             return Err(PyIndexError::new_err(what));
         }
         let rows = work::run(py, None, |job| {
@@ -180,7 +186,7 @@ impl PyStore {
 
     fn __repr__(&self) -> String {
         let place = match &self.samples {
-            Samples::InMemory(samples) => format!("{} samples in memory", samples.sample_count()),
+            Samples::InMemory(samples) => counted(samples.sample_count(), "sample") + " in memory",
             Samples::OnDisk(path, _) => path.display().to_string(),
         };
         format!("<overlook.Store '{}', {place}>", self.outline.name)

@@ -160,7 +160,7 @@ fn redwood_poses_are_read_from_a_log_of_any_line_length_and_from_json() {
     check(&folder, "Redwood");
     folder.put("trajectory.log", &log.as_bytes()[..log.len() - 9]);
     assert!(
-        refusal(&folder).contains("trajectory.log: 15 numbers are left behind pose 2"),
+        refusal(&folder).contains("trajectory.log: 15 numbers too many behind pose 2"),
         "{}",
         refusal(&folder)
     );
@@ -188,7 +188,7 @@ fn seven_scenes_is_read_from_its_sequences_and_65535_is_no_depth() {
     check(&folder, "7-Scenes");
     assert!(open(&folder).unwrap().frame(0, 0).unwrap().inverse_depth[(0, 0)] < 0.0);
     folder.put("seq-01/frame-000001.pose.txt", b"1 0 0 0\n0 1 0 0\n");
-    assert!(refusal(&folder).contains("frame-000001.pose.txt: there are 8 numbers"));
+    assert!(refusal(&folder).contains("frame-000001.pose.txt: it has 8 numbers"));
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn a_list_of_poses_beside_depth_in_pgm_is_a_recording() {
     folder.put("pose.txt", poses.as_bytes());
     check(&folder, "list of poses");
     folder.put("pose.txt", b"1 2 3\n");
-    assert!(refusal(&folder).contains("pose.txt, line 1: there are 3 numbers"));
+    assert!(refusal(&folder).contains("pose.txt, line 1: the line has 3 numbers"));
     folder.put("pose.txt", poses.as_bytes());
     folder.put("depth/9.pgm", b"P5 640 480 65535\n12");
     assert!(refusal(&folder).contains("2 bytes of samples where 614400 are needed"), "{}", refusal(&folder));

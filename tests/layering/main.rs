@@ -2,6 +2,7 @@
 //! where it belongs.
 
 mod imports;
+mod plurals;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use imports::Imports;
 
 /// Modules from the bottom up. A module may use those before it and itself.
 const LAYERS: [&[&str]; 11] = [
-    &["error", "grid", "job", "part", "color", "random", "settings", "simd", "whole_file"],
+    &["error", "grid", "job", "part", "plural", "color", "random", "settings", "simd", "whole_file"],
     &["capture"],
     &["alignment"],
     &["samples", "demo"],

@@ -8,12 +8,13 @@ use egui::{TextureFilter, TextureOptions};
 use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
-    self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, NoticeLink, OpenScene, OrbitCamera,
-    Origin, PixelSource, Probed, Readings, Ruler, ShownCameras, ShownPicture, SourceLook, Spot, Texture, Unit, Whole,
-    and_others, method_of,
+    self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, NoticeLink, OpenScene,
+    OrbitCamera, Origin, PixelSource, Probed, Readings, Ruler, ShownCameras, ShownPicture, SourceLook, Spot,
+    Texture, Unit, Whole, and_others, method_of,
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::error::Error;
+use crate::plural::{counted, either};
 use crate::preprocess::diagnostics::Suspect;
 use crate::preprocess::{PreparedScan, Preprocessed};
 use crate::settings::Settings;
@@ -121,9 +122,9 @@ impl OverlookApp {
             state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Matrix));
         }
         let line = format!(
-            "Pruned the capture: {} of {} samples kept in {} s",
+            "Pruned the capture: {} of {} kept in {} s",
             model::count(report.samples_kept),
-            model::count(report.samples_in),
+            model::count_of(report.samples_in, "sample"),
             model::significant(report.seconds)
         );
         state.inspector.log(NoticeKind::Done, line);
@@ -226,10 +227,10 @@ impl OverlookApp {
         }
         let changed = SettingPairs::new(&state.settings, &Settings::default()).differing().count();
         if changed > 0 && scene.capture().is_some() {
-            let settings = if changed == 1 { "1 setting differs" } else { "settings differ" };
-            let count = if changed == 1 { String::new() } else { format!("{changed} ") };
             let text = format!(
-                "{count}{settings} from the defaults, as set before; Reset all in the Settings view takes the defaults."
+                "{} {} from the defaults, as set before; Reset all in the Settings view takes the defaults.",
+                counted(changed, "setting"),
+                either(changed, "differs", "differ")
             );
             state.notify_with_link("Settings were kept", text, DockView::Thresholds);
         }
@@ -271,7 +272,11 @@ impl OverlookApp {
     fn exported(&mut self, path: &Path, exported: &Exported) {
         let Exported { pictures, notice, damage } = exported;
         let place = path.display();
-        self.state.notify(NoticeKind::Done, "Exported", format!("{pictures} pictures in {place}"));
+        self.state.notify(
+            NoticeKind::Done,
+            "Exported",
+            format!("{} in {place}", counted(*pictures, "picture")),
+        );
         if let Some(notice) = notice {
             let text = format!("Of {place}: {notice}");
             self.state.notify(NoticeKind::Warning, "Exported without the GPU", text);

@@ -7,6 +7,7 @@ use crate::app::model::{
 };
 use crate::app::overlook_app::OverlookApp;
 use crate::capture::transforms::{PathView, path_from_json, path_to_json};
+use crate::plural::counted;
 
 /// Bytes of a copied view that are read at most: thousands of times what one takes.
 const MOST_PASTED: usize = 1 << 20;
@@ -120,7 +121,7 @@ impl OverlookApp {
             path.take_pace_of(views);
             path.saved = path.keys.clone();
         }
-        let text = format!("{count} keys from {}", place.display());
+        let text = format!("{} from {}", counted(count, "key"), place.display());
         self.state.notify(NoticeKind::Done, "Camera path opened", text);
     }
 

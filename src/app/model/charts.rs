@@ -4,6 +4,7 @@ use super::chart_axis::Quantity;
 use super::results::method_of;
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{self, Point, Series};
+use crate::plural::counted;
 use crate::settings::Settings;
 
 /// What is measured.
@@ -176,7 +177,7 @@ impl Charts {
         let study = self.study.filter(|_| !self.studying)?;
         let text = match self.run(study)?.known {
             (0, _) => "Nothing was measured yet.".to_owned(),
-            (known, of) => format!("After {known} of {of} points; Resume measures the rest."),
+            (known, of) => format!("After {known} of {}; Resume measures the rest.", counted(of, "point")),
         };
         Some((format!("{} stopped", study.name()), text))
     }

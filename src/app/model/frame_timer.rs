@@ -7,6 +7,8 @@ use std::collections::VecDeque;
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
+use crate::plural::counted;
+
 /// Frames that are remembered: a minute of them.
 const FRAMES: usize = 3600;
 
@@ -79,11 +81,11 @@ impl Meter {
             let separator = if index > 0 { " / " } else { "" };
             let _ = write!(
                 text,
-                "{separator}{what}: median {:.1} ms, p99 {:.1} ms, longest {longest:.1} ms; {over} of {} frames over \
+                "{separator}{what}: median {:.1} ms, p99 {:.1} ms, longest {longest:.1} ms; {over} of {} over \
                  {BUDGET_MS} ms",
                 at(0.5),
                 at(0.99),
-                sorted.len()
+                counted(sorted.len(), "frame")
             );
         }
         Some(text)

@@ -20,6 +20,7 @@ use super::presets::OwnPreset;
 use super::readings::Readings;
 use super::results::CameraMemory;
 use super::undo::History;
+use crate::plural;
 use crate::settings::Settings;
 
 /// Entries the log keeps.
@@ -138,11 +139,7 @@ impl Inspector {
 
     /// What stands in no file and ends with the scene, in words; `None` where there is nothing.
     pub(crate) fn unsaved_work(&self) -> Option<String> {
-        let counted = |count: usize, of: &str| match count {
-            0 => None,
-            1 => Some(format!("1 {of}")),
-            _ => Some(format!("{count} {of}s")),
-        };
+        let counted = |count: usize, of: &str| (count > 0).then(|| plural::counted(count, of));
         let charts = &self.charts;
         let parts = [
             counted(if self.path.is_saved() { 0 } else { self.path.keys.len() }, "key")

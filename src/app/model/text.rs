@@ -1,8 +1,15 @@
 //! Numbers as people read them.
 
+use crate::plural::noun;
+
 /// A count with three significant figures: `970`, `12.4 k`, `3.15 M`.
 pub(crate) fn count(value: u64) -> String {
     scaled(value as f64, ["", " k", " M", " G", " T"])
+}
+
+/// A count with three significant figures and its noun: `1 sample`, `12.4 k samples`.
+pub(crate) fn count_of(value: u64, singular: &str) -> String {
+    format!("{} {}", count(value), noun(value, singular))
 }
 
 /// Bytes in powers of 1000: `970 B`, `12.4 kB`, `3.15 MB`.

@@ -6,6 +6,7 @@ use super::pixel::Probed;
 use super::scene::OpenScene;
 use super::text;
 use crate::capture::Camera;
+use crate::plural::{counted, either};
 use crate::preprocess::agreement::{Vote, VoteCounts};
 use crate::preprocess::inspect::{CameraEvidence, ChainLink};
 use crate::preprocess::pruning::{Rule, Verdict};
@@ -63,13 +64,13 @@ pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
     };
     let confirming = match confirm {
         0 => "No other camera confirms it".to_owned(),
-        1 => "1 camera confirms it".to_owned(),
-        _ => format!("{confirm} cameras confirm it"),
+        _ => format!("{} {} it", counted(confirm, "camera"), either(confirm, "confirms", "confirm")),
     };
     let looking_past = match look_past {
         0 => "none contradicts it".to_owned(),
-        1 => "1 camera contradicts it".to_owned(),
-        _ => format!("{look_past} cameras contradict it"),
+        _ => {
+            format!("{} {} it", counted(look_past, "camera"), either(look_past, "contradicts", "contradict"))
+        }
     };
     (is_flying || confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}.{flying}"))
 }
@@ -77,7 +78,7 @@ pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
 /// The rule by which votes drop a sample, with the settings it goes by.
 pub(crate) fn rule_of_votes(pruning: &PruningSettings) -> String {
     let margin = pruning.agreement_margin;
-    let cameras = if margin == 1 { "1 camera".to_owned() } else { format!("{margin} cameras") };
+    let cameras = counted(margin, "camera");
     let rule = format!(
         "A sample that no kept one replaces is dropped where the cameras that contradict it outnumber its own and those that \
          confirm it by {cameras} (vote margin)."

@@ -29,9 +29,9 @@ pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report, commands: &mut Comma
             strength: (count > 0).then(|| (count as f32 / most).sqrt()),
             text: model::count(count),
             help: format!(
-                "'{}': {} samples dropped for '{}'",
+                "'{}': {} dropped for '{}'",
                 names[loser],
-                model::count(count),
+                model::count_of(count, "sample"),
                 names[winner]
             ),
         })
@@ -101,11 +101,11 @@ fn residuals_ui(
             strength: Some((footprints(&residual) / lightest).sqrt().min(1.0)),
             text: format!("{:.2}", footprints(&residual)),
             help: format!(
-                "'{}' against '{}': 85 % of {} samples within {most_footprints:.3} footprints, half within \
+                "'{}' against '{}': 85 % of {} within {most_footprints:.3} footprints, half within \
                  {median_footprints:.3}; half of their colors within {median_color_steps:.1} steps",
                 names[row],
                 names[column],
-                model::count(samples),
+                model::count_of(samples, "sample"),
             ),
         })
     });

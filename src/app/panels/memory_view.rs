@@ -34,8 +34,8 @@ pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
             let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
             let share = bytes(memory) as f32 / total.max(1) as f32;
             share_ui(ui, &camera.name, &figure, share, camera_cues::color(index)).on_hover_text(format!(
-                "{} samples. Stored for several frames: {}, for one: {}.",
-                model::count(memory.samples),
+                "{}. Stored for several frames: {}, for one: {}.",
+                model::count_of(memory.samples, "sample"),
                 model::bytes(memory.lasting_bytes),
                 model::bytes(memory.frame_bytes)
             ));

@@ -5,6 +5,7 @@ use egui::{Align2, Color32, FontId, Painter, Rect, ScrollArea, Sense, Ui, pos2, 
 
 use crate::app::theme::Tokens;
 use crate::app::{camera_cues, colormap};
+use crate::plural::counted;
 
 /// What is shown of a pair.
 pub(crate) struct PairCell {
@@ -75,7 +76,11 @@ pub(crate) fn pairs_ui(
         }
         grid.names_ui(ui, seen, cells);
         response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Matrix of {cameras} cameras"))
+            egui::WidgetInfo::labeled(
+                egui::Role::Image,
+                true,
+                format!("Matrix of {}", counted(cameras, "camera")),
+            )
         });
         let pointed = response.hover_pos().filter(|at| cells.contains(*at)).and_then(|at| {
             let place = (at - grid.corner) / grid.cell;

@@ -6,6 +6,7 @@ use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_
 use crate::app::model::{Command, Commands, Purpose, SIDES, State};
 use crate::app::theme::space;
 use crate::app::widgets::{empty_ui, icon_button, weak};
+use crate::plural::counted;
 
 /// What the path can become.
 fn export_menu_ui(ui: &mut Ui, commands: &mut Commands) {
@@ -80,7 +81,7 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         path_file_ui(ui, ready, commands);
         ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
         let [width, height] = state.export_size();
-        let facts = format!("{} pictures, {width}×{height}", path.pictures());
+        let facts = format!("{}, {width}×{height}", counted(path.pictures(), "picture"));
         weak(ui, facts);
     });
     keys_ui(ui, state, commands);

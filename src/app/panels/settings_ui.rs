@@ -9,6 +9,7 @@ use crate::app::model::setting_names::{self, SECTIONS, SettingPairs};
 use crate::app::model::{CUT, Command, Commands, PRESETS, SettingsSlot, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, icon_button, note, text_field_ui, weak};
+use crate::plural::{counted, either};
 use crate::settings::{Field, Settings, ValueKind};
 
 /// Width of the number beside a slider: as much as `65536` needs.
@@ -22,8 +23,11 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         history_ui(ui, state, commands);
         let words = match values.differing().count() {
             0 => "Every setting has its default".to_owned(),
-            1 => "1 setting differs from its default".to_owned(),
-            count => format!("{count} settings differ from their defaults"),
+            count => format!(
+                "{} {}",
+                counted(count, "setting"),
+                either(count, "differs from its default", "differ from their defaults")
+            ),
         };
         note(ui, words);
     }

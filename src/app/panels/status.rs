@@ -77,7 +77,7 @@ fn frame_facts_ui(ui: &mut Ui, state: &State) {
     let samples = inspected.inspection.samples.sample_count();
     let pixels: u64 = inspected.inspection.cameras.iter().map(|camera| camera.verdict.len() as u64).sum();
     let mut facts =
-        format!("This frame: {} of {} samples drawn", model::count(samples), model::count(pixels));
+        format!("This frame: {} of {} drawn", model::count(samples), model::count_of(pixels, "sample"));
     if !inspected.with_scan {
         facts.push_str(" (static parts not known yet)");
     }

@@ -7,6 +7,7 @@ use crate::app::colormap::sequential;
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, note};
+use crate::plural::counted;
 use crate::preprocess::diagnostics::SpanReport;
 
 /// Room for the names of the rows.
@@ -45,7 +46,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     for (row, (length, spans)) in levels.iter().enumerate() {
         let top = rect.top() + row as f32 * height;
         let total: u64 = spans.iter().map(|span| span.samples).sum();
-        let name = if *length == 1 { "1 frame".to_owned() } else { format!("{length} frames") };
+        let name = counted(*length, "frame");
         let row_rect = Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + height));
         let words = format!("Samples stored for {name}: {}", model::count(total));
         ui.interact(row_rect, response.id.with(length), Sense::hover())
@@ -78,7 +79,8 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         }
     }
     if let Some(SpanReport { span, samples }) = hovered {
-        let words = format!("Frames {} to {}: {} samples", span.start + 1, span.end, model::count(samples));
+        let words =
+            format!("Frames {} to {}: {}", span.start + 1, span.end, model::count_of(samples, "sample"));
         response.on_hover_text_at_pointer(words);
     }
 }

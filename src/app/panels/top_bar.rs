@@ -13,6 +13,7 @@ use crate::app::model::{
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, weak};
 use crate::demo::SCENES;
+use crate::plural::counted;
 
 pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
@@ -178,10 +179,9 @@ fn title_ui(ui: &mut Ui, state: &State) {
     let (width, height) = scene.cameras.first().map_or((0, 0), |camera| camera.intrinsics.size());
     ui.label(RichText::new(&scene.name).strong());
     let facts = format!(
-        "{kind} · {cameras} {} × {} {} · {width}×{height}",
-        if cameras == 1 { "camera" } else { "cameras" },
-        scene.frame_count(),
-        if scene.frame_count() == 1 { "frame" } else { "frames" },
+        "{kind} · {} × {} · {width}×{height}",
+        counted(cameras, "camera"),
+        counted(scene.frame_count(), "frame")
     );
     let response = weak(ui, facts);
     if let Origin::Path(path) = &scene.origin {

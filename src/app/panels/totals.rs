@@ -5,6 +5,7 @@ use egui::{Align, Layout, RichText, Ui};
 use crate::app::model::{self, Accuracy, Content, State};
 use crate::app::theme::{Tokens, figure_style};
 use crate::app::widgets::one_line;
+use crate::plural::counted;
 use crate::preprocess::diagnostics::Report;
 
 /// Height of a figure with its name.
@@ -154,8 +155,9 @@ fn accuracy_figure(
     };
     let Accuracy { psnr_db, unpruned_psnr_db, views } = accuracy;
     let help = format!(
-        "Mean PSNR at {views} viewpoints whose true picture is known, over the pixels that samples reached: charts fill holes first \
+        "Mean PSNR at {} whose true picture is known, over the pixels that samples reached: charts fill holes first \
          and count all. With nothing pruned it is {unpruned_psnr_db:.1} dB.",
+        counted(views, "viewpoint")
     );
     let change = format!("{:+.2} dB vs unpruned", psnr_db - unpruned_psnr_db);
     figure("Accuracy", true, Some([format!("{psnr_db:.1} dB"), change]), &help)

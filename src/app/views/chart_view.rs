@@ -16,6 +16,7 @@ use crate::app::theme::Tokens;
 use crate::app::widgets::{choice_ui, one_line, table_ui, weak};
 use crate::evaluate::stress::StressPoint;
 use crate::evaluate::sweep::{Point, Series};
+use crate::plural::{counted, either};
 use crate::settings::Kernel;
 
 /// Names of the line and of the ring in the chart.
@@ -66,10 +67,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         }
         nearest(plot_ui, places.into_iter())
     });
-    let hint = match charts.sweep.len() {
-        1 => "1 setting; click it to apply it".to_owned(),
-        count => format!("{count} settings; click one to apply it"),
-    };
+    let count = charts.sweep.len();
+    let hint = format!("{}; click {} to apply it", counted(count, "setting"), either(count, "it", "one"));
     one_line(ui, hint, tokens.text_weak);
     shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
     if let Some(point) = shown.inner.and_then(|index| charts.sweep.get(index)) {
@@ -139,9 +138,9 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
         100.0 * point.coverage
     ));
     lines.push(format!(
-        "{} store of {} samples, {} in memory, {} ms a view",
+        "{} store of {}, {} in memory, {} ms a view",
         model::bytes(point.bytes),
-        model::count(point.samples),
+        model::count_of(point.samples, "sample"),
         model::bytes(point.bytes_memory),
         model::significant(point.milliseconds)
     ));

@@ -11,6 +11,7 @@ use crate::app::model::verdict_text as words;
 use crate::app::model::{CameraText, Command, Commands, OpenScene, Probed, State, Table};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
+use crate::plural::counted;
 use crate::preprocess::inspect::CameraEvidence;
 
 /// Width of the summary beside the table.
@@ -159,8 +160,11 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
         }
         Some(spans) => {
             let stored: usize = spans.iter().map(|span| span.len()).sum();
-            let samples = if spans.len() == 1 { "sample" } else { "samples" };
-            format!("Stored for {stored} of {frames} frames, by {} {samples}", spans.len())
+            format!(
+                "Stored for {stored} of {}, by {}",
+                counted(frames, "frame"),
+                counted(spans.len(), "sample")
+            )
         }
     };
     note(ui, &caption);

@@ -13,6 +13,7 @@ use crate::app::theme::Tokens;
 use crate::app::widgets::{self, camera_choices, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
 use crate::color::srgb8_from_linear;
 use crate::grid::Grid;
+use crate::plural::{counted, either};
 use crate::preprocess::inspect::CameraInspection;
 use crate::samples::TILE;
 
@@ -122,8 +123,10 @@ fn tile_tooltip(response: Response, shares: &Grid<f32>, [x, y]: [usize; 2], [wid
     let (columns, rows) = (TILE.min(width - column * TILE), TILE.min(height - row * TILE));
     let pixels = columns * rows;
     let kept = (share * pixels as f32).round();
-    let words =
-        format!("Tile {column}, {row}: {kept} of {pixels} samples kept. An empty tile costs nothing.");
+    let words = format!(
+        "Tile {column}, {row}: {kept} of {} kept. An empty tile costs nothing.",
+        counted(pixels, "sample")
+    );
     response.on_hover_text_at_pointer(words);
 }
 
@@ -193,12 +196,16 @@ fn camera_facts(state: &State) -> String {
     if matches!(state.source_shown.as_ref().map(|shown| &shown.picture.legend), Some(Legend::Winners { .. }))
     {
         // The legend above has the share.
-        return format!("{} pixels. Point at one to see why it was kept or dropped.", model::count(pixels));
+        return format!(
+            "{}. Point at one to see why it was kept or dropped.",
+            model::count_of(pixels, "pixel")
+        );
     }
     format!(
-        "{} of {} pixels are kept ({}). Point at one to see why.",
+        "{} of {} {} kept ({}). Point at one to see why.",
         model::count(kept),
-        model::count(pixels),
+        model::count_of(pixels, "pixel"),
+        either(pixels, "is", "are"),
         model::percent(kept, pixels)
     )
 }

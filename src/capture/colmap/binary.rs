@@ -3,6 +3,7 @@
 use super::lens_model::LensModel;
 use super::model::{ColmapCamera, ColmapImage};
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 /// Bytes of a camera, at least.
 const CAMERA_BYTES: u64 = 4 + 4 + 8 + 8;
@@ -70,7 +71,10 @@ impl ByteReader<'_> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N]> {
         let found = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<N>());
         let found = *found.ok_or_else(|| {
-            self.error(&format!("{} bytes are left where {N} are needed", self.bytes.len() - self.at))
+            self.error(&format!(
+                "it ends {} too early",
+                counted((self.at + N).saturating_sub(self.bytes.len()), "byte")
+            ))
         })?;
         self.at += N;
         Ok(found)
@@ -149,7 +153,7 @@ mod tests {
     fn damage_names_its_byte() {
         let whole = image(b"a.jpg\0", 1);
         let said = |bytes: &[u8]| images_of_bytes(bytes, "images.bin").unwrap_err().to_string();
-        assert!(said(&whole[..4]).starts_with("images.bin: byte 0: 4 bytes are left where 8 are needed"));
+        assert!(said(&whole[..4]).starts_with("images.bin: byte 0: it ends 4 bytes too early"));
         assert!(said(&[255; 80]).contains("byte 0: 18446744073709551615 images are said to follow"));
         assert!(said(&image(b"abc", 0)[..80]).contains("byte"), "{}", said(&image(b"abc", 0)[..80]));
         assert!(said(&image(b"\xff\0", 0)).contains("byte 72: a name is no text"));

@@ -20,6 +20,7 @@ use super::plane::ChannelPlane;
 use super::zip::Inflater;
 use crate::capture::camera::{MAX_SIDE, is_believable_size, wrong_size};
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 /// No compression but DWA makes more than a thousand bytes of one, and a pixel has at least one.
 const MAX_PIXELS_PER_BYTE: usize = 1100;
@@ -201,7 +202,10 @@ impl ExrFile {
             return Ok(());
         }
         let bytes = self.bytes.len();
-        let what = format!("{bytes} bytes are too few for {width}×{height} pixels; save it again");
+        let what = format!(
+            "the file is too short for {width}×{height} pixels ({}); save it again",
+            counted(bytes, "byte")
+        );
         Err(Error::invalid(&self.place, what))
     }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::capture::camera::is_believable_size;
 use crate::error::{Error, Result};
+use crate::plural::{counted, either};
 
 /// Columns and rows, and each channel row by row.
 pub type ColmapMap = ((usize, usize), Vec<Vec<f32>>);
@@ -32,12 +33,16 @@ pub fn parse(bytes: &[u8], channels: usize, place: &str) -> Result<ColmapMap> {
     }
     let [width, height, found] = header;
     if found != channels || !is_believable_size(width, height) {
-        let what = format!("it says {width}×{height} with {found} channels, where {channels} are expected");
+        let what = format!(
+            "it says {width}×{height} with {}, where {channels} {} expected",
+            counted(found, "channel"),
+            either(channels, "is", "are")
+        );
         return Err(broken(&what));
     }
     let (needed, there) = (width * height * channels * 4, bytes.len() - at);
     if there < needed {
-        return Err(broken(&format!("{there} bytes of values where {needed} are needed")));
+        return Err(broken(&format!("{} of values where {needed} are needed", counted(there, "byte"))));
     }
     let value = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
     let plane = |bytes: &[u8]| bytes.chunks_exact(4).map(value).collect();

@@ -118,8 +118,10 @@ fn tiff(path: &Path, place: &str) -> Result<DepthMap> {
         }
     };
     if values.len() != size.0 * size.1 {
-        let what =
-            format!("there are {} values for {width}×{height} pixels; depth has one channel", values.len());
+        let what = format!(
+            "the number of values for {width}×{height} pixels is {}; depth has one channel",
+            values.len()
+        );
         return Err(Error::unsupported(place, what));
     }
     Ok(DepthMap { size, values, whole_up_to, step_relative: 0.0 })

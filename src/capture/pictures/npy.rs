@@ -7,6 +7,7 @@ use half::f16;
 
 use crate::capture::camera::is_believable_size;
 use crate::error::{Error, Result, one_line};
+use crate::plural::counted;
 
 /// An array of two dimensions.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +62,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<NpyArray> {
     let data = &bytes[start + length..];
     let needed = width * height * size;
     if data.len() < needed {
-        return Err(broken(&format!("{} bytes of values where {needed} are needed", data.len())));
+        return Err(broken(&format!("{} of values where {needed} are needed", counted(data.len(), "byte"))));
     }
     let mut values: Vec<f32> = data[..needed].chunks_exact(size).map(read).collect();
     if header.replace(' ', "").contains("'fortran_order':True") {

@@ -5,6 +5,7 @@
 
 use crate::capture::camera::is_believable_size;
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 /// Columns, rows, and values row by row.
 ///
@@ -35,7 +36,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<((usize, usize), Vec<f32>)> {
     let samples = bytes.get(at + 1..).unwrap_or_default();
     let (needed, found) = (width * height * 2, samples.len());
     if found < needed {
-        return Err(broken(&format!("{found} bytes of samples where {needed} are needed")));
+        return Err(broken(&format!("{} of samples where {needed} are needed", counted(found, "byte"))));
     }
     let value = |pair: &[u8]| f32::from(u16::from_be_bytes([pair[0], pair[1]]));
     Ok(((width, height), samples[..needed].chunks_exact(2).map(value).collect()))

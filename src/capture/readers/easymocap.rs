@@ -19,6 +19,7 @@ use super::views::{
 };
 use crate::capture::transforms::{Keys, LensKeys, PictureEntry};
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 /// Files of the calibration.
 const FILES: [&str; 2] = ["intri.yml", "extri.yml"];
@@ -128,7 +129,10 @@ fn numbers<const N: usize>(
         return Err(Error::invalid(path.display(), format!("there is no {name}")));
     };
     found.get(..N).filter(|_| found.len() == N).and_then(|found| found.try_into().ok()).ok_or_else(|| {
-        Error::invalid(path.display(), format!("{name} has {} numbers; {N} are expected", found.len()))
+        Error::invalid(
+            path.display(),
+            format!("{name} has {}; {N} are expected", counted(found.len(), "number")),
+        )
     })
 }
 

@@ -21,6 +21,7 @@ use super::views::{
 use crate::capture::pictures;
 use crate::capture::transforms::{DepthCameraKeys, Keys, LensKeys, PictureEntry, opengl_matrix};
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 const POSES: &str = "Extrinsics_Open3D.log";
 const COLOR: &str = "CALIBRATION_CameraPurposePhotoVideo";
@@ -138,7 +139,9 @@ fn poses(path: &Path) -> Result<Vec<(u64, DAffine3)>> {
         let mut rows = Vec::new();
         while rows.len() < 16 {
             let Some(line) = lines.next() else {
-                return Err(head.error(format!("{} numbers of its pose follow; 16 are expected", rows.len())));
+                return Err(
+                    head.error(format!("its pose has {}; 16 are expected", counted(rows.len(), "number")))
+                );
             };
             for field in &line.fields {
                 rows.push(line.number_in(field)?);

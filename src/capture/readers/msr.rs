@@ -18,6 +18,7 @@ use crate::capture::pictures;
 use crate::capture::pose_convention::{CameraAxes, PoseDirection};
 use crate::capture::transforms::{Keys, PictureEntry, RawVideoKeys};
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 /// Near and far plane, of the capture whose name has this in it.
 const RANGES: [(&str, f64, f64); 2] = [("breakdancer", 44.0, 120.0), ("ballet", 42.0, 130.0)];
@@ -106,8 +107,8 @@ fn calibrations(path: &Path) -> Result<Vec<Calibration>> {
     let numbers = TextFile::read(path)?.numbers()?;
     if numbers.is_empty() || numbers.len() % NUMBERS != 0 {
         let what = format!(
-            "{} numbers are left behind camera {}, counted from 0; a camera has an index, 9 of the lens, 2 of distortion, 12 of the pose",
-            numbers.len() % NUMBERS,
+            "{} too many behind camera {}, counted from 0; a camera has an index, 9 of the lens, 2 of distortion, 12 of the pose",
+            counted(numbers.len() % NUMBERS, "number"),
             numbers.len() / NUMBERS
         );
         return Err(Error::invalid(path.display(), what));

@@ -11,6 +11,7 @@ use super::views::{
 };
 use crate::capture::transforms::Keys;
 use crate::error::Result;
+use crate::plural::counted;
 
 /// Names of the files of poses.
 const POSES: [&str; 2] = ["pose.txt", "poses.txt"];
@@ -57,8 +58,10 @@ impl Reader for PoseList {
                 12 => pose_of_rows(&line.numbers::<12>(0)?),
                 16 => pose_of_rows(&line.numbers::<16>(0)?),
                 count => {
-                    let what =
-                        format!("there are {count} numbers; a pose has 7 (tx ty tz qx qy qz qw), 12 or 16");
+                    let what = format!(
+                        "the line has {}; a pose has 7 (tx ty tz qx qy qz qw), 12 or 16",
+                        counted(count, "number")
+                    );
                     return Err(line.error(what));
                 }
             });

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::place::Place;
 use crate::capture::transforms::{Manifest, Origin, places_of};
 use crate::error::Result;
+use crate::plural::counted;
 
 /// Recognizes and reads the folders or files of one source. Readers stand in [`READERS`](super::READERS).
 ///
@@ -98,7 +99,7 @@ impl Description {
     pub fn lines(&self) -> Vec<String> {
         let named = [("poses", &self.poses), ("depth", &self.depth), ("lens", &self.lens)];
         let said = named.into_iter().filter(|(_, what)| !what.is_empty());
-        let mut lines = vec![format!("read as {}, {} pictures", self.source, self.found)];
+        let mut lines = vec![format!("read as {}, {}", self.source, counted(self.found, "picture"))];
         lines.extend(said.map(|(name, what)| format!("{name}: {what}")));
         if self.is_recording {
             lines.push(

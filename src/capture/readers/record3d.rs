@@ -14,6 +14,7 @@ use super::views::{
 };
 use crate::capture::transforms::Keys;
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 const METADATA: &str = "metadata.json";
 
@@ -47,7 +48,7 @@ impl Reader for Record3d {
         let path = place.join(&format!("{root}{METADATA}"));
         let metadata: Metadata = json(&path)?;
         let [fx, _, _, _, fy, _, cx, cy, _] = metadata.lens[..] else {
-            let what = format!("K has {} numbers where a lens has 9", metadata.lens.len());
+            let what = format!("K has {} where a lens has 9", counted(metadata.lens.len(), "number"));
             return Err(Error::invalid(path.display(), what));
         };
         if metadata.poses.len() > 1 && metadata.poses.iter().all(|pose| *pose == metadata.poses[0]) {

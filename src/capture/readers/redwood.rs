@@ -14,6 +14,7 @@ use super::views::{
 };
 use crate::capture::transforms::Keys;
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 /// Names of files of poses.
 const LOGS: [&str; 3] = ["trajectory.log", "camera_trajectory.json", "Extrinsics_Open3D.log"];
@@ -111,7 +112,8 @@ fn poses_of_log(path: &std::path::Path) -> Result<Poses> {
     if numbers.is_empty() || numbers.len() % NUMBERS != 0 {
         let (whole, rest) = (numbers.len() / NUMBERS, numbers.len() % NUMBERS);
         let what = format!(
-            "{rest} numbers are left behind pose {whole}, counted from 0; a pose has 3 whole numbers and 16 more"
+            "{} too many behind pose {whole}, counted from 0; a pose has 3 whole numbers and 16 more",
+            counted(rest, "number")
         );
         return Err(Error::invalid(path.display(), what));
     }
@@ -149,8 +151,8 @@ fn read_lens(
     let Intrinsics { intrinsic_matrix, depth_scale } = json(&path)?;
     let [fx, _, _, _, fy, _, cx, cy, _] = intrinsic_matrix[..] else {
         let what = format!(
-            "intrinsic_matrix has {} numbers; 9 are expected, column by column",
-            intrinsic_matrix.len()
+            "intrinsic_matrix has {}; 9 are expected, column by column",
+            counted(intrinsic_matrix.len(), "number")
         );
         return Err(Error::invalid(path.display(), what));
     };

@@ -9,6 +9,7 @@ use super::text::TextFile;
 use super::views::{MILLIMETERS, OPENCV_POSES, entry, lens, pose_of_rows, recording};
 use crate::capture::transforms::Keys;
 use crate::error::{Error, Result};
+use crate::plural::counted;
 
 /// Name of the file of the lens, where there is one.
 const INTRINSICS: &str = "camera-intrinsics.txt";
@@ -47,7 +48,8 @@ impl Reader for SevenScenes {
                 let rows = TextFile::read(&path)?.numbers()?;
                 inputs.push(path.clone());
                 if rows.len() != 16 {
-                    let what = format!("there are {} numbers where a pose has 4 lines of 4", rows.len());
+                    let what =
+                        format!("it has {} where a pose has 4 lines of 4", counted(rows.len(), "number"));
                     return Err(Error::invalid(path.display(), what));
                 }
                 let endings =

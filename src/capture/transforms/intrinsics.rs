@@ -38,7 +38,10 @@ pub(super) fn intrinsics(
     };
     for (name, focal) in [("fl_x", fx), ("fl_y", fy)] {
         if !(focal > 0.0 && focal < MAX_FOCAL_PX) {
-            return Err(Error::invalid(place, format!("{name} is {focal} pixels, which is no focal length")));
+            return Err(Error::invalid(
+                place,
+                format!("{name} is {focal}, which is no focal length in pixels"),
+            ));
         }
     }
     let offset = keys.pixel_center_offset.unwrap_or(0.5);
@@ -53,7 +56,7 @@ pub(super) fn intrinsics(
     for (name, center, side) in [("cx", cx, w), ("cy", cy, h)] {
         // Shifted lenses and crops put it outside the picture, but not this far.
         if center.is_nan() || (center - side / 2.0).abs() > 100.0 * side {
-            return Err(Error::invalid(place, format!("{name} is {center} pixels, far outside the picture")));
+            return Err(Error::invalid(place, format!("{name} is {center}, far outside the picture")));
         }
     }
     Ok(Intrinsics { width, height, fx, fy, cx, cy })

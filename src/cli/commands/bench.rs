@@ -7,6 +7,7 @@ use clap::Args;
 use crate::cli::input::choice;
 use crate::cli::output::{self, CommandError};
 use crate::evaluate::bench::{self, Limit, LimitKind, Machine, Options, SpeedReport, StageSpeed};
+use crate::plural::counted;
 use crate::settings::{Backend, Instructions};
 
 /// The names of [`Backend`], which for measuring do not exclude each other.
@@ -49,8 +50,9 @@ impl BenchArgs {
 
 fn text(report: &SpeedReport) -> String {
     let mut text = machine_line(&report.machine);
-    let [samples, pruned] = [report.samples, report.samples_pruned].map(output::count);
-    let _ = write!(text, "\n{samples} samples of nine cameras, {pruned} after pruning");
+    let (samples, pruned) =
+        (output::count_of(report.samples, "sample"), output::count(report.samples_pruned));
+    let _ = write!(text, "\n{samples} of nine cameras, {pruned} after pruning");
     let _ = write!(text, "\n\n{:>7} {:>10} {:>12}", "threads", "read GB/s", "scatter M/s");
     for limit in &report.limits {
         let Limit { threads, read_gb_per_s, scatter_mpts_per_s, .. } = limit;
@@ -73,7 +75,10 @@ fn text(report: &SpeedReport) -> String {
 fn machine_line(machine: &Machine) -> String {
     let Machine { cpu, os, arch, threads_available, instructions, .. } = machine;
     let cpu = cpu.as_deref().unwrap_or("unknown CPU");
-    format!("{cpu} ({os} {arch}), {threads_available} threads; stages use {instructions} instructions")
+    format!(
+        "{cpu} ({os} {arch}), {}; stages use {instructions} instructions",
+        counted(*threads_available, "thread")
+    )
 }
 
 fn stage_lines(text: &mut String, stage: &StageSpeed) {

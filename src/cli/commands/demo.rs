@@ -11,6 +11,7 @@ use crate::capture::{Camera, TruthView};
 use crate::cli::output::{self, CommandError};
 use crate::demo::{Demo, DemoSpec, MAX_CAMERAS, SCENES};
 use crate::error::{Error, Result};
+use crate::plural::counted;
 use crate::settings::CaptureSettings;
 
 #[derive(Debug, Args)]
@@ -73,8 +74,12 @@ impl DemoArgs {
         }
         let out = self.out.display();
         output::print(&format!(
-            "Wrote {}: {} cameras, {} frames, {} truth views, to {out}\nNext: overlook preprocess {out} --out {}.ovl",
-            written.scene, written.cameras, written.frames, written.truth_views, written.scene
+            "Wrote {}: {}, {}, {}, to {out}\nNext: overlook preprocess {out} --out {}.ovl",
+            written.scene,
+            counted(written.cameras, "camera"),
+            counted(written.frames, "frame"),
+            counted(written.truth_views, "truth view"),
+            written.scene
         ))
     }
 

@@ -10,6 +10,7 @@ use crate::capture::conventions::{self, Finding};
 use crate::capture::{Camera, Capture, Description, Source, ViewChoice};
 use crate::cli::output::{self, CommandError, Sizes};
 use crate::error::Error;
+use crate::plural::counted;
 use crate::preprocess::diagnostics::Report;
 use crate::settings::{CaptureSettings, Settings};
 use crate::store::file::{Provenance, Store};
@@ -189,7 +190,7 @@ impl ConventionInfo {
 
 impl Info {
     fn text(&self, path: &Path) -> String {
-        let mut text = format!("{} '{}': {} frames\n", self.kind, self.name, self.frames);
+        let mut text = format!("{} '{}': {}\n", self.kind, self.name, counted(self.frames, "frame"));
         for camera in &self.cameras {
             let _ = writeln!(text, "  camera {:<16} {}×{}", camera.name, camera.width, camera.height);
         }
@@ -219,16 +220,17 @@ impl Info {
         let _ = match &self.contents {
             Contents::Capture { pixels, normals, .. } => write!(
                 text,
-                "  {} pixels, {}\nNext: overlook preprocess {path} --out scene.ovl",
-                output::count(*pixels),
+                "  {}, {}\nNext: overlook preprocess {path} --out scene.ovl",
+                output::count_of(*pixels, "pixel"),
                 if *normals { "with normals" } else { "normals to be estimated from depth" }
             ),
             Contents::Store { samples, bytes, sizes, spans, report, .. } => write!(
                 text,
-                "  {} samples ({} of {} pixels) over {spans} spans in {}\n{}{}Next: overlook {path}",
-                output::count(*samples),
+                "  {} ({} of {}) over {} in {}\n{}{}Next: overlook {path}",
+                output::count_of(*samples, "sample"),
                 output::percent(*samples, report.samples_in),
-                output::count(report.samples_in),
+                output::count_of(report.samples_in, "pixel"),
+                counted(*spans, "span"),
                 output::bytes(*bytes),
                 output::without_depth(report).unwrap_or_default(),
                 sizes.text()

@@ -16,6 +16,7 @@ use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
 use crate::evaluate::truth;
 use crate::job::Job;
+use crate::plural::counted;
 use crate::preprocess::diagnostics::{CameraReport, PairResiduals, Report};
 use crate::preprocess::{BufferedResult, preprocess_buffered};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
@@ -133,9 +134,10 @@ impl PreprocessArgs {
     }
 
     fn text(&self, result: &PreprocessOutput) -> String {
-        let [kept, all] = [result.samples_kept, result.samples_in].map(output::count);
+        let kept = output::count(result.samples_kept);
+        let all = output::count_of(result.samples_in, "sample");
         let share = output::percent(result.samples_kept, result.samples_in);
-        let mut text = format!("Kept {kept} of {all} samples ({share})\n");
+        let mut text = format!("Kept {kept} of {all} ({share})\n");
         for (rule, dropped) in &result.pruned {
             let _ = writeln!(text, "  dropped {:>16}  {rule}", output::count(*dropped));
         }
@@ -150,8 +152,8 @@ impl PreprocessArgs {
         let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
         let _ = writeln!(
             text,
-            "  of the points of {} samples the paper's rate and the footprint name different cameras as the best-sampled",
-            output::count(disputes)
+            "  of the points of {} the paper's rate and the footprint name different cameras as the best-sampled",
+            output::count_of(disputes, "sample")
         );
         for (outcome, samples) in result.report.mixed_pixels.iter().filter(|(_, samples)| **samples > 0) {
             let _ = writeln!(text, "  mixed across a silhouette, {outcome}: {}", output::count(*samples));
@@ -173,7 +175,7 @@ impl PreprocessArgs {
         let [raw, memory, store] =
             [result.bytes_raw, result.bytes_memory, result.bytes_store].map(output::bytes);
         let _ = writeln!(text, "Raw {raw}, in memory {memory}, in the store {store}");
-        let _ = write!(text, "Took {:.1} s on {} threads", result.seconds_total, result.threads);
+        let _ = write!(text, "Took {:.1} s on {}", result.seconds_total, counted(result.threads, "thread"));
         if let Some(seconds) = result.seconds_decode_only {
             let _ = write!(text, ", decoding alone {seconds:.1} s");
         }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::output::{self, CommandError};
+use crate::plural::counted;
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
@@ -21,7 +22,6 @@ impl ReportArgs {
         let out = self.out.unwrap_or_else(|| self.folders[0].join(output::PAGE));
         output::check_file(&out, "report.html")?;
         let captures = output::write_page(&self.folders, &out)?;
-        let plural = if captures == 1 { "" } else { "s" };
-        output::print(&format!("{}: {captures} capture{plural}", out.display()))
+        output::print(&format!("{}: {}", out.display(), counted(captures, "capture")))
     }
 }

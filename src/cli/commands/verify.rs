@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::cli::output::{self, CommandError};
 use crate::error::Error;
 use crate::job::Job;
+use crate::plural::counted;
 use crate::render::{CpuRenderer, Vantage};
 use crate::store::file::Store;
 use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback, Verification, verify};
@@ -53,13 +54,15 @@ impl VerifyArgs {
         } else if verified.damage.is_empty() {
             let picture = seconds_to_first_picture
                 .map_or(String::new(), |seconds| format!(", a picture of it after {:.0} ms", 1e3 * seconds));
-            let [samples, images] = [verified.samples, verified.images as u64].map(output::count);
+            let samples = output::count_of(verified.samples, "sample");
+            let images = output::count_of(verified.images as u64, "image");
             let (bytes, first_ms) = (output::bytes(verified.bytes), 1e3 * verified.seconds_to_first_frame);
             let Verification { frames, seconds, input_gb_per_s, .. } = verified;
             output::print(&format!(
-                "{} is whole: {samples} samples in {images} images, {bytes}\nPlayed {frames} frames in {seconds:.2} s, \
+                "{} is whole: {samples} in {images}, {bytes}\nPlayed {} in {seconds:.2} s, \
                  {input_gb_per_s:.2} GB/s of input; the first frame's samples were there after {first_ms:.0} ms{picture}",
-                self.store.display()
+                self.store.display(),
+                counted(frames, "frame")
             ))?;
         }
         if verified.damage.is_empty() {

@@ -9,6 +9,7 @@ use super::fingerprint;
 use crate::capture::{Capture, transforms};
 use crate::cli::output::{self, CommandError, Inputs};
 use crate::evaluate::truth::{self, Truth};
+use crate::plural::counted;
 
 /// Raised when the same input, truth and settings are measured differently.
 const MEASURE: u32 = 1;
@@ -63,7 +64,7 @@ impl TruthArgs {
             (Truth::Views(_), Some(path)) => path.display().to_string(),
             (Truth::Views(_), None) => "the capture's own views".to_owned(),
         };
-        format!("{source}; {} frames", self.frames_looked_at(capture))
+        format!("{source}; {}", counted(self.frames_looked_at(capture), "frame"))
     }
 
     fn frames_looked_at(&self, capture: &Capture) -> usize {

@@ -29,5 +29,5 @@ pub(crate) use study::{
     write_page,
 };
 pub(crate) use text::{
-    bytes, count, number, percent, print, print_error, print_json, print_parts, warn, without_depth,
+    bytes, count, count_of, number, percent, print, print_error, print_json, print_parts, warn, without_depth,
 };

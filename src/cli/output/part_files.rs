@@ -20,6 +20,7 @@ use super::results::Journal;
 use super::{study, text};
 use crate::error::{Error, Result};
 use crate::part::Part;
+use crate::plural::counted;
 use crate::whole_file;
 
 /// Hashes of what a piece of work is made from, by what they are called in messages.
@@ -211,11 +212,11 @@ impl PartFiles {
         let first = &parts[0];
         if let Some(other) = parts.iter().find(|part| part.head.threads != first.head.threads) {
             text::warn(&[format!(
-                "{} was made with {} threads, {} with {}: their times do not compare",
+                "{} was made with {}, {} with {}: their times do not compare",
                 other.path.display(),
-                other.head.threads,
+                counted(other.head.threads, "thread"),
                 first.path.display(),
-                first.head.threads
+                counted(first.head.threads, "thread")
             )]);
         }
         Ok(parts)

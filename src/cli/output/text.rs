@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::command_error::CommandError;
 use crate::error::Error;
 use crate::part::Part;
+use crate::plural::noun;
 use crate::preprocess::diagnostics::Report;
 
 /// Prints lines of text.
@@ -56,6 +57,11 @@ pub(crate) fn warn(warnings: &[String]) {
 /// A count with separators: 1,234,567.
 pub(crate) fn count(number: u64) -> String {
     HumanCount(number).to_string()
+}
+
+/// A count with separators and its noun: `1 sample`, `1,234,567 samples`.
+pub(crate) fn count_of(number: u64, singular: &str) -> String {
+    format!("{} {}", count(number), noun(number, singular))
 }
 
 /// Bytes in powers of a thousand: `12 B`, `1.54 kB`.

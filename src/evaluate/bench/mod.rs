@@ -23,6 +23,7 @@ use rayon::ThreadPool;
 
 use crate::error::{Error, Result};
 use crate::job::Job;
+use crate::plural::counted;
 use crate::render::gpu::{AdapterChoice, GpuRenderer};
 use crate::settings::{Backend, Instructions};
 use case::{Bench, Case};
@@ -137,7 +138,7 @@ fn pools(threads: usize) -> Result<Vec<ThreadPool>> {
             .num_threads(threads)
             .thread_name(move |index| format!("bench {index} of {threads}"))
             .build()
-            .map_err(|error| Error::unsupported(format!("{threads} threads"), error.to_string()))
+            .map_err(|error| Error::unsupported(counted(threads, "thread"), error.to_string()))
     };
     counts.into_iter().map(pool).collect()
 }

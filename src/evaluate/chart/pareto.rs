@@ -5,6 +5,7 @@ use super::color;
 use super::labels::Labels;
 use super::svg::{Anchor, Chart, Marker, Svg};
 use crate::evaluate::sweep::{Point, Series, mark_pareto};
+use crate::plural::counted;
 use crate::settings::Kernel;
 
 const BYTES: &str = "samples in the store, MiB";
@@ -62,9 +63,9 @@ pub(crate) fn pareto(capture: &str, points: &[Point]) -> Chart {
         Anchor::Start,
         (17.0, color::FAINT),
         &format!(
-            "{} settings and baselines; PSNR over all pixels that some camera saw, holes filled alike; bars are ± 1 standard error of the \
+            "{} and baselines; PSNR over all pixels that some camera saw, holes filled alike; bars are ± 1 standard error of the \
              difference to the most accurate one",
-            points.len()
+            counted(points.len(), "setting")
         ),
     );
     let y = ChartAxis::around(Scale::Linear, points.iter().flat_map(bar_db), (BOTTOM, TOP));

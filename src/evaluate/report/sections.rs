@@ -9,6 +9,7 @@ use crate::evaluate::chart;
 use crate::evaluate::metrics::ClassScore;
 use crate::evaluate::stress::LOST_DB;
 use crate::evaluate::sweep::{Point, Series, mark_pareto_of_stores};
+use crate::plural::{counted, either};
 
 /// Settings that a table of one capture shows besides rivals and baselines, the most accurate first.
 const SHOWN_SETTINGS: usize = 12;
@@ -37,11 +38,11 @@ pub(super) fn together(rows: &[Overall], captures: usize) -> String {
     let lines: Vec<_> = shown.iter().map(cells).collect();
     format!(
         "<h2 id=\"together\">All {captures} captures together</h2>\n<p>For each capture a setting is compared with the default at the same \
-         viewpoints; the mean over captures is shown with its standard error ({} degrees of freedom), the capture where it does worst, and \
-         geometric means of bytes and milliseconds as shares of the default's. Ranks are among the {} settings and methods that were \
+         viewpoints; the mean over captures is shown with its standard error ({}), the capture where it does worst, and \
+         geometric means of bytes and milliseconds as shares of the default's. Ranks are among the {} that were \
          measured on all captures.</p>\n{}{}",
-        captures - 1,
-        rows.len(),
+        counted(captures - 1, "degree") + " of freedom",
+        counted(rows.len(), "setting") + " and methods",
         embedded(&chart::together(&shown.iter().map(|row| together_point(row)).collect::<Vec<_>>()).svg()),
         table(&head, &lines)
     )
@@ -145,8 +146,11 @@ fn verdict(points: &[Point]) -> String {
         .collect();
     let ours = match count {
         0 => "No point on the Pareto front of bytes and accuracy is a setting of ours".to_owned(),
-        1 => "1 point on the Pareto front of bytes and accuracy is a setting of ours".to_owned(),
-        _ => format!("{count} points on the Pareto front of bytes and accuracy are settings of ours"),
+        _ => format!(
+            "{} on the Pareto front of bytes and accuracy {} ours",
+            counted(count, "point"),
+            either(count, "is a setting of", "are settings of")
+        ),
     };
     let verb = if others.len() == 1 { "the other is" } else { "the others are" };
     format!("{ours}; {verb} {}{leader}.", named.join(", "))

@@ -8,6 +8,7 @@ use crate::capture::{Camera, TruthView};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{ClassErrors, ClassMap, FlickerMeter, FlickerSum, Scores};
 use crate::job::Job;
+use crate::plural::{counted, either};
 use crate::render::{Picture, Renderer};
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
@@ -100,8 +101,10 @@ pub(crate) fn with_truth<'a>(views: &'a [TruthView], job: &Job) -> Vec<&'a Truth
     if let Some(first) = others.first() {
         let (missing, all, first) = (others.len(), views.len(), &first.file_path);
         job.warn(format!(
-            "{missing} of {all} views are passed over, '{first}' first: their true pictures are missing; put them where the \
-             manifest of the views names them"
+            "{missing} of {} {} passed over, '{first}' first: the true picture is missing; put it where the manifest of the views \
+             names it",
+            counted(all, "view"),
+            either(missing, "is", "are")
         ));
     }
     known

@@ -8,6 +8,7 @@ use crate::capture::{Frame, TruthView};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::{ClassErrors, ClassMap, ErrorByClass, Pair, Scores};
 use crate::job::Job;
+use crate::plural::counted;
 use crate::render::{Painter, Picture, RenderStats, Renderer, Vantage};
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
@@ -133,7 +134,7 @@ pub(crate) fn frame_of(view: &TruthView, name: &str, frame_numbers: &[i64]) -> R
     frame_numbers.binary_search(&view.frame_number).map_err(|_| {
         let frames = match frame_numbers {
             [] => "none".to_owned(),
-            [first, .., last] => format!("{} frames from {first} to {last}", frame_numbers.len()),
+            [first, .., last] => format!("{} from {first} to {last}", counted(frame_numbers.len(), "frame")),
             [only] => format!("frame {only} alone"),
         };
         Error::invalid(

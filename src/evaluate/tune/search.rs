@@ -10,6 +10,7 @@ use crate::evaluate::trial::{TimeLeft, Trial, Workbench};
 use crate::evaluate::truth::{Recorded, Truth};
 use crate::job::Job;
 use crate::part::Part;
+use crate::plural::counted;
 use crate::settings::{Kernel, PruningMethod, Settings};
 
 type OnPoint<'a> = Box<dyn FnMut(&Point) + 'a>;
@@ -234,7 +235,8 @@ impl<'a> Search<'a> {
                 }
                 let least = self.stores.least().unwrap_or_default();
                 format!(
-                    "no setting fits into {bytes} bytes; the smallest store of the whole capture takes {least}"
+                    "no setting fits into {}; the smallest store of the whole capture takes {least}",
+                    counted(bytes, "byte")
                 )
             }
             Some(TuneBudget::Milliseconds(milliseconds)) => {

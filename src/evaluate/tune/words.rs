@@ -2,6 +2,7 @@
 
 use super::plan::{TuneBudget, TunePlan, Tuned};
 use crate::evaluate::sweep::Point;
+use crate::plural::{counted, either};
 use crate::settings::Settings;
 
 /// One sentence each.
@@ -10,7 +11,9 @@ pub(super) fn of(tuned: &Tuned, plan: &TunePlan, frames: usize) -> Vec<String> {
     if tuned.cannot_tell {
         let vantages = tuned.best.vantages;
         words.push(format!(
-            "{vantages} viewpoints are too few to tell simpler settings from worse ones: the settings stay as they were."
+            "{} {} too few to tell simpler settings from worse ones: the settings stay as they were.",
+            counted(vantages, "viewpoint"),
+            either(vantages, "is", "are")
         ));
     }
     words.push(chosen(tuned));
@@ -31,20 +34,20 @@ fn mebibytes(bytes: u64) -> String {
 fn good_enough(tuned: &Tuned, plan: &TunePlan) -> String {
     let Point { label, psnr_filled_db, .. } = &tuned.best;
     let tried = tuned.points.len();
+    let settings = counted(tried, "setting");
     match (tuned.at_most_db, plan.budget) {
         (Some(at_most_db), _) => format!(
-            "Of {tried} settings tried, '{label}' comes closest to the truth: {psnr_filled_db:.2} dB over {} viewpoints. Good enough \
+            "Of {settings} tried, '{label}' comes closest to the truth: {psnr_filled_db:.2} dB over {}. Good enough \
              is what gives up at most {at_most_db} dB of that with 95 % confidence, by the differences at each viewpoint.",
-            tuned.best.vantages
+            counted(tuned.best.vantages, "viewpoint")
         ),
         (None, Some(TuneBudget::Milliseconds(milliseconds))) => {
-            format!("Of {tried} settings tried, the most accurate within {milliseconds} ms was taken.")
+            format!("Of {settings} tried, the most accurate within {milliseconds} ms was taken.")
         }
         (None, Some(TuneBudget::Bytes(bytes))) => {
-            format!("Of {tried} settings tried, the most accurate within {} was taken.", mebibytes(bytes))
+            format!("Of {settings} tried, the most accurate within {} was taken.", mebibytes(bytes))
         }
-        (None, None) if tried == 1 => "1 setting was tried.".to_owned(),
-        (None, None) => format!("{tried} settings were tried."),
+        (None, None) => format!("{settings} {} tried.", either(tried, "was", "were")),
     }
 }
 
@@ -86,7 +89,9 @@ fn over_time(point: &Point, frames: usize) -> String {
         (0, _) => "Nothing stays the same from frame to frame: every frame is kept for itself.".to_owned(),
         (_, spans) => {
             format!(
-                "{share:.0} % of the samples serve more than one frame, in {spans} spans of {frames} frames."
+                "{share:.0} % of the samples serve more than one frame, in {} of {}.",
+                counted(spans, "span"),
+                counted(frames, "frame")
             )
         }
     }

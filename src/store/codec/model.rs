@@ -7,6 +7,7 @@
 use super::integers::{join, split};
 use super::rans::{SCALE, TOKENS, Table};
 use super::table_fit::{TokenCounts, frequencies, share_tables};
+use crate::plural::counted;
 use crate::store::container::{ByteReader, push_varint};
 
 /// Levels of activity that contexts distinguish; the last is *no neighbor*.
@@ -198,7 +199,11 @@ impl FrequencyTables {
         for plane in CodedPlane::ALL {
             let tables = reader.varint()? as usize;
             if tables == 0 || tables > plane.contexts() {
-                return Err(format!("{tables} tables for {} contexts", plane.contexts()));
+                return Err(format!(
+                    "{} for {}",
+                    counted(tables, "table"),
+                    counted(plane.contexts(), "context")
+                ));
             }
             let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
             for index in 0..tables {

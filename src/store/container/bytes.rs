@@ -2,6 +2,8 @@
 
 use super::iff::ChunkId;
 
+use crate::plural::counted;
+
 /// Functions that take the next whole number, by its type.
 macro_rules! take_numbers {
     ($($number:ident),+) => {
@@ -63,7 +65,7 @@ impl<'a> ByteReader<'a> {
     pub(crate) fn count(&mut self, bytes_each: usize) -> Result<usize, String> {
         let count = self.u32()? as usize;
         if count > self.rest.len() / bytes_each {
-            return Err(format!("{count} entries do not fit into the chunk"));
+            return Err(format!("the chunk has no room for {}", counted(count, "entry")));
         }
         Ok(count)
     }
@@ -72,7 +74,7 @@ impl<'a> ByteReader<'a> {
         if self.rest.is_empty() {
             Ok(())
         } else {
-            Err(format!("{} bytes too many in the chunk", self.rest.len()))
+            Err(format!("{} too many in the chunk", counted(self.rest.len(), "byte")))
         }
     }
 }

@@ -16,6 +16,8 @@ use std::io::{self, Seek, SeekFrom, Write};
 
 use super::source::ReadAt;
 
+use crate::plural::{counted, either};
+
 /// Four characters that say what a chunk holds.
 pub(crate) type ChunkId = [u8; 4];
 
@@ -172,7 +174,10 @@ impl<R: ReadAt> FormReader<R> {
         let size = inner.size()?;
         let mut header = [0; FORM_HEADER as usize];
         if size < FORM_HEADER {
-            return Err(malformed(0, format!("{size} bytes are too few for an IFF file")));
+            return Err(malformed(
+                0,
+                format!("{} {} too few for an IFF file", counted(size, "byte"), either(size, "is", "are")),
+            ));
         }
         inner.read_exact_at(&mut header, 0)?;
         if header[..4] != *b"FORM" || header[8..] != form_type {
@@ -184,7 +189,7 @@ impl<R: ReadAt> FormReader<R> {
             let stated = u64::from(length) + CHUNK_HEADER;
             return Err(malformed(
                 4,
-                format!("the file says it has {stated} bytes but has {size}; copy it again"),
+                format!("the file says it has {} but has {size}; copy it again", counted(stated, "byte")),
             ));
         }
         Ok(Self { inner, size })

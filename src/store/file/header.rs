@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::capture::{Camera, Intrinsics, is_believable_size};
+use crate::plural::counted;
 use crate::samples::{ImageFacts, SampleSet, Span};
 
 use crate::store::container::{ByteReader, push_text};
@@ -177,7 +178,10 @@ pub(crate) fn decode_index(
     let mut reader = ByteReader::new(bytes);
     let stated = reader.u64()?;
     if stated != file_size {
-        return Err(format!("the file says it has {stated} bytes but has {file_size}; copy it again"));
+        return Err(format!(
+            "the file says it has {} but has {file_size}; copy it again",
+            counted(stated, "byte")
+        ));
     }
     let entries = (0..reader.count(ENTRY_BYTES)?)
         .map(|_| {

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::blocks::{Block, BlockCoding, assemble, blocks_of, depth_bounds, find, summary};
 use crate::capture::Camera;
+use crate::plural::counted;
 use crate::samples::{SampleImage, TILE, TileMask};
 use crate::store::codec::{BLOCK, Counts};
 use crate::store::container::{ByteReader, IMAGE, agree, checksum};
@@ -211,7 +212,7 @@ pub(crate) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result
     }
     reader.finish()?;
     if start != length {
-        return Err(format!("its blocks take {start} bytes, not {length}"));
+        return Err(format!("its blocks take {}, not {length}", counted(start, "byte")));
     }
     Ok(ImageHead {
         blocks,

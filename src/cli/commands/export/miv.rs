@@ -8,6 +8,7 @@ use crate::capture::miv::write_sequence;
 use crate::cli::input;
 use crate::cli::output::{self, CommandError};
 use crate::error::Error;
+use crate::plural::counted;
 use crate::settings::CaptureSettings;
 
 #[derive(Debug, Args)]
@@ -45,9 +46,9 @@ impl MivArgs {
         }
         output::watched(|job| write_sequence(&self.out, &name, &capture, job))?;
         output::print(&format!(
-            "Wrote {} cameras, {} frames, to {}",
-            capture.cameras.len(),
-            capture.frame_count(),
+            "Wrote {}, {}, to {}",
+            counted(capture.cameras.len(), "camera"),
+            counted(capture.frame_count(), "frame"),
             sequence.display()
         ))
     }

@@ -10,6 +10,7 @@ use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
 use crate::error::Result;
 use crate::job::Job;
+use crate::plural::counted;
 use crate::render::film::{self, FilmSource};
 use crate::render::{Picture, Renderer};
 use crate::settings::{RenderSettings, Settings};
@@ -127,8 +128,8 @@ impl PicturesArgs {
         };
         output::warn(notice.as_slice());
         output::warn(&playback.store().damage());
-        let (pictures, out) = (paths.len(), self.out.display());
-        output::print(&format!("Wrote {pictures} pictures (EXR and PNG) to {out}"))
+        let (pictures, out) = (counted(paths.len(), "picture"), self.out.display());
+        output::print(&format!("Wrote {pictures} (EXR and PNG) to {out}"))
     }
 }
 

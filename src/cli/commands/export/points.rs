@@ -9,6 +9,7 @@ use crate::cli::input;
 use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
 use crate::job::Job;
+use crate::plural::counted;
 use crate::store::playback::Playback;
 
 #[derive(Debug, Args)]
@@ -38,8 +39,8 @@ impl PointsArgs {
         let playback = input::open_store(&self.store)?;
         let (files, points) = output::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());
-        let (points, out) = (output::count(points), self.out.display());
-        output::print(&format!("Wrote {points} points to {out} ({files} files)"))
+        let (points, out) = (output::count_of(points, "point"), self.out.display());
+        output::print(&format!("Wrote {points} to {out} ({})", counted(files, "file")))
     }
 
     /// Gives how many files and points were written.

@@ -9,6 +9,7 @@ use super::pictures::{FilmArgs, film_inputs, paint};
 use crate::cli::input::PartArgs;
 use crate::cli::output::{self, CommandError};
 use crate::error::Error;
+use crate::plural::counted;
 use crate::render::film::FilmEncoder;
 
 #[derive(Debug, Args)]
@@ -64,6 +65,6 @@ impl VideoArgs {
         })?;
         output::warn(notice.as_slice());
         output::warn(&playback.store().damage());
-        output::print(&format!("Wrote {} frames to {}", stops.numbers.len(), self.out.display()))
+        output::print(&format!("Wrote {} to {}", counted(stops.numbers.len(), "frame"), self.out.display()))
     }
 }

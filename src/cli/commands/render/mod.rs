@@ -12,6 +12,7 @@ use crate::capture::{TruthView, transforms};
 use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
 use crate::error::{Error, Result};
+use crate::plural::counted;
 use crate::preprocess::diagnostics::Report;
 use crate::store::file::StoreInfo;
 use views::{ViewPainting, ViewRecord};
@@ -93,10 +94,10 @@ impl RenderArgs {
             return output::print_json(&evaluation);
         }
         output::print(&format!(
-            "{}\n{}\nWrote {} pictures (EXR and PNG) to {}",
+            "{}\n{}\nWrote {} (EXR and PNG) to {}",
             output::view_table(&evaluation),
             output::painter_line(&evaluation),
-            paths.len(),
+            counted(paths.len(), "picture"),
             self.out.display()
         ))
     }
@@ -144,6 +145,8 @@ fn correction_notices(corrected: CorrectedViews, all: usize) -> Vec<String> {
         (exposures, "are exposed as the pictures beside them were"),
     ];
     let told = notices.into_iter().filter(|(count, _)| *count > 0);
-    told.map(|(count, what)| format!("{count} of {all} views {what} (--as-claimed renders them as they say)"))
-        .collect()
+    told.map(|(count, what)| {
+        format!("{count} of {} {what} (--as-claimed renders them as they say)", counted(all, "view"))
+    })
+    .collect()
 }
