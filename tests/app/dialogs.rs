@@ -36,10 +36,25 @@ fn a_tooltip_goes_where_a_dialog_opens_and_comes_back_after_it() {
     window.run_steps(8);
     assert!(window.query_by_label("Close help").is_some() && !shows(&window, TOOLTIP));
     click(&mut window, "Close help");
-    window.hover_at(egui::pos2(SIZE[0] / 2.0, SIZE[1] / 2.0));
+    window.hover_at(egui::pos2(SIZE[0] / 2.0, 12.0));
     window.run_steps(4);
     rest_on(&mut window, "Commands");
     assert!(shows(&window, TOOLTIP), "it explains again");
+}
+
+#[test]
+fn the_sheet_of_shortcuts_fits_into_a_low_window_with_its_button() {
+    for size in [SIZE, [1024.0, 640.0]] {
+        let mut window = open(small_demo(), size);
+        settle(&mut window);
+        window.key_press(Key::Questionmark);
+        window.run_steps(8);
+        let title = window.get_by_label("Keyboard and mouse shortcuts").rect();
+        let button = window.get_by_label("Close help").rect();
+        assert!(title.top() >= 0.0 && button.bottom() <= size[1], "{title} {button}");
+        click(&mut window, "Close help");
+        assert!(window.query_by_label("Close help").is_none());
+    }
 }
 
 #[test]

@@ -116,12 +116,20 @@ fn block_ui(ui: &mut Ui, block: Block) {
     }
 }
 
+/// Height that the title, the button and the edges of a page take, and what stays of the window around it, points.
+const AROUND_SHEET: f32 = 130.0;
+
+/// Height of a row of the shortcuts, points.
+const SHORTCUT_ROW: f32 = 17.0;
+
 /// A page that is read and closed.
 fn sheet_ui(ctx: &egui::Context, commands: &mut Commands, title: &str, contents: impl FnOnce(&mut Ui)) {
     let modal = Modal::new(Id::unique("help")).show(ctx, |ui| {
         ui.heading(title);
         ui.add_space(space::SMALL);
-        contents(ui);
+        // The button stays in sight however low the window is.
+        let height = ctx.content_rect().height() - AROUND_SHEET;
+        ScrollArea::vertical().max_height(height).auto_shrink([true, true]).show(ui, contents);
         ui.add_space(space::MEDIUM);
         if ui.button("Close").accessible_name("Close help").clicked() {
             commands.push(Command::Help(None));
@@ -136,6 +144,7 @@ fn shortcuts_ui(ui: &mut Ui) {
     ui.horizontal_top(|ui| {
         for groups in control::HELP.chunks(control::HELP.len().div_ceil(2)) {
             ui.vertical(|ui| {
+                ui.spacing_mut().interact_size.y = SHORTCUT_ROW;
                 for (heading, shortcuts) in groups {
                     weak(ui, *heading);
                     Grid::new(heading).num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
