@@ -111,7 +111,7 @@ fn reading_ui(ui: &mut Ui, votes: Option<[f64; 2]>, reading: &Reading, claimed: 
 }
 
 fn unit(unit: f64) -> String {
-    serde_json::to_string(&unit).unwrap_or_default() + " of the poses'"
+    serde_json::to_string(&unit).unwrap_or_default() + " world units"
 }
 
 /// What to write where, so that the capture opens so from now on.
