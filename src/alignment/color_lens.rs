@@ -15,7 +15,7 @@ use crate::capture::Intrinsics;
 pub(crate) const UNKNOWNS: usize = 9;
 
 /// Where color is seen by a sensor whose depth has the lens that a capture claims for both.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct ColorLens {
     /// The lens of color.
     pub(crate) intrinsics: Intrinsics,

@@ -7,7 +7,7 @@ use super::derived_frames::derived;
 use crate::capture::{Camera, Capture, Frame};
 
 /// What is changed about the frames of one camera.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct FrameCorrection {
     /// What colors are multiplied with, per channel.
     pub(crate) gain: [f32; 3],

@@ -13,6 +13,7 @@
 //! Of poses only those of cameras relative to each other are known: most cameras stay where they are. Of gains only ratios are
 //! known: the mean stays.
 
+mod capture_correction;
 mod color_lens;
 mod color_lens_matches;
 mod color_lens_search;
@@ -34,6 +35,7 @@ mod surface_samples;
 mod view_alignment;
 mod view_corrections;
 
+pub use capture_correction::CaptureCorrection;
 pub use report::{AlignedCamera, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment};
 pub use view_alignment::align_view;
 pub use view_corrections::{CameraCorrection, CorrectedViews, Foretelling, Proven, ViewCorrections};
@@ -41,7 +43,7 @@ pub use view_corrections::{CameraCorrection, CorrectedViews, Foretelling, Proven
 use glam::DMat3;
 use rayon::prelude::*;
 
-use crate::capture::{Camera, Capture};
+use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
@@ -50,7 +52,6 @@ use corrected_frames::{FrameCorrection, corrected};
 use median::median;
 use overlaps::overlapping_pairs;
 use reference_view::ReferenceView;
-use registered_frames::with_color_lenses;
 use residuals::Scale;
 use solver::Problem;
 use surface_samples::surface_samples;
@@ -62,6 +63,8 @@ pub struct Aligned {
     pub capture: Capture,
     /// What was corrected; `None` where nothing is.
     pub alignment: Option<Alignment>,
+    /// What makes the one of the other.
+    pub correction: CaptureCorrection,
 }
 
 /// Samples of each camera, about; with many cameras fewer.
@@ -77,7 +80,8 @@ const MOST_CAMERAS: usize = 400;
 /// # Errors
 /// Whatever the capture gives (naming file and frame), and `Cancelled`.
 pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<Aligned> {
-    let unchanged = Aligned { capture: capture.clone(), alignment: None };
+    let mut correction = CaptureCorrection::default();
+    let unchanged = Aligned { capture: capture.clone(), alignment: None, correction: correction.clone() };
     let cameras = capture.cameras.len();
     if *settings == AlignSettings::OFF || cameras < 2 || capture.frame_count() == 0 {
         return Ok(unchanged);
@@ -89,14 +93,15 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     } else {
         (Vec::new(), None)
     };
-    let registered = registered(capture, &lenses);
+    correction.lenses = lenses.iter().map(|lens| (lens.claimed, lens.found)).collect();
+    let registered = correction.seen_through_lenses(capture);
     let capture = &registered;
     let is_lens_alone = [settings.poses, settings.exposure].iter().all(|part| *part == Correction::Off);
     if is_lens_alone || cameras > MOST_CAMERAS {
         job.advance(1);
         let Some(looked) = looked.filter(|_| !lenses.is_empty()) else { return Ok(unchanged) };
         let alignment = looked.alignment(capture, &lenses, job)?;
-        return Ok(Aligned { capture: registered, alignment: Some(alignment) });
+        return Ok(Aligned { capture: registered, alignment: Some(alignment), correction });
     }
     // What a lens was looked for in is what poses are solved for, where no lens changed it and no camera was left out.
     let known = looked.filter(|looked| lenses.is_empty() && looked.cameras.len() == cameras);
@@ -121,7 +126,7 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     if !is_kept {
         return Ok(unchanged);
     }
-    let corrections = (0..cameras).map(|camera| {
+    let of_camera = |camera: usize| {
         let now = problem.views[camera].camera.world_from_camera.matrix3;
         let then = capture.cameras[camera].world_from_camera.matrix3;
         let gain = gains.get(camera).filter(|gain| gain.kept);
@@ -129,11 +134,13 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
             gain: gain.map_or([1.0; 3], |gain| gain.log_gain.map(|log_gain| log_gain.exp() as f32)),
             normal_turn: if now == then { DMat3::IDENTITY } else { now * then.transpose() },
         }
-    });
+    };
+    let corrections = (0..cameras).map(of_camera).collect();
     let alignment = Alignment::new((capture, &problem), &lenses, &poses, &gains, before);
-    let cameras = problem.views.iter().map(|view| view.camera.clone()).collect();
-    let capture = corrected(capture, cameras, corrections.collect());
-    Ok(Aligned { capture, alignment: Some(alignment) })
+    correction.cameras = problem.views.iter().map(|view| view.camera.clone()).collect();
+    correction.frames = corrections;
+    let capture = corrected(capture, correction.cameras.clone(), correction.frames.clone());
+    Ok(Aligned { capture, alignment: Some(alignment), correction })
 }
 
 /// Cameras that tell a lens that all share, and their pixels; more are evenly chosen from, so that memory is bounded.
@@ -174,16 +181,6 @@ impl LookedAt {
         }
         Ok(alignment)
     }
-}
-
-/// The capture as seen through the color lenses that were found; itself where none was.
-fn registered(capture: &Capture, lenses: &[LensCorrection]) -> Capture {
-    if lenses.is_empty() {
-        return capture.clone();
-    }
-    let of_camera =
-        |camera: &Camera| lenses.iter().find(|lens| lens.claimed == camera.intrinsics).map(|lens| lens.found);
-    with_color_lenses(capture, capture.cameras.iter().map(of_camera).collect())
 }
 
 /// What is solved for. Without `pairs` those that overlap are compared.

@@ -20,32 +20,35 @@ pub(crate) mod interactive;
 mod layers;
 pub mod noise;
 pub mod normals;
+pub mod parts;
 mod prepared_scan;
 pub mod pruning;
 pub mod registration;
 pub mod temporal;
+mod traversal;
 
 pub use prepared_scan::PreparedScan;
+pub(crate) use traversal::prune_run;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use rayon::prelude::*;
 
+use crate::alignment::Alignment;
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
-use crate::samples::{ImageBuffer, SampleImage, SampleSet, Span, samples_in_memory};
+use crate::samples::{ImageBuffer, SampleImage, SampleSet, samples_in_memory};
 use crate::settings::{AlignSettings, Settings};
 use agreement::Consensus;
-use diagnostics::{Report, Residuals, Tally};
+use diagnostics::Report;
 use inspect::{CameraInspection, FrameInspection};
 use interactive::{CameraPlanes, FrameLayers, FrameVerdicts};
-use layers::CameraLayer;
-use pruning::{Decided, Masks, PrunedBackground, SpanStack, load_frame};
+use pruning::load_frame;
 use registration::CameraPairs;
-use temporal::{ROOT, SpanLevel, SpanTree, all_frames};
+use temporal::all_frames;
 
 /// What preprocessing gives: the kept samples, and the report of what was dropped and why.
 #[derive(Clone, Debug)]
@@ -124,7 +127,7 @@ pub fn prune(capture: &Capture, scan: &PreparedScan, settings: &Settings, job: &
 }
 
 fn prune_into(
-    mut images: ImageBuffer,
+    images: ImageBuffer,
     (capture, scan): (&Capture, &PreparedScan),
     settings: &Settings,
     job: &Job,
@@ -139,69 +142,20 @@ fn prune_into(
         &other
     };
     let capture = scan.capture();
-    job.start("Pruning the background", 1);
-    let background = PrunedBackground::of(capture, scan, settings, job)?;
-    let normal_errors = scan.normal_errors(&settings.normals, job)?;
-    let mut tally = Tally::new((capture, scan), &normal_errors, settings);
-    tally.add_noise_between(&capture.cameras, &background.layers);
-    tally.add(scan.tree(&settings.spans).root(), &background.decided);
-    let pairs = CameraPairs::new(&capture.cameras);
-    let packing = Packing { pairs: &pairs, settings };
-    packing.pack_all(
-        (all_frames(scan.frames), ROOT),
-        &background.layers,
-        &background.decided,
-        &mut images,
-    )?;
-    let mut residuals = Residuals::new(&pairs, scan.frames);
-    residuals.add_lasting(&background.layers, job)?;
-    let stack = SpanStack::new(capture, Some(scan), &pairs, settings, background);
-    job.start("Pruning frames", scan.frames);
-    let mut traversal = SpanTraversal { tree: stack.tree(), stack, tally, residuals, images, packing, job };
-    traversal.below(all_frames(scan.frames), ROOT)?;
-    let SpanTraversal { tally, residuals, mut images, .. } = traversal;
+    let (mut images, counts) = prune_run(images, scan, settings, all_frames(scan.frames), job)?;
     images.sort();
-    let mut report = tally.finish(images.facts());
-    report.residuals = residuals.finish();
+    let mut report = counts.finish(capture.cameras.len(), images.facts());
     report.alignment = scan.alignment().cloned();
     report.seconds = started.elapsed().as_secs_f64();
-    // What changed nothing leaves no trace: a capture that is right gives the same store whatever is looked for.
-    let align = if scan.alignment().is_some() { settings.align.clone() } else { AlignSettings::default() };
-    let settings = &Settings { align, ..settings.clone() };
-    Ok(BufferedResult { outline: sample_set(capture, settings, Vec::new()), images, report })
+    let settings = aligned_settings(settings, scan.alignment());
+    Ok(BufferedResult { outline: sample_set(capture, &settings, Vec::new()), images, report })
 }
 
-/// Visits all spans, parents before children, and decides the samples of each.
-struct SpanTraversal<'a> {
-    tree: SpanTree,
-    stack: SpanStack<'a>,
-    tally: Tally,
-    residuals: Residuals<'a>,
-    images: ImageBuffer,
-    packing: Packing<'a>,
-    job: &'a Job,
-}
-
-impl SpanTraversal<'_> {
-    /// Everything that lives in shorter spans within `span`, which lies at `level`.
-    fn below(&mut self, span: Span, level: SpanLevel) -> Result<()> {
-        for child in self.tree.children(span) {
-            let step = self.stack.enter(child, level + 1, self.job)?;
-            self.tally.add(child, &step.decided);
-            let layers = &self.stack.layers;
-            self.packing.pack_all((child, level + 1), layers, &step.decided, &mut self.images)?;
-            // Of a single frame the paper's two levels are as long as each other.
-            if child.len() < span.len() {
-                self.below(child, level + 1)?;
-            }
-            if child.len() == 1 {
-                self.residuals.add_moving(child.start as usize, &self.stack.layers, self.job)?;
-                self.job.advance(1);
-            }
-            self.stack.leave(&step);
-        }
-        Ok(())
-    }
+/// Settings as a result names them: what changed nothing leaves no trace, so that a capture that is right gives the same store
+/// whatever is looked for.
+pub(crate) fn aligned_settings(settings: &Settings, alignment: Option<&Alignment>) -> Settings {
+    let align = if alignment.is_some() { settings.align.clone() } else { AlignSettings::default() };
+    Settings { align, ..settings.clone() }
 }
 
 /// All verdicts of one frame, for display: what [`prune`] decides there, with reasons and witnesses.
@@ -285,32 +239,7 @@ pub fn prepare_frame(
     scan.frame_layers(&pairs, settings, frame, job)?.prepare(&pairs, settings, job)
 }
 
-/// Packs kept samples.
-struct Packing<'a> {
-    pairs: &'a CameraPairs<'a>,
-    settings: &'a Settings,
-}
-
-impl Packing<'_> {
-    /// Adds the kept samples of every camera over one span, which lies at `level`.
-    fn pack_all(
-        &self,
-        (span, level): (Span, SpanLevel),
-        layers: &[CameraLayer],
-        decided: &[Decided],
-        images: &mut ImageBuffer,
-    ) -> Result<()> {
-        let consensus = Consensus::new(self.pairs, layers, level, self.settings);
-        let cameras = layers.par_iter().zip(decided).enumerate();
-        let packed = cameras.filter_map(|(camera, (layer, decided))| {
-            let masks = Masks::decided(layer, decided);
-            pruning::pack(camera, span, layer, masks, consensus.as_ref(), self.settings.store.normals)
-        });
-        packed.collect::<Vec<_>>().into_iter().try_for_each(|image| images.push(image))
-    }
-}
-
-fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {
+pub(crate) fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {
     SampleSet {
         name: capture.name.clone(),
         cameras: capture.cameras.clone(),

@@ -40,14 +40,19 @@ impl PreparedScan {
     pub(crate) fn new(capture: &Capture, settings: &Settings, job: &Job) -> Result<Self> {
         let aligned = alignment::align(capture, &settings.align, job)?;
         let scan = temporal::scan(&aligned.capture, settings, job)?;
-        Ok(Self {
+        Ok(Self::of(scan, aligned, &settings.align))
+    }
+
+    /// A scan of what was aligned with these settings.
+    pub(crate) fn of(scan: TemporalScan, aligned: Aligned, align: &AlignSettings) -> Self {
+        Self {
             scan,
             aligned,
-            align: settings.align.clone(),
+            align: align.clone(),
             static_layers: Last::default(),
             frame: Last::default(),
             normal_errors: Last::default(),
-        })
+        }
     }
 
     /// The capture that was scanned: the one that was given, without what the rig got wrong.

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use half::f16;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::depth_plane::{DepthPlane, DepthTile};
 use super::oct_normal::OctNormal;
@@ -19,7 +20,7 @@ use super::tile::{SampleTile, TileMask};
 use crate::error::Result;
 
 /// What is known of an image without its samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImageFacts {
     /// As [`SampleImage::camera`].
     pub camera: u32,
@@ -44,7 +45,7 @@ impl ImageFacts {
 }
 
 /// What is kept in memory of an image in the file.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct ImageShape {
     facts: ImageFacts,
     high_bytes: usize,

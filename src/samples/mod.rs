@@ -3,6 +3,7 @@
 mod depth_plane;
 mod image_buffer;
 mod oct_normal;
+mod record_stream;
 mod sample_set;
 mod spill_file;
 mod tile;
@@ -10,6 +11,8 @@ mod tile;
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
 pub use image_buffer::{ImageBuffer, ImageFacts};
 pub use oct_normal::OctNormal;
+pub use record_stream::ReadSeek;
+pub(crate) use record_stream::{RecordReader, RecordWriter};
 pub use sample_set::{Sample, SampleImage, SampleSet, Span};
 pub(crate) use spill_file::{Record, RecordPlace, SpillFile, samples_in_memory};
 pub use tile::{SampleTile, TILE, TileMask};

@@ -42,6 +42,7 @@ const STAGES: [(&str, &[&str]); 8] = [
             "interactive",
             "inspect",
             "diagnostics",
+            "parts",
         ],
     ),
     (

@@ -59,7 +59,7 @@ impl AlignArgs {
         }
         let capture = input::open_capture(&self.capture, &settings.capture)?;
         let started = std::time::Instant::now();
-        let Aligned { capture: corrected, alignment } =
+        let Aligned { capture: corrected, alignment, .. } =
             output::watched(|job| alignment::align(&capture, &settings.align, job))?;
         let seconds = started.elapsed().as_secs_f64();
         if let Some(out) = &self.out {

@@ -1,5 +1,6 @@
 //! Identity of the files that a command reads.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -48,32 +49,57 @@ fn files_state(manifests: &[PathBuf], pictures: &[PathBuf]) -> Result<String> {
     Ok(state)
 }
 
+/// A text that changes with any byte of a capture's manifest, and with any camera or frame number.
+pub(crate) fn capture_state(path: &Path, capture: &Capture) -> Result<String> {
+    let manifests = files_state(Source::find(path)?.inputs(), &[])?;
+    Ok(format!("{} {manifests}; {:?} {:?}", capture.name, capture.frame_numbers, capture.cameras))
+}
+
+/// A text that changes with the length and the time of any of these pictures.
+pub(crate) fn pictures_state(pictures: &[PathBuf]) -> Result<String> {
+    files_state(&[], pictures)
+}
+
 /// Length and checksum of all files of a capture; `None` if it does not come from files.
 pub(crate) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFiles>> {
     let files = capture.files();
+    let sums = sums_of(&files, job)?;
+    Ok(summed_up(files.into_iter().zip(sums)))
+}
+
+/// Length and CRC-32 of each file.
+pub(crate) fn sums_of(files: &[PathBuf], job: &Job) -> Result<Vec<(u64, u32)>> {
     job.start("Summing the input up", files.len());
+    let read = files.par_iter().map(|path| {
+        job.check()?;
+        let sums = sum_of(path).map_err(|error| Error::io(path, error))?;
+        job.advance(1);
+        Ok(sums)
+    });
+    read.collect()
+}
+
+/// All files of a capture in one sum; `None` where there is none.
+pub(crate) fn summed_up(files: impl Iterator<Item = (PathBuf, (u64, u32))>) -> Option<InputFiles> {
+    let files: BTreeMap<PathBuf, (u64, u32)> = files.collect();
     // Names are relative to the folder common to all files, so that a capture may move as a whole.
-    let root = files.iter().skip(1).fold(files.first().and_then(|path| path.parent()), |root, path| {
+    let root = files.keys().skip(1).fold(files.keys().next().and_then(|path| path.parent()), |root, path| {
         root.and_then(|root| root.ancestors().find(|root| path.starts_with(root)))
     });
     let root = root.unwrap_or(Path::new(""));
-    let read = files.par_iter().map(|path| {
-        job.check()?;
-        let (bytes, crc32) = sum_of(path).map_err(|error| Error::io(path, error))?;
-        job.advance(1);
-        let name = path.strip_prefix(root).unwrap_or(path).display().to_string();
-        Ok((name, bytes, crc32))
+    let named = files.iter().map(|(path, (bytes, crc))| {
+        (path.strip_prefix(root).unwrap_or(path).display().to_string(), *bytes, *crc)
     });
-    let mut read: Vec<(String, u64, u32)> = read.collect::<Result<_>>()?;
-    read.sort();
+    let mut named: Vec<(String, u64, u32)> = named.collect();
+    named.sort();
     let lines: Vec<String> =
-        read.iter().map(|(name, bytes, crc)| format!("{crc:08x} {bytes} {name}\n")).collect();
+        named.iter().map(|(name, bytes, crc)| format!("{crc:08x} {bytes} {name}\n")).collect();
     let list = lines.concat();
-    Ok((!read.is_empty()).then(|| InputFiles {
-        files: read.len() as u64,
-        bytes: read.iter().map(|(_, bytes, _)| bytes).sum(),
+    (!named.is_empty()).then(|| InputFiles {
+        files: named.len() as u64,
+        bytes: named.iter().map(|(_, bytes, _)| bytes).sum(),
         crc32: crc32fast::hash(list.as_bytes()),
-    }))
+    })
 }
 
 /// Length and CRC-32 of a file, read piece by piece through one small buffer.

@@ -96,6 +96,8 @@ pub(crate) struct OpenPart {
     /// Where it is.
     pub(crate) path: PathBuf,
     head: Head,
+    /// Its last line, which tells it from any other that was made from the same inputs.
+    pub(crate) tail: String,
     /// Positioned at the first byte of what was made.
     pub(crate) reader: BufReader<std::io::Take<File>>,
 }
@@ -107,16 +109,33 @@ pub(crate) struct PartFiles {
     /// Name of the results, as in `sweep`.
     name: String,
     inputs: Inputs,
+    /// What makes a part, before its number; all of it where there is but one part, which has no number.
+    made_by: String,
+    is_single: bool,
 }
 
 impl PartFiles {
     /// The parts in `folder` of the work called `name` on these inputs.
     pub(crate) fn new(folder: &Path, name: &str, inputs: Inputs) -> Self {
-        Self { folder: folder.to_path_buf(), name: name.to_owned(), inputs }
+        let (folder, name) = (folder.to_path_buf(), name.to_owned());
+        Self { folder, name, inputs, made_by: String::new(), is_single: false }
+    }
+
+    /// The same parts, made by options before `--part`.
+    pub(crate) fn made_by(self, options: &str) -> Self {
+        Self { made_by: format!("{options} "), ..self }
+    }
+
+    /// A file of which there is one, made by these options.
+    pub(crate) fn single(folder: &Path, name: &str, inputs: Inputs, options: &str) -> Self {
+        Self { made_by: options.to_owned(), is_single: true, ..Self::new(folder, name, inputs) }
     }
 
     /// Name of the file of a part.
     fn file_name(&self, part: Part) -> String {
+        if self.is_single {
+            return self.name.clone();
+        }
         format!("{}.part-{}-of-{}", self.name, part.number(), part.of())
     }
 
@@ -223,7 +242,30 @@ impl PartFiles {
     }
 
     /// A part, if it is complete and of these inputs.
-    fn open(&self, part: Part) -> Result<OpenPart> {
+    ///
+    /// # Errors
+    /// As [`PartFiles::open_all`].
+    pub(crate) fn open(&self, part: Part) -> Result<OpenPart> {
+        let (opened, start, bytes) = self.look(part)?;
+        let io = |error| Error::io(&opened.path, error);
+        let mut file = opened.reader.into_inner().into_inner();
+        if sum_from(&mut file, start, bytes).map_err(io)? != opened.tail {
+            return Err(self.refused(part, CUT_SHORT));
+        }
+        file.seek(SeekFrom::Start(start)).map_err(io)?;
+        Ok(OpenPart { reader: BufReader::new(file.take(bytes)), ..opened })
+    }
+
+    /// What tells a part from any other, if it is of these inputs. All of it is not read.
+    ///
+    /// # Errors
+    /// As [`PartFiles::open_all`].
+    pub(crate) fn identity(&self, part: Part) -> Result<String> {
+        Ok(self.look(part)?.0.tail)
+    }
+
+    /// A part of these inputs, the first byte of what was made, and their number.
+    fn look(&self, part: Part) -> Result<(OpenPart, u64, u64)> {
         let path = self.path(part);
         let io = |error| Error::io(&path, error);
         let mut file = match File::open(&path) {
@@ -248,17 +290,19 @@ impl PartFiles {
         let (start, mut file) = (line.len() as u64, file.into_inner());
         let all = file.metadata().map_err(io)?.len();
         let bytes = all.checked_sub(start + TAIL_BYTES).ok_or_else(|| self.refused(part, CUT_SHORT))?;
-        let found = sum_from(&mut file, start, bytes).map_err(io)?;
-        if found.as_bytes() != tail_of(&mut file, all).map_err(io)? {
+        let tail = String::from_utf8(tail_of(&mut file, all).map_err(io)?).unwrap_or_default();
+        if !tail.starts_with(&format!("{bytes:020} ")) {
             return Err(self.refused(part, CUT_SHORT));
         }
-        file.seek(SeekFrom::Start(start)).map_err(io)?;
         let reader = BufReader::new(file.take(bytes));
-        Ok(OpenPart { path, head, reader })
+        Ok((OpenPart { path, head, tail, reader }, start, bytes))
     }
 
-    fn refused(&self, part: Part, what: &str) -> Error {
-        Error::invalid(self.path(part).display(), format!("{what}; make it with --part {part}"))
+    /// That a part cannot be used, and how to make it.
+    pub(crate) fn refused(&self, part: Part, what: &str) -> Error {
+        let made_by = &self.made_by;
+        let how = if self.is_single { made_by.clone() } else { format!("{made_by}--part {part}") };
+        Error::invalid(self.path(part).display(), format!("{what}; make it with {how}"))
     }
 }
 

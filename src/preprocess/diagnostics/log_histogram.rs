@@ -1,9 +1,11 @@
 //! A histogram of magnitudes of any size.
 
+use serde::{Deserialize, Serialize};
+
 use crate::preprocess::noise::{bin_of_rank, rank_of_share};
 
 /// Counts numbers by their magnitude, sixteen bins to an octave, so that memory is bounded.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct LogHistogram {
     /// Empty until there is a number.
     counts: Vec<u32>,

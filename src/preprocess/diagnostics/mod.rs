@@ -5,6 +5,7 @@ mod depth_reading;
 mod log_histogram;
 mod pair_residuals;
 mod report;
+mod run_counts;
 mod suspect;
 mod tally;
 
@@ -13,5 +14,6 @@ pub use depth_reading::DepthReading;
 pub(crate) use pair_residuals::Residuals;
 pub use pair_residuals::{PairResiduals, Residual};
 pub use report::{CameraReport, DepthNoise, Report, STATIC_RULE, SpanReport};
+pub(crate) use run_counts::RunCounts;
 pub use suspect::Suspect;
 pub(crate) use tally::Tally;

@@ -22,6 +22,7 @@ use crate::preprocess::registration::{
     CameraPairs, IN_VIEW, LANES, Outcome, PixelRun, Registration, RequiredTolerances, SameSurface, lanes_of,
 };
 use crate::preprocess::temporal::ROOT;
+use crate::samples::Span;
 use crate::simd::{self, VectorLoop};
 
 /// What is nearer than a sample by more than this, in footprints, hides it. Much more, and what is hidden by something close by
@@ -82,8 +83,8 @@ fn is_none(count: &u64) -> bool {
 }
 
 /// Distances and colors while they are gathered.
-#[derive(Default)]
-struct Readings {
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Readings {
     footprints: LogHistogram,
     color_steps: LogHistogram,
     /// Samples at some distance, wherever the other camera looks.
@@ -91,7 +92,7 @@ struct Readings {
 }
 
 impl Readings {
-    fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         self.footprints.add(&other.footprints);
         self.color_steps.add(&other.color_steps);
         self.asked += other.asked;
@@ -144,10 +145,27 @@ impl<'a> Residuals<'a> {
         self.add(layers, &blocks, 0, job)
     }
 
+    /// The frame before a run that the first of its frames to look at is compared with; `None` where there is none.
+    pub(crate) fn frame_before(frames: usize, run: Span) -> Option<usize> {
+        let apart = frames_apart(frames);
+        let first = (run.start as usize).next_multiple_of(apart);
+        (run.start > 0 && first < run.end as usize).then(|| first - apart)
+    }
+
+    /// Notes what is seen at a frame before those that are compared.
+    pub(crate) fn note(&mut self, layers: &[CameraLayer]) {
+        let asked = self.asked() * MOVING_DENSITY;
+        layers.par_iter().zip(&mut self.before).for_each(|(layer, before)| {
+            *before = lattice(layer, asked)
+                .map(|at| lanes_of(&layer.inverse_depth, layer.width, at, INVALID_INVERSE_DEPTH))
+                .collect();
+        });
+    }
+
     /// Compares what is nearer or farther at `frame` than it was when pixels were last looked at, where this is one of the
     /// frames to look at; `layers` hold all its samples. What changes its light alone is left out: of such there may be a lot.
     pub(crate) fn add_moving(&mut self, frame: usize, layers: &[CameraLayer], job: &Job) -> Result<()> {
-        if !frame.is_multiple_of(self.frames.div_ceil(FRAMES).max(1)) {
+        if !frame.is_multiple_of(frames_apart(self.frames)) {
             return Ok(());
         }
         let asked = self.asked() * MOVING_DENSITY;
@@ -196,19 +214,28 @@ impl<'a> Residuals<'a> {
         })
     }
 
-    /// `[source][target]`.
-    pub(crate) fn finish(self) -> Vec<Vec<PairResiduals>> {
-        let cameras = self.camera_pairs.cameras().len();
-        let is_compared = |reading: &Readings| reading.residual().is_some();
-        let is_any_compared = self.readings.iter().flatten().any(is_compared);
-        let of_pair = |[lasting, moving]: [Readings; 2]| PairResiduals {
-            lasting: lasting.residual(),
-            moving: moving.residual(),
-            unmatched: if is_any_compared { 0 } else { lasting.asked },
-        };
-        let mut pairs = self.readings.into_iter().map(of_pair);
-        (0..cameras).map(|_| pairs.by_ref().take(cameras).collect()).collect()
+    /// What was gathered, `[source * cameras + target]`: of samples of all frames, and of things that moved.
+    pub(crate) fn into_readings(self) -> Vec<[Readings; 2]> {
+        self.readings
     }
+}
+
+/// The residuals of readings of so many cameras: `[source][target]`.
+pub(crate) fn residuals_of(readings: &[[Readings; 2]], cameras: usize) -> Vec<Vec<PairResiduals>> {
+    let is_compared = |reading: &Readings| reading.residual().is_some();
+    let is_any_compared = readings.iter().flatten().any(is_compared);
+    let of_pair = |[lasting, moving]: &[Readings; 2]| PairResiduals {
+        lasting: lasting.residual(),
+        moving: moving.residual(),
+        unmatched: if is_any_compared { 0 } else { lasting.asked },
+    };
+    let mut pairs = readings.iter().map(of_pair);
+    (0..cameras).map(|_| pairs.by_ref().take(cameras).collect()).collect()
+}
+
+/// Every how many frames what moves is looked at.
+fn frames_apart(frames: usize) -> usize {
+    frames.div_ceil(FRAMES).max(1)
 }
 
 /// Columns and rows of blocks of pixels of a layer, spread evenly, so that they hold about so many pixels.

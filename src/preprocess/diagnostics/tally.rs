@@ -1,11 +1,9 @@
 //! Counts verdicts while preprocessing runs, and makes the report of them.
 
-use std::collections::BTreeMap;
-
 use rayon::prelude::*;
 
 use super::depth_reading::better_reading;
-use super::report::{CameraReport, DepthNoise, Report, STATIC_RULE, SpanReport};
+use super::report::{CameraReport, DepthNoise, Report, STATIC_RULE};
 use crate::capture::conventions::{self, DepthClaim, PoseConvention};
 use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
 use crate::preprocess::layers::{CameraLayer, Rate};
@@ -13,7 +11,7 @@ use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{Decided, Rule, Verdict};
 use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, TemporalScan};
-use crate::samples::{ImageFacts, Span};
+use crate::samples::Span;
 use crate::settings::{NormalSource, Settings};
 
 /// Bytes of one input pixel as 8-bit color and 32-bit depth.
@@ -175,17 +173,13 @@ impl Tally {
         kept
     }
 
-    pub(crate) fn finish<'a>(mut self, images: impl Iterator<Item = &'a ImageFacts>) -> Report {
-        let mut spans = BTreeMap::<_, u64>::new();
-        for image in images {
-            *spans.entry((std::cmp::Reverse(image.span.len()), image.span)).or_default() +=
-                image.samples as u64;
-            self.report.samples_kept += image.samples as u64;
-            self.report.samples_doubtful += image.doubtful as u64;
-            self.report.bytes_memory += image.bytes as u64;
-        }
-        self.report.spans =
-            spans.into_iter().map(|((_, span), samples)| SpanReport { span, samples }).collect();
+    /// That the samples of all frames are counted elsewhere.
+    pub(crate) fn pass_over_all_frames(&mut self) {
+        self.is_first = false;
+    }
+
+    /// What was counted: a report without what the images say.
+    pub(crate) fn into_report(self) -> Report {
         self.report
     }
 }

@@ -24,4 +24,4 @@ pub use decision::{Dispute, Rule, Verdict};
 pub(crate) use pack::{Masks, pack};
 pub(crate) use pass::{BAND_ROWS, DROPPED, KEPT, Statuses, UNDECIDED, no_statuses};
 pub(crate) use search::prune;
-pub(crate) use span_stack::{FRAME, SpanStack, load_frame};
+pub(crate) use span_stack::{FRAME, SpanStack, StackStep, load_frame};

@@ -122,6 +122,12 @@ impl ShortSpans {
         Self { given, nodes, ranges, waiting: [0; LANES], waiting_count: 0 }
     }
 
+    /// Of no frames.
+    pub(crate) fn none() -> Self {
+        let (given, nodes, ranges) = (Vec::new(), Vec::new(), Vec::new());
+        Self { given, nodes, ranges, waiting: [0; LANES], waiting_count: 0 }
+    }
+
     /// Takes a pixel of `runs` that is not static over the batch, the `first` of which is a pixel of the picture.
     #[inline(always)]
     pub(crate) fn push(&mut self, batch: &Batch<'_>, runs: &[FrameRun<'_>], first: usize, pixel: usize) {

@@ -25,9 +25,9 @@ pub(super) struct FrameRun<'a> {
 
 /// See the module's page. One entry per pixel, or three.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SpanSums {
+pub(crate) struct SpanSums {
     /// Frames that were added.
-    pub frames: u32,
+    pub(crate) frames: u32,
     /// Whether the pixel was static over every part of the span that was looked at.
     pub(crate) is_open: Vec<bool>,
     pub(crate) min_color: Vec<i16>,

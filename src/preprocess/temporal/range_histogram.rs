@@ -20,7 +20,7 @@ const DEPTH_BINS: usize = DEPTH_OCTAVES as usize * BINS_PER_OCTAVE as usize + 2;
 pub(super) const PERCENTILES: [f32; 5] = [50.0, 75.0, 90.0, 95.0, 99.0];
 
 /// Counts pixels by their ranges.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RangeHistogram {
     color: Vec<u64>,
     depth: Vec<u64>,

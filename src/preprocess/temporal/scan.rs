@@ -12,20 +12,21 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::batch::BATCH;
 use super::range_histogram::RangeHistogram;
 use super::span_store::SpanStore;
 use super::span_tree::SpanTree;
 use super::staticness::StaticTest;
-use super::tree_split::Split;
+use super::tree_split::{OpenSums, Split};
 use super::two_level::{CameraSum, SequenceRanges};
 use crate::capture::{Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::noise::{CameraNoise, NoiseFrames, measure_pairs};
 use crate::preprocess::normals::{NormalErrors, compare_with_given};
-use crate::samples::samples_in_memory;
+use crate::samples::{Span, samples_in_memory};
 use crate::settings::{Settings, SpanLevels, SpanSettings};
 
 /// What a pass over all frames found out about one camera.
@@ -46,6 +47,14 @@ pub struct CameraScan {
     pub normal_errors: Vec<NormalErrors>,
 }
 
+impl CameraScan {
+    /// What the parts of a scan found out together.
+    pub(crate) fn of_parts(preview: &CameraPreview, shares: RangeHistogram, invalid: u64) -> Self {
+        let CameraPreview { noise, depth_step_relative, normal_errors } = preview.clone();
+        Self { ranges: None, shares: Some(shares), invalid, depth_step_relative, noise, normal_errors }
+    }
+}
+
 /// What a pass over all frames found out.
 #[derive(Debug)]
 pub struct TemporalScan {
@@ -61,6 +70,17 @@ pub struct TemporalScan {
 }
 
 impl TemporalScan {
+    /// What the parts of a scan with `settings` found out together, of the spans that are needed.
+    pub(crate) fn of_parts(
+        frames: usize,
+        cameras: Vec<CameraScan>,
+        spans: SpanStore,
+        settings: &Settings,
+    ) -> Self {
+        let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
+        Self { frames, cameras, spans: Some(spans), made_with, edge }
+    }
+
     /// Whether the scan serves these settings, or another pass over the frames is needed.
     #[must_use]
     pub fn serves(&self, settings: &SpanSettings) -> bool {
@@ -107,7 +127,7 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
 }
 
 /// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
-const SIDE_BY_SIDE: usize = 2;
+pub(crate) const SIDE_BY_SIDE: usize = 2;
 
 fn scan_cameras(
     capture: &Capture,
@@ -135,11 +155,30 @@ fn batch_size(capture: &Capture, camera: usize, settings: &Settings) -> usize {
 }
 
 /// What is known of a camera before the pass over its frames.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct CameraPreview {
+    pub(crate) noise: CameraNoise,
+    pub(crate) depth_step_relative: f32,
+    pub(crate) normal_errors: Vec<NormalErrors>,
+}
+
+/// What is known of a camera before the pass over all its frames.
+///
+/// # Errors
+/// Whatever the capture gives (naming file and frame), and `Cancelled`.
+pub(crate) fn preview(
+    capture: &Capture,
+    camera: usize,
+    settings: &Settings,
+    job: &Job,
+) -> Result<CameraPreview> {
+    Ok(Preview::of(capture, camera, settings, job)?.found)
+}
+
+/// The same with the frames that were looked at.
 struct Preview {
-    noise: CameraNoise,
-    depth_step_relative: f32,
-    normal_errors: Vec<NormalErrors>,
-    /// The frames that were looked at, by their index.
+    found: CameraPreview,
+    /// By their index.
     held: BTreeMap<usize, Arc<Frame>>,
 }
 
@@ -151,7 +190,7 @@ impl Preview {
         })?;
         let noise = measure_pairs(&frames.pairs());
         let held = frames.held;
-        Ok(Self {
+        let found = CameraPreview {
             noise,
             // Of whole numbers the step grows with the nearest thing there is. A tree of spans is built as frames come and
             // goes by those that are known before.
@@ -159,8 +198,8 @@ impl Preview {
             normal_errors: held.get(&0).map_or_else(Vec::new, |first| {
                 compare_with_given(first, &capture.cameras[camera], &settings.normals)
             }),
-            held,
-        })
+        };
+        Ok(Self { found, held })
     }
 
     /// With what the pass over the frames found.
@@ -170,7 +209,7 @@ impl Preview {
         shares: Option<RangeHistogram>,
         invalid: u64,
     ) -> CameraScan {
-        let Self { noise, depth_step_relative, normal_errors, held: _ } = self;
+        let CameraPreview { noise, depth_step_relative, normal_errors } = self.found;
         CameraScan { ranges, shares, invalid, depth_step_relative, noise, normal_errors }
     }
 }
@@ -180,7 +219,8 @@ fn scan_ranges(capture: &Capture, camera: usize, settings: &Settings, job: &Job)
     let (width, height) = capture.cameras[camera].intrinsics.size();
     let mut sum = CameraSum::new(width, height);
     let mut coarsest = 0.0_f32;
-    pass_over((capture, camera), &preview.held, settings, job, |frames| {
+    let batches = Batches::of_all(capture, camera, settings);
+    pass_over((capture, camera), (0, batches), &preview.held, job, |frames| {
         for frame in frames {
             coarsest = coarsest.max(frame.depth_step_relative);
             sum.add(frame);
@@ -200,9 +240,11 @@ fn scan_spans(
 ) -> Result<CameraScan> {
     let preview = Preview::of(capture, camera, settings, job)?;
     let frames = capture.frame_count();
-    let test = StaticTest::new(&settings.spans, &preview.noise, preview.depth_step_relative, frames);
+    let CameraPreview { noise, depth_step_relative, .. } = &preview.found;
+    let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames);
     let mut split = Split::new(capture.cameras[camera].intrinsics.pixel_count(), frames, test);
-    pass_over((capture, camera), &preview.held, settings, job, |frames| {
+    let batches = Batches::of_all(capture, camera, settings);
+    pass_over((capture, camera), (0, batches), &preview.held, job, |frames| {
         let given = split.add(frames);
         let mut store = store.lock().unwrap_or_else(PoisonError::into_inner);
         given.into_iter().try_for_each(|(span, samples)| store.insert(camera, span, samples))
@@ -210,20 +252,85 @@ fn scan_spans(
     Ok(preview.with(None, Some(split.shares()), split.invalid()))
 }
 
-/// Gives all frames of a camera to `take`, a batch at a time; meanwhile the next batch is decoded.
+/// What is known of one camera over a run of frames.
+#[derive(Debug)]
+pub(crate) struct ScannedRun {
+    /// The samples of spans that ended within the run.
+    pub(crate) short: SpanStore,
+    /// The spans that are open at its end, in order.
+    pub(crate) open: Vec<(Span, OpenSums)>,
+    /// Pixels without depth, over its frames.
+    pub(crate) invalid: u64,
+}
+
+/// One pass over the frames of a run, which is made of whole spans of the tree.
+///
+/// # Errors
+/// As [`scan`].
+pub(crate) fn scan_run(
+    capture: &Capture,
+    camera: usize,
+    run: Span,
+    preview: &CameraPreview,
+    settings: &Settings,
+    job: &Job,
+) -> Result<ScannedRun> {
+    let CameraPreview { noise, depth_step_relative, .. } = preview;
+    let frames = capture.frame_count();
+    let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames);
+    let pixels = capture.cameras[camera].intrinsics.pixel_count();
+    let mut split = Split::of_run(pixels, frames, run.start, test);
+    let mut short = SpanStore::new(samples_in_memory(settings) / SIDE_BY_SIDE);
+    let batch = batch_size(capture, camera, settings);
+    let batches = Batches { end: run.end as usize, size: batch, is_aligned: true };
+    pass_over((capture, camera), (run.start as usize, batches), &BTreeMap::new(), job, |frames| {
+        split.add(frames).into_iter().try_for_each(|(span, samples)| short.insert(camera, span, samples))
+    })?;
+    let invalid = split.invalid();
+    Ok(ScannedRun { short, open: split.into_open(), invalid })
+}
+
+/// How frames are taken together.
+#[derive(Clone, Copy)]
+struct Batches {
+    /// One past the last frame.
+    end: usize,
+    /// Frames of a batch, at most: a power of two.
+    size: usize,
+    /// Whether every batch is a span that begins at a multiple of its length; else only the last one may be none.
+    is_aligned: bool,
+}
+
+impl Batches {
+    /// Those of all frames.
+    fn of_all(capture: &Capture, camera: usize, settings: &Settings) -> Self {
+        Self { end: capture.frame_count(), size: batch_size(capture, camera, settings), is_aligned: false }
+    }
+
+    /// The batch that begins with a frame.
+    fn from(self, start: usize) -> std::ops::Range<usize> {
+        let left = self.end.saturating_sub(start);
+        let mut size = self.size.min(left);
+        if self.is_aligned && size > 0 {
+            let aligned = if start == 0 { size } else { 1 << start.trailing_zeros() };
+            size = 1 << size.min(aligned).ilog2();
+        }
+        start..start + size
+    }
+}
+
+/// Gives the frames of a camera from `start` on to `take`, a batch at a time; meanwhile the next batch is decoded.
 fn pass_over(
     (capture, camera): (&Capture, usize),
+    (start, batches): (usize, Batches),
     held: &BTreeMap<usize, Arc<Frame>>,
-    settings: &Settings,
     job: &Job,
     mut take: impl FnMut(&[Arc<Frame>]) -> Result<()> + Send,
 ) -> Result<()> {
-    let frames = capture.frame_count();
-    let batch = batch_size(capture, camera, settings);
-    let range_from = |start: usize| start..(start + batch).min(frames);
-    let mut done = 0;
-    let mut current = decode(capture, camera, range_from(0), held, job)?;
-    while done < frames {
+    let range_from = |start: usize| batches.from(start);
+    let mut done = start;
+    let mut current = decode(capture, camera, range_from(done), held, job)?;
+    while done < batches.end {
         done += current.len();
         let (taken, decoded) =
             rayon::join(|| take(&current), || decode(capture, camera, range_from(done), held, job));

@@ -134,6 +134,11 @@ impl SpanStore {
         Ok(())
     }
 
+    /// The cameras and spans that have samples, in order.
+    pub(crate) fn spans(&self) -> Vec<(usize, Span)> {
+        self.places.keys().copied().collect()
+    }
+
     /// The samples of `camera` over `span`; `None` where there is none.
     ///
     /// # Errors

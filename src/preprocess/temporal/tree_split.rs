@@ -57,7 +57,12 @@ pub struct Split {
     bands: Vec<SplitBand>,
     /// Spans that wait for the one beside them; each band holds the sums of each.
     open: Vec<Span>,
+    /// Whether other runs of frames follow, or come before.
+    is_run: bool,
 }
+
+/// Range and sum of all pixels over one span, a chunk of pixels after the other.
+pub(crate) type OpenSums = Vec<SpanSums>;
 
 struct SplitBand {
     first: usize,
@@ -91,7 +96,45 @@ impl Split {
             added: 0,
             bands: bands.collect(),
             open: Vec::new(),
+            is_run: false,
         }
+    }
+
+    /// A split of a run of frames alone, which begins at `start` and at a span of the tree.
+    pub(crate) fn of_run(pixels: usize, frames: usize, start: u32, test: StaticTest) -> Self {
+        Self { added: start, is_run: true, ..Self::new(pixels, frames, test) }
+    }
+
+    /// The spans that wait for the one beside them, in order, with what is known of their pixels.
+    pub(crate) fn into_open(self) -> Vec<(Span, OpenSums)> {
+        let mut chunks: Vec<_> =
+            self.bands.into_iter().flat_map(|band| band.chunks).map(Vec::into_iter).collect();
+        let sums_of_next = |span| (span, chunks.iter_mut().filter_map(Iterator::next).collect());
+        self.open.into_iter().map(sums_of_next).collect()
+    }
+
+    /// Adds a span that follows, of which only this is known. Gives the samples of the spans that are finished now.
+    pub(crate) fn add_sums(&mut self, span: Span, sums: OpenSums) -> FinishedSpans {
+        self.added = span.end;
+        let carry = self.carry(span);
+        let is_last = span.end == self.tree.root().end;
+        let batch = Batch { frames: &[], span, test: &self.test, carry: &carry, is_last };
+        let mut sums = sums.into_iter();
+        let bands = self.bands.iter_mut().map(|band| {
+            let of_band: Vec<SpanSums> = sums.by_ref().take(band.chunks.len()).collect();
+            (band, of_band)
+        });
+        let bands: Vec<_> = bands.collect();
+        let found = bands.into_par_iter().with_max_len(JOB_BANDS).fold(
+            || SplitSamples::new(&batch),
+            |mut found, (band, sums)| {
+                for (index, sums) in sums.into_iter().enumerate() {
+                    band.put(index, sums, &batch, &mut found);
+                }
+                found
+            },
+        );
+        join(found.collect(), &batch, self.tree.root())
     }
 
     /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time; at the end, what is left. Gives
@@ -105,7 +148,7 @@ impl Split {
             span,
             test: &self.test,
             carry: &carry,
-            is_last: span.end == self.tree.root().end,
+            is_last: !self.is_run && span.end == self.tree.root().end,
         };
         let bands = self.bands.par_iter_mut().with_max_len(JOB_BANDS);
         let found = bands.fold(
@@ -165,7 +208,7 @@ impl SplitSamples {
     fn new(batch: &Batch<'_>) -> Self {
         let room = || SpanSamples::with_capacity(ROOM);
         Self {
-            short: ShortSpans::new(batch, ROOM),
+            short: if batch.frames.is_empty() { ShortSpans::none() } else { ShortSpans::new(batch, ROOM) },
             long: batch.carry.iter().map(|_| [room(), room()]).collect(),
             root: SpanSamples::with_capacity(if batch.is_last { JOB_BANDS * BAND } else { 0 }),
             uncertain: Vec::with_capacity(CHUNK),
@@ -195,14 +238,14 @@ fn join(found: Vec<SplitSamples>, batch: &Batch<'_>, root: Span) -> FinishedSpan
 
 impl SplitBand {
     fn add(&mut self, batch: &Batch<'_>, found: &mut SplitSamples) {
-        let SplitSamples { short, long, root, uncertain } = found;
-        for (index, open) in self.chunks.iter_mut().enumerate() {
+        for index in 0..self.chunks.len() {
             let first = self.first + index * CHUNK;
             let pixels = CHUNK.min(self.first + self.pixels - first);
             let runs: Vec<FrameRun<'_>> = batch.frames.iter().map(|frame| run_of(frame, first)).collect();
             let count_invalid =
                 |run: &FrameRun<'_>| run.inverse_depth[..pixels].iter().filter(|w| **w < 0.0).count();
             let mut sums = SpanSums::of(&runs, pixels);
+            let SplitSamples { short, uncertain, .. } = found;
             list_uncertain([&sums, &sums], batch.test, uncertain);
             for &pixel in uncertain.iter() {
                 let pixel = pixel as usize;
@@ -215,18 +258,25 @@ impl SplitBand {
             if sums.lacks_depth() {
                 self.invalid += runs.iter().map(|run| count_invalid(run) as u64).sum::<u64>();
             }
-            for given in &mut *long {
-                let Some(left) = open.pop() else { break };
-                list_uncertain([&left, &sums], batch.test, uncertain);
-                sums = union(left, &sums, batch.test, (first, uncertain), given);
-            }
-            if batch.is_last {
-                let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
-                self.shares.count(&color, &depth, &granted_color_steps(&sums, batch.test), batch.test);
-                take_open(root, first, &sums);
-            } else {
-                open.push(sums);
-            }
+            self.put(index, sums, batch, found);
+        }
+    }
+
+    /// Puts what is known of a chunk over the batch beside what is known of earlier spans, as a binary counter carries.
+    fn put(&mut self, index: usize, mut sums: SpanSums, batch: &Batch<'_>, found: &mut SplitSamples) {
+        let SplitSamples { long, root, uncertain, .. } = found;
+        let (open, first) = (&mut self.chunks[index], self.first + index * CHUNK);
+        for given in &mut *long {
+            let Some(left) = open.pop() else { break };
+            list_uncertain([&left, &sums], batch.test, uncertain);
+            sums = union(left, &sums, batch.test, (first, uncertain), given);
+        }
+        if batch.is_last {
+            let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
+            self.shares.count(&color, &depth, &granted_color_steps(&sums, batch.test), batch.test);
+            take_open(root, first, &sums);
+        } else {
+            open.push(sums);
         }
     }
 }

@@ -1,8 +1,10 @@
 //! `overlook preprocess`: from a capture to a store.
 
+mod stages;
+
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
@@ -11,16 +13,18 @@ use serde::Serialize;
 
 use crate::alignment::Alignment;
 use crate::capture::{self, Capture};
-use crate::cli::input::{self, HoldOutArgs, SettingsArgs};
+use crate::cli::input::{self, HoldOutArgs, PartArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
 use crate::error::{Error, Result};
 use crate::evaluate::truth;
 use crate::job::Job;
+use crate::part::Part;
 use crate::plural::counted;
 use crate::preprocess::diagnostics::{CameraReport, PairResiduals, Report};
 use crate::preprocess::{BufferedResult, preprocess_buffered};
 use crate::settings::{CaptureSettings, Settings, SpanLevels};
-use crate::store::file::{self, Extras, Provenance};
+use crate::store::file::{self, Extras, InputFiles, Provenance};
+use stages::{Stage, Stages};
 
 #[derive(Debug, Args)]
 pub(crate) struct PreprocessArgs {
@@ -36,6 +40,13 @@ pub(crate) struct PreprocessArgs {
     /// Read at most this many views: those that together show the most [default: as the settings say].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     views: Option<u32>,
+    /// Do one stage of the work, cut by runs of frames for several machines. In this order: `measure`; each `--part` of `scan`, then
+    /// its `--join`; each `--part` of `prune`, then its `--join`, which writes the store. What stages leave for each other lies beside
+    /// the store, under its name.
+    #[arg(long, value_enum)]
+    stage: Option<Stage>,
+    #[command(flatten)]
+    parts: PartArgs,
     /// Also measure how long decoding every frame takes on its own.
     #[arg(long)]
     measure_decode: bool,
@@ -52,6 +63,30 @@ fn one_frame(settings: &Settings) -> CaptureSettings {
 /// The tree of spans reads every frame once, the paper's two lengths twice.
 fn frame_cache(settings: &Settings) -> CaptureSettings {
     if settings.spans.levels == SpanLevels::Tree { one_frame(settings) } else { settings.capture.clone() }
+}
+
+/// A part of the work.
+enum Work {
+    Whole,
+    Measure,
+    Part(Stage, Part),
+    Join(Stage, u32),
+}
+
+/// Writes a store, and gives its report and its bytes.
+fn store(
+    capture: &Capture,
+    result: BufferedResult,
+    inputs: Option<InputFiles>,
+    out: &Path,
+    job: &Job,
+) -> Result<(Report, u64)> {
+    let BufferedResult { outline, images, report } = result;
+    let frames_are_ranked = capture.frames_are_ranked();
+    let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
+    let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
+    let bytes = file::write_spooled(out, &outline, &images, &extras, job)?;
+    Ok((report, bytes))
 }
 
 #[derive(Serialize)]
@@ -84,15 +119,39 @@ impl PreprocessArgs {
         let seconds_decode_only =
             if self.measure_decode { Some(self.decode_seconds(&settings)?) } else { None };
         let started = Instant::now();
-        let (report, bytes_store) = output::watched(|job| {
-            let BufferedResult { outline, images, report } = preprocess_buffered(&capture, &settings, job)?;
-            let inputs = input::input_files(&capture, job)?;
-            let frames_are_ranked = capture.frames_are_ranked();
-            let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
-            let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
-            let bytes = file::write_spooled(&self.out, &outline, &images, &extras, job)?;
-            Ok::<_, Error>((report, bytes))
-        })?;
+        let stages = Stages { path: &self.capture, capture: &capture, out: &self.out, settings: &settings };
+        let (report, bytes_store) = match self.work()? {
+            Work::Whole => output::watched(|job| {
+                let result = preprocess_buffered(&capture, &settings, job)?;
+                let inputs = input::input_files(&capture, job)?;
+                store(&capture, result, inputs, &self.out, job)
+            })?,
+            Work::Measure => {
+                return self.left(&output::watched(|job| stages.measure(job))?, "--stage scan --part 1/N");
+            }
+            Work::Part(Stage::Prune, part) => {
+                return output::print_parts(
+                    part,
+                    &[output::watched(|job| stages.prune(part, job))?],
+                    self.json,
+                );
+            }
+            Work::Part(_, part) => {
+                return output::print_parts(
+                    part,
+                    &[output::watched(|job| stages.scan(part, job))?],
+                    self.json,
+                );
+            }
+            Work::Join(Stage::Prune, of) => output::watched(|job| {
+                let (result, inputs) = stages.join_pruned(of, job)?;
+                store(&capture, result, inputs, &self.out, job)
+            })?,
+            Work::Join(_, of) => {
+                let next = format!("--stage prune --part 1/{of}");
+                return self.left(&output::watched(|job| stages.join_spans(of, job))?, &next);
+            }
+        };
         output::warn(&report.warnings());
         let result = PreprocessOutput {
             samples_in: report.samples_in,
@@ -108,6 +167,32 @@ impl PreprocessArgs {
             report,
         };
         if self.json { output::print_json(&result) } else { output::print(&self.text(&result)) }
+    }
+
+    /// Which part of the work is asked for.
+    fn work(&self) -> Result<Work, CommandError> {
+        let usage = |what: &str| Err(CommandError::Usage(what.to_owned()));
+        match (self.stage, self.parts.part, self.parts.join) {
+            (None, None, None) => Ok(Work::Whole),
+            (None, ..) => usage("--part and --join need to know of which stage; name it with --stage"),
+            (Some(Stage::Measure), None, None) => Ok(Work::Measure),
+            (Some(Stage::Measure), ..) => {
+                usage("--stage measure is not cut into parts; leave --part and --join out")
+            }
+            (Some(stage), Some(part), _) => Ok(Work::Part(stage, part)),
+            (Some(stage), None, Some(of)) => Ok(Work::Join(stage, of)),
+            (Some(_), None, None) => {
+                usage("say which part of the stage, as in --part 2/6, or --join 6 to put all parts together")
+            }
+        }
+    }
+
+    /// Says what a stage left, and what comes next.
+    fn left(&self, file: &Path, next: &str) -> Result<(), CommandError> {
+        if self.json {
+            return output::print_json(&serde_json::json!({ "files": [file] }));
+        }
+        output::print(&format!("Wrote {}\nNext: the same command with {next}", file.display()))
     }
 
     fn open(&self, settings: &CaptureSettings) -> Result<Capture> {

@@ -1,0 +1,43 @@
+//! All that is changed about a capture: measured once, and applied wherever the capture is read.
+
+use serde::{Deserialize, Serialize};
+
+use super::color_lens::ColorLens;
+use super::corrected_frames::{FrameCorrection, corrected};
+use super::registered_frames::with_color_lenses;
+use crate::capture::{Camera, Capture, Intrinsics};
+
+/// What [`align`](super::align) changes about a capture; by default nothing. As JSON it keeps every bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CaptureCorrection {
+    /// Lenses that are claimed for color and depth, and the color lenses that were found in their place.
+    pub(super) lenses: Vec<(Intrinsics, ColorLens)>,
+    /// The cameras, once they have these lenses; empty where they stay.
+    pub(super) cameras: Vec<Camera>,
+    /// Per camera, what its frames become; empty where they stay.
+    pub(super) frames: Vec<FrameCorrection>,
+}
+
+impl CaptureCorrection {
+    /// The capture without what was wrong. It must be the one that was measured.
+    #[must_use]
+    pub fn applied(&self, capture: &Capture) -> Capture {
+        let seen = self.seen_through_lenses(capture);
+        if self.cameras.is_empty() {
+            return seen;
+        }
+        corrected(&seen, self.cameras.clone(), self.frames.clone())
+    }
+
+    /// The capture as seen through the color lenses that were found; itself where none was.
+    pub(super) fn seen_through_lenses(&self, capture: &Capture) -> Capture {
+        if self.lenses.is_empty() {
+            return capture.clone();
+        }
+        let of_camera = |camera: &Camera| {
+            let found = self.lenses.iter().find(|(claimed, _)| *claimed == camera.intrinsics);
+            found.map(|(_, lens)| *lens)
+        };
+        with_color_lenses(capture, capture.cameras.iter().map(of_camera).collect())
+    }
+}

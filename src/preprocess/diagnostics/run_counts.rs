@@ -1,0 +1,65 @@
+//! What was counted over a run of frames, to be added to what was counted over others.
+
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::pair_residuals::{Readings, residuals_of};
+use super::report::{Report, SpanReport};
+use crate::samples::ImageFacts;
+
+/// Counts and residuals of a run of frames. All are whole numbers that add up, or the same for all runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct RunCounts {
+    /// Without what the images say, and without residuals.
+    pub(crate) report: Report,
+    /// `[source * cameras + target]`: of samples of all frames, and of things that moved.
+    pub(crate) readings: Vec<[Readings; 2]>,
+}
+
+impl RunCounts {
+    /// Adds the counts of another run of the same capture.
+    pub(crate) fn add(&mut self, other: &Self) {
+        let (all, more) = (&mut self.report, &other.report);
+        add_each(&mut all.foreground_per_frame, &more.foreground_per_frame);
+        add_named(&mut all.pruned, &more.pruned);
+        add_named(&mut all.mixed_pixels, &more.mixed_pixels);
+        all.witnesses.iter_mut().zip(&more.witnesses).for_each(|(all, more)| add_each(all, more));
+        all.rate_disputes.iter_mut().zip(&more.rate_disputes).for_each(|(all, more)| add_each(all, more));
+        for (all, more) in all.cameras.iter_mut().zip(&more.cameras) {
+            all.background_pixels += more.background_pixels;
+            all.background_kept += more.background_kept;
+            all.foreground_pixels += more.foreground_pixels;
+            all.foreground_kept += more.foreground_kept;
+        }
+        for (all, more) in self.readings.iter_mut().flatten().zip(other.readings.iter().flatten()) {
+            all.add(more);
+        }
+    }
+
+    /// The report of all runs of so many cameras, which keep these images.
+    pub(crate) fn finish<'a>(self, cameras: usize, images: impl Iterator<Item = &'a ImageFacts>) -> Report {
+        let Self { mut report, readings } = self;
+        let mut spans = BTreeMap::<_, u64>::new();
+        for image in images {
+            *spans.entry((Reverse(image.span.len()), image.span)).or_default() += image.samples as u64;
+            report.samples_kept += image.samples as u64;
+            report.samples_doubtful += image.doubtful as u64;
+            report.bytes_memory += image.bytes as u64;
+        }
+        report.spans = spans.into_iter().map(|((_, span), samples)| SpanReport { span, samples }).collect();
+        report.residuals = residuals_of(&readings, cameras);
+        report
+    }
+}
+
+fn add_each(all: &mut [u64], more: &[u64]) {
+    all.iter_mut().zip(more).for_each(|(all, more)| *all += more);
+}
+
+fn add_named(all: &mut BTreeMap<String, u64>, more: &BTreeMap<String, u64>) {
+    for (name, count) in more {
+        *all.entry(name.clone()).or_default() += count;
+    }
+}

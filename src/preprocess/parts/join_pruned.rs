@@ -1,0 +1,44 @@
+//! The kept samples of all runs together.
+
+use super::measured::Measured;
+use crate::capture::Capture;
+use crate::error::{Error, Result};
+use crate::job::Job;
+use crate::preprocess::diagnostics::RunCounts;
+use crate::preprocess::{BufferedResult, aligned_settings, sample_set};
+use crate::samples::{ImageBuffer, ReadSeek, RecordReader, SampleImage, samples_in_memory};
+use crate::settings::Settings;
+
+/// Joins what [`prune_part`](super::prune_part()) wrote of all runs, in order, each with its name for errors.
+///
+/// # Errors
+/// `Io`; `Invalid` where a part is none; `Cancelled`.
+pub fn join_pruned<'a>(
+    (capture, measured, settings): (&Capture, &Measured, &Settings),
+    parts: Vec<(String, Box<dyn ReadSeek + 'a>)>,
+    job: &Job,
+) -> Result<BufferedResult> {
+    let aligned = measured.aligned(capture);
+    let mut images = ImageBuffer::new(samples_in_memory(settings));
+    let mut all: Option<RunCounts> = None;
+    job.start("Joining parts", parts.len());
+    for (place, reader) in parts {
+        let mut reader = RecordReader::new(reader, place);
+        while reader.number()? == 1 {
+            job.check()?;
+            images.push(reader.record::<SampleImage>()?)?;
+        }
+        let counts: RunCounts = reader.json()?;
+        match &mut all {
+            None => all = Some(counts),
+            Some(all) => all.add(&counts),
+        }
+        job.advance(1);
+    }
+    let counts = all.ok_or_else(|| Error::invalid(&capture.name, "there is no part to join"))?;
+    images.sort();
+    let mut report = counts.finish(aligned.capture.cameras.len(), images.facts());
+    report.alignment.clone_from(&aligned.alignment);
+    let settings = aligned_settings(settings, aligned.alignment.as_ref());
+    Ok(BufferedResult { outline: sample_set(&aligned.capture, &settings, Vec::new()), images, report })
+}

@@ -1,0 +1,105 @@
+//! What is measured once, and used by all parts.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::alignment::{self, Aligned, Alignment, CaptureCorrection};
+use crate::capture::conventions::{DepthClaim, PoseConvention};
+use crate::capture::{Capture, CaptureParts, Frame, FrameSource};
+use crate::error::Result;
+use crate::job::Job;
+use crate::preprocess::temporal::{self, CameraPreview};
+use crate::settings::Settings;
+
+/// What the rig got wrong, and the noise of each camera: as JSON it keeps every bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    correction: CaptureCorrection,
+    alignment: Option<Alignment>,
+    pub(super) cameras: Vec<CameraPreview>,
+    /// Cameras and frames that were read.
+    frames_read: BTreeSet<(usize, usize)>,
+}
+
+impl Measured {
+    /// Measures a capture: reads a few of its frames.
+    ///
+    /// # Errors
+    /// Whatever the capture gives (naming file and frame), `Invalid` for settings out of range, and `Cancelled`.
+    pub fn of(capture: &Capture, settings: &Settings, job: &Job) -> Result<Self> {
+        settings.validate("settings")?;
+        let noting = Arc::new(NotingSource { capture: capture.clone(), read: Mutex::default() });
+        let parts = CaptureParts { source: noting.clone(), ..CaptureParts::clone(capture) };
+        let noted = Capture::new(parts, CACHE_BYTES);
+        let Aligned { capture, alignment, correction } = alignment::align(&noted, &settings.align, job)?;
+        job.start("Measuring noise", capture.cameras.len());
+        let preview = |camera| {
+            let preview = temporal::preview(&capture, camera, settings, job);
+            job.advance(1);
+            preview
+        };
+        let cameras = (0..capture.cameras.len()).into_par_iter().map(preview).collect::<Result<_>>()?;
+        let frames_read = noting.read.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Ok(Self { correction, alignment, cameras, frames_read })
+    }
+
+    /// The capture that was measured, without what the rig got wrong.
+    #[must_use]
+    pub fn aligned(&self, capture: &Capture) -> Aligned {
+        Aligned {
+            capture: self.correction.applied(capture),
+            alignment: self.alignment.clone(),
+            correction: self.correction.clone(),
+        }
+    }
+
+    /// The files that it was measured on.
+    #[must_use]
+    pub fn files_read(&self, capture: &Capture) -> Vec<PathBuf> {
+        let is_there = |(camera, frame): &&(usize, usize)| {
+            *camera < capture.cameras.len() && *frame < capture.frame_count()
+        };
+        let frames = self.frames_read.iter().filter(is_there);
+        frames.flat_map(|&(camera, frame)| capture.files_of(camera, frame)).collect()
+    }
+}
+
+/// Frames that are kept while a capture is measured, bytes.
+const CACHE_BYTES: usize = 256 << 20;
+
+/// A capture that notes which of its frames are read.
+struct NotingSource {
+    capture: Capture,
+    read: Mutex<BTreeSet<(usize, usize)>>,
+}
+
+impl FrameSource for NotingSource {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        self.read.lock().unwrap_or_else(PoisonError::into_inner).insert((camera, frame));
+        self.capture.frame(camera, frame).map(|frame| Frame::clone(&frame))
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        self.capture.place(camera, frame)
+    }
+
+    fn frames_are_ranked(&self) -> bool {
+        self.capture.frames_are_ranked()
+    }
+
+    fn depth_claim(&self) -> DepthClaim {
+        self.capture.source.depth_claim()
+    }
+
+    fn pose_convention(&self) -> PoseConvention {
+        self.capture.source.pose_convention()
+    }
+
+    fn files(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
+        self.capture.files_of(camera, frame)
+    }
+}
