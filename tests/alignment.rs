@@ -30,7 +30,12 @@ fn misplaced(capture: &Capture, of: impl Fn(usize) -> bool, degrees: f64, distan
 
 /// Everything that can be corrected.
 fn everything() -> AlignSettings {
-    AlignSettings { poses: Correction::Auto, lens: Correction::Auto, exposure: Correction::Auto }
+    AlignSettings {
+        poses: Correction::Auto,
+        lens: Correction::Auto,
+        exposure: Correction::Auto,
+        clock: Correction::Auto,
+    }
 }
 
 fn aligned(capture: &Capture) -> Aligned {
@@ -181,4 +186,61 @@ fn where_geometry_does_not_tell_a_pose_it_is_said_and_nothing_is_changed() {
     let wrong = misplaced(&right, |index| index == 1, 0.5, 0.0);
     let found = aligned(&wrong);
     assert_eq!(found.capture.cameras, wrong.cameras);
+}
+
+/// Frames of a faster recording: every tenth, those of one camera taken by so many of the fast frames later.
+struct Late {
+    demo: Demo,
+    cameras: Vec<Camera>,
+    late: usize,
+    frames_late: i64,
+}
+
+impl FrameSource for Late {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        let late = if camera == self.late { self.frames_late } else { 0 };
+        let at = (FAST * frame as i64 + late).max(0);
+        Ok(self.demo.render(&self.cameras[camera], at as usize))
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        format!("camera {camera}, frame {frame}")
+    }
+}
+
+/// Fast frames to one that is recorded.
+const FAST: i64 = 10;
+
+fn late_by(fast_frames: i64) -> Capture {
+    const FRAMES: usize = 16;
+    let spec = DemoSpec::new("orrery").frames(48 * FAST as usize).size((240, 180));
+    let demo = Demo::new(&spec).unwrap();
+    let parts: CaptureParts = (*demo.capture(&CaptureSettings::default())).clone();
+    let (cameras, late) = (parts.cameras.clone(), 1);
+    let source = Arc::new(Late { demo, cameras, late, frames_late: fast_frames });
+    let frame_numbers = (0..FRAMES as i64).collect();
+    Capture::new(CaptureParts { source, frame_numbers, ..parts }, 1 << 28)
+}
+
+#[test]
+fn clocks_are_found_to_a_tenth_of_a_frame_and_whole_frames_are_moved() {
+    let clock_alone = AlignSettings { clock: Correction::Auto, ..AlignSettings::OFF };
+    for fast_frames in [4, 10, -14, 20] {
+        let capture = late_by(fast_frames);
+        let found = align(&capture, &clock_alone, &Job::new()).unwrap();
+        let expected = fast_frames as f64 / FAST as f64;
+        let alignment = found.alignment.unwrap_or_else(|| panic!("{expected} frames: nothing was found"));
+        for (index, camera) in alignment.cameras.iter().enumerate() {
+            let told = camera.clock.map_or(0.0, |clock| clock.frames);
+            let right = if index == 1 { expected } else { 0.0 };
+            assert!((told - right).abs() < 0.1, "camera {index}: {told} frames for {right}");
+        }
+        let clock = alignment.cameras[1].clock.unwrap();
+        assert_eq!(clock.shifted, expected.round() as i64, "{expected} frames late");
+        if fast_frames % FAST == 0 {
+            let right = late_by(0);
+            assert!(found.capture.frame(1, 8).unwrap().color == right.frame(1, 8).unwrap().color);
+        }
+    }
+    assert!(align(&late_by(0), &clock_alone, &Job::new()).unwrap().alignment.is_none());
 }

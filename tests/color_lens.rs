@@ -63,7 +63,7 @@ fn recorded_by_two_sensors(demo: &Demo) -> Capture {
 }
 
 fn lens_alone() -> AlignSettings {
-    AlignSettings { poses: Correction::Off, lens: Correction::Auto, exposure: Correction::Off }
+    AlignSettings { lens: Correction::Auto, ..AlignSettings::OFF }
 }
 
 #[test]

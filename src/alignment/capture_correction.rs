@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::color_lens::ColorLens;
 use super::corrected_frames::{FrameCorrection, corrected};
 use super::registered_frames::with_color_lenses;
+use super::shifted_frames::shifted;
 use crate::capture::{Camera, Capture, Intrinsics};
 
 /// What [`align`](super::align) changes about a capture; by default nothing. As JSON it keeps every bit.
@@ -16,17 +17,26 @@ pub struct CaptureCorrection {
     pub(super) cameras: Vec<Camera>,
     /// Per camera, what its frames become; empty where they stay.
     pub(super) frames: Vec<FrameCorrection>,
+    /// Per camera, by how many frames its pictures were taken too late; empty where they stay.
+    #[serde(default)]
+    pub(super) late_frames: Vec<i64>,
 }
 
 impl CaptureCorrection {
     /// The capture without what was wrong. It must be the one that was measured.
     #[must_use]
     pub fn applied(&self, capture: &Capture) -> Capture {
-        let seen = self.seen_through_lenses(capture);
-        if self.cameras.is_empty() {
-            return seen;
-        }
-        corrected(&seen, self.cameras.clone(), self.frames.clone())
+        self.applied_to_seen(&self.seen_through_lenses(capture))
+    }
+
+    /// The same, of what is seen through the lenses already.
+    pub(super) fn applied_to_seen(&self, seen: &Capture) -> Capture {
+        let moved = if self.cameras.is_empty() {
+            seen.clone()
+        } else {
+            corrected(seen, self.cameras.clone(), self.frames.clone())
+        };
+        if self.late_frames.is_empty() { moved } else { shifted(&moved, self.late_frames.clone()) }
     }
 
     /// The capture as seen through the color lenses that were found; itself where none was.

@@ -7,15 +7,15 @@ use crate::capture::conventions::{DepthClaim, PoseConvention};
 use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use crate::error::Result;
 
-/// Frames of a capture, changed by `change`, which is given the camera and the frame.
+/// Frames of a capture, each made by `change`, which is given the capture, the camera and the index of the frame.
 struct DerivedFrames<F> {
     original: Capture,
     change: F,
 }
 
-impl<F: Fn(usize, &Frame) -> Frame + Send + Sync> FrameSource for DerivedFrames<F> {
+impl<F: Fn(&Capture, usize, usize) -> Result<Frame> + Send + Sync> FrameSource for DerivedFrames<F> {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        Ok((self.change)(camera, &*self.original.frame(camera, frame)?))
+        (self.change)(&self.original, camera, frame)
     }
 
     fn place(&self, camera: usize, frame: usize) -> String {
@@ -46,6 +46,18 @@ pub(super) fn derived(
     cameras: Vec<Camera>,
     cache_bytes: usize,
     change: impl Fn(usize, &Frame) -> Frame + Send + Sync + 'static,
+) -> Capture {
+    derived_over_time(capture, cameras, cache_bytes, move |original, camera, frame| {
+        Ok(change(camera, &*original.frame(camera, frame)?))
+    })
+}
+
+/// As [`derived`], with frames made of any frames of the capture.
+pub(super) fn derived_over_time(
+    capture: &Capture,
+    cameras: Vec<Camera>,
+    cache_bytes: usize,
+    change: impl Fn(&Capture, usize, usize) -> Result<Frame> + Send + Sync + 'static,
 ) -> Capture {
     let source = Arc::new(DerivedFrames { original: capture.clone(), change });
     let original: &CaptureParts = capture;

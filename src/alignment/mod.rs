@@ -1,7 +1,7 @@
-//! What the rig got wrong: the color lens, poses and exposures, measured from what several cameras see, and mended where it pays.
+//! What the rig got wrong: the color lens, poses, exposures and clocks, measured from what several cameras see, and mended where it pays.
 //!
 //! ```text
-//! frames ─ reference views ─ surface samples ─ overlapping pairs ─▶ color lens ─▶ poses ─▶ exposure ─▶ corrected capture
+//! frames ─ reference views ─ surface samples ─ overlapping pairs ─▶ color lens ─▶ poses ─▶ exposure ─▶ clock ─▶ corrected capture
 //!                                             some of them fit, others judge ┘
 //! ```
 //!
@@ -14,6 +14,7 @@
 //! known: the mean stays.
 
 mod capture_correction;
+mod clock;
 mod color_lens;
 mod color_lens_matches;
 mod color_lens_search;
@@ -30,13 +31,16 @@ mod reference_view;
 mod registered_frames;
 mod report;
 mod residuals;
+mod shifted_frames;
 mod solver;
 mod surface_samples;
 mod view_alignment;
 mod view_corrections;
 
 pub use capture_correction::CaptureCorrection;
-pub use report::{AlignedCamera, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment};
+pub use report::{
+    AlignedCamera, AlignedClock, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment,
+};
 pub use view_alignment::align_view;
 pub use view_corrections::{CameraCorrection, CorrectedViews, Foretelling, Proven, ViewCorrections};
 
@@ -47,8 +51,9 @@ use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
+use clock::ClockCorrection;
 use color_lens_search::{LEAST_CAMERAS, LensCorrection};
-use corrected_frames::{FrameCorrection, corrected};
+use corrected_frames::FrameCorrection;
 use median::median;
 use overlaps::overlapping_pairs;
 use reference_view::ReferenceView;
@@ -96,7 +101,7 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     correction.lenses = lenses.iter().map(|lens| (lens.claimed, lens.found)).collect();
     let registered = correction.seen_through_lenses(capture);
     let capture = &registered;
-    let is_lens_alone = [settings.poses, settings.exposure].iter().all(|part| *part == Correction::Off);
+    let is_lens_alone = AlignSettings { lens: Correction::Off, ..settings.clone() } == AlignSettings::OFF;
     if is_lens_alone || cameras > MOST_CAMERAS {
         job.advance(1);
         let Some(looked) = looked.filter(|_| !lenses.is_empty()) else { return Ok(unchanged) };
@@ -120,9 +125,16 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     } else {
         Vec::new()
     };
+    let clocks = if settings.clock == Correction::Auto {
+        clock::align_clocks(&problem, capture, job)?
+    } else {
+        Vec::new()
+    };
     job.advance(1);
-    let is_kept =
-        !lenses.is_empty() || poses.iter().any(|pose| pose.kept) || gains.iter().any(|gain| gain.kept);
+    let is_kept = !lenses.is_empty()
+        || poses.iter().any(|pose| pose.kept)
+        || gains.iter().any(|gain| gain.kept)
+        || clocks.iter().any(ClockCorrection::shows);
     if !is_kept {
         return Ok(unchanged);
     }
@@ -136,10 +148,13 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         }
     };
     let corrections = (0..cameras).map(of_camera).collect();
-    let alignment = Alignment::new((capture, &problem), &lenses, &poses, &gains, before);
+    let alignment = Alignment::new((capture, &problem), &lenses, &poses, (&gains, &clocks), before);
     correction.cameras = problem.views.iter().map(|view| view.camera.clone()).collect();
     correction.frames = corrections;
-    let capture = corrected(capture, correction.cameras.clone(), correction.frames.clone());
+    if clocks.iter().any(|clock| clock.shift != 0) {
+        correction.late_frames = clocks.iter().map(|clock| clock.shift).collect();
+    }
+    let capture = correction.applied_to_seen(capture);
     Ok(Aligned { capture, alignment: Some(alignment), correction })
 }
 
@@ -174,7 +189,7 @@ impl LookedAt {
         let before = self.problem.pair_medians();
         let seen = Self::of(capture, &self.cameras);
         let problem = problem(&seen, Some(self.problem.pairs), job)?;
-        let mut alignment = Alignment::new((capture, &problem), lenses, &[], &[], before);
+        let mut alignment = Alignment::new((capture, &problem), lenses, &[], (&[], &[]), before);
         for pair in &mut alignment.pairs {
             pair.source = self.cameras[pair.source];
             pair.target = self.cameras[pair.target];

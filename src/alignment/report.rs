@@ -5,6 +5,7 @@ use std::fmt::Write;
 use glam::{DAffine3, DQuat};
 use serde::{Deserialize, Serialize};
 
+use super::clock::ClockCorrection;
 use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
 use super::exposure::GainCorrection;
@@ -43,6 +44,9 @@ pub struct AlignedCamera {
     /// How its colors were changed; `None` where they stay.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<AlignedExposure>,
+    /// How late its pictures were taken; `None` where no delay shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clock: Option<AlignedClock>,
     /// Whether its pose may be wrong, but what the cameras see does not tell in some direction.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub pose_is_weak: bool,
@@ -117,6 +121,24 @@ pub struct AlignedExposure {
     pub loss_se: f64,
 }
 
+/// How late a camera's pictures were taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct AlignedClock {
+    /// Later than those of most cameras by so many frames; negative: earlier.
+    pub frames: f64,
+    /// Its standard error.
+    pub frames_se: f64,
+    /// Whole frames by which the pictures were moved; 0 where they stay.
+    pub shifted: i64,
+    /// See [`AlignedPose::loss_before`]; 0 where nothing was moved.
+    pub loss_before: f64,
+    /// See [`AlignedPose::loss_after`].
+    pub loss_after: f64,
+    /// See [`AlignedPose::loss_se`].
+    pub loss_se: f64,
+}
+
 /// How far two cameras are apart about what both see, by the median.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -136,7 +158,7 @@ impl Alignment {
         (capture, problem): (&Capture, &Problem),
         lenses: &[LensCorrection],
         poses: &[PoseCorrection],
-        gains: &[GainCorrection],
+        (gains, clocks): (&[GainCorrection], &[ClockCorrection]),
         before: Vec<[f64; 2]>,
     ) -> Self {
         let of_camera = |camera: usize| {
@@ -153,7 +175,8 @@ impl Alignment {
                 loss_se: gain.judgment.standard_error,
             });
             let pose_is_weak = poses.get(camera).is_some_and(|pose| pose.is_weak);
-            AlignedCamera { name: capture.cameras[camera].name.clone(), pose, exposure, pose_is_weak }
+            let clock = clocks.get(camera).and_then(AlignedClock::new);
+            AlignedCamera { name: capture.cameras[camera].name.clone(), pose, exposure, clock, pose_is_weak }
         };
         let after = problem.pair_medians();
         let pairs = problem.pairs.iter().zip(before.into_iter().zip(after));
@@ -235,6 +258,21 @@ impl AlignedPose {
     }
 }
 
+impl AlignedClock {
+    /// `None` where no delay shows.
+    fn new(clock: &ClockCorrection) -> Option<Self> {
+        let ClockCorrection { delay, standard_error, shift, judgment } = clock;
+        clock.shows().then_some(Self {
+            frames: *delay,
+            frames_se: *standard_error,
+            shifted: *shift,
+            loss_before: judgment.before,
+            loss_after: judgment.after,
+            loss_se: judgment.standard_error,
+        })
+    }
+}
+
 impl AlignedLens {
     fn new(correction: &LensCorrection) -> Self {
         let LensCorrection { claimed, found, free, standard_errors, moved_px, judgment } = correction;
@@ -297,6 +335,12 @@ impl AlignedCamera {
         if let Some(AlignedExposure { stops: [r, g, b], stops_se, .. }) = &self.exposure {
             let error = stops_se.iter().fold(0.0_f64, |most, error| most.max(*error));
             parts.push(format!("red {r:+.2}, green {g:+.2}, blue {b:+.2} stops, ± {error:.2}"));
+        }
+        if let Some(AlignedClock { frames, frames_se, shifted, .. }) = &self.clock {
+            let (size, when) = (frames.abs(), if *frames > 0.0 { "late" } else { "early" });
+            let moved =
+                if *shifted == 0 { "left as it is".to_owned() } else { format!("moved by {}", -shifted) };
+            parts.push(format!("{size:.2} ± {frames_se:.2} frames {when}, {moved}"));
         }
         if self.pose_is_weak {
             parts.push("pose left as it is: what the cameras see does not tell it".to_owned());

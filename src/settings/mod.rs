@@ -51,12 +51,20 @@ section! {
         /// Whether colors are multiplied so that cameras agree about them: exposure and white balance. Views between them are exposed
         /// as they were, where that is foretold.
         exposure: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
+        /// Whether cameras whose pictures were taken whole frames later or earlier than those of most are moved in time. Fractions of a
+        /// frame are told.
+        clock: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
     }
 }
 
 impl AlignSettings {
     /// The capture as it claims to be.
-    pub const OFF: Self = Self { poses: Correction::Off, lens: Correction::Off, exposure: Correction::Off };
+    pub const OFF: Self = Self {
+        poses: Correction::Off,
+        lens: Correction::Off,
+        exposure: Correction::Off,
+        clock: Correction::Off,
+    };
 }
 
 section! {

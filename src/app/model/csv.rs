@@ -111,6 +111,7 @@ fn alignment(report: &Report) -> Vec<Row> {
                 ("red_stops", exposure.stops[0].to_string()),
                 ("green_stops", exposure.stops[1].to_string()),
                 ("blue_stops", exposure.stops[2].to_string()),
+                ("frames_late", camera.clock.unwrap_or_default().frames.to_string()),
                 ("pose_is_weak", camera.pose_is_weak.to_string()),
             ]
         })

@@ -21,6 +21,7 @@ const NAMES: &[(&str, &str)] = &[
     ("align.poses", "Correct poses"),
     ("align.lens", "Correct color lens"),
     ("align.exposure", "Correct exposure"),
+    ("align.clock", "Correct clocks"),
     ("normals.source", "Normals from"),
     ("normals.estimator", "Normal estimation"),
     ("normals.edge", "Depth edge"),

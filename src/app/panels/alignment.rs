@@ -51,6 +51,9 @@ fn camera_ui(ui: &mut Ui, camera: &AlignedCamera) {
         let [r, g, b] = stops;
         parts.push(format!("R {r:+.2} G {g:+.2} B {b:+.2} stops"));
     }
+    if let Some(clock) = &camera.clock {
+        parts.push(format!("{:+.2} frames late", clock.frames));
+    }
     if !parts.is_empty() {
         let line = ui.label(format!("{}: {}", camera.name, parts.join("; ")));
         line.on_hover_text(camera.sentence().unwrap_or_default());

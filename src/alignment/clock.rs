@@ -1,0 +1,332 @@
+//! Clocks: how late the pictures of each camera are, in frames.
+//!
+//! Purpose: what moves lies elsewhere in a camera whose frames were taken later. Source: the distance of a moving surface from where
+//! another camera saw it passes zero linearly where both look at the same moment, so that one Newton step finds the fraction of a
+//! frame (as temporal alignment of image sequences does: Y. Caspi and M. Irani, *Spatio-Temporal Alignment of Sequences*, PAMI 2002).
+//! What differs: the residuals are those of poses, point to plane and brightness, and their rate of change is measured between the
+//! frames before and after.
+//!
+//! Only differences between cameras are known: the clock of most cameras stays. Whole frames are corrected, fractions are told.
+
+use rayon::prelude::*;
+
+use super::judge::Judgment;
+use super::median::{MEDIAN_PER_SIGMA, median};
+use super::normal_equations::NormalEquations;
+use super::reference_view::ReferenceView;
+use super::residuals::PairOfViews;
+use super::solver::{Problem, TUKEY, loss};
+use super::surface_samples::{SurfaceSample, surface_samples};
+use crate::capture::Capture;
+use crate::error::Result;
+use crate::job::Job;
+
+/// Delays that are looked for where the first look finds any, frames.
+const MOST_FRAMES: i64 = 4;
+/// Moments at which cameras are compared.
+const MOMENTS: usize = 2;
+/// Samples of a picture among which those that move are looked for.
+const SAMPLES: usize = 12_000;
+/// Distances beyond this are other surfaces, footprints.
+const GATE: f64 = 20.0;
+/// The resolution at which brightness is compared: coarse, as it changes linearly only over a part of its texture.
+const LEVEL: usize = 2;
+/// A pair with fewer moving samples tells nothing.
+const LEAST_SAMPLES: usize = 30;
+/// Residuals are uncertain by at least so much: footprints, and brightness.
+const LEAST_SIGMAS: [f64; 2] = [0.1, 0.01];
+/// What changes less from frame to frame does not move.
+const LEAST_RATES: [f64; 2] = [0.3, 0.02];
+/// Delays below this do not show, frames.
+const LEAST_DELAY: f64 = 0.1;
+/// Neighboring samples are not independent: standard errors are so many times larger.
+const INFLATION: f64 = 3.0;
+/// The first look finds no delay where all pairs agree within this, frames.
+const IN_TIME: f64 = 0.08;
+
+/// What was found of one camera's clock.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ClockCorrection {
+    /// How much later than those of most cameras its pictures were taken, and the standard error, frames.
+    pub(crate) delay: f64,
+    pub(crate) standard_error: f64,
+    /// Whole frames by which its pictures are moved; 0 where that does not pay.
+    pub(crate) shift: i64,
+    pub(crate) judgment: Judgment,
+}
+
+impl ClockCorrection {
+    /// Whether there is anything to tell: the delay is neither too small to show nor chance.
+    pub(crate) fn shows(&self) -> bool {
+        self.delay.abs() > LEAST_DELAY && self.delay.abs() > 3.0 * self.standard_error
+    }
+}
+
+/// One camera around one moment.
+struct Moment {
+    /// Views of the frames around, the moment's own in the middle.
+    views: Vec<ReferenceView>,
+    /// What moves at the moment.
+    moving: Vec<SurfaceSample>,
+}
+
+/// The residuals of one moving sample at every frame that was looked at: distance and brightness; `None` where it is not seen.
+struct Track {
+    residuals: Vec<[Option<f64>; 2]>,
+    judges: bool,
+}
+
+/// All moving samples of one camera in another one.
+struct PairTracks {
+    pair: [usize; 2],
+    tracks: Vec<Track>,
+}
+
+/// How much later the source of a pair was taken than its target.
+struct Difference {
+    frames: f64,
+    weight: f64,
+}
+
+/// Finds clocks. The problem has the poses that were found; `capture` is what it was made of.
+///
+/// # Errors
+/// Whatever the capture gives (naming file and frame), and `Cancelled`.
+pub(crate) fn align_clocks(problem: &Problem, capture: &Capture, job: &Job) -> Result<Vec<ClockCorrection>> {
+    let cameras = capture.cameras.len();
+    let none = vec![ClockCorrection::default(); cameras];
+    let first = tracks(problem, capture, 1, job)?;
+    let is_in_time =
+        |pair: &PairTracks| pair.difference(0, 1).is_none_or(|found| found.frames.abs() < IN_TIME);
+    if first.iter().all(is_in_time) {
+        return Ok(none);
+    }
+    // Moments lie a quarter of the capture from its ends.
+    let reach = (MOST_FRAMES + 1).min(capture.frame_count() as i64 / 4).max(1);
+    let pairs = if reach > 1 { tracks(problem, capture, reach, job)? } else { first };
+    let found: Vec<([usize; 2], Difference)> =
+        pairs.iter().filter_map(|pair| Some((pair.pair, pair.widest_difference(reach)?))).collect();
+    let mut clocks = solved(&found, cameras);
+    let shifts: Vec<i64> = clocks.iter().map(|clock| clock.delay.round() as i64).collect();
+    for (camera, clock) in clocks.iter_mut().enumerate().filter(|(camera, _)| shifts[*camera] != 0) {
+        clock.judgment = judged(camera, &shifts, &pairs, reach);
+        let is_sure = clock.delay.abs() > 3.0 * clock.standard_error;
+        clock.shift = if is_sure && clock.judgment.pays() { shifts[camera] } else { 0 };
+    }
+    Ok(clocks)
+}
+
+/// Follows what moves in every camera through frames up to `reach` away in the others.
+fn tracks(problem: &Problem, capture: &Capture, reach: i64, job: &Job) -> Result<Vec<PairTracks>> {
+    let frames = capture.frame_count() as i64;
+    let mut pairs: Vec<PairTracks> =
+        problem.pairs.iter().map(|pair| PairTracks { pair: *pair, tracks: Vec::new() }).collect();
+    for moment in 0..MOMENTS as i64 {
+        let at = frames * (2 * moment + 1) / (2 * MOMENTS as i64);
+        if at - reach < 0 || at + reach >= frames {
+            continue;
+        }
+        let seen = (0..capture.cameras.len()).into_par_iter();
+        let seen = seen.map(|camera| Moment::new(problem, capture, camera, at, reach, job));
+        let seen: Vec<Moment> = seen.collect::<Result<_>>()?;
+        pairs.par_iter_mut().for_each(|pair| {
+            let [source, target] = pair.pair.map(|camera| &seen[camera]);
+            let gains = pair.pair.map(|camera| problem.log_gains[camera]);
+            pair.tracks.extend(source.tracks_in(target, gains, problem));
+        });
+    }
+    Ok(pairs)
+}
+
+impl Moment {
+    fn new(
+        problem: &Problem,
+        capture: &Capture,
+        camera: usize,
+        at: i64,
+        reach: i64,
+        job: &Job,
+    ) -> Result<Self> {
+        let own = &problem.views[camera].camera;
+        let view = |frame: i64| {
+            job.check()?;
+            Ok(ReferenceView::new(own.clone(), capture.frame(camera, frame as usize)?, None))
+        };
+        let views: Vec<ReferenceView> = (at - reach..=at + reach).map(view).collect::<Result<_>>()?;
+        let middle = reach as usize;
+        let others = [&views[middle - 1], &views[middle + 1]];
+        let changes = others.map(|other| {
+            ReferenceView::new(own.clone(), views[middle].frame.clone(), Some(&other.frame)).is_still
+        });
+        let moves = |sample: &SurfaceSample| {
+            let (x, y) = (sample.pixel.x as usize, sample.pixel.y as usize);
+            changes.iter().flatten().any(|still| !still[(x, y)])
+        };
+        let moving = surface_samples(&views[middle], SAMPLES).into_iter().filter(moves).collect();
+        Ok(Self { views, moving })
+    }
+
+    fn tracks_in(&self, target: &Self, gains: [f64; 2], problem: &Problem) -> Vec<Track> {
+        let source = &self.views[self.views.len() / 2];
+        let pairs: Vec<PairOfViews<'_>> = target
+            .views
+            .iter()
+            .map(|view| PairOfViews::new([source, view], gains, problem.scale, false))
+            .collect();
+        let track = |sample: &SurfaceSample| {
+            let seen = |pair: &PairOfViews<'_>| {
+                let terms = pair.terms(sample, LEVEL, GATE);
+                terms
+                    .map_or([None; 2], |terms| [terms.distance, terms.color].map(|term| Some(term?.residual)))
+            };
+            Track { residuals: pairs.iter().map(seen).collect(), judges: sample.judges }
+        };
+        self.moving.iter().map(track).collect()
+    }
+}
+
+impl PairTracks {
+    /// How late the source is, looked at beside the target's frame `offset` after its own, where frames up to `reach` away are known;
+    /// `None` where too little moves.
+    fn difference(&self, offset: i64, reach: i64) -> Option<Difference> {
+        let middle = (reach + offset) as usize;
+        let (mut products, mut squares, mut counted) = (0.0, 0.0, 0);
+        for kind in [0, 1] {
+            let fitting = self.tracks.iter().filter(|track| !track.judges);
+            let moving: Vec<[f64; 2]> = fitting
+                .filter_map(|track| {
+                    let [before, now, after] =
+                        [middle - 1, middle, middle + 1].map(|at| track.residuals[at][kind]);
+                    let rate = 0.5 * (after? - before?);
+                    (rate.abs() > LEAST_RATES[kind]).then_some([now?, rate])
+                })
+                .collect();
+            let Some(start) = weighted_median(&moving) else { continue };
+            counted += moving.len();
+            let (product, square) = least_squares(&moving, start, LEAST_SIGMAS[kind]);
+            products += product;
+            squares += square;
+        }
+        (counted >= LEAST_SAMPLES && squares > 0.0)
+            .then(|| Difference { frames: offset as f64 + products / squares, weight: squares })
+    }
+
+    /// As [`PairTracks::difference`], beside the frame of the target that fits best.
+    fn widest_difference(&self, reach: i64) -> Option<Difference> {
+        let offsets = 1 - reach..reach;
+        let best = offsets.min_by(|a, b| self.loss(*a, reach).total_cmp(&self.loss(*b, reach)))?;
+        let found = self.difference(best, reach)?;
+        // One more step where the fraction leads to another frame.
+        let nearest = (found.frames.round() as i64).clamp(1 - reach, reach - 1);
+        if nearest == best { Some(found) } else { self.difference(nearest, reach) }
+    }
+
+    /// Mean loss of the samples that fit, beside the target's frame `offset` after the source's own.
+    fn loss(&self, offset: i64, reach: i64) -> f64 {
+        let fitting = self.tracks.iter().filter(|track| !track.judges);
+        let losses: Vec<f64> = fitting.filter_map(|track| track.loss((reach + offset) as usize)).collect();
+        losses.iter().sum::<f64>() / losses.len().max(1) as f64
+    }
+}
+
+impl Track {
+    /// From 0 to 2; `None` where the sample is seen beside no frame at all.
+    fn loss(&self, at: usize) -> Option<f64> {
+        self.residuals.iter().flatten().flatten().next()?;
+        let wide = [GATE / TUKEY, 0.1];
+        let of = |kind: usize| self.residuals[at][kind].map_or(1.0, |off| loss(off, wide[kind]));
+        Some(of(0) + of(1))
+    }
+}
+
+/// The delay that most of the motion speaks for: the median of `−residual / rate`, each counting by its rate.
+fn weighted_median(moving: &[[f64; 2]]) -> Option<f64> {
+    let mut delays: Vec<[f64; 2]> = moving.iter().map(|[now, rate]| [-now / rate, rate.abs()]).collect();
+    delays.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let total: f64 = delays.iter().map(|delay| delay[1]).sum();
+    let mut sum = 0.0;
+    delays
+        .iter()
+        .find(|delay| {
+            sum += delay[1];
+            2.0 * sum >= total
+        })
+        .map(|delay| delay[0])
+}
+
+/// Sums of the weighted least squares for the delay, from where `start` is: its right side and its matrix.
+fn least_squares(moving: &[[f64; 2]], start: f64, least_sigma: f64) -> (f64, f64) {
+    const ROUNDS: usize = 4;
+    let mut delay = start;
+    let (mut product, mut square) = (0.0, 0.0);
+    for _ in 0..ROUNDS {
+        let left = |[now, rate]: &[f64; 2]| now + delay * rate;
+        let mut magnitudes: Vec<f64> = moving.iter().map(|moved| left(moved).abs()).collect();
+        let sigma = (median(&mut magnitudes).unwrap_or_default() / MEDIAN_PER_SIGMA).max(least_sigma);
+        (product, square) = (0.0, 0.0);
+        for moved in moving {
+            let relative = left(moved) / (TUKEY * sigma);
+            if relative.abs() < 1.0 {
+                let weight = ((1.0 - relative * relative) / sigma).powi(2);
+                product -= weight * moved[0] * moved[1];
+                square += weight * moved[1] * moved[1];
+            }
+        }
+        if square <= 0.0 {
+            break;
+        }
+        delay = product / square;
+    }
+    (product, square)
+}
+
+/// The clocks that fit the differences best, that of the camera in the middle being right; nothing is judged yet.
+fn solved(found: &[([usize; 2], Difference)], cameras: usize) -> Vec<ClockCorrection> {
+    /// Keeps the mean where nothing tells it: far less than any difference weighs.
+    const PULL: f64 = 1e-6;
+    let mut equations = NormalEquations::new(cameras);
+    for ([source, target], Difference { frames, weight }) in found {
+        equations.add(*source, *source, *weight);
+        equations.add(*target, *target, *weight);
+        equations.add(*source, *target, -weight);
+        equations.right[*source] += weight * frames;
+        equations.right[*target] -= weight * frames;
+    }
+    for camera in 0..cameras {
+        equations.add(camera, camera, PULL);
+    }
+    let mut clocks = vec![ClockCorrection::default(); cameras];
+    let told: Vec<bool> =
+        (0..cameras).map(|camera| found.iter().any(|(pair, _)| pair.contains(&camera))).collect();
+    let Some(factor) = equations.factor() else { return clocks };
+    let delays = factor.solve(&equations.right);
+    let mut known: Vec<f64> =
+        (0..cameras).filter(|camera| told[*camera]).map(|camera| delays[camera]).collect();
+    let right = median(&mut known).unwrap_or(0.0);
+    for (camera, clock) in clocks.iter_mut().enumerate().filter(|(camera, _)| told[*camera]) {
+        clock.delay = delays[camera] - right;
+        let weights = found.iter().filter(|(pair, _)| pair.contains(&camera));
+        let weight: f64 = weights.map(|(_, difference)| difference.weight).sum();
+        clock.standard_error = INFLATION / weight.max(f64::MIN_POSITIVE).sqrt();
+    }
+    clocks
+}
+
+/// What the samples that took no part say about one camera's whole frames, the other cameras having theirs.
+fn judged(camera: usize, shifts: &[i64], pairs: &[PairTracks], reach: i64) -> Judgment {
+    let mut losses = Vec::new();
+    for PairTracks { pair, tracks } in pairs.iter().filter(|pair| pair.pair.contains(&camera)) {
+        let [source, target] = pair.map(|index| shifts[index]);
+        let [source_before, target_before] =
+            pair.map(|index| if index == camera { 0 } else { shifts[index] });
+        let at =
+            |difference: i64| usize::try_from(reach + difference).ok().filter(|at| *at <= 2 * reach as usize);
+        let Some((before, now)) = at(source_before - target_before).zip(at(source - target)) else {
+            continue;
+        };
+        for track in tracks.iter().filter(|track| track.judges) {
+            losses.extend(track.loss(before).zip(track.loss(now)).map(|(before, now)| [before, now]));
+        }
+    }
+    Judgment::of(&losses)
+}
