@@ -192,13 +192,13 @@ fn where_geometry_does_not_tell_a_pose_it_is_said_and_nothing_is_changed() {
 struct Late {
     demo: Demo,
     cameras: Vec<Camera>,
-    late: usize,
-    frames_late: i64,
+    camera: usize,
+    by: i64,
 }
 
 impl FrameSource for Late {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        let late = if camera == self.late { self.frames_late } else { 0 };
+        let late = if camera == self.camera { self.by } else { 0 };
         let at = (FAST * frame as i64 + late).max(0);
         Ok(self.demo.render(&self.cameras[camera], at as usize))
     }
@@ -216,8 +216,8 @@ fn late_by(fast_frames: i64) -> Capture {
     let spec = DemoSpec::new("orrery").frames(48 * FAST as usize).size((240, 180));
     let demo = Demo::new(&spec).unwrap();
     let parts: CaptureParts = (*demo.capture(&CaptureSettings::default())).clone();
-    let (cameras, late) = (parts.cameras.clone(), 1);
-    let source = Arc::new(Late { demo, cameras, late, frames_late: fast_frames });
+    let (cameras, camera) = (parts.cameras.clone(), 1);
+    let source = Arc::new(Late { demo, cameras, camera, by: fast_frames });
     let frame_numbers = (0..FRAMES as i64).collect();
     Capture::new(CaptureParts { source, frame_numbers, ..parts }, 1 << 28)
 }

@@ -11,7 +11,7 @@ use overlook::job::Job;
 use overlook::preprocess::diagnostics::{CalibrationWarning, Report, calibration_warnings};
 use overlook::preprocess::pruning::{Rule, Verdict};
 use overlook::preprocess::{inspect_frame, preprocess, scan};
-use overlook::settings::{NormalSource, PruningMethod, Settings};
+use overlook::settings::{AlignSettings, NormalSource, PruningMethod, Settings};
 use scene::{Scene, Sphere, arc};
 
 const FRAMES: usize = 8;
@@ -67,8 +67,13 @@ fn record_turned(count: usize, radians: f64) -> Capture {
     capture
 }
 
+/// Cameras are taken as they claim to be: what is told here is what would else be corrected.
+fn as_claimed() -> Settings {
+    Settings { align: AlignSettings::OFF, ..Settings::default() }
+}
+
 fn report_of(capture: &Capture) -> Report {
-    preprocess(capture, &Settings::default(), &Job::new()).unwrap().report
+    preprocess(capture, &as_claimed(), &Job::new()).unwrap().report
 }
 
 fn doubts_of(report: &Report) -> Vec<CalibrationWarning> {
@@ -82,7 +87,9 @@ fn radians(pixels: f64) -> f64 {
 
 #[test]
 fn correct_cameras_agree_and_nobody_is_doubted() {
-    let report = report_of(&record_late(arc(4, 96), 0));
+    let capture = record_late(arc(4, 96), 0);
+    let report = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().report;
+    assert_eq!(report.alignment, None, "what is right is left alone");
     assert_eq!(report.residuals.len(), 4);
     for (a, row) in report.residuals.iter().enumerate() {
         for (b, pair) in row.iter().enumerate() {
@@ -204,17 +211,17 @@ fn a_camera_that_is_late_is_doubted_over_what_moves_alone() {
 
 #[test]
 fn a_wrong_camera_costs_samples_and_nothing_else() {
-    let mut off = Settings::default();
+    let mut off = as_claimed();
     off.pruning.method = PruningMethod::Off;
     let capture = record_turned(4, radians(2.0));
     let all = preprocess(&capture, &off, &Job::new()).unwrap().report.samples_kept;
-    let wrong = preprocess(&capture, &Settings::default(), &Job::new()).unwrap();
+    let wrong = preprocess(&capture, &as_claimed(), &Job::new()).unwrap();
     let correct = report_of(&record_turned(4, 0.0)).samples_kept;
     // The three others still stand for each other, and nothing is dropped without a witness.
     assert!(correct < wrong.report.samples_kept, "{correct} {}", wrong.report.samples_kept);
     assert!(wrong.report.samples_kept < all * 9 / 10, "{} of {all}", wrong.report.samples_kept);
-    let scan = scan(&capture, &Settings::default(), &Job::new()).unwrap();
-    let inspection = inspect_frame(&capture, Some(&scan), &Settings::default(), 3, &Job::new()).unwrap();
+    let scan = scan(&capture, &as_claimed(), &Job::new()).unwrap();
+    let inspection = inspect_frame(&capture, Some(&scan), &as_claimed(), 3, &Job::new()).unwrap();
     let verdicts: Vec<_> = inspection.cameras.iter().map(|camera| camera.verdict.as_slice()).collect();
     let dropped = verdicts.iter().flat_map(|verdicts| verdicts.iter()).filter(|verdict| !verdict.is_kept());
     // What at least two of the right cameras look past is the wrong one's alone.
@@ -237,7 +244,7 @@ fn normals_in_another_space_than_the_poses_are_told_once_for_all_cameras() {
         let calibration_warnings = preprocess(&capture, settings, &Job::new()).unwrap().report.warnings();
         calibration_warnings.into_iter().filter(|doubt| doubt.contains("normal_space")).collect()
     };
-    let mut settings = Settings::default();
+    let mut settings = as_claimed();
     let told = of_normals(&settings);
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(told[0].starts_with("the normals of cameras 'arc0', 'arc1', 'arc2' and 1 more"), "{told:?}");
