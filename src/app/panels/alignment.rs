@@ -52,7 +52,7 @@ fn camera_ui(ui: &mut Ui, camera: &AlignedCamera) {
         parts.push(format!("R {r:+.2} G {g:+.2} B {b:+.2} stops"));
     }
     if let Some(clock) = &camera.clock {
-        parts.push(format!("{:+.2} frames late", clock.frames));
+        parts.push(format!("late by {:+.2} of a frame", clock.frames));
     }
     if !parts.is_empty() {
         let line = ui.label(format!("{}: {}", camera.name, parts.join("; ")));
