@@ -76,6 +76,19 @@ fn one_wrong_pose_is_found_and_the_right_ones_keep_every_bit() {
 }
 
 #[test]
+fn the_farther_apart_cameras_were_the_more_their_pairs_say() {
+    let right = capture("orrery", 0.0);
+    let apart = |distance: f64| {
+        let found = aligned(&misplaced(&right, |index| index == 2, 0.0, distance)).alignment.unwrap();
+        let of_camera = found.pairs.iter().filter(|pair| [pair.source, pair.target].contains(&2));
+        of_camera.fold([0.0_f64; 2], |most, pair| [0, 1].map(|when| most[when].max(pair.footprints[when])))
+    };
+    let [few, many] = [0.05, 0.2].map(apart);
+    assert!(many[0] > 2.0 * few[0] && few[0] > 0.5, "before: {few:?}, {many:?} footprints");
+    assert!(few[1] < 0.1 && many[1] < 0.1, "after: {few:?}, {many:?} footprints");
+}
+
+#[test]
 fn poses_that_are_all_wrong_are_found_relative_to_each_other() {
     let right = capture("orrery", 0.0);
     // The last camera sees one globe and little else. Turning about it changes only its fine texture, which is found again from half a

@@ -11,9 +11,12 @@ use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
 
+/// How far apart samples of one surface may be at first, footprints: as far as poses are looked for.
+pub(super) const WIDEST_GATE: f64 = 60.0;
+
 /// From errors of tens of footprints to hundredths.
 const STAGES: [Stage; 5] = [
-    Stage { gate: 60.0, level: 3, steps: 4 },
+    Stage { gate: WIDEST_GATE, level: 3, steps: 4 },
     Stage { gate: 30.0, level: 3, steps: 5 },
     Stage { gate: 15.0, level: 2, steps: 5 },
     Stage { gate: 8.0, level: 1, steps: 5 },

@@ -3,14 +3,15 @@
 use std::fmt::Write;
 
 use glam::{DAffine3, DQuat};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::clock::ClockCorrection;
 use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
 use super::exposure::GainCorrection;
-use super::median::MEDIAN_PER_SIGMA;
-use super::poses::PoseCorrection;
+use super::median::median;
+use super::poses::{PoseCorrection, WIDEST_GATE};
 use super::registered_frames::color_camera;
 use super::solver::Problem;
 use super::view_corrections::{CameraCorrection, CorrectedViews, ViewCorrections};
@@ -350,12 +351,21 @@ impl AlignedCamera {
 }
 
 impl Problem {
-    /// The median distance (footprints) and difference of brightness of each pair.
+    /// The median distance (footprints) and difference of brightness of each pair, as they are: what is solved for weighs them
+    /// within a narrower gate, in which pairs that are far apart would all look the same. Where no sample of a pair is seen, the
+    /// gate stands for the distance and 0 for the brightness.
     pub(super) fn pair_medians(&self) -> Vec<[f64; 2]> {
-        self.finest_weighing()
-            .pairs
-            .iter()
-            .map(|pair| pair.sigmas.map(|sigma| MEDIAN_PER_SIGMA * sigma))
-            .collect()
+        let of_pair = |pair: &[usize; 2]| {
+            let views = self.pair(*pair);
+            let (mut distances, mut brightness) = (Vec::new(), Vec::new());
+            for sample in &self.samples[pair[0]] {
+                if let Some(terms) = views.terms(sample, 0, WIDEST_GATE) {
+                    distances.extend(terms.distance.map(|term| term.residual.abs()));
+                    brightness.extend(terms.color.map(|term| term.residual.abs()));
+                }
+            }
+            [median(&mut distances).unwrap_or(WIDEST_GATE), median(&mut brightness).unwrap_or_default()]
+        };
+        self.pairs.par_iter().map(of_pair).collect()
     }
 }
