@@ -2,34 +2,33 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/said.rs"]
+mod said;
 
 use std::path::Path;
 
-use command::{overlook, scene, succeed};
+use command::{overlook, scene};
+use said::{fail, succeed};
 use serde_json::{Value, json};
 
 /// Evaluates `scene` with pictures of other programs.
 fn evaluated(folder: &Path, pictures: &[&str]) -> (Value, String) {
     let mut arguments = vec!["evaluate", "scene", "--json", "--error-maps", "maps"];
     arguments.extend(pictures.iter().flat_map(|pictures| ["--pictures", pictures]));
-    let output = succeed(overlook(folder, &arguments));
+    let output = command::succeed(overlook(folder, &arguments));
     (serde_json::from_slice(&output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
 }
 
 /// The one line that an evaluation with such pictures says, which must fail.
 fn trouble(folder: &Path, pictures: &str) -> String {
-    let output = overlook(folder, &["evaluate", "scene", "--pictures", pictures]).output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
-    let text = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(text.trim().lines().count(), 1, "{text}");
-    text
+    fail(folder, &["evaluate", "scene", "--pictures", pictures], 1)
 }
 
 /// Renders the viewpoints of `scene` into a folder `other`, as PNG alone.
 fn rendered(folder: &Path) {
-    succeed(overlook(folder, &["preprocess", "scene", "--out", "scene.ovl"]));
+    succeed(folder, &["preprocess", "scene", "--out", "scene.ovl"]);
     let render = ["render", "scene.ovl", "--views", "scene/novel/transforms.json", "--out", "other"];
-    succeed(overlook(folder, &render));
+    succeed(folder, &render);
     for place in std::fs::read_dir(folder.join("other")).unwrap().map(|entry| entry.unwrap().path()) {
         for file in place.read_dir().into_iter().flatten().map(|entry| entry.unwrap().path()) {
             if file.extension().is_some_and(|extension| extension == "exr") {

@@ -3,25 +3,15 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/said.rs"]
+mod said;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use command::{overlook, scene};
+use command::scene;
+use said::{fail, succeed};
 use serde_json::Value;
-
-fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    String::from_utf8(command::succeed(overlook(folder, arguments)).stdout).unwrap()
-}
-
-/// The one line that a command which must fail says.
-fn fail(folder: &Path, arguments: &[&str]) -> String {
-    let output = overlook(folder, arguments).output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stdout));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(said.lines().count(), 1, "{said}");
-    said
-}
 
 /// All files of results below a folder, by their names: neither parts nor journals.
 fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -118,7 +108,7 @@ fn a_sweep_in_parts_gives_the_files_of_one_piece() {
 
     // Parts of other settings and of another capture are refused by name.
     let said =
-        fail(folder, &[&sweep(&["--join", "3"])[..], &["--set", "pruning.normal_tolerance=20"]].concat());
+        fail(folder, &[&sweep(&["--join", "3"])[..], &["--set", "pruning.normal_tolerance=20"]].concat(), 1);
     assert!(
         said.contains("sweep.part-1-of-3: was made from another state of the list of settings"),
         "{said}"
@@ -127,7 +117,7 @@ fn a_sweep_in_parts_gives_the_files_of_one_piece() {
     let text = std::fs::read_to_string(&manifest).unwrap();
     std::fs::write(&manifest, text + "\n").unwrap();
     succeed(folder, &sweep(&["--part", "1/3"]));
-    let said = fail(folder, &sweep(&["--join", "3"]));
+    let said = fail(folder, &sweep(&["--join", "3"]), 1);
     assert!(
         said.contains("sweep.part-2-of-3") && said.contains("another state of the capture or its truth"),
         "{said}"
@@ -153,7 +143,7 @@ fn a_stress_test_in_parts_gives_the_files_of_one_piece() {
     take_times(&folder.join("out"), "stress", 2);
     succeed(folder, &stress(&[]));
     are_same(&joined, &results(&folder.join("out")));
-    let said = fail(folder, &stress(&["--join", "3"]));
+    let said = fail(folder, &stress(&["--join", "3"]), 1);
     assert!(said.contains("stress.part-1-of-3: is missing"), "{said}");
 }
 
@@ -209,7 +199,7 @@ fn views_painted_in_parts_are_those_of_one_piece_and_a_part_goes_on_where_it_was
     std::fs::remove_file(folder.join(part)).unwrap();
     std::fs::remove_file(&picture).unwrap();
     std::fs::create_dir(&picture).unwrap();
-    fail(folder, &render("parts", &["--part", "1/4"]));
+    fail(folder, &render("parts", &["--part", "1/4"]), 1);
     assert!(!folder.join(part).exists());
     let first = lines(journal)[0].clone();
     std::fs::remove_dir(&picture).unwrap();
@@ -218,7 +208,7 @@ fn views_painted_in_parts_are_those_of_one_piece_and_a_part_goes_on_where_it_was
     are_same(&results(&folder.join("whole")), &results(&folder.join("parts")));
 
     std::fs::write(&picture, "no picture").unwrap();
-    let said = fail(folder, &render("parts", &["--join", "4"]));
+    let said = fail(folder, &render("parts", &["--join", "4"]), 1);
     assert!(said.contains("changed since its part was made"), "{said}");
 }
 
@@ -242,7 +232,7 @@ fn films_in_parts_are_those_of_one_piece() {
     succeed(folder, &export("pictures", "parts", &["--join", "3"]));
     are_same(&results(&folder.join("whole")), &results(&folder.join("parts")));
     std::fs::remove_file(folder.join("parts/0003.png")).unwrap();
-    assert!(fail(folder, &export("pictures", "parts", &["--join", "3"])).contains("0003.exr"));
+    assert!(fail(folder, &export("pictures", "parts", &["--join", "3"]), 1).contains("0003.exr"));
 
     if std::process::Command::new("ffmpeg").arg("-version").output().is_ok() {
         succeed(folder, &export("video", "whole.mp4", &[]));
@@ -254,7 +244,7 @@ fn films_in_parts_are_those_of_one_piece() {
             ["whole.mp4", "parts.mp4"].map(|name| std::fs::read(folder.join(name)).unwrap());
         assert!(whole == joined && !whole.is_empty());
         let said =
-            fail(folder, &export("video", "parts.mp4", &["--join", "3", "--set", "render.kernel=point"]));
+            fail(folder, &export("video", "parts.mp4", &["--join", "3", "--set", "render.kernel=point"]), 1);
         assert!(
             said.contains("parts.mp4.part-1-of-3") && said.contains("another state of the settings"),
             "{said}"

@@ -2,23 +2,13 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/said.rs"]
+mod said;
 
 use std::path::{Path, PathBuf};
 
-use command::{overlook, scene};
-
-fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    String::from_utf8(command::succeed(overlook(folder, arguments)).stdout).unwrap()
-}
-
-/// The one line that a command which must fail says.
-fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = overlook(folder, arguments).output().unwrap();
-    assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stdout));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(said.lines().count(), 1, "{said}");
-    said
-}
+use command::scene;
+use said::{fail, succeed};
 
 fn demo(name: &str, more: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -26,7 +16,7 @@ fn demo(name: &str, more: &[&str]) -> tempfile::TempDir {
     folder
 }
 
-/// Does all stages in `of` parts, the parts in no order, and gives what each command is made of.
+/// Does all stages in `of` parts, the last part first.
 fn in_parts(folder: &Path, more: &[&str], of: usize) {
     let stage = |arguments: &[&str]| {
         let preprocess = ["preprocess", "scene", "--out", "parts.ovl", "--stage"];

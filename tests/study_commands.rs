@@ -2,25 +2,16 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "common/said.rs"]
+mod said;
 
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use command::{overlook, scene};
+use said::{fail, succeed};
 use serde_json::Value;
-
-/// What a command that must succeed prints.
-fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    String::from_utf8(command::succeed(overlook(folder, arguments)).stdout).unwrap()
-}
-
-/// The one line that a command which must fail says.
-fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = overlook(folder, arguments).output().unwrap();
-    assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stderr).unwrap()
-}
 
 fn json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()

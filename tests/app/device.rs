@@ -1,9 +1,10 @@
 //! A window that wgpu draws shows the GPU's pictures without copying them while they follow each other, and shows the same.
 
-use std::path::Path;
 use std::time::Duration;
 
-use super::driver::{SIZE, Window, click, demo, drop_on, pick, settle, shows, small_demo, wait};
+use super::driver::{
+    SIZE, Window, click, demo, drop_on, pick, settle, shows, small_capture, small_demo, wait,
+};
 use eframe::egui_wgpu::RenderState;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -85,7 +86,7 @@ fn a_scene_opened_in_motion_leaves_no_texture_behind() {
     set_in_motion(&mut window);
     let moving = window.state().live_texture().unwrap();
     assert!(drawing.renderer.read().texture(&moving).is_some());
-    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = small_capture();
     window.get_by_label("Play").click();
     drop_on(&mut window, &capture);
     wait(&mut window, "the other scene", |window| window.state().scene_name() == Some("small_capture"));

@@ -28,6 +28,28 @@ pub(crate) fn demo(cameras: usize, frames: usize, size: (u32, u32)) -> Start {
     Start::Demo(DemoSpec::new("orrery").cameras(cameras).frames(frames).size(size))
 }
 
+/// The small capture of a renderer's pictures that the repository carries.
+pub(crate) fn small_capture() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")
+}
+
+/// The small capture in a folder of the test's own, its manifest changed.
+pub(crate) fn changed_capture(folder: &Path, change: impl FnOnce(&mut serde_json::Value)) -> PathBuf {
+    let (from, to) = (small_capture(), folder.join("changed"));
+    for camera in ["cam0", "cam1", "cam2", "cam3"] {
+        std::fs::create_dir_all(to.join(camera)).unwrap();
+        for file in std::fs::read_dir(from.join(camera)).unwrap() {
+            let file = file.unwrap();
+            std::fs::copy(file.path(), to.join(camera).join(file.file_name())).unwrap();
+        }
+    }
+    let text = std::fs::read_to_string(from.join("transforms.json")).unwrap();
+    let mut manifest = serde_json::from_str(&text).unwrap();
+    change(&mut manifest);
+    std::fs::write(to.join("transforms.json"), manifest.to_string()).unwrap();
+    to
+}
+
 /// Opens a window of the given size.
 pub(crate) fn open(start: Start, size: [f32; 2]) -> Window {
     let builder: HarnessBuilder<OverlookApp> =

@@ -1,10 +1,8 @@
 //! Numbers and words beside the pictures: one whole in each panel, warnings that lead somewhere, fields that take what is typed.
 
-use std::path::{Path, PathBuf};
-
 use super::driver::{
-    SIZE, Window, choose, click, open, open_store, open_view, pick, save_store, settle, shows, small_demo,
-    wait,
+    SIZE, Window, changed_capture, choose, click, open, open_store, open_view, pick, save_store, settle,
+    shows, small_demo, wait,
 };
 use egui::{Event, Key};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -21,24 +19,6 @@ fn text_with(window: &Window, part: &str) -> String {
 fn percent_in(text: &str) -> f64 {
     let before = text.split('%').next().unwrap().trim_end();
     before.rsplit(|c: char| !c.is_ascii_digit() && c != '.').next().unwrap().parse().unwrap()
-}
-
-/// The small capture in a folder of the test's own, its manifest changed.
-fn changed_capture(folder: &Path, change: impl Fn(&mut serde_json::Value)) -> PathBuf {
-    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let to = folder.join("changed");
-    for camera in ["cam0", "cam1", "cam2", "cam3"] {
-        std::fs::create_dir_all(to.join(camera)).unwrap();
-        for file in std::fs::read_dir(from.join(camera)).unwrap() {
-            let file = file.unwrap();
-            std::fs::copy(file.path(), to.join(camera).join(file.file_name())).unwrap();
-        }
-    }
-    let text = std::fs::read_to_string(from.join("transforms.json")).unwrap();
-    let mut manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
-    change(&mut manifest);
-    std::fs::write(to.join("transforms.json"), manifest.to_string()).unwrap();
-    to
 }
 
 #[test]

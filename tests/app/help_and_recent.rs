@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use overlook::app::{OverlookApp, Start};
 
-use super::driver::{SIZE, Storage, Window, click, open, settle, shows, small_demo, wait};
+use super::driver::{SIZE, Storage, Window, click, open, settle, shows, small_capture, small_demo, wait};
 
 fn open_palette(window: &mut Window) {
     window.key_press_modifiers(Modifiers::COMMAND, Key::P);
@@ -66,7 +66,7 @@ fn what_was_open_before_is_offered_where_nothing_is_open() {
             OverlookApp::new(&cc.egui_ctx, Some(&*storage.lock().unwrap()), None, start).unwrap()
         })
     };
-    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = small_capture();
     let mut window = start(&capture);
     settle(&mut window);
     assert!(window.state().live_coverage().is_some(), "there is a picture to remember");

@@ -2,7 +2,7 @@
 
 use super::driver::{
     SIZE, Storage, Window, click, drag, drop_on, look_at, open, open_store, open_view, save_store, settle,
-    shows, small_demo, type_path, wait,
+    shows, small_capture, small_demo, type_path, wait,
 };
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
@@ -85,7 +85,7 @@ fn closing_while_pictures_are_written_asks_first() {
 
 #[test]
 fn a_camera_path_is_lost_only_after_a_question() {
-    let capture = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = small_capture();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     window.key_press(Key::K);

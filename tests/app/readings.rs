@@ -1,33 +1,13 @@
 //! Two readings of one capture: what is found is told and compared, and the capture stays as it is until a person says so.
 
-use std::path::{Path, PathBuf};
-
 use egui::Key;
 use egui_kittest::kittest::{NodeT, Queryable};
 use overlook::app::Start;
 use serde_json::json;
 
-use super::driver::{SIZE, Window, click, open, settle, shows, small_demo, wait};
-
-/// The small capture in a folder of the test's own, its manifest with these keys.
-pub(crate) fn capture_that_says(folder: &Path, keys: &serde_json::Value) -> PathBuf {
-    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
-    let to = folder.join("misread");
-    for camera in ["cam0", "cam1", "cam2", "cam3"] {
-        std::fs::create_dir_all(to.join(camera)).unwrap();
-        for file in std::fs::read_dir(from.join(camera)).unwrap() {
-            let file = file.unwrap();
-            std::fs::copy(file.path(), to.join(camera).join(file.file_name())).unwrap();
-        }
-    }
-    let text = std::fs::read_to_string(from.join("transforms.json")).unwrap();
-    let mut manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
-    for (key, value) in keys.as_object().unwrap() {
-        manifest[key] = value.clone();
-    }
-    std::fs::write(to.join("transforms.json"), manifest.to_string()).unwrap();
-    to
-}
+use super::driver::{
+    SIZE, Window, changed_capture, click, open, settle, shows, small_capture, small_demo, wait,
+};
 
 fn is_told(window: &Window) -> bool {
     window.state().notices().iter().any(|notice| notice.contains("another reading fits better"))
@@ -40,10 +20,11 @@ fn positions(window: &Window) -> Vec<[f64; 3]> {
 #[test]
 fn a_misread_capture_is_compared_side_by_side_and_opened_otherwise_only_by_a_button() {
     let folder = tempfile::tempdir().unwrap();
-    let capture = capture_that_says(folder.path(), &json!({"transform_direction": "world_to_camera"}));
+    let capture = changed_capture(folder.path(), |manifest| {
+        manifest["transform_direction"] = json!("world_to_camera");
+    });
     let manifest = std::fs::read(capture.join("transforms.json")).unwrap();
-    let mut right =
-        open(Start::Path(Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")), SIZE);
+    let mut right = open(Start::Path(small_capture()), SIZE);
     settle(&mut right);
     assert!(!is_told(&right), "{:?}", right.state().notices());
     let mut window = open(Start::Path(capture.clone()), SIZE);

@@ -13,7 +13,7 @@ use super::display::{
     can_drive_a_window, colors_of, colors_on, drag, picture_of, quit, start_display, start_program, wait_for,
     wait_for_pictures, xdotool,
 };
-use super::driver::{SIZE, open, settle};
+use super::driver::{SIZE, open, settle, small_capture};
 
 /// Mean brightness of the left end of the top bar, of 255.
 fn brightness_of_top_bar(display: &str, folder: &Path) -> f64 {
@@ -66,7 +66,7 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = small_capture();
     let store = folder.path().join("saved.ovl");
     let path = store.to_str().unwrap();
     let (_server, display) = start_display();
@@ -154,7 +154,7 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     }
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = small_capture();
     write_stand_in_for_ffmpeg(folder.path());
     let [pixel, line] = [("Source picture", 0.5), ("Depth tolerance on its histogram", 0.6)]
         .map(|(name, share)| place_of(name, &capture, share));

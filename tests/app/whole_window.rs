@@ -2,7 +2,7 @@
 
 use super::driver::{
     SIZE, Window, choose, click, demo, drag, drop_on, open, open_store, pick, save_store, settle, shows,
-    small_demo, type_path, wait,
+    small_capture, small_demo, type_path, wait,
 };
 use std::path::Path;
 
@@ -267,7 +267,7 @@ fn one_camera_and_one_frame_are_enough() {
 #[test]
 fn whatever_is_dropped_is_opened_or_the_message_says_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
-    let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
+    let capture = small_capture();
     let [empty, text, missing, broken, bare] =
         ["empty", "notes.txt", "gone.ovl", "broken", "bare"].map(|name| folder.path().join(name));
     std::fs::create_dir(&empty).unwrap();
