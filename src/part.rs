@@ -17,6 +17,9 @@ pub struct Part {
 }
 
 impl Part {
+    /// The only part of a piece of work that is not cut.
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
+
     /// The part with this number of `of` parts; `None` where there is no such part, or `of` exceeds [`MOST_PARTS`].
     #[must_use]
     pub fn new(number: u32, of: u32) -> Option<Self> {

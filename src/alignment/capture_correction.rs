@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::color_lens::ColorLens;
+use super::color_lens_search::LensCorrection;
 use super::corrected_frames::{FrameCorrection, corrected};
 use super::registered_frames::with_color_lenses;
 use super::shifted_frames::shifted;
@@ -23,6 +24,11 @@ pub struct CaptureCorrection {
 }
 
 impl CaptureCorrection {
+    /// That cameras have these color lenses; nothing else.
+    pub(super) fn of_lenses(lenses: &[LensCorrection]) -> Self {
+        Self { lenses: lenses.iter().map(|lens| (lens.claimed, lens.found)).collect(), ..Self::default() }
+    }
+
     /// The capture without what was wrong. It must be the one that was measured.
     #[must_use]
     pub fn applied(&self, capture: &Capture) -> Capture {

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::judge::Judgment;
 use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
-use super::reference_view::ReferenceView;
+use super::reference_view::{ReferenceView, still_pixels};
 use super::residuals::PairOfViews;
 use super::solver::{Problem, TUKEY, loss};
 use super::surface_samples::{SurfaceSample, surface_samples};
@@ -155,12 +155,10 @@ impl Moment {
         let views: Vec<ReferenceView> = (at - reach..=at + reach).map(view).collect::<Result<_>>()?;
         let middle = reach as usize;
         let others = [&views[middle - 1], &views[middle + 1]];
-        let changes = others.map(|other| {
-            ReferenceView::new(own.clone(), views[middle].frame.clone(), Some(&other.frame)).is_still
-        });
+        let still = others.map(|other| still_pixels(&views[middle].frame, &other.frame));
         let moves = |sample: &SurfaceSample| {
             let (x, y) = (sample.pixel.x as usize, sample.pixel.y as usize);
-            changes.iter().flatten().any(|still| !still[(x, y)])
+            still.iter().any(|still| !still[(x, y)])
         };
         let moving = surface_samples(&views[middle], SAMPLES).into_iter().filter(moves).collect();
         Ok(Self { views, moving })
@@ -285,12 +283,8 @@ fn solved(found: &[([usize; 2], Difference)], cameras: usize) -> Vec<ClockCorrec
     /// Keeps the mean where nothing tells it: far less than any difference weighs.
     const PULL: f64 = 1e-6;
     let mut equations = NormalEquations::new(cameras);
-    for ([source, target], Difference { frames, weight }) in found {
-        equations.add(*source, *source, *weight);
-        equations.add(*target, *target, *weight);
-        equations.add(*source, *target, -weight);
-        equations.right[*source] += weight * frames;
-        equations.right[*target] -= weight * frames;
+    for (pair, Difference { frames, weight }) in found {
+        equations.add_difference(*pair, *frames, *weight);
     }
     for camera in 0..cameras {
         equations.add(camera, camera, PULL);

@@ -8,9 +8,8 @@ use super::color_lens::Matches;
 use super::reference_view::ReferenceView;
 use super::solver::Problem;
 
-/// Two depths are of one surface where they differ by less, relative; an edge where neighbors differ by more.
+/// Two depths are of one surface where they differ by less, relative.
 const SAME_DEPTH_RELATIVE: f64 = 0.03;
-const EDGE_RELATIVE: f32 = 0.03;
 
 /// Samples of the first camera that the second one's depth confirms.
 pub(super) fn matches(problem: &Problem, pair: [usize; 2]) -> Matches<'_> {
@@ -27,18 +26,6 @@ pub(super) fn matches(problem: &Problem, pair: [usize; 2]) -> Matches<'_> {
 
 /// Whether the view has the depth of a point where it sees it, away from edges and from what moves.
 fn is_confirmed(view: &ReferenceView, point: DVec3) -> bool {
-    let Some(image) = view.camera.intrinsics.project(point) else { return false };
-    let depth = &view.frame.inverse_depth;
-    let (width, height) = depth.size();
-    if !(image.x >= 1.0 && image.y >= 1.0 && image.x < width as f64 - 1.0 && image.y < height as f64 - 1.0) {
-        return false;
-    }
-    let (x, y) = (image.x as usize, image.y as usize);
-    let here = depth[(x, y)];
-    let limit = EDGE_RELATIVE * here;
-    let neighbors = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)].map(|at| depth[at]);
-    here > 0.0
-        && view.is_still(x, y)
-        && (f64::from(here) * point.z - 1.0).abs() < SAME_DEPTH_RELATIVE
-        && neighbors.iter().all(|neighbor| *neighbor <= 0.0 || (neighbor - here).abs() <= limit)
+    let surface = view.camera.intrinsics.project(point).and_then(|image| view.surface_at(image));
+    surface.is_some_and(|(_, _, here)| (f64::from(here) * point.z - 1.0).abs() < SAME_DEPTH_RELATIVE)
 }

@@ -3,8 +3,7 @@
 use glam::{DMat3, Mat3, Vec3};
 use half::f16;
 
-use super::derived_frames::derived;
-use crate::capture::{Camera, Capture, Frame};
+use crate::capture::{Camera, Capture, Frame, with_changed_frames};
 
 /// What is changed about the frames of one camera.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -51,10 +50,11 @@ pub(crate) fn corrected(
     cameras: Vec<Camera>,
     corrections: Vec<FrameCorrection>,
 ) -> Capture {
-    if corrections.iter().all(|correction| *correction == FrameCorrection::NONE) {
-        let mut moved = capture.clone();
-        moved.cameras = cameras;
-        return moved;
-    }
-    derived(capture, cameras, CACHE_BYTES, move |camera, frame| corrections[camera].applied(frame))
+    let mut corrected = if corrections.iter().all(|correction| *correction == FrameCorrection::NONE) {
+        capture.clone()
+    } else {
+        with_changed_frames(capture, CACHE_BYTES, move |camera, _, frame| corrections[camera].applied(frame))
+    };
+    corrected.cameras = cameras;
+    corrected
 }

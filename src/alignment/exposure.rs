@@ -34,6 +34,11 @@ pub(crate) struct GainCorrection {
     pub(crate) judgment: Judgment,
 }
 
+/// What was kept of a camera's exposure.
+pub(super) fn kept_gain(gains: &[GainCorrection], camera: usize) -> Option<&GainCorrection> {
+    gains.get(camera).filter(|gain| gain.kept)
+}
+
 /// The logarithms of colors of two cameras at one sample: the sample's own, and what the other shows.
 struct Reading {
     own: [f64; 3],
@@ -85,13 +90,8 @@ fn solved(ratios: &[Ratio], cameras: usize) -> Vec<GainCorrection> {
     let mut corrections = vec![none; cameras];
     for channel in 0..3 {
         let mut equations = NormalEquations::new(cameras);
-        for Ratio { pair: [a, b], difference, weight, .. } in ratios {
-            let weight = weight[channel];
-            equations.add(*a, *a, weight);
-            equations.add(*b, *b, weight);
-            equations.add(*a, *b, -weight);
-            equations.right[*a] += weight * difference[channel];
-            equations.right[*b] -= weight * difference[channel];
+        for Ratio { pair, difference, weight, .. } in ratios {
+            equations.add_difference(*pair, difference[channel], weight[channel]);
         }
         hold_mean(&mut equations);
         let Some(factor) = equations.factor() else { continue };

@@ -19,7 +19,6 @@ mod color_lens;
 mod color_lens_matches;
 mod color_lens_search;
 mod corrected_frames;
-mod derived_frames;
 mod exposure;
 mod judge;
 mod median;
@@ -42,7 +41,7 @@ pub use report::{
     AlignedCamera, AlignedClock, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment,
 };
 pub use view_alignment::align_view;
-pub use view_corrections::{CameraCorrection, CorrectedViews, Foretelling, Proven, ViewCorrections};
+pub use view_corrections::{CameraCorrection, CorrectedViews, CrossValidation, Predictors, ViewCorrections};
 
 use glam::DMat3;
 use rayon::prelude::*;
@@ -54,6 +53,7 @@ use crate::settings::{AlignSettings, Correction};
 use clock::ClockCorrection;
 use color_lens_search::{LEAST_CAMERAS, LensCorrection};
 use corrected_frames::FrameCorrection;
+use exposure::kept_gain;
 use median::median;
 use overlaps::overlapping_pairs;
 use reference_view::ReferenceView;
@@ -72,6 +72,13 @@ pub struct Aligned {
     pub correction: CaptureCorrection,
 }
 
+impl Aligned {
+    /// The capture as it claims to be.
+    fn unchanged(capture: &Capture) -> Self {
+        Self { capture: capture.clone(), alignment: None, correction: CaptureCorrection::default() }
+    }
+}
+
 /// Samples of each camera, about; with many cameras fewer.
 const SAMPLES: usize = 2400;
 const FEWEST_SAMPLES: usize = 1000;
@@ -85,11 +92,9 @@ const MOST_CAMERAS: usize = 400;
 /// # Errors
 /// Whatever the capture gives (naming file and frame), and `Cancelled`.
 pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<Aligned> {
-    let mut correction = CaptureCorrection::default();
-    let unchanged = Aligned { capture: capture.clone(), alignment: None, correction: correction.clone() };
     let cameras = capture.cameras.len();
     if *settings == AlignSettings::OFF || cameras < 2 || capture.frame_count() == 0 {
-        return Ok(unchanged);
+        return Ok(Aligned::unchanged(capture));
     }
     job.start("Aligning cameras", 1);
     let (lenses, looked) = if settings.lens == Correction::Auto {
@@ -98,24 +103,35 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     } else {
         (Vec::new(), None)
     };
-    correction.lenses = lenses.iter().map(|lens| (lens.claimed, lens.found)).collect();
-    let registered = correction.seen_through_lenses(capture);
-    let capture = &registered;
+    let seen = CaptureCorrection::of_lenses(&lenses).seen_through_lenses(capture);
     let is_lens_alone = AlignSettings { lens: Correction::Off, ..settings.clone() } == AlignSettings::OFF;
-    if is_lens_alone || cameras > MOST_CAMERAS {
-        job.advance(1);
-        let Some(looked) = looked.filter(|_| !lenses.is_empty()) else { return Ok(unchanged) };
-        let alignment = looked.alignment(capture, &lenses, job)?;
-        return Ok(Aligned { capture: registered, alignment: Some(alignment), correction });
-    }
-    // What a lens was looked for in is what poses are solved for, where no lens changed it and no camera was left out.
-    let known = looked.filter(|looked| lenses.is_empty() && looked.cameras.len() == cameras);
-    let mut problem = match known {
-        Some(looked) => looked.problem,
-        None => problem(capture, None, job)?,
+    let found = if is_lens_alone || cameras > MOST_CAMERAS {
+        let looked = looked.filter(|_| !lenses.is_empty());
+        looked.map(|looked| looked.through(&lenses, seen, job)).transpose()?
+    } else {
+        // What a lens was looked for in is what poses are solved for, where no lens changed it and no camera was left out.
+        let known = looked.filter(|looked| lenses.is_empty() && looked.cameras.len() == cameras);
+        let problem = match known {
+            Some(looked) => looked.problem,
+            None => problem(&seen, None, job)?,
+        };
+        aligned_beside_lenses(&seen, problem, &lenses, settings, job)?
     };
-    if problem.pairs.is_empty() {
-        return Ok(unchanged);
+    job.advance(1);
+    Ok(found.unwrap_or_else(|| Aligned::unchanged(capture)))
+}
+
+/// Finds poses, exposures and clocks of a capture that is seen through its color lenses; `None` where there are none of these and
+/// nothing else pays.
+fn aligned_beside_lenses(
+    seen: &Capture,
+    mut problem: Problem,
+    lenses: &[LensCorrection],
+    settings: &AlignSettings,
+    job: &Job,
+) -> Result<Option<Aligned>> {
+    if problem.pairs.is_empty() && lenses.is_empty() {
+        return Ok(None);
     }
     let before = problem.pair_medians();
     let poses =
@@ -126,36 +142,36 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         Vec::new()
     };
     let clocks = if settings.clock == Correction::Auto {
-        clock::align_clocks(&problem, capture, job)?
+        clock::align_clocks(&problem, seen, job)?
     } else {
         Vec::new()
     };
-    job.advance(1);
     let is_kept = !lenses.is_empty()
         || poses.iter().any(|pose| pose.kept)
         || gains.iter().any(|gain| gain.kept)
         || clocks.iter().any(ClockCorrection::shows);
     if !is_kept {
-        return Ok(unchanged);
+        return Ok(None);
     }
     let of_camera = |camera: usize| {
         let now = problem.views[camera].camera.world_from_camera.matrix3;
-        let then = capture.cameras[camera].world_from_camera.matrix3;
-        let gain = gains.get(camera).filter(|gain| gain.kept);
+        let then = seen.cameras[camera].world_from_camera.matrix3;
+        let log_gain = kept_gain(&gains, camera).map_or([0.0; 3], |gain| gain.log_gain);
         FrameCorrection {
-            gain: gain.map_or([1.0; 3], |gain| gain.log_gain.map(|log_gain| log_gain.exp() as f32)),
+            gain: log_gain.map(|log_gain| log_gain.exp() as f32),
             normal_turn: if now == then { DMat3::IDENTITY } else { now * then.transpose() },
         }
     };
-    let corrections = (0..cameras).map(of_camera).collect();
-    let alignment = Alignment::new((capture, &problem), &lenses, &poses, (&gains, &clocks), before);
-    correction.cameras = problem.views.iter().map(|view| view.camera.clone()).collect();
-    correction.frames = corrections;
-    if clocks.iter().any(|clock| clock.shift != 0) {
-        correction.late_frames = clocks.iter().map(|clock| clock.shift).collect();
-    }
-    let capture = correction.applied_to_seen(capture);
-    Ok(Aligned { capture, alignment: Some(alignment), correction })
+    let alignment = Alignment::new((seen, &problem), lenses, &poses, (&gains, &clocks), before);
+    let is_shifted = clocks.iter().any(|clock| clock.shift != 0);
+    let correction = CaptureCorrection {
+        cameras: problem.views.iter().map(|view| view.camera.clone()).collect(),
+        frames: (0..seen.cameras.len()).map(of_camera).collect(),
+        late_frames: if is_shifted { clocks.iter().map(|clock| clock.shift).collect() } else { Vec::new() },
+        ..CaptureCorrection::of_lenses(lenses)
+    };
+    let capture = correction.applied_to_seen(seen);
+    Ok(Some(Aligned { capture, alignment: Some(alignment), correction }))
 }
 
 /// Cameras that tell a lens that all share, and their pixels; more are evenly chosen from, so that memory is bounded.
@@ -184,17 +200,17 @@ impl LookedAt {
         capture.with_cameras(|index, _| cameras.contains(&index))
     }
 
-    /// What was corrected where nothing but lenses was looked for; `capture` is seen through them.
-    fn alignment(self, capture: &Capture, lenses: &[LensCorrection], job: &Job) -> Result<Alignment> {
+    /// The capture with nothing but lenses corrected, through which `seen` is seen.
+    fn through(self, lenses: &[LensCorrection], seen: Capture, job: &Job) -> Result<Aligned> {
         let before = self.problem.pair_medians();
-        let seen = Self::of(capture, &self.cameras);
-        let problem = problem(&seen, Some(self.problem.pairs), job)?;
-        let mut alignment = Alignment::new((capture, &problem), lenses, &[], (&[], &[]), before);
+        let problem = problem(&Self::of(&seen, &self.cameras), Some(self.problem.pairs), job)?;
+        let mut alignment = Alignment::new((&seen, &problem), lenses, &[], (&[], &[]), before);
         for pair in &mut alignment.pairs {
             pair.source = self.cameras[pair.source];
             pair.target = self.cameras[pair.target];
         }
-        Ok(alignment)
+        let correction = CaptureCorrection::of_lenses(lenses);
+        Ok(Aligned { capture: seen, alignment: Some(alignment), correction })
     }
 }
 
@@ -221,4 +237,45 @@ fn problem(capture: &Capture, pairs: Option<Vec<[usize; 2]>>, job: &Job) -> Resu
         pairs,
         scale,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::settings::CaptureSettings;
+    use color_lens::{ColorLens, UNKNOWNS};
+
+    #[test]
+    fn a_color_lens_is_kept_where_no_cameras_overlap_once_they_have_it() {
+        let demo = Demo::new(&DemoSpec::new("orrery").cameras(2).frames(1).size((48, 36))).unwrap();
+        let mut capture = demo.capture(&CaptureSettings::default());
+        // The second camera claims to look away from what the first one sees.
+        capture.cameras[1].world_from_camera *= DAffine3::from_rotation_y(std::f64::consts::PI);
+        let claimed = capture.cameras[0].intrinsics;
+        let lens = LensCorrection {
+            claimed,
+            found: ColorLens::of_depth(claimed).scaled(0.9),
+            free: &[0],
+            standard_errors: [0.0; UNKNOWNS],
+            moved_px: 1.0,
+            judgment: judge::Judgment::default(),
+        };
+        let (settings, job) = (AlignSettings::default(), Job::new());
+        let aligned = |lenses: &[LensCorrection]| {
+            let seen = CaptureCorrection::of_lenses(lenses).seen_through_lenses(&capture);
+            let problem = problem(&seen, None, &job).unwrap();
+            assert!(problem.pairs.is_empty());
+            aligned_beside_lenses(&seen, problem, lenses, &settings, &job).unwrap()
+        };
+        assert!(aligned(&[]).is_none());
+        let found = aligned(&[lens]).unwrap();
+        assert_eq!(found.alignment.unwrap().lenses.len(), 1);
+        for capture in [&found.capture, &found.correction.applied(&capture)] {
+            assert_eq!(capture.cameras[0].intrinsics.fx, 0.9 * claimed.fx);
+            assert!(capture.frame(0, 0).is_ok());
+        }
+    }
 }

@@ -29,6 +29,15 @@ impl NormalEquations {
         self.matrix[row * self.size + column] += value;
     }
 
+    /// Adds a measurement with this weight: by how much the first of two unknowns exceeds the second.
+    pub(crate) fn add_difference(&mut self, [a, b]: [usize; 2], difference: f64, weight: f64) {
+        self.add(a, a, weight);
+        self.add(b, b, weight);
+        self.add(a, b, -weight);
+        self.right[a] += weight * difference;
+        self.right[b] -= weight * difference;
+    }
+
     /// The factor, or `None` where the matrix is not positive definite.
     pub(crate) fn factor(&self) -> Option<Factor> {
         let n = self.size;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::capture::{Camera, Capture, Frame};
@@ -15,6 +16,9 @@ pub(crate) const LEVELS: usize = 4;
 /// A pixel that differs by more between two frames moves: relative inverse depth, and brightness.
 const STILL_DEPTH_RELATIVE: f32 = 0.02;
 const STILL_BRIGHTNESS: f32 = 0.05;
+
+/// A pixel lies at an edge of depth where its inverse depth differs from that of a neighbor by more, relative.
+const EDGE_RELATIVE: f32 = 0.03;
 
 /// One camera with what it saw at one frame.
 #[derive(Clone)]
@@ -33,18 +37,10 @@ pub(crate) struct ReferenceView {
 impl ReferenceView {
     /// The view of a camera from the frame that is aligned, and another one that tells what moves.
     pub(crate) fn new(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
-        let finest = brightness(&frame);
-        let is_still = other.map(|other| {
-            let (depth, there) = (frame.inverse_depth.as_slice(), other.inverse_depth.as_slice());
-            let other = brightness(other);
-            let light = finest.as_slice().iter().zip(other.as_slice());
-            let still = depth.iter().zip(there).zip(light).map(|((depth, there), (light, then))| {
-                (depth - there).abs() <= STILL_DEPTH_RELATIVE * depth.abs().max(there.abs())
-                    && (light - then).abs() <= STILL_BRIGHTNESS
-            });
-            Grid::from_vec(finest.width(), finest.height(), still.collect())
-        });
-        let mut levels = vec![finest];
+        let is_still = other.map(|other| still_pixels(&frame, other));
+        let (width, height) = frame.size();
+        let finest = frame.color.as_slice().iter().copied().map(brightness).collect();
+        let mut levels = vec![Grid::from_vec(width, height, finest)];
         while levels.len() < LEVELS {
             let coarser = halved(&levels[levels.len() - 1]);
             levels.push(coarser);
@@ -70,6 +66,30 @@ impl ReferenceView {
     /// Whether the pixel is known to stay as it is.
     pub(crate) fn is_still(&self, x: usize, y: usize) -> bool {
         self.is_still.as_ref().is_none_or(|still| still[(x, y)])
+    }
+
+    /// The pixel at an image position, and its inverse depth; `None` where it has none, at an edge of depth, near the border of the
+    /// picture, and where something moves.
+    pub(crate) fn surface_at(&self, image: DVec2) -> Option<(usize, usize, f32)> {
+        let depth = &self.frame.inverse_depth;
+        let (width, height) = depth.size();
+        let is_inside =
+            image.x >= 1.0 && image.y >= 1.0 && image.x < width as f64 - 1.0 && image.y < height as f64 - 1.0;
+        if !is_inside {
+            return None;
+        }
+        let (x, y) = (image.x as usize, image.y as usize);
+        let values = depth.as_slice();
+        let at = y * width + x;
+        let here = values[at];
+        if here <= 0.0 || !self.is_still(x, y) {
+            return None;
+        }
+        let limit = EDGE_RELATIVE * here;
+        let is_edge = [at - 1, at + 1, at - width, at + width]
+            .iter()
+            .any(|&neighbor| values[neighbor] > 0.0 && (values[neighbor] - here).abs() > limit);
+        (!is_edge).then_some((x, y, here))
     }
 
     /// Brightness at an image position in pixels of the finest level, and how it changes with the position, per such pixel;
@@ -98,13 +118,21 @@ impl ReferenceView {
     }
 }
 
-fn brightness(frame: &Frame) -> Grid<f32> {
+/// Pixels of a frame that are as they are in another one of the same camera.
+pub(crate) fn still_pixels(frame: &Frame, other: &Frame) -> Grid<bool> {
     let (width, height) = frame.size();
-    let of = |color: &[half::f16; 3]| {
-        let [r, g, b] = color.map(f32::from);
-        (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, BRIGHTEST).sqrt()
-    };
-    Grid::from_vec(width, height, frame.color.as_slice().iter().map(of).collect())
+    let depths = frame.inverse_depth.as_slice().iter().zip(other.inverse_depth.as_slice());
+    let colors = frame.color.as_slice().iter().zip(other.color.as_slice());
+    let still = depths.zip(colors).map(|((depth, there), (color, then))| {
+        (depth - there).abs() <= STILL_DEPTH_RELATIVE * depth.abs().max(there.abs())
+            && (brightness(*color) - brightness(*then)).abs() <= STILL_BRIGHTNESS
+    });
+    Grid::from_vec(width, height, still.collect())
+}
+
+fn brightness(color: [half::f16; 3]) -> f32 {
+    let [r, g, b] = color.map(f32::from);
+    (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, BRIGHTEST).sqrt()
 }
 
 /// Luminance beyond this is a light or its mirror image, and tells nothing.

@@ -3,9 +3,8 @@
 use glam::{DVec2, Vec3};
 
 use super::color_lens::ColorLens;
-use super::derived_frames::derived;
 use crate::capture::pictures::{DepthGrid, RayCache, register};
-use crate::capture::{Camera, Capture, Frame, Intrinsics};
+use crate::capture::{Camera, Capture, Frame, Intrinsics, with_changed_frames};
 use crate::grid::Grid;
 
 /// Color as it is, with the depth and the normals that lie behind it.
@@ -72,8 +71,11 @@ pub(crate) fn with_color_lenses(capture: &Capture, lenses: Vec<Option<ColorLens>
     let cameras = capture.cameras.iter().zip(&lenses).map(camera).collect();
     let originals = capture.cameras.clone();
     let rays = RayCache::default();
-    derived(capture, cameras, CACHE_BYTES, move |camera, frame| match &lenses[camera] {
+    let change = move |camera: usize, _, frame: &Frame| match &lenses[camera] {
         Some(lens) => registered(frame, &originals[camera], lens, &rays),
         None => frame.clone(),
-    })
+    };
+    let mut registered = with_changed_frames(capture, CACHE_BYTES, change);
+    registered.cameras = cameras;
+    registered
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::clock::ClockCorrection;
 use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
-use super::exposure::GainCorrection;
+use super::exposure::{GainCorrection, kept_gain};
 use super::median::median;
 use super::poses::{PoseCorrection, WIDEST_GATE};
 use super::registered_frames::color_camera;
@@ -28,7 +28,7 @@ pub struct Alignment {
     pub lenses: Vec<AlignedLens>,
     /// The pairs of cameras that were compared.
     pub pairs: Vec<AlignedPair>,
-    /// What is wrong with views between the cameras; `None` where what was corrected does not foretell it.
+    /// What is wrong with views between the cameras; `None` where what was corrected does not predict it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub views: Option<ViewCorrections>,
 }
@@ -168,7 +168,7 @@ impl Alignment {
                 let then = capture.cameras[camera].world_from_camera;
                 AlignedPose::new(pose, now, then)
             });
-            let exposure = gains.get(camera).filter(|gain| gain.kept).map(|gain| AlignedExposure {
+            let exposure = kept_gain(gains, camera).map(|gain| AlignedExposure {
                 stops: gain.log_gain.map(|gain| gain / std::f64::consts::LN_2),
                 stops_se: gain.standard_error.map(|error| error / std::f64::consts::LN_2),
                 loss_before: gain.judgment.before,
@@ -195,7 +195,7 @@ impl Alignment {
         }
     }
 
-    /// What was corrected, one line a lens and one a camera, and one of what is foretold of views.
+    /// What was corrected, one line a lens and one a camera, and one of what is predicted of views.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let lenses = self.lenses.iter().map(AlignedLens::sentence);
@@ -204,9 +204,20 @@ impl Alignment {
         lenses.chain(cameras).chain(views).collect()
     }
 
+    /// Views as they were taken, as far as what was corrected of the cameras tells; as they claim to be where nothing was. See
+    /// [`correct_views`](Self::correct_views).
+    #[must_use]
+    pub fn views_as_taken(corrected: Option<&Self>, views: &[TruthView]) -> Vec<TruthView> {
+        let mut views = views.to_vec();
+        if let Some(alignment) = corrected {
+            alignment.correct_views(&mut views);
+        }
+        views
+    }
+
     /// Corrects views that were recorded with the capture, without looking at their pictures. Those that claim a lens are seen
     /// through the color lens that was found in its place, since they were taken with the same sensor. They are moved and exposed as
-    /// the pictures beside them were, where those foretell it.
+    /// the pictures beside them were, where those predict it.
     pub fn correct_views(&self, views: &mut [TruthView]) -> CorrectedViews {
         let mut corrected = CorrectedViews::default();
         for view in views {
@@ -223,7 +234,7 @@ impl Alignment {
     }
 }
 
-/// What the corrections that were kept foretell of views.
+/// What the corrections that were kept predict of views.
 fn view_corrections(
     capture: &Capture,
     problem: &Problem,
@@ -234,10 +245,9 @@ fn view_corrections(
         return None;
     }
     let of_camera = |(index, then): (usize, &Camera)| {
-        let gain = gains.get(index).filter(|gain| gain.kept);
-        let log_gain = gain.map_or([0.0; 3], |gain| gain.log_gain);
-        let file = capture.files_of(index, 0).into_iter().next();
-        CameraCorrection::new(file.as_deref(), then, &problem.views[index].camera, log_gain)
+        let log_gain = kept_gain(gains, index).map_or([0.0; 3], |gain| gain.log_gain);
+        let picture = capture.picture_stem(index, 0);
+        CameraCorrection::new(picture, then, &problem.views[index].camera, log_gain)
     };
     let cameras = capture.cameras.iter().enumerate().map(of_camera).collect();
     ViewCorrections::new(cameras, 1.0 / problem.scale.inverse_depth)

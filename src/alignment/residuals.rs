@@ -56,8 +56,6 @@ pub(crate) struct Scale {
 
 /// The samples that one target sees from the side, or not from the front, tell little.
 const LEAST_COSINE: f64 = 0.15;
-/// Neighboring pixels of the target differ by more at an edge of depth, relative.
-const EDGE_RELATIVE: f32 = 0.03;
 /// Bounds of the ratio of inverse depths that distances are multiplied with.
 const NEARNESS: [f64; 2] = [0.2, 2.0];
 
@@ -113,28 +111,7 @@ impl<'a> PairOfViews<'a> {
         (point, normal): (DVec3, DVec3),
         image: DVec2,
     ) -> Option<Term> {
-        let depth = &self.target.frame.inverse_depth;
-        let (width, height) = depth.size();
-        if !(image.x >= 1.0
-            && image.y >= 1.0
-            && image.x < width as f64 - 1.0
-            && image.y < height as f64 - 1.0)
-        {
-            return None;
-        }
-        let (column, row) = (image.x as usize, image.y as usize);
-        let values = depth.as_slice();
-        let at = row * width + column;
-        let here = values[at];
-        if here <= 0.0 || !self.target.is_still(column, row) {
-            return None;
-        }
-        let limit = EDGE_RELATIVE * here;
-        for neighbor in [at - 1, at + 1, at - width, at + width] {
-            if values[neighbor] > 0.0 && (values[neighbor] - here).abs() > limit {
-                return None;
-            }
-        }
+        let (column, row, here) = self.target.surface_at(image)?;
         let lens = &self.target.camera.intrinsics;
         let found = lens.ray_in_camera(DVec2::new(column as f64 + 0.5, row as f64 + 0.5)) / f64::from(here);
         let nearness = (sample.inverse_depth / self.scale.inverse_depth).clamp(NEARNESS[0], NEARNESS[1]);

@@ -1,12 +1,10 @@
-//! What was wrong with a view that took no part, foretold by the cameras beside it.
+//! What was wrong with a view that took no part, predicted by the cameras beside it.
 //!
 //! Purpose: poses of a recording drift, and its exposure follows what it sees: a held-out picture is wrong as the pictures just before
 //! and after it are. Seen from its claimed pose, a capture that was corrected looks shifted. Source: none. Corrections of
-//! cameras are interpolated at the view, along the numbers of the pictures' files or between the nearest poses. Whether that foretells
-//! anything is asked of the cameras: each is left out and foretold by the others, and what is foretold has to correlate with
+//! cameras are interpolated at the view, along the numbers of the pictures' files or between the nearest poses. Whether that predicts
+//! anything is cross-validated: each camera is left out and predicted by the others, and what is predicted has to correlate with
 //! what was found. The picture of the view is never looked at.
-
-use std::path::Path;
 
 use glam::{DAffine3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -14,14 +12,14 @@ use serde::{Deserialize, Serialize};
 use super::picture_numbers::PictureNumber;
 use crate::capture::{Camera, TruthView};
 
-/// Corrections of fewer cameras foretell nothing that could be told from chance.
+/// Corrections of fewer cameras predict nothing that could be told from chance.
 const LEAST_CAMERAS: u32 = 6;
-/// What is foretold correlates at least so well with what was found,
+/// What is predicted correlates at least so well with what was found,
 const LEAST_CORRELATION: f64 = 0.5;
 /// and by so many standard deviations of the correlation of as many unrelated pairs.
 const LEAST_SIGMAS: f64 = 2.0;
 
-/// What was corrected of all cameras, and how well it foretells what is wrong with a view between them.
+/// What was corrected of all cameras, and how well it predicts what is wrong with a view between them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ViewCorrections {
@@ -29,10 +27,10 @@ pub struct ViewCorrections {
     pub cameras: Vec<CameraCorrection>,
     /// How far away surfaces typically are, in the capture's unit: what an angle is compared with a distance by.
     pub typical_depth: f64,
-    /// How well poses are foretold.
-    pub poses: Foretelling,
-    /// How well exposures are foretold.
-    pub exposures: Foretelling,
+    /// What predicts poses.
+    pub poses: Predictors,
+    /// What predicts exposures.
+    pub exposures: Predictors,
 }
 
 /// What was corrected of one camera; zeros where nothing was.
@@ -52,23 +50,23 @@ pub struct CameraCorrection {
     pub log_gain: [f64; 3],
 }
 
-/// How well corrections of the other cameras foretell that of a camera that is left out.
+/// Ways to predict a correction from those of the cameras beside it, as far as they hold for the cameras themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Foretelling {
-    /// Along the numbers in the names of pictures; `None` where that foretells nothing.
+pub struct Predictors {
+    /// Along the numbers in the names of pictures; `None` where that predicts nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub by_number: Option<Proven>,
-    /// Between the nearest poses; `None` where that foretells nothing.
+    pub by_number: Option<CrossValidation>,
+    /// Between the nearest poses; `None` where that predicts nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub by_pose: Option<Proven>,
+    pub by_pose: Option<CrossValidation>,
 }
 
-/// A way of foretelling that holds for the cameras themselves.
+/// How well the cameras predict each one of them that is left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Proven {
-    /// Correlation of what is foretold and what was found.
+pub struct CrossValidation {
+    /// Correlation of what is predicted and what was found.
     pub correlation: f64,
     /// The widest gap between neighbors over which it was tried: difference of numbers, or distance in the capture's unit.
     pub widest_gap: f64,
@@ -104,12 +102,12 @@ enum Along {
 }
 
 impl CameraCorrection {
-    pub(super) fn new(file: Option<&Path>, then: &Camera, now: &Camera, log_gain: [f64; 3]) -> Self {
+    pub(super) fn new(picture: Option<String>, then: &Camera, now: &Camera, log_gain: [f64; 3]) -> Self {
         let [before, after] = [then, now].map(|camera| camera.world_from_camera);
         let is_moved = before != after;
         let turn = DQuat::from_mat3(&(after.matrix3 * before.matrix3.transpose())).to_scaled_axis();
         Self {
-            picture: file.and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned()),
+            picture,
             world_from_camera: before,
             turn: if is_moved { turn } else { DVec3::ZERO },
             shift: if is_moved { after.translation - before.translation } else { DVec3::ZERO },
@@ -124,49 +122,50 @@ impl CameraCorrection {
 }
 
 impl ViewCorrections {
-    /// What `cameras` foretell; `None` where that is nothing. Depths are typically `typical_depth`.
+    /// What `cameras` predict; `None` where that is nothing. Depths are typically `typical_depth`.
     pub(super) fn new(cameras: Vec<CameraCorrection>, typical_depth: f64) -> Option<Self> {
         let mut corrections = Self { cameras, typical_depth, ..Self::default() };
         let pose = |correction: &CameraCorrection| {
             let [turn, shift] = [correction.turn * typical_depth, correction.shift];
             [turn.x, turn.y, turn.z, shift.x, shift.y, shift.z]
         };
-        corrections.poses = corrections.foretelling(pose);
-        corrections.exposures = corrections.foretelling(|correction| correction.log_gain);
-        let is_any = |told: Foretelling| told.by_number.is_some() || told.by_pose.is_some();
+        corrections.poses = corrections.predictors(pose);
+        corrections.exposures = corrections.predictors(|correction| correction.log_gain);
+        let is_any = |of: Predictors| of.by_number.is_some() || of.by_pose.is_some();
         (is_any(corrections.poses) || is_any(corrections.exposures)).then_some(corrections)
     }
 
-    fn foretelling<const N: usize>(&self, value: impl Fn(&CameraCorrection) -> [f64; N]) -> Foretelling {
+    fn predictors<const N: usize>(&self, value: impl Fn(&CameraCorrection) -> [f64; N]) -> Predictors {
         let values: Vec<[f64; N]> = self.cameras.iter().map(value).collect();
-        Foretelling {
-            by_number: self.proven(Along::Numbers, &values),
-            by_pose: self.proven(Along::Poses, &values),
+        Predictors {
+            by_number: self.cross_validated(Along::Numbers, &values),
+            by_pose: self.cross_validated(Along::Poses, &values),
         }
     }
 
-    /// Leaves each camera out and foretells it by the others.
-    fn proven<const N: usize>(&self, along: Along, values: &[[f64; N]]) -> Option<Proven> {
-        let (mut products, mut told_squares, mut found_squares) = (0.0, 0.0, 0.0);
+    /// Leaves each camera out and predicts it by the others; `None` where that does not hold.
+    fn cross_validated<const N: usize>(&self, along: Along, values: &[[f64; N]]) -> Option<CrossValidation> {
+        let (mut products, mut predicted_squares, mut found_squares) = (0.0, 0.0, 0.0);
         let (mut count, mut widest_gap) = (0_u32, 0.0_f64);
         for (camera, found) in values.iter().enumerate() {
             let place = self.cameras[camera].place();
             let Some(beside) = self.beside(along, &place, Some(camera)) else { continue };
             for (axis, found) in found.iter().enumerate() {
-                let told: f64 = beside.shares.iter().map(|(index, share)| share * values[*index][axis]).sum();
-                products += told * found;
-                told_squares += told * told;
+                let shares = beside.shares.iter();
+                let predicted: f64 = shares.map(|(index, share)| share * values[*index][axis]).sum();
+                products += predicted * found;
+                predicted_squares += predicted * predicted;
                 found_squares += found * found;
             }
             count += 1;
             widest_gap = widest_gap.max(beside.gap);
         }
-        if count < LEAST_CAMERAS || told_squares * found_squares == 0.0 {
+        if count < LEAST_CAMERAS || predicted_squares * found_squares == 0.0 {
             return None;
         }
-        let correlation = products / (told_squares * found_squares).sqrt();
+        let correlation = products / (predicted_squares * found_squares).sqrt();
         let least = LEAST_CORRELATION.max(LEAST_SIGMAS / f64::from(count).sqrt());
-        (correlation > least).then_some(Proven { correlation, widest_gap })
+        (correlation > least).then_some(CrossValidation { correlation, widest_gap })
     }
 
     fn beside(&self, along: Along, place: &Place, without: Option<usize>) -> Option<Neighborhood> {
@@ -212,20 +211,20 @@ impl ViewCorrections {
         Some(Neighborhood { shares: [(first, 1.0 - share), (second, share)], gap: near + far })
     }
 
-    /// The cameras that foretell what is wrong with a view; `None` where none do.
-    fn foretells(&self, told: &Foretelling, place: &Place) -> Option<Neighborhood> {
-        let ways = [(Along::Numbers, told.by_number), (Along::Poses, told.by_pose)];
-        ways.into_iter().find_map(|(along, proven)| {
-            let widest = proven?.widest_gap;
+    /// The cameras that predict what is wrong with a view; `None` where none do.
+    fn predicting(&self, by: &Predictors, place: &Place) -> Option<Neighborhood> {
+        let ways = [(Along::Numbers, by.by_number), (Along::Poses, by.by_pose)];
+        ways.into_iter().find_map(|(along, validation)| {
+            let widest = validation?.widest_gap;
             self.beside(along, place, None).filter(|beside| beside.gap <= widest)
         })
     }
 
-    /// Corrects a view as the cameras beside it were, where they foretell it. Returns whether its pose and its exposure changed.
+    /// Corrects a view as the cameras beside it were, where they predict it. Returns whether its pose and its exposure changed.
     pub(super) fn correct(&self, view: &mut TruthView) -> [bool; 2] {
         let number = view.picture.as_deref().and_then(PictureNumber::of);
         let place = Place { number, world_from_camera: view.camera.world_from_camera };
-        let pose = self.foretells(&self.poses, &place);
+        let pose = self.predicting(&self.poses, &place);
         if let Some(beside) = &pose {
             let [turn, shift] =
                 [|of: &CameraCorrection| of.turn, |of: &CameraCorrection| of.shift].map(|part| -> DVec3 {
@@ -236,26 +235,26 @@ impl ViewCorrections {
             view.camera.world_from_camera =
                 DAffine3::from_rotation_translation(rotation, translation + shift);
         }
-        let exposure = self.foretells(&self.exposures, &place);
+        let exposure = self.predicting(&self.exposures, &place);
         if let Some(beside) = &exposure {
             view.gain = std::array::from_fn(|channel| {
-                let told =
-                    beside.shares.iter().map(|(index, share)| share * self.cameras[*index].log_gain[channel]);
-                (-told.sum::<f64>()).exp() as f32
+                let shares = beside.shares.iter();
+                let parts = shares.map(|(index, share)| share * self.cameras[*index].log_gain[channel]);
+                (-parts.sum::<f64>()).exp() as f32
             });
         }
         [pose.is_some(), exposure.is_some()]
     }
 
-    /// What views profit from; `None` where nothing is foretold.
+    /// How views are corrected, for people; `None` where nothing is predicted.
     pub(super) fn sentence(&self) -> Option<String> {
-        let of = |what: &str, told: &Foretelling| {
-            let (how, proven) = match told {
-                Foretelling { by_number: Some(proven), .. } => ("just before and after it", proven),
-                Foretelling { by_pose: Some(proven), .. } => ("nearest to it", proven),
+        let of = |what: &str, by: &Predictors| {
+            let (how, validation) = match by {
+                Predictors { by_number: Some(validation), .. } => ("just before and after it", validation),
+                Predictors { by_pose: Some(validation), .. } => ("nearest to it", validation),
                 _ => return None,
             };
-            Some(format!("{what} as the pictures {how} (correlation {:.2})", proven.correlation))
+            Some(format!("{what} as the pictures {how} (correlation {:.2})", validation.correlation))
         };
         let parts = [of("moved", &self.poses), of("exposed", &self.exposures)];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
@@ -310,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_follow_its_neighbors_foretells_nothing() {
+    fn what_does_not_follow_its_neighbors_predicts_nothing() {
         let alternating = |index: usize| if index.is_multiple_of(2) { 1.0 } else { -1.0 };
         assert_eq!(ViewCorrections::new(cameras(alternating), 2.0), None);
         assert_eq!(ViewCorrections::new(cameras(|_| 0.0), 2.0), None);

@@ -14,6 +14,7 @@ mod camera;
 pub mod colmap;
 pub mod conventions;
 mod depth_claim;
+mod derived_frames;
 pub mod exr;
 mod frame;
 mod frame_cache;
@@ -29,6 +30,7 @@ mod yuv;
 
 pub(crate) use camera::is_believable_size;
 pub use camera::{Camera, Intrinsics};
+pub(crate) use derived_frames::{with_changed_frames, with_frames_made_of, with_reindexed_frames};
 pub use frame::{Frame, INVALID_INVERSE_DEPTH};
 pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
 pub use open::{Source, open};

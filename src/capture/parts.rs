@@ -1,5 +1,6 @@
 //! A capture: what is known of it, its frames on demand, and views of which the true picture is known.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -39,7 +40,7 @@ pub trait FrameSource: Send + Sync {
     }
 
     /// The files that the frame is read from; none where it is rendered.
-    fn files(&self, _camera: usize, _frame: usize) -> Vec<std::path::PathBuf> {
+    fn files(&self, _camera: usize, _frame: usize) -> Vec<PathBuf> {
         Vec::new()
     }
 }
@@ -139,13 +140,18 @@ impl Capture {
     }
 
     /// The files that one frame is read from.
-    pub(crate) fn files_of(&self, camera: usize, frame: usize) -> Vec<std::path::PathBuf> {
+    pub(crate) fn files_of(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
         self.source.files(self.source_cameras[camera], frame)
+    }
+
+    /// Name of a frame's picture, as [`TruthView::picture`]; `None` where it lies in no file.
+    pub(crate) fn picture_stem(&self, camera: usize, frame: usize) -> Option<String> {
+        self.files_of(camera, frame).first().and_then(|file| stem_of(file))
     }
 
     /// Every file that a frame is read from, each once.
     #[must_use]
-    pub fn files(&self) -> Vec<std::path::PathBuf> {
+    pub fn files(&self) -> Vec<PathBuf> {
         let frames = 0..self.frame_count();
         let of_camera =
             |&camera: &usize| frames.clone().flat_map(move |frame| self.source.files(camera, frame));
@@ -177,6 +183,11 @@ impl Capture {
             ..self.clone()
         }
     }
+}
+
+/// The name of a file without folder and extension.
+pub(super) fn stem_of(file: &Path) -> Option<String> {
+    file.file_stem().map(|stem| stem.to_string_lossy().into_owned())
 }
 
 /// Loads the true picture of a [`TruthView`].

@@ -43,13 +43,13 @@ section! {
     /// What the rig got wrong, mended before anything else.
     pub struct AlignSettings in "align" {
         /// Whether cameras are turned and moved so that they agree about where surfaces are. Views between them are moved as they
-        /// were, where that is foretold.
+        /// were, where that can be predicted.
         poses: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
         /// Whether color is seen through a lens and from a place of its own, where the capture says that it shares those of depth. Views
         /// that claim the same lens are rendered through the one that was found.
         lens: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
         /// Whether colors are multiplied so that cameras agree about them: exposure and white balance. Views between them are exposed
-        /// as they were, where that is foretold.
+        /// as they were, where that can be predicted.
         exposure: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
         /// Whether cameras whose pictures were taken whole frames later or earlier than those of most are moved in time. Fractions of a
         /// frame are told.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::requests::MeasureRequest;
+use crate::alignment::Alignment;
 use crate::app::model::{Accuracy, Content};
 use crate::capture::{Frame, TruthView};
 use crate::error::Result;
@@ -19,11 +20,9 @@ const VIEWS: usize = 3;
 /// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` where there is no truth.
 pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {
     let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
-    let mut truth = truth.clone();
-    let capture = request.scan.as_deref().map_or(&**capture, PreparedScan::capture);
-    if let Some(alignment) = request.scan.as_ref().and_then(|scan| scan.alignment()) {
-        alignment.correct_views(&mut truth);
-    }
+    let scan = request.scan.as_deref();
+    let capture = scan.map_or(&**capture, PreparedScan::capture);
+    let truth = Alignment::views_as_taken(scan.and_then(PreparedScan::alignment), truth);
     let known: Vec<(&TruthView, usize)> = truth
         .iter()
         .filter(|view| view.truth.is_some())

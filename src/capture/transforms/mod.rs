@@ -59,7 +59,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::conventions::{self, Verdict};
-use super::parts::{Capture, CaptureParts, TruthLoader, TruthView};
+use super::parts::{Capture, CaptureParts, TruthLoader, TruthView, stem_of};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use cameras::CameraFiles;
@@ -173,7 +173,7 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
                 let (files, camera, place) = (entry.files.clone(), camera.clone(), entry.place.clone());
                 Arc::new(move || load::frame(&files, &camera, &place, NeededPlanes::ColorOnly)) as TruthLoader
             });
-            let picture = entry.files.color.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+            let picture = stem_of(&entry.files.color);
             Ok(TruthView { picture, ..TruthView::new(entry.file_path, camera, entry.number, truth) })
         })
         .collect()

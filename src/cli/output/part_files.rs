@@ -378,7 +378,7 @@ mod tests {
     #[test]
     fn a_complete_part_is_not_done_again_and_one_that_failed_goes_on_from_its_journal() {
         let folder = tempfile::tempdir().unwrap();
-        let (parts, part) = (parts(folder.path(), "now"), "1/1".parse().unwrap());
+        let (parts, part) = (parts(folder.path(), "now"), Part::WHOLE);
         let failed: Result<PathBuf> = parts.complete(part, |journal| {
             journal.add(&7)?;
             Err::<Vec<i32>, _>(Error::Cancelled)

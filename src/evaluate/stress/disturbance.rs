@@ -7,13 +7,15 @@ use glam::{DQuat, DVec3};
 use super::depth_sensor::{depth_holes, flying_pixels, median_inverse_depth, misread, sensor_noise};
 use super::light::{LightChange, Lighting};
 use super::recording_edits::{
-    EditedFrames, FrameKey, antialias, color_noise, depth_float, depth_noise, depth_steps, expose, narrow,
-    normals_missing, normals_noisy,
+    FrameKey, antialias, color_noise, depth_float, depth_noise, depth_steps, expose, narrow, normals_missing,
+    normals_noisy,
 };
 use super::shapes::Inserted;
-use crate::capture::{Camera, Capture, CaptureParts, Frame, INVALID_INVERSE_DEPTH};
+use crate::capture::{
+    Camera, Capture, Frame, INVALID_INVERSE_DEPTH, with_changed_frames, with_reindexed_frames,
+};
 use crate::error::Result;
-use crate::evaluate::truth::{DERIVED_CACHE_BYTES, Recorded, Truth, TruthEdit, parts_of};
+use crate::evaluate::truth::{DERIVED_CACHE_BYTES, Recorded, Truth, TruthEdit};
 use crate::random::mix;
 
 /// Something that goes wrong, or a scene that is difficult.
@@ -165,8 +167,9 @@ impl Disturbance {
             Self::DepthFloat => edited(capture, move |frame, _| depth_float(frame, dial as u32)),
             Self::ColorNoise => edited(capture, move |frame, at| color_noise(frame, 0.01 * amount, at)),
             Self::Antialiasing => {
-                let source = EditedFrames::new(capture, move |frame, _| antialias(frame, amount));
-                recorded(capture, source, |parts| parts.antialiased_color |= dial > 0.0)
+                let mut recorded = edited(capture, move |frame, _| antialias(frame, amount));
+                recorded.capture.antialiased_color |= dial > 0.0;
+                recorded
             }
             Self::NormalsMissing => {
                 edited(capture, move |frame, at| normals_missing(frame, 0.01 * amount, at))
@@ -175,14 +178,19 @@ impl Disturbance {
                 let radians = amount.to_radians();
                 edited(capture, move |frame, at| normals_noisy(frame, radians, at))
             }
-            Self::CameraPose => recorded(capture, EditedFrames::new(capture, |_, _| ()), |parts| {
-                for (index, camera) in parts.cameras.iter_mut().enumerate() {
+            Self::CameraPose => {
+                let mut turned = capture.clone();
+                for (index, camera) in turned.cameras.iter_mut().enumerate() {
                     turn(camera, index as u64, dial);
                 }
-            }),
+                recorded(capture, turned)
+            }
             Self::OutOfSync => {
-                let late = Some((middle, dial as usize));
-                recorded(capture, EditedFrames { late, ..EditedFrames::new(capture, |_, _| ()) }, |_| ())
+                let behind = dial as usize;
+                let shown = move |camera: usize, frame: usize| {
+                    if camera == middle { frame.saturating_sub(behind) } else { frame }
+                };
+                recorded(capture, with_reindexed_frames(capture, DERIVED_CACHE_BYTES, shown))
             }
             Self::Exposure => edited(capture, move |frame, at| expose(frame, amount, at.camera)),
             Self::MissingCamera => {
@@ -223,7 +231,7 @@ impl Disturbance {
         let [noise, flying, misread_part, holes] =
             [Self::SensorNoise, Self::FlyingPixels, Self::MisreadSurface, Self::DepthHoles].map(amount);
         let without_normals = self == Self::CheapSensor && dial > 0.0;
-        let source = EditedFrames::new(capture, move |frame, at| {
+        let mut recorded = edited(capture, move |frame, at| {
             if without_normals {
                 frame.normal_in_world = None;
             }
@@ -234,20 +242,24 @@ impl Disturbance {
             sensor_noise(frame, noise as f32 * median, at);
             depth_holes(frame, holes as f32, at);
         });
-        Ok(recorded(capture, source, |parts| parts.has_normals &= !without_normals))
+        recorded.capture.has_normals &= !without_normals;
+        Ok(recorded)
     }
 }
 
-/// The capture with other frames and with parts changed, beside the clean one.
-fn recorded(capture: &Capture, source: EditedFrames, change: impl FnOnce(&mut CaptureParts)) -> Recorded {
-    let mut parts = parts_of(capture, Arc::new(source));
-    change(&mut parts);
-    Recorded { capture: Capture::new(parts, DERIVED_CACHE_BYTES), ..Recorded::undisturbed(capture) }
+/// A disturbed capture beside the clean one.
+fn recorded(clean: &Capture, capture: Capture) -> Recorded {
+    Recorded { capture, ..Recorded::undisturbed(clean) }
 }
 
 /// The capture with every frame changed, beside the clean one.
 fn edited(capture: &Capture, edit: impl Fn(&mut Frame, FrameKey) + Send + Sync + 'static) -> Recorded {
-    recorded(capture, EditedFrames::new(capture, edit), |_| ())
+    let change = move |camera: usize, frame: usize, recorded: &Frame| {
+        let mut changed = recorded.clone();
+        edit(&mut changed, FrameKey { camera, frame });
+        changed
+    };
+    recorded(capture, with_changed_frames(capture, DERIVED_CACHE_BYTES, change))
 }
 
 /// A scene with something put into it: the truth shows it too.

@@ -2,8 +2,7 @@
 
 use half::f16;
 
-use crate::capture::{Capture, Frame, FrameSource, INVALID_INVERSE_DEPTH};
-use crate::error::Result;
+use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
 use crate::grid::Grid;
 use crate::random::mix;
 
@@ -12,39 +11,6 @@ use crate::random::mix;
 pub(super) struct FrameKey {
     pub(super) camera: usize,
     pub(super) frame: usize,
-}
-
-/// Changes a frame as it is loaded.
-type FrameEdit = Box<dyn Fn(&mut Frame, FrameKey) + Send + Sync>;
-
-/// A capture whose frames are changed as they are loaded.
-pub(super) struct EditedFrames {
-    pub(super) capture: Capture,
-    /// A camera that is behind the others, and by how many frames.
-    pub(super) late: Option<(usize, usize)>,
-    pub(super) edit: FrameEdit,
-}
-
-impl EditedFrames {
-    pub(super) fn new(
-        capture: &Capture,
-        edit: impl Fn(&mut Frame, FrameKey) + Send + Sync + 'static,
-    ) -> Self {
-        Self { capture: capture.clone(), late: None, edit: Box::new(edit) }
-    }
-}
-
-impl FrameSource for EditedFrames {
-    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        let behind = self.late.map_or(0, |(late, by)| if camera == late { by } else { 0 });
-        let mut recorded = (*self.capture.frame(camera, frame.saturating_sub(behind))?).clone();
-        (self.edit)(&mut recorded, FrameKey { camera, frame });
-        Ok(recorded)
-    }
-
-    fn place(&self, camera: usize, frame: usize) -> String {
-        self.capture.place(camera, frame)
-    }
 }
 
 /// Random numbers that depend on camera, frame and pixel alone: noise is the same in every run.

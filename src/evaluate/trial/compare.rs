@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::workbench::{FoldSamples, stored};
+use crate::alignment::Alignment;
 use crate::capture::{Capture, TruthView};
 use crate::error::Result;
 use crate::evaluate::scoring::{Evaluation, OnPicture, add_aligned, evaluate_each, frame_of, with_truth};
@@ -70,10 +71,7 @@ pub(crate) fn compare_each(
         frame_of(view, &capture.name, &capture.frame_numbers)?;
     }
     let scan = preprocess::scan(capture, settings, job)?;
-    let mut views = views.to_vec();
-    if let Some(alignment) = scan.alignment() {
-        alignment.correct_views(&mut views);
-    }
+    let views = Alignment::views_as_taken(scan.alignment(), views);
     let views = views.as_slice();
     let classes = truth::class_maps(scan.capture(), views, job)?;
     let mut compared = |method, on_picture: &mut OnPicture<'_>| {

@@ -50,17 +50,8 @@ impl FoldSamples {
 
     /// The views as they were taken, as far as what was corrected of the cameras tells.
     fn seen(&self, views: &[TruthView]) -> Vec<TruthView> {
-        corrected(views, self.report.alignment.as_ref())
+        Alignment::views_as_taken(self.report.alignment.as_ref(), views)
     }
-}
-
-/// Views without what is known to be wrong with them.
-fn corrected(views: &[TruthView], alignment: Option<&Alignment>) -> Vec<TruthView> {
-    let mut views = views.to_vec();
-    if let Some(alignment) = alignment {
-        alignment.correct_views(&mut views);
-    }
-    views
 }
 
 /// A view, and what a trial shows it from.
@@ -286,7 +277,7 @@ impl FoldState {
     /// The fold without what the rig got wrong.
     fn aligned(&mut self, trial: &Trial, job: &Job) -> Result<Fold> {
         let (scan, _) = self.scan(trial, job)?;
-        let views = corrected(&self.fold.views, scan.alignment());
+        let views = Alignment::views_as_taken(scan.alignment(), &self.fold.views);
         Ok(Fold { capture: scan.capture().clone(), views, ..self.fold.clone() })
     }
 

@@ -1,6 +1,5 @@
 //! Hold-out evaluation: preprocessing leaves cameras out, and their own frames are the truth.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use crate::capture::transforms::picture_name;
@@ -37,10 +36,7 @@ pub(crate) fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, 
             let number = capture.frame_numbers[frame];
             let load = Arc::new(move || truth.frame(index, frame).map(|frame| (*frame).clone()));
             let view = TruthView::new(picture_name(camera, number), camera.clone(), number, Some(load));
-            let file = capture.files_of(index, frame).into_iter().next();
-            let picture = file.as_deref().and_then(Path::file_stem);
-            views
-                .push(TruthView { picture: picture.map(|stem| stem.to_string_lossy().into_owned()), ..view });
+            views.push(TruthView { picture: capture.picture_stem(index, frame), ..view });
         }
     }
     Ok((rest, views))

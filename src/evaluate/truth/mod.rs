@@ -8,4 +8,4 @@ mod subset;
 pub(crate) use error_classes::{class_map, class_maps, seen_at};
 pub use folds::{Fold, Recorded, Truth, TruthEdit};
 pub(crate) use hold_out::split;
-pub(crate) use subset::{DERIVED_CACHE_BYTES, choose, frames, only, parts_of, truth_at};
+pub(crate) use subset::{DERIVED_CACHE_BYTES, choose, frames, only, truth_at};

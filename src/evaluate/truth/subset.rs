@@ -1,36 +1,12 @@
 //! Fewer frames of a capture, where all would take too long.
 
-use std::sync::Arc;
-
 use super::folds::Truth;
 use super::hold_out::evenly_spaced;
-use crate::capture::{Capture, CaptureParts, Frame, FrameSource, TruthView};
+use crate::capture::{Capture, TruthView, with_reindexed_frames};
 use crate::error::{Error, Result};
-
-/// A capture's frames, changed or chosen; decoded ones stay in the capture's own cache.
-struct Chosen {
-    capture: Capture,
-    /// Index of each frame in the capture.
-    frames: Vec<usize>,
-}
-
-impl FrameSource for Chosen {
-    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        Ok((*self.capture.frame(camera, self.frames[frame])?).clone())
-    }
-
-    fn place(&self, camera: usize, frame: usize) -> String {
-        self.capture.place(camera, self.frames[frame])
-    }
-}
 
 /// Bytes of frames kept in a derived capture: little, the original keeps its own.
 pub(crate) const DERIVED_CACHE_BYTES: usize = 256 << 20;
-
-/// The parts of a capture derived from another, to be changed before use.
-pub(crate) fn parts_of(capture: &Capture, source: Arc<dyn FrameSource>) -> CaptureParts {
-    CaptureParts { source, ..CaptureParts::clone(capture) }
-}
 
 /// The capture with `count` of its frames alone, and the truth at those; see [`choose`].
 pub(crate) fn frames(capture: &Capture, truth: Truth, count: usize) -> Result<(Capture, Truth)> {
@@ -75,8 +51,10 @@ pub(crate) fn only(capture: &Capture, frames: &[usize]) -> Capture {
         return capture.clone();
     }
     let frame_numbers = frames.iter().map(|&frame| capture.frame_numbers[frame]).collect();
-    let source = Arc::new(Chosen { capture: capture.clone(), frames: frames.to_vec() });
-    Capture::new(CaptureParts { frame_numbers, ..parts_of(capture, source) }, DERIVED_CACHE_BYTES)
+    let frames = frames.to_vec();
+    let mut few = with_reindexed_frames(capture, DERIVED_CACHE_BYTES, move |_, frame| frames[frame]);
+    few.frame_numbers = frame_numbers;
+    few
 }
 
 /// The truth at some frames of the capture alone, given by ascending index.

@@ -8,8 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::{self, Aligned, Alignment, CaptureCorrection};
-use crate::capture::conventions::{DepthClaim, PoseConvention};
-use crate::capture::{Capture, CaptureParts, Frame, FrameSource};
+use crate::capture::{Capture, with_changed_frames};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::temporal::{self, CameraPreview};
@@ -32,9 +31,8 @@ impl Measured {
     /// Whatever the capture gives (naming file and frame), `Invalid` for settings out of range, and `Cancelled`.
     pub fn of(capture: &Capture, settings: &Settings, job: &Job) -> Result<Self> {
         settings.validate("settings")?;
-        let noting = Arc::new(NotingSource { capture: capture.clone(), read: Mutex::default() });
-        let parts = CaptureParts { source: noting.clone(), ..CaptureParts::clone(capture) };
-        let noted = Capture::new(parts, CACHE_BYTES);
+        let frames_read = Arc::new(Mutex::new(BTreeSet::new()));
+        let noted = noting_frames_read(capture, frames_read.clone());
         let Aligned { capture, alignment, correction } = alignment::align(&noted, &settings.align, job)?;
         job.start("Measuring noise", capture.cameras.len());
         let preview = |camera| {
@@ -43,7 +41,7 @@ impl Measured {
             preview
         };
         let cameras = (0..capture.cameras.len()).into_par_iter().map(preview).collect::<Result<_>>()?;
-        let frames_read = noting.read.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let frames_read = frames_read.lock().unwrap_or_else(PoisonError::into_inner).clone();
         Ok(Self { correction, alignment, cameras, frames_read })
     }
 
@@ -71,35 +69,10 @@ impl Measured {
 /// Frames that are kept while a capture is measured, bytes.
 const CACHE_BYTES: usize = 256 << 20;
 
-/// A capture that notes which of its frames are read.
-struct NotingSource {
-    capture: Capture,
-    read: Mutex<BTreeSet<(usize, usize)>>,
-}
-
-impl FrameSource for NotingSource {
-    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-        self.read.lock().unwrap_or_else(PoisonError::into_inner).insert((camera, frame));
-        self.capture.frame(camera, frame).map(|frame| Frame::clone(&frame))
-    }
-
-    fn place(&self, camera: usize, frame: usize) -> String {
-        self.capture.place(camera, frame)
-    }
-
-    fn frames_are_ranked(&self) -> bool {
-        self.capture.frames_are_ranked()
-    }
-
-    fn depth_claim(&self) -> DepthClaim {
-        self.capture.source.depth_claim()
-    }
-
-    fn pose_convention(&self) -> PoseConvention {
-        self.capture.source.pose_convention()
-    }
-
-    fn files(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
-        self.capture.files_of(camera, frame)
-    }
+/// The same capture, which notes camera and index of each frame that is read.
+fn noting_frames_read(capture: &Capture, read: Arc<Mutex<BTreeSet<(usize, usize)>>>) -> Capture {
+    with_changed_frames(capture, CACHE_BYTES, move |camera, frame, recorded| {
+        read.lock().unwrap_or_else(PoisonError::into_inner).insert((camera, frame));
+        recorded.clone()
+    })
 }

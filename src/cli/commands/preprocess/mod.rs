@@ -129,19 +129,11 @@ impl PreprocessArgs {
             Work::Measure => {
                 return self.left(&output::watched(|job| stages.measure(job))?, "--stage scan --part 1/N");
             }
-            Work::Part(Stage::Prune, part) => {
-                return output::print_parts(
-                    part,
-                    &[output::watched(|job| stages.prune(part, job))?],
-                    self.json,
-                );
-            }
-            Work::Part(_, part) => {
-                return output::print_parts(
-                    part,
-                    &[output::watched(|job| stages.scan(part, job))?],
-                    self.json,
-                );
+            Work::Part(stage, part) => {
+                let file = output::watched(|job| {
+                    if stage == Stage::Prune { stages.prune(part, job) } else { stages.scan(part, job) }
+                })?;
+                return output::print_parts(part, &[file], self.json);
             }
             Work::Join(Stage::Prune, of) => output::watched(|job| {
                 let (result, inputs) = stages.join_pruned(of, job)?;

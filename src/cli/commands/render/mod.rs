@@ -32,7 +32,7 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     align_views: bool,
     /// Render views from exactly where they say, as the corrected cameras are exposed. Else views that were recorded with the capture
-    /// are corrected as the pictures beside them were, where those foretell it.
+    /// are corrected as the pictures beside them were, where those predict it.
     #[arg(long, conflicts_with = "align_views")]
     as_claimed: bool,
     #[command(flatten)]
