@@ -8,6 +8,10 @@ mod said;
 use std::path::{Path, PathBuf};
 
 use command::scene;
+use overlook::capture::transforms::write_capture;
+use overlook::demo::{Demo, DemoSpec};
+use overlook::job::Job;
+use overlook::settings::CaptureSettings;
 use said::{fail, succeed};
 
 fn demo(name: &str, more: &[&str]) -> tempfile::TempDir {
@@ -110,6 +114,56 @@ fn a_part_whose_picture_changed_is_refused_by_name_and_made_again() {
     std::fs::copy(&pictures[1], &pictures[0]).unwrap();
     let said = fail(folder, &stage(&["scan", "--part", "1/3"]), 1);
     assert!(said.contains("parts.ovl.measured: was made from another state of the pictures"), "{said}");
+}
+
+/// Records five cameras of the orrery into `scene`, of which the second is late by one frame: its pictures show what the others see a
+/// frame later. Gives the pictures of that camera.
+fn record_late(folder: &Path) -> Vec<PathBuf> {
+    const FRAMES: i64 = 32;
+    let demo = Demo::new(&DemoSpec::new("orrery").cameras(5).frames(96).size((160, 120))).unwrap();
+    let mut capture = demo.capture(&CaptureSettings::default());
+    capture.frame_numbers = (0..=FRAMES).collect();
+    write_capture(&folder.join("scene"), &capture, &[], &Job::new()).unwrap();
+    let manifest = folder.join("scene/transforms.json");
+    let mut late: serde_json::Value = serde_json::from_slice(&std::fs::read(&manifest).unwrap()).unwrap();
+    let entries = late["frames"].as_array_mut().unwrap();
+    let name = capture.cameras[1].name.as_str();
+    let is_late = |entry: &serde_json::Value| entry["camera"] == name;
+    let files: Vec<serde_json::Value> =
+        entries.iter().filter(|entry| is_late(entry)).map(|entry| entry["file_path"].clone()).collect();
+    for (entry, file) in entries.iter_mut().filter(|entry| is_late(entry)).zip(&files[1..]) {
+        entry["file_path"] = file.clone();
+    }
+    entries.retain(|entry| entry["time"] != FRAMES);
+    std::fs::write(&manifest, late.to_string()).unwrap();
+    files[1..].iter().map(|file| folder.join("scene").join(file.as_str().unwrap())).collect()
+}
+
+#[test]
+fn a_part_whose_frames_are_moved_in_time_is_refused_where_a_picture_changed_that_they_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let pictures = record_late(folder);
+    let clock = ["--set", "align.clock=auto", "--set", "align.poses=off", "--set", "align.exposure=off"];
+    is_same_in_parts(folder, &clock, 5);
+    let whole = [&["preprocess", "scene", "--out", "whole.ovl", "--json"][..], &clock].concat();
+    let report: serde_json::Value = serde_json::from_str(&succeed(folder, &whole)).unwrap();
+    assert_eq!(report["report"]["alignment"]["cameras"][1]["clock"]["shifted"], 1);
+    // The fourth part begins with frame 19, which shows what the late camera recorded as frame 18, the last one of the third part.
+    std::fs::copy(&pictures[17], &pictures[18]).unwrap();
+    let stage = |arguments: &[&'static str]| {
+        [&["preprocess", "scene", "--out", "parts.ovl", "--stage"][..], arguments, &clock].concat()
+    };
+    succeed(folder, &stage(&["scan", "--part", "3/5"]));
+    let said = fail(folder, &stage(&["scan", "--join", "5"]), 1);
+    assert!(
+        said.contains(
+            "parts.ovl.scan.part-4-of-5: was made from another state of the pictures of its frames"
+        ),
+        "{said}"
+    );
+    succeed(folder, &stage(&["scan", "--part", "4/5"]));
+    succeed(folder, &stage(&["scan", "--join", "5"]));
 }
 
 #[test]

@@ -7,6 +7,7 @@
 //! A part of the scan begins with length and CRC-32 of the files that its frames are read from. Each file names those that it was made
 //! from, so that a picture that changes is found by the name of the part that has read it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
@@ -14,7 +15,7 @@ use clap::ValueEnum;
 use crate::capture::Capture;
 use crate::cli::input;
 use crate::cli::output::{Inputs, OpenPart, PartFiles};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::job::Job;
 use crate::part::Part;
 use crate::preprocess::BufferedResult;
@@ -52,9 +53,13 @@ fn named(part: OpenPart) -> NamedPart {
     (part.path.display().to_string(), Box::new(part.reader))
 }
 
-/// The number of a file of which there is one.
-fn single() -> Result<Part> {
-    Part::new(1, 1).ok_or(Error::Cancelled)
+/// What was measured once, for all parts.
+struct Measurement {
+    measured: Measured,
+    /// Tells its file from any other.
+    identity: String,
+    /// The capture without what the rig got wrong.
+    corrected: Capture,
 }
 
 impl Stages<'_> {
@@ -81,7 +86,7 @@ impl Stages<'_> {
 
     /// Measures what all parts need.
     pub(super) fn measure(&self, job: &Job) -> Result<PathBuf> {
-        let (file, part) = (self.measured_file()?, single()?);
+        let (file, part) = (self.measured_file()?, Part::WHOLE);
         if self.measured().is_err() {
             let measured = Measured::of(self.capture, self.settings, job)?;
             let state = input::pictures_state(&measured.files_read(self.capture))?;
@@ -94,11 +99,11 @@ impl Stages<'_> {
         Ok(file.path(part))
     }
 
-    /// What was measured, and what tells it from any other.
-    fn measured(&self) -> Result<(Measured, String)> {
-        let (file, part) = (self.measured_file()?, single()?);
+    /// Reads what was measured.
+    fn measured(&self) -> Result<Measurement> {
+        let (file, part) = (self.measured_file()?, Part::WHOLE);
         let opened = file.open(part)?;
-        let tail = opened.tail.clone();
+        let identity = opened.tail.clone();
         let (place, reader) = named(opened);
         let mut reader = RecordReader::new(reader, place);
         let (state, measured): (String, Measured) = (reader.json()?, reader.json()?);
@@ -107,52 +112,55 @@ impl Stages<'_> {
                 file.refused(part, "was made from another state of the pictures that it was measured on")
             );
         }
-        Ok((measured, tail))
+        let corrected = measured.aligned(self.capture).capture;
+        Ok(Measurement { measured, identity, corrected })
     }
 
-    /// The files that the frames of a part are read from, each once.
-    fn files_of(&self, part: Part) -> Vec<PathBuf> {
+    /// The files of a part's frames, each once: those that are recorded as these frames, so that all parts together name every file of
+    /// the capture, and those that are read for them where a camera's frames are moved in time.
+    fn files_of(&self, measurement: &Measurement, part: Part) -> Vec<PathBuf> {
         let run = run_of_part(self.capture.frame_count(), part);
-        let mut files: Vec<PathBuf> = Vec::new();
-        for camera in 0..self.capture.cameras.len() {
-            files
-                .extend((run.start..run.end).flat_map(|frame| self.capture.files_of(camera, frame as usize)));
+        let frames = run.start as usize..run.end as usize;
+        let mut files = BTreeSet::new();
+        for capture in [self.capture, &measurement.corrected] {
+            for camera in 0..capture.cameras.len() {
+                files.extend(frames.clone().flat_map(|frame| capture.files_of(camera, frame)));
+            }
         }
-        files.sort();
-        files.dedup();
-        files
+        files.into_iter().collect()
     }
 
-    fn scan_files(&self, measured: &str, part: Part) -> Result<PartFiles> {
+    fn scan_files(&self, measurement: &Measurement, part: Part) -> Result<PartFiles> {
+        let pictures = self.files_of(measurement, part);
         let inputs = self
             .inputs()?
-            .with("file of what was measured", measured)
-            .with("pictures of its frames", &input::pictures_state(&self.files_of(part))?);
+            .with("file of what was measured", &measurement.identity)
+            .with("pictures of its frames", &input::pictures_state(&pictures)?);
         Ok(PartFiles::new(self.folder(), &self.name("scan"), inputs).made_by("--stage scan"))
     }
 
     /// Passes over the frames of a part.
     pub(super) fn scan(&self, part: Part, job: &Job) -> Result<PathBuf> {
-        let (measured, tail) = self.measured()?;
-        let files = self.scan_files(&tail, part)?;
+        let measurement = self.measured()?;
+        let files = self.scan_files(&measurement, part)?;
         if !files.is_complete(part) {
-            let sums = input::sums_of(&self.files_of(part), job)?;
+            let sums = input::sums_of(&self.files_of(&measurement, part), job)?;
             files.write(part, |writer| {
                 RecordWriter::new(writer, files.path(part).display().to_string())?.json(&sums)?;
-                scan_part(self.capture, &measured, self.settings, part, writer, job)
+                scan_part(self.capture, &measurement.measured, self.settings, part, writer, job)
             })?;
         }
         Ok(files.path(part))
     }
 
     /// What tells each part of the scan from any other.
-    fn scans(&self, measured: &str, of: u32) -> Result<Vec<String>> {
-        Part::all(of).map(|part| self.scan_files(measured, part)?.identity(part)).collect()
+    fn scans(&self, measurement: &Measurement, of: u32) -> Result<Vec<String>> {
+        Part::all(of).map(|part| self.scan_files(measurement, part)?.identity(part)).collect()
     }
 
     /// A part of the scan, and length and CRC-32 of the files that it was read from.
-    fn open_scan(&self, measured: &str, part: Part) -> Result<(NamedPart, Vec<(u64, u32)>)> {
-        let mut opened = self.scan_files(measured, part)?.open(part)?;
+    fn open_scan(&self, measurement: &Measurement, part: Part) -> Result<(NamedPart, Vec<(u64, u32)>)> {
+        let mut opened = self.scan_files(measurement, part)?.open(part)?;
         let sums =
             RecordReader::new(Box::new(&mut opened.reader), opened.path.display().to_string()).json()?;
         Ok((named(opened), sums))
@@ -166,13 +174,13 @@ impl Stages<'_> {
 
     /// Joins the spans that are longer than a run.
     pub(super) fn join_spans(&self, of: u32, job: &Job) -> Result<PathBuf> {
-        let (measured, tail) = self.measured()?;
-        let (file, part) = (self.spans_file(&self.scans(&tail, of)?, of)?, single()?);
+        let measurement = self.measured()?;
+        let (file, part) = (self.spans_file(&self.scans(&measurement, of)?, of)?, Part::WHOLE);
         if !file.is_complete(part) {
-            let opened = Part::all(of).map(|part| Ok(self.open_scan(&tail, part)?.0));
+            let opened = Part::all(of).map(|part| Ok(self.open_scan(&measurement, part)?.0));
             let parts = opened.collect::<Result<Vec<_>>>()?;
             file.write(part, |writer| {
-                join_spans(self.capture, &measured, self.settings, parts, writer, job)
+                join_spans(self.capture, &measurement.measured, self.settings, parts, writer, job)
             })?;
         }
         Ok(file.path(part))
@@ -188,14 +196,15 @@ impl Stages<'_> {
 
     /// Prunes the frames of a part.
     pub(super) fn prune(&self, part: Part, job: &Job) -> Result<PathBuf> {
-        let (measured, tail) = self.measured()?;
-        let scans = self.scans(&tail, part.of())?;
-        let spans = self.spans_file(&scans, part.of())?.open(single()?)?;
+        let measurement = self.measured()?;
+        let scans = self.scans(&measurement, part.of())?;
+        let spans = self.spans_file(&scans, part.of())?.open(Part::WHOLE)?;
         let files = self.prune_files(&scans, &spans.tail, part)?;
         if !files.is_complete(part) {
             let read = scan_parts_read_by(self.capture.frame_count(), part).into_iter();
-            let read = read.map(|part| Ok(self.open_scan(&tail, part)?.0)).collect::<Result<Vec<_>>>()?;
-            let from = (self.capture, &measured, self.settings);
+            let read =
+                read.map(|part| Ok(self.open_scan(&measurement, part)?.0)).collect::<Result<Vec<_>>>()?;
+            let from = (self.capture, &measurement.measured, self.settings);
             files.write(part, |writer| prune_part(from, part, named(spans), read, writer, job))?;
         }
         Ok(files.path(part))
@@ -203,16 +212,17 @@ impl Stages<'_> {
 
     /// Joins what is kept of all parts; also gives what the capture was read from.
     pub(super) fn join_pruned(&self, of: u32, job: &Job) -> Result<(BufferedResult, Option<InputFiles>)> {
-        let (measured, tail) = self.measured()?;
-        let scans = self.scans(&tail, of)?;
-        let spans = self.spans_file(&scans, of)?.identity(single()?)?;
+        let measurement = self.measured()?;
+        let scans = self.scans(&measurement, of)?;
+        let spans = self.spans_file(&scans, of)?.identity(Part::WHOLE)?;
         let mut sums = Vec::new();
         for part in Part::all(of) {
-            sums.extend(self.files_of(part).into_iter().zip(self.open_scan(&tail, part)?.1));
+            let files = self.files_of(&measurement, part).into_iter();
+            sums.extend(files.zip(self.open_scan(&measurement, part)?.1));
         }
         let opened = Part::all(of).map(|part| Ok(named(self.prune_files(&scans, &spans, part)?.open(part)?)));
         let parts = opened.collect::<Result<Vec<_>>>()?;
-        let result = join_pruned((self.capture, &measured, self.settings), parts, job)?;
+        let result = join_pruned((self.capture, &measurement.measured, self.settings), parts, job)?;
         Ok((result, input::summed_up(sums.into_iter())))
     }
 }
