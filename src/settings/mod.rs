@@ -53,7 +53,7 @@ section! {
         exposure: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
         /// Whether cameras whose pictures were taken whole frames later or earlier than those of most are moved in time. Fractions of a
         /// frame are told.
-        clock: Correction = Correction::Off, "", ValueKind::Choice(Correction::NAMES);
+        clock: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
     }
 }
 

@@ -81,7 +81,7 @@ const TABLE: [DisturbanceRow; 22] = [
     (Disturbance::NormalsNoisy, "normals noisy", "degrees", &[0.0, 5.0, 15.0, 45.0]),
     (Disturbance::CameraPose, "camera pose", "degrees", &[0.0, 0.05, 0.2, 0.5, 1.0]),
     (Disturbance::OutOfSync, "camera out of sync", "frames", &[0.0, 1.0, 2.0, 4.0]),
-    (Disturbance::Exposure, "exposure", "stops", &[0.0, 0.1, 0.3, 1.0]),
+    (Disturbance::Exposure, "exposure", "stops", &[0.0, 0.1, 0.3, 1.0, 2.0]),
     (Disturbance::MissingCamera, "missing camera", "% of frames", &[0.0, 25.0, 50.0, 100.0]),
     (Disturbance::FewerCameras, "fewer cameras", "cameras gone", &[0.0, 1.0, 2.0, 3.0, 4.0]),
     (Disturbance::ThinStructures, "thin structures", "px thick", &[8.0, 4.0, 2.0, 1.0, 0.5]),
