@@ -70,7 +70,7 @@ pub(crate) fn limited<T>(instructions: Instructions, work: impl FnOnce() -> Resu
     if limit > best_level() {
         return Err(Error::unsupported(
             format!("instructions '{instructions}'"),
-            format!("this processor goes up to '{}'", widest()),
+            format!("this CPU goes up to '{}'", widest()),
         ));
     }
     let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);

@@ -3,11 +3,11 @@
 use super::choice::choice;
 
 choice! {
-    /// Whether something that the rig got wrong is mended.
+    /// Whether what the rig got wrong is corrected.
     pub enum Correction {
         /// Everything is taken as the capture gives it.
         Off = "off",
-        /// What is wrong is measured, and mended where samples that took no part in measuring agree that it pays.
+        /// Errors are measured, and corrected where samples that took no part in measuring agree that it pays.
         Auto = "auto",
     }
 }
@@ -159,13 +159,13 @@ choice! {
 choice! {
     /// The widest vector instructions that hot loops may use. No setting: every choice gives the same bits.
     pub enum Instructions {
-        /// The widest that the processor has.
+        /// The widest that the CPU has.
         Auto = "auto",
         /// AVX-512 with byte, word, doubleword and shorter vectors.
         Avx512 = "avx512",
         /// AVX2 and what comes with it.
         Avx2 = "avx2",
-        /// What every processor of the target has.
+        /// What every CPU of the target has.
         Portable = "portable",
     }
 }

@@ -40,7 +40,7 @@ section! {
 }
 
 section! {
-    /// What the rig got wrong, mended before anything else.
+    /// What the rig got wrong, corrected before anything else.
     pub struct AlignSettings in "align" {
         /// Whether cameras are turned and moved so that they agree about where surfaces are. Views between them are moved as they
         /// were, where that can be predicted.
@@ -52,7 +52,7 @@ section! {
         /// as they were, where that can be predicted.
         exposure: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
         /// Whether cameras whose pictures were taken whole frames later or earlier than those of most are moved in time. Fractions of a
-        /// frame are told.
+        /// frame are reported.
         clock: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
     }
 }

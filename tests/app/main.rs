@@ -18,6 +18,8 @@ mod inspector;
 mod manners;
 mod many_cameras;
 mod other_pictures;
+#[path = "../common/private_words.rs"]
+mod private_words;
 mod random;
 mod readings;
 #[cfg(target_os = "linux")]
@@ -29,3 +31,4 @@ mod skip;
 mod typing;
 mod viewer;
 mod whole_window;
+mod words;

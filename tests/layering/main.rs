@@ -3,6 +3,9 @@
 
 mod imports;
 mod plurals;
+#[path = "../common/private_words.rs"]
+mod private_words;
+mod words;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

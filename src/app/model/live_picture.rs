@@ -27,7 +27,7 @@ pub(crate) enum ColorBy {
 impl ColorBy {
     /// Every choice in the order of the menu: its name, and what it shows.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 5] = [
-        (Self::Picture, "Picture", "The scene as the kept samples show it."),
+        (Self::Picture, "Picture", "The scene, rendered from the kept samples."),
         (Self::Camera, "Camera", "Each pixel in the color of the camera whose sample it shows."),
         (Self::Agreement, "Agreement", AGREEMENT),
         (Self::Span, "Motion", MOTION),

@@ -86,7 +86,7 @@ impl OrbitCamera {
             cx: f64::from(width) / 2.0 + (self.lens.cx - lens_width / 2.0) * scale,
             cy: f64::from(height) / 2.0 + (self.lens.cy - lens_height / 2.0) * scale,
         };
-        Camera { name: "vantage".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
+        Camera { name: "live view".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
     }
 
     /// The size at which a view of `width × height` pixels is painted while it moves: no finer than the lens recorded.

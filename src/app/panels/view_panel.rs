@@ -91,12 +91,7 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
     ui.horizontal(|ui| {
         for (icon, name, help, command) in [
             (ICON_CONTENT_COPY, "Copy view", COPY, ViewCommand::Copy),
-            (
-                ICON_CONTENT_PASTE,
-                "Paste view",
-                "Stand where a copied view does (Ctrl+V).",
-                ViewCommand::Paste,
-            ),
+            (ICON_CONTENT_PASTE, "Paste view", "Go to a copied view (Ctrl+V).", ViewCommand::Paste),
         ] {
             let button = ui.button((icon.rich_text(), name)).accessible_name(name);
             if button.on_hover_text(help).clicked() {

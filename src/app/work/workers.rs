@@ -92,7 +92,7 @@ impl Workers {
             check: Worker::start("Check path", Supersede::Never, outbox, |destination, _| {
                 Ok(files::check(destination))
             })?,
-            probe: Worker::start("Pixel argument", Supersede::Never, outbox, |key: ProbeKey, _| {
+            probe: Worker::start("Pixel explanation", Supersede::Never, outbox, |key: ProbeKey, _| {
                 let probed = facts::probe(&key).map(Arc::new);
                 let is_hole = probed.is_none() && key.has_picture();
                 Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })

@@ -137,7 +137,7 @@ impl Context {
     pub(crate) fn share(shared: &SharedDevice, choice: AdapterChoice) -> Result<Self> {
         let info = shared.adapter.get_info();
         if preference(&info, choice).is_none() {
-            return Err(gpu_error(format!("{} is no graphics card", info.name)));
+            return Err(gpu_error(format!("{} is no GPU", info.name)));
         }
         if !is_able(&shared.device.limits(), &shared.adapter) {
             return Err(gpu_error(format!("{} draws the window but cannot render", info.name)));

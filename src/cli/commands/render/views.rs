@@ -87,7 +87,7 @@ impl ViewPainting<'_> {
         let (mut scores, mut records) = (Scoreboard::default(), Vec::new());
         // The view that `scores` knows the picture of.
         let mut painted_last = None;
-        job.start("Painting views", order.len() - first);
+        job.start("Rendering views", order.len() - first);
         for (position, &index) in order.iter().enumerate().skip(first) {
             job.check()?;
             let view = &self.views[index];
