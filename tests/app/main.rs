@@ -18,6 +18,7 @@ mod inspector;
 mod manners;
 mod many_cameras;
 mod other_pictures;
+mod palette;
 #[path = "../common/private_words.rs"]
 mod private_words;
 mod random;
