@@ -1,8 +1,8 @@
 //! The live view's camera: moved by numbers, copied and pasted, along paths that are saved; and the cameras that it shows.
 
 use super::driver::{
-    SIZE, Window, choose, click, demo, drag, open, open_view, pick, settle, shows, small_demo, type_path,
-    wait,
+    SIZE, Window, choose, click, copied, demo, drag, open, open_view, pick, settle, shows, small_demo,
+    type_path, wait,
 };
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
@@ -71,17 +71,7 @@ fn a_copied_view_is_pasted_and_what_is_no_view_says_so() {
     let mut window = explore();
     let home = position(&window);
     window.event(egui::Event::Copy);
-    window.step();
-    let mut copied = None;
-    for _ in 0..4 {
-        for command in &window.output().platform_output.commands {
-            if let egui::OutputCommand::CopyText(text) = command {
-                copied = Some(text.clone());
-            }
-        }
-        window.step();
-    }
-    let copied = copied.expect("text on the clipboard");
+    let copied = copied(&mut window).expect("text on the clipboard");
     let views =
         overlook::capture::transforms::path_from_json(copied.as_bytes(), "clipboard".as_ref()).unwrap();
     assert_eq!(views[0].camera.world_from_camera.translation.to_array(), home);

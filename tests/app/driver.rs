@@ -134,6 +134,20 @@ pub(crate) fn click(window: &mut Window, name: &str) {
     window.run_steps(3);
 }
 
+/// What the window leaves on the clipboard within the next frames.
+pub(crate) fn copied(window: &mut Window) -> Option<String> {
+    let mut copied = None;
+    for _ in 0..4 {
+        window.step();
+        for command in &window.output().platform_output.commands {
+            if let egui::OutputCommand::CopyText(text) = command {
+                copied = Some(text.clone());
+            }
+        }
+    }
+    copied
+}
+
 /// Brings a view to the front by the menu.
 pub(crate) fn open_view(window: &mut Window, view: &str) {
     click(window, "Views");

@@ -8,6 +8,7 @@ mod device;
 mod dialogs;
 #[cfg(target_os = "linux")]
 mod display;
+mod display_choices;
 mod driver;
 mod figures;
 mod film;
@@ -29,6 +30,8 @@ mod screenshots;
 #[cfg(target_os = "linux")]
 #[path = "../common/skip.rs"]
 mod skip;
+mod tables;
+mod told_at_once;
 mod typing;
 mod viewer;
 mod whole_window;

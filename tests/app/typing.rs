@@ -42,6 +42,26 @@ fn escape_leaves_a_number_as_it_was_and_nothing_else() {
 }
 
 #[test]
+fn a_field_for_a_path_says_in_which_folder_a_name_lies_and_goes_by_cancel() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Save");
+    click(&mut window, "Save settings to path…");
+    let folder = std::env::current_dir().unwrap();
+    let folder = format!("In {}", folder.display());
+    assert!(shows(&window, &folder));
+    window.event(Event::Text("/tmp/elsewhere/mine".to_owned()));
+    window.run_steps(3);
+    assert!(!shows(&window, &folder), "a whole path lies where it says");
+    click(&mut window, "Cancel this path");
+    assert!(window.query_by_label("Path").is_none());
+    click(&mut window, "Presets");
+    click(&mut window, "Save as preset…");
+    click(&mut window, "Cancel this preset");
+    assert!(window.query_by_label("Name of the preset").is_none());
+}
+
+#[test]
 fn undo_and_redo_while_a_number_is_typed_are_not_meant_at_the_settings() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);

@@ -58,6 +58,34 @@ fn a_double_click_on_its_tab_a_button_and_a_key_let_a_view_fill_the_window_and_p
     assert!(window.query_by_label("Play").is_some(), "the key did not play");
 }
 
+/// What the window asked of the system in the frames after a key or a click: to fill the screen, or no longer to.
+fn asked_for_full_screen(window: &mut Window) -> Option<bool> {
+    let mut asked = None;
+    for _ in 0..4 {
+        window.step();
+        for command in window.output().viewport_output.values().flat_map(|viewport| &viewport.commands) {
+            if let egui::ViewportCommand::Fullscreen(full) = command {
+                asked = Some(*full);
+            }
+        }
+    }
+    asked
+}
+
+#[test]
+fn a_key_and_an_entry_of_the_menu_fill_the_screen_and_leave_it() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    assert_eq!(asked_for_full_screen(&mut window), None);
+    window.key_press(Key::F11);
+    assert_eq!(asked_for_full_screen(&mut window), Some(true));
+    window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default().fullscreen = Some(true);
+    window.run_steps(2);
+    click(&mut window, "Views");
+    window.get_by_label("Full screen").click();
+    assert_eq!(asked_for_full_screen(&mut window), Some(false));
+}
+
 #[test]
 fn panels_hide_and_come_back_where_they_were() {
     let mut window = open(small_demo(), SIZE);

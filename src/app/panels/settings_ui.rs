@@ -300,7 +300,7 @@ pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Comma
             if (keep.clicked() || entered) && named {
                 commands.push(Command::SavePreset(text));
             }
-            if ui.button("Close").clicked() {
+            if ui.button("Cancel").accessible_name("Cancel this preset").clicked() {
                 commands.push(Command::NamePreset(None));
             }
         });

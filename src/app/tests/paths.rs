@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::{ready, set_method, settle, start, step, wait};
-use crate::app::model::{ColorBy, Command, DockView, Message, Purpose, Spot, Study};
+use crate::app::model::{ColorBy, Command, DockView, Message, Purpose, Spot, Study, Table};
 use crate::app::overlook_app::OverlookApp;
 use crate::settings::{PruningMethod, Settings};
 
@@ -254,4 +254,21 @@ fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let shown = app.state.shown_picture().unwrap();
     let rgb = shown.pixels.iter().map(|pixel| [pixel.r(), pixel.g(), pixel.b()]);
     assert!(saved.pixels().map(|pixel| pixel.0).eq(rgb));
+}
+
+#[test]
+fn a_sweep_is_saved_as_csv_once_it_has_a_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("points.csv");
+    let mut app = ready(2, 2);
+    let save = Purpose::SaveTable(Table::Sweep);
+    app.apply(Command::TypePath(save));
+    assert!(app.state.typed_path.is_none() && app.notices()[0].starts_with("Nothing to save yet"));
+    app.apply(Command::Study(Study::Sweep));
+    wait(&mut app, "a point", |app| !app.state.inspector.charts.sweep.is_empty());
+    app.workers.study.cancel();
+    type_path(&mut app, save, &file);
+    wait(&mut app, "the file", |_| file.is_file());
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.starts_with("label,series,kernel,") && text.lines().count() > 1, "{text}");
 }
