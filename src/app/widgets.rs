@@ -88,6 +88,12 @@ pub(crate) fn least_width_of_segments<T>(ui: &Ui, choices: &[(T, &'static str, &
     names + 2.0 * SEGMENT_PADDING[0] * choices.len() as f32
 }
 
+/// Usual width of a row of choices, points.
+pub(crate) fn width_of_segments<T>(ui: &Ui, choices: &[(T, &'static str, &'static str)]) -> f32 {
+    let names = width_of_names(ui, choices.iter().map(|(_, name, _)| *name));
+    names + 2.0 * SEGMENT_PADDING[1] * choices.len() as f32
+}
+
 /// A row of choices of which one is on; gives the one that was clicked. `name` names the row for screen readers.
 pub(crate) fn segments_ui<T: Copy + PartialEq>(
     ui: &mut Ui,

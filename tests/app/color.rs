@@ -86,3 +86,24 @@ fn pictures_are_saved_with_alpha_with_depth_and_with_their_legend() {
     let (width, height) = (shot.width() as f32, shot.height() as f32);
     assert!(width + 2.0 > live.width() && height > live.height() + 20.0, "{width}×{height} for {live}");
 }
+
+#[test]
+fn a_camera_path_is_exported_as_exr_pictures_with_depth() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join("linear");
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    super::driver::open_view(&mut window, "Camera path");
+    for _ in 0..2 {
+        window.key_press(Key::K);
+        window.run_steps(2);
+    }
+    type_path(&mut window, "Export…", "EXR pictures to path…", &pictures, "Export this path");
+    wait(&mut window, "the pictures", |window| {
+        window.state().notices().iter().any(|notice| notice.starts_with("Exported: "))
+    });
+    for name in ["0001.exr", "0002.exr", "0003.exr"] {
+        let bytes = std::fs::read(pictures.join(name)).unwrap();
+        assert!(bytes.windows(2).take(400).any(|window| window == b"Z\0"), "{name} has depth");
+    }
+}

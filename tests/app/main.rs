@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
 mod alignment;
+mod camera_signs;
 mod cameras_and_view;
 mod color;
 mod device;
@@ -10,10 +11,12 @@ mod dialogs;
 mod display;
 mod display_choices;
 mod driver;
+mod every_size;
 mod figures;
 mod film;
 #[cfg(target_os = "linux")]
 mod first_minute;
+mod guides;
 mod help_and_recent;
 mod inspector;
 mod manners;

@@ -3,21 +3,19 @@
 use egui::Ui;
 
 use crate::app::model::{Area, Command, Commands, State, Workspace};
-use crate::app::widgets::{choice_ui, segments_ui};
+use crate::app::theme::space;
+use crate::app::widgets::{choice_ui, segments_ui, width_of_segments};
 
-/// Width from which on the workspaces lie side by side.
-const ROOMY: f32 = 360.0;
-
-/// The workspaces; in a narrow window as a list.
+/// The workspaces, at the right end of what is left of a line; in a narrow window as a list.
 pub(crate) fn workspaces_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let now = state.look.workspace;
-    let chosen = if ui.available_width() < ROOMY {
+    let width = width_of_segments(ui, &Workspace::ALL);
+    let chosen = if ui.available_width() < width + space::MEDIUM {
         choice_ui(ui, "Workspace", now, &Workspace::ALL, 76.0)
     } else {
-        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-            segments_ui(ui, "Workspace", now, Workspace::ALL)
-        })
-        .inner
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let area = egui::vec2(width, space::CONTROL);
+        ui.allocate_ui_with_layout(area, layout, |ui| segments_ui(ui, "Workspace", now, Workspace::ALL)).inner
     };
     commands.extend(chosen.map(Command::Workspace));
 }

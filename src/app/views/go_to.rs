@@ -69,7 +69,7 @@ fn entry_ui(ui: &mut Ui, state: &State, index: usize) -> Response {
         widgets::picture(ui.painter(), texture.id(), area);
     }
     let dot = egui::pos2(room.right() + 12.0, row.center().y);
-    ui.painter().circle_filled(dot, 4.5, camera_cues::color(index));
+    camera_cues::sign(ui.painter(), Rect::from_center_size(dot, vec2(10.0, 10.0)), index);
     let font = egui::TextStyle::Body.resolve(ui.style());
     let at = dot + vec2(12.0, 0.0);
     ui.painter().text(at, egui::Align2::LEFT_CENTER, name, font, tokens.text);

@@ -79,40 +79,7 @@ pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
 fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.spacing_mut().item_spacing.y = 3.0;
-    let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
-    ui.horizontal(|ui| {
-        dot(ui, probed.camera);
-        ui.label(RichText::new(format!("{name}  {}, {}", probed.x, probed.y)).heading());
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if icon_button(
-                ui,
-                ICON_CONTENT_COPY,
-                "Copy explanation",
-                "Copy all of this as text (Ctrl+Shift+C)",
-            )
-            .clicked()
-            {
-                commands.push(Command::CopyExplanation);
-            }
-            if icon_button(ui, ICON_TABLE_VIEW, "Copy CSV of the pixel table", "Copy the table as CSV")
-                .clicked()
-            {
-                commands.push(Command::CopyTable(Table::Pixel));
-            }
-            let pinned = state.inspector.probe.pinned;
-            let (icon, name) = if pinned { (ICON_KEEP_OFF, "Unpin pixel") } else { (ICON_KEEP, "Pin pixel") };
-            if icon_button(
-                ui,
-                icon,
-                name,
-                "A pinned pixel stays selected while the pointer moves on (click a pixel, or P)",
-            )
-            .clicked()
-            {
-                commands.push(Command::Pin(!pinned));
-            }
-        });
-    });
+    ui.horizontal(|ui| heading_ui(ui, state, scene, probed, commands));
     if let Some(explanation) = &probed.explanation {
         let sentence = words::verdict(&scene.cameras, explanation.verdict);
         let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
@@ -146,6 +113,44 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         note(ui, point);
     }
     spans_ui(ui, state, probed);
+}
+
+/// Which pixel it is, and what can be done with it.
+fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
+    let is_narrow = ui.available_width() < 0.9 * SUMMARY;
+    let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
+    // Buttons first: the name gets what is left.
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let pinned = state.inspector.probe.pinned;
+        let (pin, pin_name) = if pinned { (ICON_KEEP_OFF, "Unpin pixel") } else { (ICON_KEEP, "Pin pixel") };
+        let pin_help = "A pinned pixel stays selected while the pointer moves on (click a pixel, or P)";
+        for (icon, name, help, command) in [
+            (
+                ICON_CONTENT_COPY,
+                "Copy explanation",
+                "Copy all of this as text (Ctrl+Shift+C)",
+                Command::CopyExplanation,
+            ),
+            (
+                ICON_TABLE_VIEW,
+                "Copy CSV of the pixel table",
+                "Copy the table as CSV",
+                Command::CopyTable(Table::Pixel),
+            ),
+            (pin, pin_name, pin_help, Command::Pin(!pinned)),
+        ] {
+            if icon_button(ui, icon, name, help).clicked() {
+                commands.push(command);
+            }
+        }
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            dot(ui, probed.camera);
+            let text = format!("{name}  {}, {}", probed.x, probed.y);
+            let shown = RichText::new(&text);
+            let shown = if is_narrow { shown.strong() } else { shown.heading() };
+            ui.add(Label::new(shown).truncate());
+        });
+    });
 }
 
 /// When the pixel is stored: one bar per span, and the frame shown.
