@@ -161,6 +161,11 @@ fn a_view_at_rest_is_painted_twice_as_fine_as_recorded_and_in_motion_no_finer() 
     window.get_by_label("Pause").click();
     settle(&mut window);
     assert!(shows(&window, "×144 in "));
+    for coloring in ["Camera", "Agreement", "Motion"] {
+        choose(&mut window, "Live view shows", coloring);
+        settle(&mut window);
+        assert!(shows(&window, "×144 in "), "{coloring} is as fine as the picture");
+    }
 }
 
 #[test]

@@ -198,8 +198,8 @@ impl Scheduler {
         let rested = changes.into_iter().flatten().map(|at| at.elapsed()).min().unwrap_or(REST);
         // Sampling colors compare samples with pixels, so that they depend on the resolution.
         let fine = match state.live.color_by {
-            ColorBy::Picture => orbit.size_at_rest(state.live.size),
-            _ => coarse,
+            ColorBy::SamplingRate => coarse,
+            _ => orbit.size_at_rest(state.live.size),
         };
         let [width, height] = if rested < REST { coarse } else { fine };
         let vantage = Vantage { camera: orbit.camera(width, height), frame };
