@@ -21,7 +21,7 @@ fn signs(window: &mut Window, filter: &str) -> Vec<RgbaImage> {
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
     window.event(egui::Event::Text(filter.to_owned()));
     window.run_steps(4);
-    let names: Vec<Rect> = (window.query_all_by_label_contains("Camera "))
+    let names: Vec<Rect> = (window.query_all_by_label_contains("Camera extra"))
         .filter(|node| node.accesskit_node().role() == Role::Button)
         .map(|node| node.rect())
         .collect();
