@@ -3,7 +3,7 @@
 use egui::{Rect, vec2};
 use egui_kittest::kittest::Queryable;
 
-use super::driver::{SIZE, Window, choose, click, open, open_view, settle, shows, small_demo};
+use super::driver::{SIZE, Window, choose, click, open, settle, shows, small_demo};
 
 /// A window in the workspace that has the View panel beside the live view.
 fn explore() -> Window {
@@ -34,27 +34,13 @@ fn darkened(before: &[f64], now: &[f64]) -> f64 {
 }
 
 #[test]
-fn what_lies_outside_of_the_camera_s_or_the_exported_picture_is_darkened() {
+fn what_lies_outside_of_the_camera_s_picture_is_darkened() {
     let mut window = explore();
     let free = columns(&mut window);
     choose(&mut window, "Frame guide", "Camera");
     settle(&mut window);
     let of_camera = darkened(&free, &columns(&mut window));
     assert!(of_camera > 0.02 && of_camera < 0.8, "{of_camera} of the columns are outside");
-    // Twice as high as wide.
-    open_view(&mut window, "Camera path");
-    click(&mut window, "Add key here (K)");
-    for (name, side) in [("Picture width", "100"), ("Picture height", "200")] {
-        click(&mut window, name);
-        window.event(egui::Event::Text(side.to_owned()));
-        window.key_press(egui::Key::Enter);
-        window.run_steps(3);
-    }
-    open_view(&mut window, "View");
-    choose(&mut window, "Frame guide", "Export");
-    settle(&mut window);
-    let of_export = darkened(&free, &columns(&mut window));
-    assert!(of_export > of_camera + 0.2, "{of_export} of the columns are outside, and {of_camera} before");
     choose(&mut window, "Frame guide", "Off");
     settle(&mut window);
     assert_eq!(darkened(&free, &columns(&mut window)), 0.0);
