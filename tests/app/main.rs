@@ -11,7 +11,6 @@ mod dialogs;
 mod display;
 mod display_choices;
 mod driver;
-mod every_size;
 mod figures;
 mod film;
 #[cfg(target_os = "linux")]

@@ -15,7 +15,11 @@ use crate::app::widgets::{self, choice_ui, empty_ui, icon_button, one_line, scro
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
 
+/// Widths of the lists: in a view that is wide enough, and at least.
 const LIST_WIDTH: f32 = 106.0;
+const SHORTEST_LIST: f32 = 60.0;
+/// Width of the button of other programs' pictures.
+const PICTURES_WIDTH: f32 = 38.0;
 
 const BAR_WIDTH: f32 = 150.0;
 
@@ -44,12 +48,15 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
 /// What is compared above, how below: rows that wrap break each other apart in a narrow view.
 fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, commands: &mut Commands) {
     ui.horizontal(|ui| {
+        // What is left beside the button, with a gap after each list.
+        let gap = ui.spacing().item_spacing.x;
+        let width = ((ui.available_width() - PICTURES_WIDTH) / 3.0 - gap).clamp(SHORTEST_LIST, LIST_WIDTH);
         for (index, name) in [(0, "Left side"), (1, "Right side")] {
-            if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &sides(state), LIST_WIDTH) {
+            if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &sides(state), width) {
                 look.choice.sides[index] = side;
             }
         }
-        if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), LIST_WIDTH) {
+        if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), width) {
             look.choice.from = place;
         }
         pictures_menu_ui(ui, state, commands);
