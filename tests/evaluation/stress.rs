@@ -187,5 +187,5 @@ fn what_cannot_disturb_a_capture_is_left_out_with_a_word_and_nothing_else_is_no_
     assert!(late.contains("'camera out of sync' is left out") && late.contains("a single frame"), "{late}");
     plan.disturbances.push(Disturbance::Exposure);
     let points = stress::run(&capture, &plan, &truth, &job, |_, _| ()).unwrap();
-    assert!(points.iter().all(|point| point.disturbance == "exposure") && points.len() == 4);
+    assert!(points.iter().all(|point| point.disturbance == "exposure") && points.len() == 5);
 }
