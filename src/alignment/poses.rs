@@ -11,12 +11,9 @@ use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
 
-/// How far apart samples of one surface may be at first, footprints: as far as poses are looked for.
-pub(super) const WIDEST_GATE: f64 = 60.0;
-
 /// From errors of tens of footprints to hundredths.
 const STAGES: [Stage; 5] = [
-    Stage { gate: WIDEST_GATE, level: 3, steps: 4 },
+    Stage { gate: 60.0, level: 3, steps: 4 },
     Stage { gate: 30.0, level: 3, steps: 5 },
     Stage { gate: 15.0, level: 2, steps: 5 },
     Stage { gate: 8.0, level: 1, steps: 5 },
@@ -25,6 +22,9 @@ const STAGES: [Stage; 5] = [
 
 /// What tells whether anything is wrong at all.
 const FIRST_LOOK: Stage = Stage { gate: 15.0, level: 0, steps: 1 };
+
+/// What tells how far apart two cameras are: as far as poses are looked for, in full resolution.
+pub(super) const WIDE_LOOK: Stage = Stage { level: 0, ..STAGES[0] };
 
 /// A pose that moves samples by less than this, in footprints, does not show.
 const LEAST_MOVE: f64 = 0.05;

@@ -11,7 +11,7 @@ use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
 use super::exposure::{GainCorrection, kept_gain};
 use super::median::median;
-use super::poses::{PoseCorrection, WIDEST_GATE};
+use super::poses::{PoseCorrection, WIDE_LOOK};
 use super::registered_frames::color_camera;
 use super::solver::Problem;
 use super::view_corrections::{CameraCorrection, CorrectedViews, ViewCorrections};
@@ -366,15 +366,8 @@ impl Problem {
     /// gate stands for the distance and 0 for the brightness.
     pub(super) fn pair_medians(&self) -> Vec<[f64; 2]> {
         let of_pair = |pair: &[usize; 2]| {
-            let views = self.pair(*pair);
-            let (mut distances, mut brightness) = (Vec::new(), Vec::new());
-            for sample in &self.samples[pair[0]] {
-                if let Some(terms) = views.terms(sample, 0, WIDEST_GATE) {
-                    distances.extend(terms.distance.map(|term| term.residual.abs()));
-                    brightness.extend(terms.color.map(|term| term.residual.abs()));
-                }
-            }
-            [median(&mut distances).unwrap_or(WIDEST_GATE), median(&mut brightness).unwrap_or_default()]
+            let [mut distances, mut brightness] = self.magnitudes(*pair, &WIDE_LOOK, 1);
+            [median(&mut distances).unwrap_or(WIDE_LOOK.gate), median(&mut brightness).unwrap_or_default()]
         };
         self.pairs.par_iter().map(of_pair).collect()
     }

@@ -120,18 +120,24 @@ impl Problem {
         PairOfViews::new([&self.views[source], &self.views[target]], gains, self.scale, self.color_alone)
     }
 
+    /// Magnitudes of a pair's distances (footprints) and differences of brightness, of every `step`-th sample that is seen.
+    pub(crate) fn magnitudes(&self, pair: [usize; 2], stage: &Stage, step: usize) -> [Vec<f64>; 2] {
+        let views = self.pair(pair);
+        let mut found = [Vec::new(), Vec::new()];
+        for sample in self.samples[pair[0]].iter().step_by(step) {
+            if let Some(terms) = views.terms(sample, stage.level, stage.gate) {
+                found[0].extend(terms.distance.map(|term| term.residual.abs()));
+                found[1].extend(terms.color.map(|term| term.residual.abs()));
+            }
+        }
+        found
+    }
+
     /// How residuals are weighed, as wide as they are now.
     pub(crate) fn weighing(&self, stage: &Stage) -> Weighing {
         let of_pair = |pair: &[usize; 2]| {
-            let views = self.pair(*pair);
-            let mut found = [Vec::new(), Vec::new()];
             // A part of the samples tells the width of all.
-            for sample in self.samples[pair[0]].iter().step_by(2) {
-                if let Some(terms) = views.terms(sample, stage.level, stage.gate) {
-                    found[0].extend(terms.distance.map(|term| term.residual.abs()));
-                    found[1].extend(terms.color.map(|term| term.residual.abs()));
-                }
-            }
+            let mut found = self.magnitudes(*pair, stage, 2);
             let widest = [0.3 * stage.gate.min(WIDEST[0]), WIDEST[1]];
             let mut sigmas = widest;
             for (kind, magnitudes) in found.iter_mut().enumerate() {
