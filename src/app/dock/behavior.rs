@@ -2,7 +2,7 @@
 
 use egui::{Color32, Frame, Margin, Stroke, Style, Ui, Visuals, WidgetText};
 use egui_material_icons::icons::{ICON_CLOSE_FULLSCREEN, ICON_OPEN_IN_FULL};
-use egui_tiles::{Behavior, Container, TabState, TileId, Tiles, UiResponse};
+use egui_tiles::{Behavior, Container, EditAction, TabState, TileId, Tiles, UiResponse};
 
 use crate::app::model::{Area, DockView};
 use crate::app::theme::{Tokens, space};
@@ -45,6 +45,8 @@ pub(super) struct DockBehavior<F> {
     pub maximized: Option<DockView>,
     /// The view under the pointer.
     pub pointed_at: Option<DockView>,
+    /// Whether parts of the layout were resized or moved.
+    pub is_arranged: bool,
 }
 
 impl<F: FnMut(&mut Ui, DockView, DockPart)> Behavior<DockView> for DockBehavior<F> {
@@ -58,6 +60,10 @@ impl<F: FnMut(&mut Ui, DockView, DockPart)> Behavior<DockView> for DockBehavior<
 
     fn tab_title_for_pane(&mut self, view: &DockView) -> WidgetText {
         view.name_and_help().0.into()
+    }
+
+    fn on_edit(&mut self, action: EditAction) {
+        self.is_arranged |= matches!(action, EditAction::TileResized | EditAction::TileDropped);
     }
 
     fn on_tab_button(

@@ -1,14 +1,17 @@
-//! Where the views of each workspace lie at first: shares that suit 1280 × 800.
+//! Where the views of each workspace lie at first: shares that suit 1280 × 800, and their limits in larger windows.
 
+use egui::Vec2;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 
 use crate::app::model::{DockView, Workspace};
 
-/// Width of the side panel, as a share of the window's.
+/// Width of the side panel: its share of the window's, and at most, in points. Beyond that pictures gain more.
 const SIDE_SHARE: f32 = 0.26;
+const SIDE_MOST: f32 = 380.0;
 
-/// Height of the lower panel, as a share of the views'.
+/// Height of the lower panel: its share of the views', and at most, in points.
 const LOWER_SHARE: f32 = 0.315;
+const LOWER_MOST: f32 = 260.0;
 
 const LOWER: [DockView; 7] = [
     DockView::Pixel,
@@ -40,7 +43,8 @@ pub(super) fn tree_of(workspace: Workspace) -> Tree<DockView> {
         Workspace::Compare => {
             let live = tabs(&mut tiles, &[DockView::Live, DockView::Source]);
             let compare = tabs(&mut tiles, &[DockView::Compare]);
-            let both = beside(&mut tiles, [live, compare], 0.4);
+            // Of one shape, so that what is compared at the viewpoint of the live view fills its view.
+            let both = beside(&mut tiles, [live, compare], 0.5);
             let side = tabs(&mut tiles, &[DockView::Thresholds, DockView::Report]);
             beside(&mut tiles, [both, side], 1.0 - SIDE_SHARE)
         }
@@ -56,6 +60,63 @@ pub(super) fn tree_of(workspace: Workspace) -> Tree<DockView> {
         }
     };
     Tree::new(egui::Id::unique(("views", workspace)), root, tiles)
+}
+
+/// Gives the panels of a layout that nobody resized their sizes in an area of `size` points.
+pub(super) fn fit(tree: &mut Tree<DockView>, size: Vec2) {
+    let side = SIDE_SHARE.min(SIDE_MOST / size.x);
+    let rows = tree.root().and_then(|root| set_share_of_last(tree, root, LinearDir::Horizontal, side));
+    if let Some(rows) = rows {
+        set_share_of_last(tree, rows, LinearDir::Vertical, LOWER_SHARE.min(LOWER_MOST / size.y));
+    }
+}
+
+/// Gives the last of the parts that lie along a direction its share; gives the first of them.
+fn set_share_of_last(tree: &mut Tree<DockView>, parts: TileId, dir: LinearDir, share: f32) -> Option<TileId> {
+    let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get_mut(parts) else { return None };
+    let (last, others) = linear.children.split_last().filter(|(_, others)| !others.is_empty())?;
+    if linear.dir != dir {
+        return None;
+    }
+    let rest: f32 = others.iter().map(|other| linear.shares[*other]).sum();
+    for other in others {
+        linear.shares[*other] *= (1.0 - share) / rest;
+    }
+    linear.shares.set_share(*last, share);
+    others.first().copied()
+}
+
+/// Puts a view into a panel of its own, below all but the side panel.
+pub(super) fn put_below(tree: &mut Tree<DockView>, pane: TileId) {
+    let Some(root) = tree.root() else { return };
+    let lower = tree.tiles.insert_tab_tile(vec![pane]);
+    let below = |tree: &mut Tree<DockView>, upper: TileId| {
+        let rows = Linear::new_binary(LinearDir::Vertical, [upper, lower], 1.0 - LOWER_SHARE);
+        tree.tiles.insert_container(rows)
+    };
+    let beside_side = match tree.tiles.get(root) {
+        Some(Tile::Container(Container::Linear(linear))) if linear.dir == LinearDir::Horizontal => {
+            linear.children.split_last().filter(|(_, upper)| !upper.is_empty())
+        }
+        _ => None,
+    };
+    let Some((side, upper)) = beside_side.map(|(side, upper)| (*side, upper.to_vec())) else {
+        tree.root = Some(below(tree, root));
+        return;
+    };
+    let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get_mut(root) else { return };
+    let shares: Vec<f32> = upper.iter().map(|child| linear.shares[*child]).collect();
+    let side_share = linear.shares[side];
+    let mut row = Linear::new(LinearDir::Horizontal, upper.clone());
+    for (child, share) in upper.iter().zip(&shares) {
+        row.shares.set_share(*child, *share);
+    }
+    let row = tree.tiles.insert_container(row);
+    let rows = below(tree, row);
+    let mut root = Linear::new(LinearDir::Horizontal, vec![rows, side]);
+    root.shares.set_share(rows, shares.iter().sum());
+    root.shares.set_share(side, side_share);
+    tree.root = Some(tree.tiles.insert_container(root));
 }
 
 /// Two rows of views, and the settings beside both.

@@ -3,7 +3,7 @@
 mod behavior;
 mod layouts;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use egui::{Align, Layout, Ui};
 use egui_tiles::{Container, Tile, TileId, Tree};
@@ -18,6 +18,8 @@ pub(crate) struct Dock {
     workspace: Workspace,
     /// The layouts of workspaces that were shown.
     trees: BTreeMap<Workspace, Tree<DockView>>,
+    /// Workspaces whose layouts nobody arranged: they fit windows of any size.
+    fitted: BTreeSet<Workspace>,
     /// The view that the pointer was over when it was last drawn.
     pointed_at: Option<DockView>,
 }
@@ -27,13 +29,16 @@ pub(crate) struct Dock {
 struct RememberedLayouts {
     workspace: Workspace,
     layouts: BTreeMap<Workspace, serde_json::Value>,
+    #[serde(default)]
+    fitted: BTreeSet<Workspace>,
 }
 
 impl Dock {
     /// The layouts of a first run.
     pub(crate) fn new() -> Self {
         let workspace = Workspace::default();
-        Self { workspace, trees: [(workspace, layouts::tree_of(workspace))].into(), pointed_at: None }
+        let trees = [(workspace, layouts::tree_of(workspace))].into();
+        Self { workspace, trees, fitted: [workspace].into(), pointed_at: None }
     }
 
     /// Layouts as [`Dock::to_json`] gave them; that of a first run for each that cannot be read or shows nothing. The single
@@ -47,10 +52,14 @@ impl Dock {
         if let Ok(remembered) = serde_json::from_str::<RememberedLayouts>(text) {
             dock.show_workspace(remembered.workspace);
             for (workspace, layout) in remembered.layouts {
-                dock.trees.extend(readable(layout).map(|tree| (workspace, tree)));
+                if let Some(tree) = readable(layout) {
+                    dock.trees.insert(workspace, tree);
+                    dock.set_fitted(workspace, remembered.fitted.contains(&workspace));
+                }
             }
         } else if let Some(tree) = serde_json::from_str(text).ok().and_then(readable) {
             dock.trees.insert(dock.workspace, tree);
+            dock.set_fitted(dock.workspace, false);
         }
         dock
     }
@@ -59,8 +68,18 @@ impl Dock {
     pub(crate) fn to_json(&self) -> String {
         let layouts =
             self.trees.iter().filter_map(|(of, tree)| Some((*of, serde_json::to_value(tree).ok()?)));
-        let remembered = RememberedLayouts { workspace: self.workspace, layouts: layouts.collect() };
+        let layouts = layouts.collect();
+        let remembered =
+            RememberedLayouts { workspace: self.workspace, layouts, fitted: self.fitted.clone() };
         serde_json::to_string(&remembered).unwrap_or_default()
+    }
+
+    fn set_fitted(&mut self, workspace: Workspace, is_fitted: bool) {
+        if is_fitted {
+            self.fitted.insert(workspace);
+        } else {
+            self.fitted.remove(&workspace);
+        }
     }
 
     /// The workspace that is shown.
@@ -71,12 +90,15 @@ impl Dock {
     /// Shows another workspace.
     pub(crate) fn show_workspace(&mut self, workspace: Workspace) {
         self.workspace = workspace;
-        self.trees.entry(workspace).or_insert_with(|| layouts::tree_of(workspace));
+        if !self.trees.contains_key(&workspace) {
+            self.reset();
+        }
     }
 
     /// Puts the views of the shown workspace back where they were at first.
     pub(crate) fn reset(&mut self) {
         self.trees.insert(self.workspace, layouts::tree_of(self.workspace));
+        self.set_fitted(self.workspace, true);
     }
 
     fn tree(&self) -> Option<&Tree<DockView>> {
@@ -127,9 +149,10 @@ impl Dock {
             let pane = tree.tiles.insert_pane(view);
             let beside = (tree.tiles.find_pane(&view.neighbor()))
                 .and_then(|neighbor| tree.tiles.parent_of(neighbor))
-                .or_else(|| first_tabs(tree));
-            match beside {
+                .or_else(|| tabs_of_area(tree, view));
+            match beside.or_else(|| first_tabs(tree).filter(|_| view.area() != Some(Area::Lower))) {
                 Some(tabs) => tree.move_tile_to_container(pane, tabs, usize::MAX, false),
+                None if tree.root().is_some() => layouts::put_below(tree, pane),
                 None => *tree = layouts::tree_of(workspace),
             }
         }
@@ -149,12 +172,31 @@ impl Dock {
             self.pointed_at = Some(view);
             return maximized_ui(ui, view, draw).then_some(view);
         }
-        let mut behavior = DockBehavior { draw: &mut draw, maximized: None, pointed_at: None };
+        if self.fitted.contains(&self.workspace) {
+            layouts::fit(self.tree_mut(), ui.available_size());
+        }
+        let mut behavior =
+            DockBehavior { draw: &mut draw, maximized: None, pointed_at: None, is_arranged: false };
         self.tree_mut().ui(&mut behavior, ui);
-        let DockBehavior { maximized, pointed_at, .. } = behavior;
+        let DockBehavior { maximized, pointed_at, is_arranged, .. } = behavior;
         self.pointed_at = pointed_at;
+        if is_arranged {
+            self.set_fitted(self.workspace, false);
+        }
         maximized
     }
+}
+
+/// Tabs that begin with a view of the same area, if it has one.
+fn tabs_of_area(tree: &Tree<DockView>, view: DockView) -> Option<TileId> {
+    let area = view.area()?;
+    let begins_with_it = |tile: &Tile<DockView>| {
+        let Tile::Container(Container::Tabs(tabs)) = tile else { return false };
+        let first = tabs.children.first().and_then(|first| tree.tiles.get_pane(first));
+        first.is_some_and(|first| first.area() == Some(area))
+    };
+    let tabs = tree.tiles.iter().filter(|(_, tile)| begins_with_it(tile));
+    tabs.map(|(id, _)| *id).min_by_key(|id| id.0)
 }
 
 fn first_tabs(tree: &Tree<DockView>) -> Option<TileId> {
@@ -186,6 +228,8 @@ fn maximized_ui(ui: &mut Ui, view: DockView, mut draw: impl FnMut(&mut Ui, DockV
 
 #[cfg(test)]
 mod tests {
+    use egui::Vec2;
+
     use super::*;
 
     #[test]
@@ -243,6 +287,49 @@ mod tests {
             dock.show_area(area, true);
             assert_eq!(dock.visible(), before);
         }
+    }
+
+    #[test]
+    fn a_view_of_the_lower_panel_opens_below_the_others_where_there_is_no_such_panel() {
+        for (workspace, ..) in Workspace::ALL {
+            let mut dock = Dock::new();
+            dock.show_workspace(workspace);
+            let before = dock.visible();
+            let has_panel = before.iter().any(|view| view.area() == Some(Area::Lower));
+            for view in [DockView::Pixel, DockView::Log] {
+                dock.open(view);
+                let seen = dock.visible();
+                assert!(seen.contains(&view), "{workspace:?}");
+                assert_eq!(seen.len(), before.len() + usize::from(!has_panel), "{workspace:?}: {seen:?}");
+                let above = before.iter().filter(|view| view.area() != Some(Area::Lower));
+                assert!(above.into_iter().all(|view| seen.contains(view)), "{workspace:?}: {seen:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_large_window_gives_its_space_to_pictures_until_panels_are_resized() {
+        let shares = |dock: &mut Dock, size: Vec2| {
+            layouts::fit(dock.tree_mut(), size);
+            let tree = dock.tree_mut();
+            let Some(Tile::Container(Container::Linear(root))) = tree.tiles.get(tree.root().unwrap()) else {
+                panic!("views beside a side panel");
+            };
+            let sides = root.children.iter().map(|child| root.shares[*child]);
+            sides.collect::<Vec<f32>>()
+        };
+        for (workspace, ..) in Workspace::ALL {
+            let mut dock = Dock::new();
+            dock.show_workspace(workspace);
+            let small = shares(&mut dock, egui::vec2(1280.0, 600.0))[1];
+            let large = shares(&mut dock, egui::vec2(2560.0, 1240.0))[1];
+            assert!((small - 0.26).abs() < 1e-6 && (large * 2560.0 - 380.0).abs() < 0.1, "{workspace:?}");
+        }
+        let mut dock = Dock::new();
+        dock.set_fitted(Workspace::Inspect, false);
+        let again = Dock::from_json(&dock.to_json());
+        assert!(!again.fitted.contains(&Workspace::Inspect));
+        assert!(Dock::from_json(&Dock::new().to_json()).fitted.contains(&Workspace::Inspect));
     }
 
     #[test]
