@@ -205,11 +205,11 @@ impl OverlookApp {
     /// The cameras that the live view shows, each with the place of its middle as shares of the view.
     #[must_use]
     pub fn cameras_on_screen(&self) -> Vec<(usize, egui::Vec2)> {
-        let (Some(scene), Some(orbit)) = (&self.state.scene, &self.state.live.orbit) else {
+        let size = self.state.live.size;
+        let (Some(scene), Some(vantage)) = (&self.state.scene, self.state.live_camera(size)) else {
             return Vec::new();
         };
-        let [width, height] = self.state.live.size;
-        let vantage = orbit.camera(width, height);
+        let [width, height] = size;
         let cameras = scene.cameras.iter().enumerate();
         let places = cameras.filter_map(|(index, camera)| {
             let (pixel, _) = vantage.project(camera.position_in_world())?;

@@ -19,8 +19,9 @@ use super::scene::{Content, OpenScene, Origin};
 use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
 use super::timeline::Timeline;
-use super::view_look::{Guides, Ruler, ShownCameras, Unit};
+use super::view_look::{FrameGuide, Guides, Ruler, ShownCameras, Unit};
 use super::workspace::WindowLook;
+use crate::capture::Camera;
 use crate::job::Progress;
 use crate::preprocess::PreparedScan;
 use crate::preprocess::diagnostics::Report;
@@ -290,6 +291,22 @@ impl State {
         let largest = sizes.max_by_key(|[width, height]| u64::from(*width) * u64::from(*height));
         let size = self.inspector.path.size.or(largest).unwrap_or(FIRST_SIZE);
         size.map(|side| (side & !1).clamp(*SIDES.start(), *SIDES.end()))
+    }
+
+    /// Columns and rows of the picture whose frame the live view shows; of the camera's where none is.
+    pub(crate) fn framed_size(&self) -> Option<[u32; 2]> {
+        match self.live.guides.frame {
+            FrameGuide::Off | FrameGuide::Camera => {
+                self.live.orbit.as_ref().map(|orbit| [orbit.lens.width, orbit.lens.height])
+            }
+            FrameGuide::Export => Some(self.export_size()),
+        }
+    }
+
+    /// The camera of a live view of `width × height` pixels: all of the frame that is shown lies within.
+    pub(crate) fn live_camera(&self, [width, height]: [u32; 2]) -> Option<Camera> {
+        let orbit = self.live.orbit.as_ref()?.framed(self.framed_size()?);
+        Some(orbit.camera(width, height))
     }
 
     /// Whether a dialog lies over the window.

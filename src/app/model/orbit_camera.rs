@@ -89,6 +89,12 @@ impl OrbitCamera {
         Camera { name: "live view".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
     }
 
+    /// The same pose with a lens whose whole picture is what [`Self::camera`] gives a picture of `width × height` pixels: views
+    /// then show all of that picture, however wide or high it is.
+    pub(crate) fn framed(&self, [width, height]: [u32; 2]) -> Self {
+        Self { lens: self.camera(width, height).intrinsics, ..self.clone() }
+    }
+
     /// The size at which a view of `width × height` pixels is painted while it moves: no finer than the lens recorded.
     pub(crate) fn size_in_motion(&self, size: [u32; 2]) -> [u32; 2] {
         self.painted_size(size, 1.0)
@@ -229,6 +235,19 @@ mod tests {
         let camera = OrbitCamera::for_tests().camera(200, 48);
         assert!((camera.intrinsics.fx - OrbitCamera::for_tests().lens.fx).abs() < 1e-9);
         assert_eq!(camera.intrinsics.cx, 100.0);
+    }
+
+    #[test]
+    fn a_view_shows_all_of_a_framed_picture_and_is_no_other_where_it_did_so_already() {
+        let orbit = OrbitCamera::for_tests();
+        let wide = [128, 48];
+        let at_corner = |camera: Camera, corner: DVec2| camera.unproject(corner, 3.0);
+        let corner = at_corner(orbit.camera(128, 48), DVec2::new(128.0, 0.0));
+        // A square view has bars above and below the frame, and its corner at its edge.
+        let (place, _) = orbit.framed(wide).camera(64, 64).project(corner).unwrap();
+        assert!((place - DVec2::new(64.0, 20.0)).length() < 1e-9, "{place}");
+        assert_eq!(orbit.framed(wide).camera(256, 48), orbit.camera(256, 48));
+        assert_eq!(orbit.framed([32, 24]).camera(64, 64), orbit.camera(64, 64));
     }
 
     #[test]

@@ -100,17 +100,6 @@ impl OrbitCamera {
     pub(crate) fn up_in_world(&self) -> DVec3 {
         self.up_in_world
     }
-
-    /// The part of a view of `width × height` that a picture of `picture` columns and rows shows with this lens: left, top,
-    /// right and bottom as shares of the view.
-    pub(crate) fn frame_within(&self, [width, height]: [f64; 2], picture: [f64; 2]) -> [f64; 4] {
-        let lens = [f64::from(self.lens.width), f64::from(self.lens.height)];
-        let scale = |[width, height]: [f64; 2]| (width / lens[0]).min(height / lens[1]);
-        // Columns and rows of the lens that each shows, about the middle.
-        let [shown, framed] = [[width, height], picture].map(|size| size.map(|side| side / scale(size)));
-        let half = [0, 1].map(|axis| 0.5 * framed[axis] / shown[axis]);
-        [0.5 - half[0], 0.5 - half[1], 0.5 + half[0], 0.5 + half[1]]
-    }
 }
 
 #[cfg(test)]
@@ -179,15 +168,5 @@ mod tests {
         assert!((orbit.lens.fy - 2.0 * orbit.lens.fx).abs() < 1e-9);
         orbit.set_angle_of_view(0.0);
         assert!((orbit.angle_of_view() - ANGLES_OF_VIEW[0]).abs() < 1e-9);
-    }
-
-    #[test]
-    fn the_frame_of_a_picture_is_what_it_shows_of_the_view() {
-        let orbit = OrbitCamera::for_tests();
-        let near = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-        assert!(near(orbit.frame_within([128.0, 48.0], [64.0, 48.0]), [0.25, 0.0, 0.75, 1.0]));
-        assert!(near(orbit.frame_within([64.0, 96.0], [640.0, 480.0]), [0.0, 0.25, 1.0, 0.75]));
-        let wide = orbit.frame_within([640.0, 480.0], [1280.0, 480.0]);
-        assert!(near(wide, [-0.5, 0.0, 1.5, 1.0]), "{wide:?}: it shows more than the view");
     }
 }

@@ -46,10 +46,10 @@ pub(super) fn seen_cameras<'a>(
     state: &State,
     scene: &'a OpenScene,
 ) -> Vec<SeenCamera<'a>> {
-    let Some(orbit) = state.live.orbit.as_ref().filter(|_| state.live.show_cameras) else {
+    let size = [canvas.width() as u32, canvas.height() as u32];
+    let Some(vantage) = state.live_camera(size).filter(|_| state.live.show_cameras) else {
         return Vec::new();
     };
-    let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
     let at = |pixel: DVec2| canvas.min + vec2(pixel.x as f32, pixel.y as f32);
     let mut seen = Vec::new();
     for (index, camera) in scene.cameras.iter().enumerate() {

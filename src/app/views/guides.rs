@@ -1,6 +1,6 @@
 //! Guides over the live view: the frame of a picture, the ground, the world's axes, and a measured distance.
 
-use egui::{Align2, Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use glam::{DAffine3, DVec3};
 
 use super::live_pixels::is_seen;
@@ -11,6 +11,12 @@ use crate::capture::Camera;
 
 /// Length of the axes on the screen, points.
 const AXIS: f32 = 30.0;
+
+/// Height of a live view from which on the axes have that length, points; in a lower one they are shorter.
+const ROOM_OF_AXES: f32 = 300.0;
+
+/// Shortest axes, as a share of that length.
+const SHORTEST_AXES: f32 = 0.6;
 
 /// How far the axes' middle lies from the corner.
 const FROM_CORNER: Vec2 = vec2(46.0, -46.0);
@@ -26,21 +32,17 @@ const NEAR: f64 = 1e-3;
 
 /// The part of the live view that its picture fills: all of it, or the largest part of the shape of the frame.
 pub(super) fn picture_area(canvas: Rect, state: &State) -> Rect {
-    let Some(orbit) = state.live.orbit.as_ref().filter(|_| state.live.guides.locks_aspect) else {
-        return canvas;
-    };
-    let [width, height] = framed_size(orbit, state).map(|side| side as f32);
-    let scale = (canvas.width() / width).min(canvas.height() / height);
-    let size = vec2((width * scale).max(1.0), (height * scale).max(1.0));
-    Rect::from_center_size(canvas.center(), size).intersect(canvas)
+    if state.live.guides.locks_aspect { framed_area(canvas, state) } else { canvas }
 }
 
-/// Columns and rows of the picture whose frame is shown; of the camera's where none is.
-fn framed_size(orbit: &OrbitCamera, state: &State) -> [u32; 2] {
-    match state.live.guides.frame {
-        FrameGuide::Off | FrameGuide::Camera => [orbit.lens.width, orbit.lens.height],
-        FrameGuide::Export => state.export_size(),
-    }
+/// The largest part of an area that has the shape of the frame: what a picture of that shape shows.
+fn framed_area(area: Rect, state: &State) -> Rect {
+    let Some([width, height]) = state.framed_size().map(|size| size.map(|side| side as f32)) else {
+        return area;
+    };
+    let scale = (area.width() / width).min(area.height() / height);
+    let size = vec2((width * scale).max(1.0), (height * scale).max(1.0));
+    Rect::from_center_size(area.center(), size).intersect(area)
 }
 
 /// Draws the guides, and looks along the axis that is clicked.
@@ -51,12 +53,12 @@ pub(super) fn guides_ui(
     state: &State,
     commands: &mut Commands,
 ) {
-    let Some(orbit) = &state.live.orbit else { return };
-    let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
+    let size = [canvas.width() as u32, canvas.height() as u32];
+    let (Some(orbit), Some(vantage)) = (&state.live.orbit, state.live_camera(size)) else { return };
     if state.live.guides.grid {
         ground(painter, canvas, state, orbit, &vantage);
     }
-    frame(painter, canvas, state, orbit);
+    frame(painter, canvas, state);
     ruler(painter, canvas, state, &vantage);
     if state.live.guides.axes {
         axes_ui(ui, painter, canvas, orbit, commands);
@@ -64,37 +66,26 @@ pub(super) fn guides_ui(
 }
 
 /// Darkens what lies outside of the frame.
-fn frame(painter: &Painter, canvas: Rect, state: &State, orbit: &OrbitCamera) {
-    let guide = state.live.guides.frame;
-    if guide == FrameGuide::Off {
+fn frame(painter: &Painter, canvas: Rect, state: &State) {
+    let Some([width, height]) = state.framed_size().filter(|_| state.live.guides.frame != FrameGuide::Off)
+    else {
         return;
-    }
-    let size = [canvas.width(), canvas.height()].map(f64::from);
-    let [left, top, right, bottom] =
-        orbit.frame_within(size, framed_size(orbit, state).map(f64::from)).map(|share| share as f32);
-    let frame = Rect::from_min_max(
-        canvas.min + vec2(left, top) * canvas.size(),
-        canvas.min + vec2(right, bottom) * canvas.size(),
-    );
+    };
+    let frame = framed_area(canvas, state);
     let shade = Color32::from_black_alpha(140);
-    let inner = frame.intersect(canvas);
     for outside in [
-        Rect::from_min_max(canvas.min, egui::pos2(canvas.right(), inner.top())),
-        Rect::from_min_max(egui::pos2(canvas.left(), inner.bottom()), canvas.max),
-        Rect::from_min_max(egui::pos2(canvas.left(), inner.top()), egui::pos2(inner.left(), inner.bottom())),
-        Rect::from_min_max(
-            egui::pos2(inner.right(), inner.top()),
-            egui::pos2(canvas.right(), inner.bottom()),
-        ),
+        Rect::from_min_max(canvas.min, pos2(canvas.right(), frame.top())),
+        Rect::from_min_max(pos2(canvas.left(), frame.bottom()), canvas.max),
+        Rect::from_min_max(pos2(canvas.left(), frame.top()), frame.left_bottom()),
+        Rect::from_min_max(frame.right_top(), pos2(canvas.right(), frame.bottom())),
     ] {
         if outside.is_positive() {
             painter.rect_filled(outside, 0.0, shade);
         }
     }
     let tokens = Tokens::of(state.dark);
-    painter.rect_stroke(inner, 0.0, Stroke::new(1.0, tokens.on_scrim), egui::StrokeKind::Inside);
-    let [width, height] = framed_size(orbit, state);
-    plate(painter, inner.left_top() + vec2(8.0, 8.0), Align2::LEFT_TOP, &format!("{width}×{height}"), tokens);
+    painter.rect_stroke(frame, 0.0, Stroke::new(1.0, tokens.on_scrim), egui::StrokeKind::Inside);
+    plate(painter, frame.left_top() + vec2(8.0, 8.0), Align2::LEFT_TOP, &format!("{width}×{height}"), tokens);
 }
 
 /// A line of text on the scrim.
@@ -212,7 +203,8 @@ fn ruler(painter: &Painter, canvas: Rect, state: &State, vantage: &Camera) {
 /// The directions of the world's axes; a click on an end looks along it.
 fn axes_ui(ui: &mut Ui, painter: &Painter, canvas: Rect, orbit: &OrbitCamera, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
-    let middle = canvas.left_bottom() + FROM_CORNER;
+    let scale = (canvas.height() / ROOM_OF_AXES).clamp(SHORTEST_AXES, 1.0);
+    let middle = canvas.left_bottom() + FROM_CORNER * scale;
     let camera_from_world = orbit.world_from_camera.matrix3.transpose();
     let mut ends: Vec<(DVec3, DVec3, &str)> = Vec::new();
     for (axis, names) in [(DVec3::X, ["X", "−X"]), (DVec3::Y, ["Y", "−Y"]), (DVec3::Z, ["Z", "−Z"])] {
@@ -221,23 +213,23 @@ fn axes_ui(ui: &mut Ui, painter: &Painter, canvas: Rect, orbit: &OrbitCamera, co
         }
     }
     ends.sort_by(|a, b| b.0.z.total_cmp(&a.0.z));
-    painter.circle_filled(middle, AXIS + 12.0, tokens.scrim.gamma_multiply(0.6));
+    painter.circle_filled(middle, (AXIS + 12.0) * scale, tokens.scrim.gamma_multiply(0.6));
     for (direction, axis, name) in ends {
-        let end = middle + vec2(direction.x as f32, direction.y as f32) * AXIS;
+        let end = middle + vec2(direction.x as f32, direction.y as f32) * AXIS * scale;
         let color = Tokens::axis_of(axis);
         let is_positive = name.len() == 1;
-        let area = Rect::from_center_size(end, Vec2::splat(if is_positive { 16.0 } else { 12.0 }));
+        let area = Rect::from_center_size(end, Vec2::splat(scale * if is_positive { 16.0 } else { 12.0 }));
         let response = ui.interact(area, ui.scope_id().with(("axis", name)), Sense::click());
         response
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("View from {name}")));
         if is_positive {
             painter.line_segment([middle, end], Stroke::new(2.0, color));
-            painter.circle_filled(end, 8.0, color);
-            let font = egui::FontId::proportional(11.0);
+            painter.circle_filled(end, 8.0 * scale, color);
+            let font = egui::FontId::proportional(11.0 * scale.max(0.8));
             painter.text(end, Align2::CENTER_CENTER, name, font, Color32::BLACK);
         } else {
             let fill = if response.hovered() { color } else { color.gamma_multiply(0.35) };
-            painter.circle(end, 5.0, fill, Stroke::new(1.0, color));
+            painter.circle(end, 5.0 * scale, fill, Stroke::new(1.0, color));
         }
         if response.on_hover_text(format!("View from {name}")).clicked() {
             commands.push(Command::View(ViewCommand::LookAlong(-axis)));

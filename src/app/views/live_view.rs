@@ -126,14 +126,14 @@ fn measure_ui(ui: &Ui, response: &Response, canvas: Rect, state: &State, command
 fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
     let probe = &state.inspector.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
-    if let (Some(point), Some(orbit)) = (point, &state.live.orbit) {
-        let vantage = orbit.camera(canvas.width() as u32, canvas.height() as u32);
-        if let Some((position, depth)) = vantage.project(point) {
-            let at = canvas.min + vec2(position.x as f32, position.y as f32);
-            let painter = painter.with_clip_rect(canvas);
-            let is_seen = shows(state, canvas, at, depth);
-            overlays::mark(&painter, at, is_seen, probe.pinned, Tokens::of(state.dark));
-        }
+    let size = [canvas.width() as u32, canvas.height() as u32];
+    if let (Some(point), Some(vantage)) = (point, state.live_camera(size))
+        && let Some((position, depth)) = vantage.project(point)
+    {
+        let at = canvas.min + vec2(position.x as f32, position.y as f32);
+        let painter = painter.with_clip_rect(canvas);
+        let is_seen = shows(state, canvas, at, depth);
+        overlays::mark(&painter, at, is_seen, probe.pinned, Tokens::of(state.dark));
     }
 }
 

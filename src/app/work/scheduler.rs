@@ -188,7 +188,7 @@ impl Scheduler {
         };
         let frame = state.timeline.frame;
         let coarse = orbit.size_in_motion(state.live.size);
-        let coarse_vantage = Vantage { camera: orbit.camera(coarse[0], coarse[1]), frame };
+        let coarse_vantage = Vantage { camera: state.live_camera(coarse)?, frame };
         if self.coarse_vantage.as_ref() != Some(&coarse_vantage) {
             self.moved_at = Some(Instant::now());
             self.coarse_vantage = Some(coarse_vantage);
@@ -201,8 +201,8 @@ impl Scheduler {
             ColorBy::SamplingRate => coarse,
             _ => orbit.size_at_rest(state.live.size),
         };
-        let [width, height] = if rested < REST { coarse } else { fine };
-        let vantage = Vantage { camera: orbit.camera(width, height), frame };
+        let size = if rested < REST { coarse } else { fine };
+        let vantage = Vantage { camera: state.live_camera(size)?, frame };
         let on_gpu =
             state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
         // The adapter shows colors as recorded.
@@ -223,7 +223,7 @@ impl Scheduler {
             display: state.display,
             dark: state.dark,
             in_motion,
-            per_coarse_pixel: f64::from(width) / f64::from(coarse[0]),
+            per_coarse_pixel: f64::from(size[0]) / f64::from(coarse[0]),
         };
         submit_new(&workers.live, &mut self.live, key);
         self.live_will_change = rested < REST && (in_motion || coarse != fine);
