@@ -230,6 +230,17 @@ fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
 }
 
 #[test]
+fn a_path_that_does_not_exist_asks_for_nothing_to_be_given_up() {
+    let mut app = ready(2, 2);
+    app.apply(Command::AddKey);
+    app.state.notices.clear();
+    app.apply(Command::OpenPath("/no/such/capture".into()));
+    wait(&mut app, "the error", |app| app.notices().iter().any(|told| told.contains("/no/such/capture")));
+    assert!(app.state.open_after_question.is_none());
+    assert_eq!(app.state.inspector.path.keys.len(), 1);
+}
+
+#[test]
 fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [bare, png, jpg] = ["view", "view.png", "view.jpg"].map(|name| folder.path().join(name));
