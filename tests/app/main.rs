@@ -11,6 +11,7 @@ mod dialogs;
 mod display;
 mod display_choices;
 mod driver;
+mod every_size;
 mod figures;
 mod film;
 #[cfg(target_os = "linux")]
@@ -18,6 +19,7 @@ mod first_minute;
 mod guides;
 mod help_and_recent;
 mod inspector;
+mod layout_faults;
 mod manners;
 mod many_cameras;
 mod other_pictures;

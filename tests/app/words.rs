@@ -36,7 +36,7 @@ fn every_view_calls_things_as_the_field_does() {
     );
     look_at(&mut window, "Source picture", vec2(0.5, 0.6));
     settle(&mut window);
-    let table = ["Visible", "Depth error", "Paper r", "Footprint density", "Its own sample"];
+    let table = ["Visible", "Depth error", "Paper r", "Density", "Its own sample"];
     assert_says(&window, "Pixel", &table);
     assert!(window.query_by_label("Unpin pixel").is_some());
     for (view, words) in [

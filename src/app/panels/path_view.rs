@@ -4,7 +4,6 @@ use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
 use crate::app::model::{Command, Commands, Purpose, SIDES, State};
-use crate::app::theme::space;
 use crate::app::widgets::{empty_ui, icon_button, weak};
 use crate::plural::counted;
 
@@ -60,31 +59,64 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         });
         return;
     }
-    ui.horizontal(|ui| {
-        if ui.button("Add key here (K)").clicked() {
-            commands.push(Command::AddKey);
-        }
-        let ready = path.pictures() > 0;
-        let (icon, name) =
-            if path.playing.is_some() { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
-        if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
-            commands.push(Command::PlayPath(path.playing.is_none()));
-        }
-        ui.label("Frames per segment");
-        let mut pictures = path.pictures_per_leg;
-        let drag = DragValue::new(&mut pictures).range(1..=2000);
-        if ui.add(drag).accessible_name("Frames per segment").changed() {
-            commands.push(Command::PicturesPerLeg(pictures));
-        }
-        size_ui(ui, state.export_size(), commands);
-        ui.add_space(space::MEDIUM);
-        path_file_ui(ui, ready, commands);
-        ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
-        let [width, height] = state.export_size();
-        let facts = format!("{}, {width}×{height}", counted(path.pictures(), "picture"));
-        weak(ui, facts);
-    });
+    let rows: &[&[Part]] = match ui.available_width() {
+        width if width > ONE_ROW => &[&[Part::Keys, Part::Pace, Part::Size, Part::File]],
+        width if width > TWO_ROWS => &[&[Part::Keys, Part::Pace], &[Part::Size, Part::File]],
+        _ => &[&[Part::Keys], &[Part::Pace], &[Part::Size], &[Part::File]],
+    };
+    for row in rows {
+        ui.horizontal(|ui| {
+            for part in *row {
+                part_ui(ui, state, *part, commands);
+            }
+        });
+    }
     keys_ui(ui, state, commands);
+}
+
+/// What is set above the keys, in rows as wide as the panel.
+#[derive(Clone, Copy)]
+enum Part {
+    Keys,
+    Pace,
+    Size,
+    File,
+}
+
+/// Widths from which on all parts fit into one row and into two.
+const ONE_ROW: f32 = 735.0;
+const TWO_ROWS: f32 = 430.0;
+
+fn part_ui(ui: &mut Ui, state: &State, part: Part, commands: &mut Commands) {
+    let path = &state.inspector.path;
+    let ready = path.pictures() > 0;
+    match part {
+        Part::Keys => {
+            if ui.button("Add key here (K)").clicked() {
+                commands.push(Command::AddKey);
+            }
+            let is_playing = path.playing.is_some();
+            let (icon, name) =
+                if is_playing { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
+            if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
+                commands.push(Command::PlayPath(!is_playing));
+            }
+            weak(ui, counted(path.pictures(), "picture"));
+        }
+        Part::Pace => {
+            ui.label("Frames per segment");
+            let mut pictures = path.pictures_per_leg;
+            let drag = DragValue::new(&mut pictures).range(1..=2000);
+            if ui.add(drag).accessible_name("Frames per segment").changed() {
+                commands.push(Command::PicturesPerLeg(pictures));
+            }
+        }
+        Part::Size => size_ui(ui, state.export_size(), commands),
+        Part::File => {
+            path_file_ui(ui, ready, commands);
+            ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
+        }
+    }
 }
 
 /// The path's file.
@@ -107,17 +139,25 @@ fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
 
 const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
 
+/// Width from which on there is room for where a key stands.
+const ROOMY: f32 = 390.0;
+
 fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let keys = &state.inspector.path.keys;
+    let is_roomy = ui.available_width() > ROOMY;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
             for (index, key) in keys.iter().enumerate() {
                 let number = index + 1;
-                if ui.button(format!("Key {number}")).on_hover_text("Go to this key").clicked() {
+                let at = key.orbit.world_from_camera.translation;
+                let place = format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z);
+                let help = format!("Go to this key, at {place}");
+                if ui.button(format!("Key {number}")).on_hover_text(help).clicked() {
                     commands.push(Command::GoToKey(index));
                 }
-                let at = key.orbit.world_from_camera.translation;
-                ui.label(RichText::new(format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z)).monospace());
+                if is_roomy {
+                    ui.label(RichText::new(place).monospace());
+                }
                 weak(ui, format!("frame {}", key.frame + 1));
                 ui.horizontal(|ui| {
                     let here = format!("Set key {number} to the current view");

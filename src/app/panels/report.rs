@@ -1,6 +1,6 @@
 //! What was pruned, by which rule, for which camera, how well cameras agree, and how noisy the capture is.
 
-use egui::{Rect, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons::ICON_GRID_ON;
 
@@ -124,24 +124,23 @@ fn rules_ui(ui: &mut Ui, report: &Report) {
     share_ui(ui, "Kept", &kept, share, tokens.moving).on_hover_text("Samples that stay.");
 }
 
+/// How much darker the rim of a bar is.
+const RIM: f32 = 0.35;
+
 /// A name, a figure, and a bar of the share below them.
-pub(crate) fn share_ui(
-    ui: &mut Ui,
-    name: &str,
-    figure: &str,
-    share: f32,
-    color: egui::Color32,
-) -> egui::Response {
+pub(crate) fn share_ui(ui: &mut Ui, name: &str, figure: &str, share: f32, color: Color32) -> egui::Response {
     let tokens = Tokens::in_ui(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 28.0), Sense::hover());
     let painter = ui.painter();
     let font = egui::TextStyle::Body.resolve(ui.style());
     painter.text(rect.left_top(), egui::Align2::LEFT_TOP, name, font.clone(), tokens.text);
     painter.text(rect.right_top(), egui::Align2::RIGHT_TOP, figure, font, tokens.text_weak);
-    let rail = Rect::from_min_max(egui::pos2(rect.left(), rect.bottom() - 7.0), rect.max - vec2(0.0, 2.0));
+    let rail = Rect::from_min_max(egui::pos2(rect.left(), rect.bottom() - 8.0), rect.max - vec2(0.0, 2.0));
     painter.rect_filled(rail, 2.0, tokens.raised);
     let bar = Rect::from_min_size(rail.min, vec2(rail.width() * share.clamp(0.0, 1.0), rail.height()));
-    painter.rect_filled(bar, 2.0, color);
+    // The rim keeps light colors visible in a light window.
+    let rim = Stroke::new(1.0, color.lerp_to_gamma(Color32::BLACK, RIM));
+    painter.rect(bar, 2.0, color, rim, StrokeKind::Inside);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("{name}: {figure}")));
     response
 }

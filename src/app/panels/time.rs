@@ -21,7 +21,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         empty_ui(ui, ICON_TIMELINE, "No spans yet", text, |_| {});
         return;
     };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let caption =
             "Samples by the span of frames they are stored for; light is many. Click to go to a frame.";
         note(ui, caption);

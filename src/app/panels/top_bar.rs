@@ -1,6 +1,6 @@
 //! What is open, and what can be opened and saved.
 
-use egui::{Align, Button, Layout, RichText, Ui};
+use egui::{Align, Button, Color32, Label, Layout, RichText, Ui};
 use egui_material_icons::icons::{
     ICON_DARK_MODE, ICON_DASHBOARD, ICON_FOLDER_OPEN, ICON_HELP, ICON_LIGHT_MODE, ICON_SAVE, ICON_SCIENCE,
     ICON_TERMINAL,
@@ -11,7 +11,7 @@ use crate::app::model::{
     self, Command, CommandPalette, Commands, DockView, HelpPage, Origin, Purpose, State,
 };
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{icon_button, note, weak};
+use crate::app::widgets::{icon_button, note};
 use crate::demo::SCENES;
 use crate::plural::counted;
 
@@ -26,7 +26,7 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         views_menu_ui(ui, state, commands);
         help_menu_ui(ui, commands);
         ui.add_space(space::MEDIUM);
-        title_ui(ui, state);
+        let title = title_of(state);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let (icon, name) =
                 if state.dark { (ICON_LIGHT_MODE, "Light theme") } else { (ICON_DARK_MODE, "Dark theme") };
@@ -36,7 +36,9 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if icon_button(ui, ICON_TERMINAL, "Commands", "Find any command by name (Ctrl+P)").clicked() {
                 commands.push(Command::Palette(Some(CommandPalette::default())));
             }
-            workspaces_ui(ui, state, commands);
+            workspaces_ui(ui, state, width_of(ui, title.as_ref()), commands);
+            // What is open gives way: all else is pressed.
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| title_ui(ui, state, title));
         });
     });
 }
@@ -168,8 +170,9 @@ fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     });
 }
 
-fn title_ui(ui: &mut Ui, state: &State) {
-    let Some(scene) = &state.scene else { return };
+/// The name of what is open, and how large it is.
+fn title_of(state: &State) -> Option<[RichText; 2]> {
+    let scene = state.scene.as_ref()?;
     let kind = match (&scene.origin, scene.capture().is_some()) {
         (Origin::Demo(_), _) => "built-in capture",
         (_, true) => "capture",
@@ -177,13 +180,27 @@ fn title_ui(ui: &mut Ui, state: &State) {
     };
     let cameras = scene.cameras.len();
     let (width, height) = scene.cameras.first().map_or((0, 0), |camera| camera.intrinsics.size());
-    ui.label(RichText::new(&scene.name).strong());
     let facts = format!(
         "{kind} · {} × {} · {width}×{height}",
         counted(cameras, "camera"),
         counted(scene.frame_count(), "frame")
     );
-    let response = weak(ui, facts);
+    Some([RichText::new(&scene.name).strong(), RichText::new(facts)])
+}
+
+/// Width that the title takes where nothing of it is cut off.
+fn width_of(ui: &Ui, title: Option<&[RichText; 2]>) -> f32 {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let width = |part: &RichText| {
+        ui.painter().layout_no_wrap(part.text().to_owned(), font.clone(), Color32::PLACEHOLDER).size().x
+    };
+    title.map_or(0.0, |parts| parts.iter().map(|part| width(part) + ui.spacing().item_spacing.x).sum())
+}
+
+fn title_ui(ui: &mut Ui, state: &State, title: Option<[RichText; 2]>) {
+    let (Some([name, facts]), Some(scene)) = (title, &state.scene) else { return };
+    ui.add(Label::new(name).truncate());
+    let response = ui.add(Label::new(facts.color(Tokens::in_ui(ui).text_weak)).truncate());
     if let Origin::Path(path) = &scene.origin {
         response.on_hover_text(path.display().to_string());
     }

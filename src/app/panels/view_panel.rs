@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use egui::{Checkbox, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
+use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, Slider, Ui};
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_CONTENT_PASTE};
 
 use super::camera_list::camera_list_ui;
@@ -10,7 +10,7 @@ use crate::app::model::{
     ANGLES_OF_VIEW, Command, Commands, FLY_SPEEDS, FrameGuide, OrbitCamera, State, UP_DIRECTIONS, Unit,
     ViewAngles, ViewCommand,
 };
-use crate::app::theme::space;
+use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, note, segments_ui};
 
 /// The panel.
@@ -58,12 +58,17 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
     let mut angles = orbit.angles();
     let speed = orbit.pivot_distance * 0.005;
     ui.horizontal(|ui| {
+        // Three numbers and their unit fit into the narrowest panel.
+        ui.spacing_mut().item_spacing.x = space::SMALL;
+        ui.spacing_mut().button_padding.x = space::SMALL + 1.0;
         for (name, value) in [("X", &mut position.x), ("Y", &mut position.y), ("Z", &mut position.z)] {
             let drag = DragValue::new(value).speed(speed).max_decimals(4).prefix(format!("{name} "));
             let drag = ui.add(drag.update_while_editing(false)).accessible_name(format!("Position {name}"));
             drag.on_hover_text("Position of the eye in world space.");
         }
-        ui.label(if state.live.unit == Unit::Meters { "m" } else { "" });
+        if state.live.unit == Unit::Meters {
+            ui.label("m");
+        }
     });
     if position != orbit.world_from_camera.translation {
         sent.push(ViewCommand::Position(position));
@@ -83,7 +88,9 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
                 *value = degrees * PI / 180.0;
             }
         }
-        note(ui, "heading, pitch, roll");
+        let caption = RichText::new("heading, pitch, roll").small().color(Tokens::in_ui(ui).text_weak);
+        // In a row of its own where it does not fit beside the numbers.
+        ui.add(Label::new(caption).extend());
     });
     if angles != before {
         sent.push(ViewCommand::Angles(angles));

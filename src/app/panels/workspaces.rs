@@ -6,11 +6,11 @@ use crate::app::model::{Area, Command, Commands, State, Workspace};
 use crate::app::theme::space;
 use crate::app::widgets::{choice_ui, segments_ui, width_of_segments};
 
-/// The workspaces, at the right end of what is left of a line; in a narrow window as a list.
-pub(crate) fn workspaces_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+/// The workspaces, at the right end of what is left of a line; as a list where less than the `rest` would be left of it.
+pub(crate) fn workspaces_ui(ui: &mut Ui, state: &State, rest: f32, commands: &mut Commands) {
     let now = state.look.workspace;
     let width = width_of_segments(ui, &Workspace::ALL);
-    let chosen = if ui.available_width() < width + space::MEDIUM {
+    let chosen = if ui.available_width() < width + rest + 2.0 * space::MEDIUM {
         choice_ui(ui, "Workspace", now, &Workspace::ALL, 76.0)
     } else {
         let layout = egui::Layout::left_to_right(egui::Align::Center);

@@ -1,6 +1,7 @@
 //! Every camera as a thumbnail: its kept share, and where it sees the selected pixel.
 
-use egui::{Align2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
 use super::{cameras_overlay, overlays};
@@ -111,7 +112,11 @@ fn card_ui(
     camera_cues::sign(&painter, sign, index);
     let font = egui::TextStyle::Small.resolve(ui.style());
     let line = |row: f32, x: f32, text: String, color| {
-        painter.text(pos2(left + x, picture.bottom() + row), Align2::LEFT_CENTER, text, font.clone(), color);
+        let mut job = LayoutJob::simple_singleline(text, font.clone(), color);
+        job.wrap = TextWrapping::truncate_at_width(width - x);
+        let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
+        let at = pos2(left + x, picture.bottom() + row - galley.size().y / 2.0);
+        painter.galley(at, galley, color);
     };
     let kept = kept_words(state, index);
     let says = probed

@@ -1,6 +1,6 @@
 //! Two pictures of one place: wiped over each other, flipped, beside each other, or as their difference. One zoom for both.
 
-use egui::{Align2, Key, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
+use egui::{Align, Align2, Key, Layout, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
 use egui_material_icons::icons::{ICON_ADD_PHOTO_ALTERNATE, ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::legend;
@@ -10,7 +10,9 @@ use crate::app::model::{
     PictureDifference, PictureZoom, Purpose, ShownComparison, State,
 };
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{self, choice_ui, empty_ui, icon_button, one_line, scrolled, segments_ui, waiting};
+use crate::app::widgets::{
+    self, choice_ui, empty_ui, icon_button, least_width_of_segments, one_line, scrolled, segments_ui, waiting,
+};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -51,29 +53,50 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, commands: &mut 
         // What is left beside the button, with a gap after each list.
         let gap = ui.spacing().item_spacing.x;
         let width = ((ui.available_width() - PICTURES_WIDTH) / 3.0 - gap).clamp(SHORTEST_LIST, LIST_WIDTH);
+        // A list as wide as its text would push the others out of the view.
+        let list = |ui: &mut Ui, contents: &mut dyn FnMut(&mut Ui)| {
+            let layout = Layout::left_to_right(Align::Center);
+            ui.allocate_ui_with_layout(vec2(width, space::CONTROL), layout, contents);
+        };
         for (index, name) in [(0, "Left side"), (1, "Right side")] {
-            if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &sides(state), width) {
-                look.choice.sides[index] = side;
+            list(ui, &mut |ui| {
+                if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &sides(state), width) {
+                    look.choice.sides[index] = side;
+                }
+            });
+        }
+        list(ui, &mut |ui| {
+            if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), width) {
+                look.choice.from = place;
             }
-        }
-        if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), width) {
-            look.choice.from = place;
-        }
+        });
         pictures_menu_ui(ui, state, commands);
     });
-    ui.horizontal(|ui| {
+    let is_done = ui.horizontal(|ui| {
         if let Some(mode) = segments_ui(ui, "Compare by", look.mode, Mode::ALL) {
             look.mode = mode;
         }
-        if look.mode == Mode::Difference {
-            ui.add_space(space::MEDIUM);
-            if let Some(measure) = segments_ui(ui, "Difference in", look.choice.measure, CompareMeasure::ALL)
-            {
-                // A locked range is one of the other unit.
-                (look.choice.measure, look.choice.range) = (measure, None);
-            }
+        ui.add_space(space::MEDIUM);
+        let fits = ui.available_width() >= least_width_of_segments(ui, &CompareMeasure::ALL);
+        if fits {
+            measure_ui(ui, look);
         }
+        fits
     });
+    if !is_done.inner {
+        measure_ui(ui, look);
+    }
+}
+
+/// What a difference is measured in, where one is shown.
+fn measure_ui(ui: &mut Ui, look: &mut CompareLook) {
+    if look.mode != Mode::Difference {
+        return;
+    }
+    if let Some(measure) = segments_ui(ui, "Difference in", look.choice.measure, CompareMeasure::ALL) {
+        // A locked range is one of the other unit.
+        (look.choice.measure, look.choice.range) = (measure, None);
+    }
 }
 
 /// Every side: what is always there, and the pictures of other programs.

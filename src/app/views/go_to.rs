@@ -2,6 +2,8 @@
 
 use egui::{Popup, PopupCloseBehavior, Rect, Response, ScrollArea, Sense, Ui, vec2};
 
+use egui_material_icons::icons::ICON_PLACE;
+
 use crate::app::camera_cues;
 use crate::app::model::{Command, Commands, State};
 use crate::app::theme::{Tokens, space};
@@ -13,10 +15,14 @@ const ROW: f32 = 42.0;
 /// Width of an entry's picture.
 const PICTURE: f32 = 52.0;
 
+/// Width that is left of the tabs and the button, below which the button has an icon for a name: the tabs need the room.
+const NARROW: f32 = 180.0;
+
 /// The button and its list.
 pub(super) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.scene else { return };
-    let button = ui.button("Go to…").accessible_name("Go to camera");
+    let text = if ui.available_width() < NARROW { ICON_PLACE.rich_text() } else { "Go to…".into() };
+    let button = ui.button(text).accessible_name("Go to camera");
     let button = button.on_hover_text("View from a camera.");
     let id = ui.scope_id().with("go to");
     Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside).width(260.0).show(|ui| {

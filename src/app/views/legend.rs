@@ -8,7 +8,7 @@ use crate::app::model::{
     self, ColorBy, Command, Commands, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, State, ranked,
 };
 use crate::app::theme::Tokens;
-use crate::app::widgets::note;
+use crate::app::widgets::one_line;
 use crate::grid::Grid;
 use crate::preprocess::agreement::SampleAgreement;
 use crate::samples::TILE;
@@ -35,10 +35,10 @@ pub(crate) fn source_legend_ui(
     let tokens = Tokens::in_ui(ui);
     line_ui(ui, |ui| match legend {
         Legend::Plain if key.overlay == Overlay::Normals => {
-            note(ui, "Red, green and blue: the normal's x, y and z in world space.");
+            one_line(ui, "Red, green and blue: the normal's x, y and z in world space.", tokens.text_weak);
         }
         Legend::Plain => {
-            note(ui, "As recorded. Choose an overlay above to see what is redundant.");
+            one_line(ui, "As recorded. Choose an overlay above to see what is redundant.", tokens.text_weak);
         }
         Legend::Depth { near, far, without } => {
             let figure = |value: f32| model::significant(f64::from(value));
@@ -217,7 +217,11 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
                 }
             }
             ColorBy::Agreement => {
-                note(ui, "A store does not record agreement; open its capture for that.");
+                one_line(
+                    ui,
+                    "A store does not record agreement; open its capture for that.",
+                    tokens.text_weak,
+                );
             }
             ColorBy::Span => {
                 for (color, name) in spans(tokens) {

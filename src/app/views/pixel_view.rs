@@ -18,28 +18,31 @@ use crate::preprocess::inspect::CameraEvidence;
 const SUMMARY: f32 = 292.0;
 
 /// Width that the table needs at its full size, and the size of its letters where there is less.
-const TABLE: f32 = 612.0;
+const TABLE: f32 = 820.0;
 const NARROW: f32 = 11.0;
+
+/// Least width of the last column, which gets what the others leave: beyond that the table scrolls to the side.
+const OWN_SAMPLE: f32 = 110.0;
 
 /// Columns of the table: heading, width in points, and what it means.
 const COLUMNS: [(&str, f32, &str); 9] = [
-    ("Camera", 92.0, "Click a name to see the point there."),
+    ("Camera", 88.0, "Click a name to see the point there."),
     ("Visible", 128.0, "Whether the camera shows the same surface point, and if not, which rule says so."),
-    ("Depth", 92.0, "Planar depth expected at the point, and the depth that the camera recorded there."),
-    ("Depth error", 66.0, "Distance to the surface found there, in pixel footprints (px)."),
-    ("Angle", 42.0, "Angle of incidence: between the line of sight and the surface's normal."),
+    ("Depth", 90.0, "Planar depth expected at the point, and the depth that the camera recorded there."),
+    ("Depth error", 74.0, "Distance to the surface found there, in pixel footprints (px)."),
+    ("Angle", 44.0, "Angle of incidence: between the line of sight and the surface's normal."),
     (
         "Paper r",
         50.0,
         "The paper's r, planar depth over cosine of incidence, of this pixel beside that camera's: below 1 this pixel is denser.",
     ),
     (
-        "Footprint density",
-        62.0,
-        "The same with focal length and resolution, this pixel's longest side on the surface beside that camera's; its area where \
+        "Density",
+        54.0,
+        "Footprint density: the paper's r with focal length and resolution, this pixel's longest side on the surface beside that camera's; its area where \
          longest sides do not decide.",
     ),
-    ("Color", 40.0, "Largest difference of a color channel, in 8-bit steps."),
+    ("Color", 44.0, "Largest difference of a color channel, in 8-bit steps."),
     (
         "Its own sample",
         150.0,
@@ -218,13 +221,14 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
     for (_, width, _) in &COLUMNS[..COLUMNS.len() - 1] {
         table = table.column(Column::initial(width * scale).at_least(24.0).clip(true).resizable(true));
     }
-    let table = table.column(Column::remainder().clip(true)).header(row_height, |mut header| {
-        for (name, _, help) in COLUMNS {
-            header.col(|ui| {
-                note(ui, name).on_hover_text(help);
-            });
-        }
-    });
+    let table =
+        table.column(Column::remainder().at_least(OWN_SAMPLE).clip(true)).header(row_height, |mut header| {
+            for (name, _, help) in COLUMNS {
+                header.col(|ui| {
+                    note(ui, name).on_hover_text(help);
+                });
+            }
+        });
     // Of hundreds of cameras only those in view are drawn.
     table.body(|body| {
         body.rows(row_height, order.len(), |mut row| {
