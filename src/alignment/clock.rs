@@ -23,8 +23,8 @@ use crate::job::Job;
 
 /// Delays that are looked for where the first look finds any, frames.
 const MOST_FRAMES: i64 = 4;
-/// Moments at which cameras are compared.
-const MOMENTS: usize = 2;
+/// Moments at which cameras are compared, as shares of the capture, once they are known to differ.
+const MOMENTS: [f64; 2] = [0.25, 0.75];
 /// Samples of a picture among which those that move are looked for.
 const SAMPLES: usize = 12_000;
 /// Distances beyond this are other surfaces, footprints.
@@ -41,7 +41,7 @@ const LEAST_RATES: [f64; 2] = [0.3, 0.02];
 const LEAST_DELAY: f64 = 0.1;
 /// Neighboring samples are not independent: standard errors are so many times larger.
 const INFLATION: f64 = 3.0;
-/// The first look finds no delay where all pairs agree within this, frames.
+/// The first look finds no delay where all cameras agree within this, frames.
 const IN_TIME: f64 = 0.08;
 
 /// What was found of one camera's clock.
@@ -62,10 +62,22 @@ impl ClockCorrection {
     }
 }
 
+/// The frames around one moment.
+#[derive(Clone, Copy)]
+struct Span {
+    /// The moment's own frame.
+    at: i64,
+    /// Frames before and after it that are looked at.
+    before: i64,
+    after: i64,
+}
+
 /// One camera around one moment.
 struct Moment {
-    /// Views of the frames around, the moment's own in the middle.
+    /// Views of the frames of the span.
     views: Vec<ReferenceView>,
+    /// The moment's own among them.
+    own: usize,
     /// What moves at the moment.
     moving: Vec<SurfaceSample>,
 }
@@ -95,15 +107,14 @@ struct Difference {
 pub(crate) fn align_clocks(problem: &Problem, capture: &Capture, job: &Job) -> Result<Vec<ClockCorrection>> {
     let cameras = capture.cameras.len();
     let none = vec![ClockCorrection::default(); cameras];
-    let first = tracks(problem, capture, 1, job)?;
-    let is_in_time =
-        |pair: &PairTracks| pair.difference(0, 1).is_none_or(|found| found.frames.abs() < IN_TIME);
-    if first.iter().all(is_in_time) {
+    if first_look_finds_none(problem, capture, job)? {
         return Ok(none);
     }
+    let frames = capture.frame_count() as i64;
     // Moments lie a quarter of the capture from its ends.
-    let reach = (MOST_FRAMES + 1).min(capture.frame_count() as i64 / 4).max(1);
-    let pairs = if reach > 1 { tracks(problem, capture, reach, job)? } else { first };
+    let reach = (MOST_FRAMES + 1).min(frames / 4).max(1);
+    let spans = MOMENTS.map(|share| Span { at: (share * frames as f64) as i64, before: reach, after: reach });
+    let pairs = tracks(problem, capture, &spans, job)?;
     let found: Vec<([usize; 2], Difference)> =
         pairs.iter().filter_map(|pair| Some((pair.pair, pair.widest_difference(reach)?))).collect();
     let mut clocks = solved(&found, cameras);
@@ -116,18 +127,40 @@ pub(crate) fn align_clocks(problem: &Problem, capture: &Capture, job: &Job) -> R
     Ok(clocks)
 }
 
-/// Follows what moves in every camera through frames up to `reach` away in the others.
-fn tracks(problem: &Problem, capture: &Capture, reach: i64, job: &Job) -> Result<Vec<PairTracks>> {
+/// Whether cameras are in time, as far as two frames that follow each other tell: those in the middle, or where nothing moves there
+/// the first ones.
+fn first_look_finds_none(problem: &Problem, capture: &Capture, job: &Job) -> Result<bool> {
+    for at in [capture.frame_count() as i64 / 2, 0] {
+        let first = tracks(problem, capture, &[Span { at, before: 0, after: 1 }], job)?;
+        let found: Vec<([usize; 2], f64)> = first
+            .iter()
+            .filter_map(|pair| Some((pair.pair, pair.difference(0, [0, 1])?.frames.abs())))
+            .collect();
+        if !found.is_empty() {
+            // What is hidden in one of the frames looks late in single pairs. A camera that is late is so in most of its pairs.
+            let is_in_time = |camera: usize| {
+                let of_camera = found.iter().filter(|(pair, _)| pair.contains(&camera));
+                let mut off: Vec<f64> = of_camera.map(|(_, off)| *off).collect();
+                median(&mut off).is_none_or(|off| off < IN_TIME)
+            };
+            return Ok((0..problem.views.len()).all(is_in_time));
+        }
+    }
+    Ok(true)
+}
+
+/// Follows what moves in every camera through the frames of some spans in the others. Of spans that reach beyond the capture nothing
+/// is followed.
+fn tracks(problem: &Problem, capture: &Capture, spans: &[Span], job: &Job) -> Result<Vec<PairTracks>> {
     let frames = capture.frame_count() as i64;
     let mut pairs: Vec<PairTracks> =
         problem.pairs.iter().map(|pair| PairTracks { pair: *pair, tracks: Vec::new() }).collect();
-    for moment in 0..MOMENTS as i64 {
-        let at = frames * (2 * moment + 1) / (2 * MOMENTS as i64);
-        if at - reach < 0 || at + reach >= frames {
+    for span in spans {
+        if span.at - span.before < 0 || span.at + span.after >= frames {
             continue;
         }
         let seen = (0..capture.cameras.len()).into_par_iter();
-        let seen = seen.map(|camera| Moment::new(problem, capture, camera, at, reach, job));
+        let seen = seen.map(|camera| Moment::new(problem, capture, camera, *span, job));
         let seen: Vec<Moment> = seen.collect::<Result<_>>()?;
         pairs.par_iter_mut().for_each(|pair| {
             let [source, target] = pair.pair.map(|camera| &seen[camera]);
@@ -139,33 +172,30 @@ fn tracks(problem: &Problem, capture: &Capture, reach: i64, job: &Job) -> Result
 }
 
 impl Moment {
-    fn new(
-        problem: &Problem,
-        capture: &Capture,
-        camera: usize,
-        at: i64,
-        reach: i64,
-        job: &Job,
-    ) -> Result<Self> {
-        let own = &problem.views[camera].camera;
+    fn new(problem: &Problem, capture: &Capture, camera: usize, span: Span, job: &Job) -> Result<Self> {
+        let Span { at, before, after } = span;
+        let first = &problem.views[camera];
         let view = |frame: i64| {
             job.check()?;
-            Ok(ReferenceView::new(own.clone(), capture.frame(camera, frame as usize)?, None))
+            if frame == 0 {
+                return Ok(ReferenceView { is_still: None, ..first.clone() });
+            }
+            Ok(ReferenceView::new(first.camera.clone(), capture.frame(camera, frame as usize)?, None))
         };
-        let views: Vec<ReferenceView> = (at - reach..=at + reach).map(view).collect::<Result<_>>()?;
-        let middle = reach as usize;
-        let others = [&views[middle - 1], &views[middle + 1]];
-        let still = others.map(|other| still_pixels(&views[middle].frame, &other.frame));
+        let views: Vec<ReferenceView> = (at - before..=at + after).map(view).collect::<Result<_>>()?;
+        let own = before as usize;
+        let beside = views[..own].last().into_iter().chain(views.get(own + 1));
+        let still: Vec<_> = beside.map(|other| still_pixels(&views[own].frame, &other.frame)).collect();
         let moves = |sample: &SurfaceSample| {
             let (x, y) = (sample.pixel.x as usize, sample.pixel.y as usize);
             still.iter().any(|still| !still[(x, y)])
         };
-        let moving = surface_samples(&views[middle], SAMPLES).into_iter().filter(moves).collect();
-        Ok(Self { views, moving })
+        let moving = surface_samples(&views[own], SAMPLES).into_iter().filter(moves).collect();
+        Ok(Self { views, own, moving })
     }
 
     fn tracks_in(&self, target: &Self, gains: [f64; 2], problem: &Problem) -> Vec<Track> {
-        let source = &self.views[self.views.len() / 2];
+        let source = &self.views[self.own];
         let pairs: Vec<PairOfViews<'_>> = target
             .views
             .iter()
@@ -184,18 +214,23 @@ impl Moment {
 }
 
 impl PairTracks {
-    /// How late the source is, looked at beside the target's frame `offset` after its own, where frames up to `reach` away are known;
-    /// `None` where too little moves.
-    fn difference(&self, offset: i64, reach: i64) -> Option<Difference> {
+    /// How late the source is, looked at beside the target's frame `offset` after its own, where the first of the residuals is of
+    /// the frame `reach` before it; `None` where too little moves.
+    fn difference_beside(&self, offset: i64, reach: i64) -> Option<Difference> {
         let middle = (reach + offset) as usize;
+        let found = self.difference(middle, [middle - 1, middle + 1])?;
+        Some(Difference { frames: offset as f64 + found.frames, ..found })
+    }
+
+    /// How late the source is by the residuals at `now`, which change as they do between two others; `None` where too little moves.
+    fn difference(&self, now: usize, [from, to]: [usize; 2]) -> Option<Difference> {
         let (mut products, mut squares, mut counted) = (0.0, 0.0, 0);
         for kind in [0, 1] {
             let fitting = self.tracks.iter().filter(|track| !track.judges);
             let moving: Vec<[f64; 2]> = fitting
                 .filter_map(|track| {
-                    let [before, now, after] =
-                        [middle - 1, middle, middle + 1].map(|at| track.residuals[at][kind]);
-                    let rate = 0.5 * (after? - before?);
+                    let [before, now, after] = [from, now, to].map(|at| track.residuals[at][kind]);
+                    let rate = (after? - before?) / (to - from) as f64;
                     (rate.abs() > LEAST_RATES[kind]).then_some([now?, rate])
                 })
                 .collect();
@@ -206,17 +241,17 @@ impl PairTracks {
             squares += square;
         }
         (counted >= LEAST_SAMPLES && squares > 0.0)
-            .then(|| Difference { frames: offset as f64 + products / squares, weight: squares })
+            .then(|| Difference { frames: products / squares, weight: squares })
     }
 
-    /// As [`PairTracks::difference`], beside the frame of the target that fits best.
+    /// As [`PairTracks::difference_beside`], beside the frame of the target that fits best.
     fn widest_difference(&self, reach: i64) -> Option<Difference> {
         let offsets = 1 - reach..reach;
         let best = offsets.min_by(|a, b| self.loss(*a, reach).total_cmp(&self.loss(*b, reach)))?;
-        let found = self.difference(best, reach)?;
+        let found = self.difference_beside(best, reach)?;
         // One more step where the fraction leads to another frame.
         let nearest = (found.frames.round() as i64).clamp(1 - reach, reach - 1);
-        if nearest == best { Some(found) } else { self.difference(nearest, reach) }
+        if nearest == best { Some(found) } else { self.difference_beside(nearest, reach) }
     }
 
     /// Mean loss of the samples that fit, beside the target's frame `offset` after the source's own.

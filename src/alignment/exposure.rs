@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use super::judge::Judgment;
 use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
+use super::reference_view::ReferenceView;
 use super::solver::{PairWeighing, Problem, Weighing, loss};
+use super::surface_samples::SurfaceSample;
 use crate::grid::Grid;
 
 /// Half the side of the square whose mean color is compared, pixels.
@@ -59,8 +61,10 @@ struct Ratio {
 
 /// Gains under which cameras agree about colors. Those that do not pay are 0.
 pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCorrection> {
+    let views = problem.views.par_iter().zip(&problem.samples);
+    let own: Vec<Vec<LogColor>> = views.map(|(view, samples)| own_colors(view, samples)).collect();
     let of_pair = |(pair, weighed): (&[usize; 2], &PairWeighing)| {
-        (*pair, readings(problem, (weighing.level, weighed.gate), *pair))
+        (*pair, readings(problem, (weighing.level, weighed.gate), *pair, &own[pair[0]]))
     };
     let readings: Vec<PairReadings> = problem.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
     let ratios: Vec<Ratio> = readings.iter().filter_map(|(pair, readings)| ratio(*pair, readings)).collect();
@@ -148,22 +152,37 @@ fn hold_mean(equations: &mut NormalEquations) {
     }
 }
 
-fn readings(problem: &Problem, (level, gate): (usize, f64), pair: [usize; 2]) -> Vec<Reading> {
+/// The mean colors of a camera's own samples.
+fn own_colors(view: &ReferenceView, samples: &[SurfaceSample]) -> Vec<LogColor> {
+    let of_sample =
+        |sample: &SurfaceSample| mean_log_color(&view.frame.color, sample.pixel.x, sample.pixel.y);
+    samples.iter().map(of_sample).collect()
+}
+
+fn readings(
+    problem: &Problem,
+    (level, gate): (usize, f64),
+    pair: [usize; 2],
+    own_colors: &[LogColor],
+) -> Vec<Reading> {
     let views = problem.pair(pair);
     let [own, other] = pair.map(|camera| &problem.views[camera]);
-    let samples = problem.samples[pair[0]].iter();
-    let readings = samples.filter_map(|sample| {
+    let samples = problem.samples[pair[0]].iter().zip(own_colors);
+    let readings = samples.filter_map(|(sample, own_color)| {
+        let own_color = (*own_color)?;
         views.terms(sample, level, gate)?;
         let point = own.camera.unproject(sample.pixel, 1.0 / sample.inverse_depth);
         let (image, _) = other.camera.project(point)?;
-        let own = mean_log_color(&own.frame.color, sample.pixel.x, sample.pixel.y)?;
         let found = mean_log_color(&other.frame.color, image.x, image.y)?;
-        Some(Reading { own, found, judges: sample.judges })
+        Some(Reading { own: own_color, found, judges: sample.judges })
     });
     readings.collect()
 }
 
-fn mean_log_color(color: &Grid<[half::f16; 3]>, u: f64, v: f64) -> Option<[f64; 3]> {
+/// Logarithms of a mean color; `None` near the border, and where it is too dark or too bright to tell a ratio.
+type LogColor = Option<[f64; 3]>;
+
+fn mean_log_color(color: &Grid<[half::f16; 3]>, u: f64, v: f64) -> LogColor {
     let (width, height) = color.size();
     let (x, y) = (u as usize, v as usize);
     if x < RADIUS || y < RADIUS || x + RADIUS >= width || y + RADIUS >= height {

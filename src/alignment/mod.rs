@@ -133,7 +133,6 @@ fn aligned_beside_lenses(
     if problem.pairs.is_empty() && lenses.is_empty() {
         return Ok(None);
     }
-    let before = problem.pair_medians();
     let poses =
         if settings.poses == Correction::Auto { poses::align_poses(&mut problem, job)? } else { Vec::new() };
     let gains = if settings.exposure == Correction::Auto {
@@ -153,6 +152,12 @@ fn aligned_beside_lenses(
     if !is_kept {
         return Ok(None);
     }
+    let mut before = problem.clone();
+    for (view, camera) in before.views.iter_mut().zip(&seen.cameras) {
+        view.camera = camera.clone();
+    }
+    before.log_gains.fill(0.0);
+    let before = before.pair_medians();
     let of_camera = |camera: usize| {
         let now = problem.views[camera].camera.world_from_camera.matrix3;
         let then = seen.cameras[camera].world_from_camera.matrix3;
