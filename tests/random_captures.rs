@@ -14,7 +14,7 @@ use overlook::capture::{Camera, Capture, Intrinsics};
 use overlook::job::Job;
 use overlook::preprocess::inspect::explain_pixel;
 use overlook::preprocess::pruning::Rule;
-use overlook::preprocess::{inspect_frame, prepare_frame, preprocess, scan};
+use overlook::preprocess::{inspect_frame, prepare_frame, preprocess, prune, scan};
 use overlook::settings::{AgreementRule, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels};
 use rayon::prelude::*;
 use scene::draws::Draws;
@@ -213,4 +213,39 @@ fn the_search_the_candidate_lists_and_the_explanation_of_a_pixel_decide_alike() 
     assert!(replayed > 50, "{replayed}");
     let missing: Vec<&Rule> = Rule::ALL.iter().filter(|rule| !rules.contains(rule)).collect();
     assert_eq!(missing, [&Rule::NoSample], "every pixel of these scenes has depth");
+}
+
+#[test]
+fn views_that_are_compared_with_those_that_may_see_them_are_pruned_as_if_compared_with_all() {
+    let left_out = (0..CAPTURES)
+        .into_par_iter()
+        .map(|seed| {
+            let draws = &mut Draws(2 * CAPTURES + seed);
+            let (scene, mut settings, capture) = any_capture(draws);
+            settings.spans.levels = SpanLevels::Tree;
+            let capture = scene.record(capture.cameras.clone(), 1);
+            let job = Job::new();
+            let scan = scan(&capture, &settings, &job).unwrap();
+            // Every camera is compared with all others where a frame is inspected.
+            let inspection = inspect_frame(&capture, Some(&scan), &settings, 0, &job).unwrap();
+            let pruned = prune(&capture, &scan, &settings, &job).unwrap();
+            assert_eq!(inspection.samples.images, pruned.samples.images, "capture {seed}");
+            let report = &pruned.report;
+            for (camera, inspected) in inspection.cameras.iter().enumerate() {
+                let mut witnesses = vec![0; inspection.cameras.len()];
+                for verdict in inspected.verdict.as_slice() {
+                    if let Some(count) = witnesses.get_mut(usize::from(verdict.witness_camera)) {
+                        *count += 1;
+                    }
+                }
+                assert_eq!(report.witnesses[camera], witnesses, "capture {seed}, camera {camera}");
+                let disputes: u64 = report.rate_disputes.iter().flatten().sum();
+                let inspected: usize = inspection.cameras.iter().map(|camera| camera.disputes.len()).sum();
+                assert_eq!(disputes, inspected as u64, "capture {seed}");
+            }
+            let residuals = report.residuals.iter().flatten();
+            residuals.filter(|pair| pair.lasting.is_none()).count() - inspection.cameras.len()
+        })
+        .sum::<usize>();
+    assert!(left_out > 1000, "{left_out} pairs see nothing of each other");
 }

@@ -26,6 +26,7 @@ pub mod pruning;
 pub mod registration;
 pub mod temporal;
 mod traversal;
+mod views;
 
 pub use prepared_scan::PreparedScan;
 pub(crate) use traversal::prune_run;

@@ -9,6 +9,7 @@ use super::prepared_scan::PreparedScan;
 use super::pruning::{self, Decided, Masks, PrunedBackground, SpanStack, StackStep};
 use super::registration::CameraPairs;
 use super::temporal::{ROOT, SpanLevel, SpanTree, all_frames};
+use super::views::{Views, prune_views};
 use crate::error::Result;
 use crate::job::Job;
 use crate::samples::{ImageBuffer, Span};
@@ -27,11 +28,15 @@ pub(crate) fn prune_run(
     job: &Job,
 ) -> Result<(ImageBuffer, RunCounts)> {
     let capture = scan.capture();
+    if scan.frames == 1 && scan.spans.is_some() {
+        let errors = scan.normal_errors(&settings.normals, job)?;
+        return prune_views(images, Views::new(capture, scan, settings), &errors, job);
+    }
     job.start("Pruning the background", 1);
     let background = PrunedBackground::of(capture, scan, settings, job)?;
     let normal_errors = scan.normal_errors(&settings.normals, job)?;
     let mut tally = Tally::new((capture, scan), &normal_errors, settings);
-    tally.add_noise_between(&capture.cameras, &background.layers);
+    tally.add_noise_between(&capture.cameras, &background.layers)?;
     let pairs = CameraPairs::new(&capture.cameras);
     let packing = Packing { pairs: &pairs, settings };
     let mut residuals = Residuals::new(&pairs, scan.frames);

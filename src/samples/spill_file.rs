@@ -66,6 +66,18 @@ impl SpillFile {
         Ok(RecordPlace::File(self.file.append(&record.planes())?, record.shape()))
     }
 
+    /// Puts a record in the place of another one of the same shape.
+    ///
+    /// # Errors
+    /// As [`SpillFile::put`].
+    pub(crate) fn replace<T: Record>(&mut self, place: &mut RecordPlace<T>, record: T) -> Result<()> {
+        match place {
+            RecordPlace::Memory(held) => *held = Arc::new(record),
+            RecordPlace::File(offset, _) => self.file.write(*offset, &record.planes())?,
+        }
+        Ok(())
+    }
+
     /// A record, bit for bit as it was put.
     ///
     /// # Errors
@@ -94,6 +106,16 @@ impl TemporaryFile {
     /// `Io` naming the folder of temporary files.
     fn append(&mut self, planes: &[&[u8]]) -> Result<u64> {
         let offset = self.bytes;
+        self.write(offset, planes)?;
+        self.bytes += planes.iter().map(|plane| plane.len() as u64).sum::<u64>();
+        Ok(offset)
+    }
+
+    /// Writes planes one after another from a byte on.
+    ///
+    /// # Errors
+    /// As [`TemporaryFile::append`].
+    fn write(&mut self, offset: u64, planes: &[&[u8]]) -> Result<()> {
         let mut write = || {
             let file = self.file.get_mut().unwrap_or_else(PoisonError::into_inner);
             let file = match file {
@@ -103,9 +125,7 @@ impl TemporaryFile {
             file.seek(SeekFrom::Start(offset))?;
             planes.iter().try_for_each(|plane| file.write_all(plane))
         };
-        write().map_err(at_place)?;
-        self.bytes += planes.iter().map(|plane| plane.len() as u64).sum::<u64>();
-        Ok(offset)
+        write().map_err(at_place)
     }
 
     /// Reads planes back.

@@ -45,6 +45,7 @@ const STAGES: [(&str, &[&str]); 8] = [
             "interactive",
             "inspect",
             "diagnostics",
+            "views",
             "parts",
         ],
     ),

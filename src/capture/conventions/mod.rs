@@ -53,13 +53,20 @@ pub fn check(capture: &Capture) -> Result<Finding> {
 pub(crate) fn check_pictures(
     cameras: &[Camera],
     (claim, pose): (DepthClaim, PoseConvention),
-    inverse_depth: impl Fn(usize, usize) -> f32 + Sync,
-) -> Finding {
-    let views = cameras
-        .par_iter()
-        .enumerate()
-        .map(|(index, camera)| View::new(camera, |pixel| inverse_depth(index, pixel), &claim));
-    check_views(views.collect(), views::pairs(cameras.len()), &claim, pose)
+    inverse_depths: impl Fn(usize) -> Result<Vec<f32>> + Sync,
+) -> Result<Finding> {
+    let pairs = views::pairs(cameras.len());
+    let is_compared = |index: usize| pairs.iter().any(|&(from, to)| from == index || to == index);
+    let views = cameras.par_iter().enumerate().map(|(index, camera)| {
+        let inverse = inverse_depths(index)?;
+        let mut view = View::new(camera, |pixel| inverse[pixel], &claim);
+        // Of many cameras, the pictures of most say no more than their points do.
+        if !is_compared(index) {
+            view.values = Vec::new();
+        }
+        Ok(view)
+    });
+    Ok(check_views(views.collect::<Result<_>>()?, pairs, &claim, pose))
 }
 
 fn check_views(

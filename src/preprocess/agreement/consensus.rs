@@ -15,6 +15,8 @@
 //! pull it. Colors are averaged however far apart they are: leaving out those beyond the tolerances of color costs 0.2 to 0.5 dB on
 //! recordings, where poses are off by a pixel or two.
 
+use std::sync::Arc;
+
 use half::f16;
 
 use super::smooth_depth::SmoothDepths;
@@ -52,7 +54,7 @@ pub(crate) struct Consensus<'a> {
     pairs: &'a CameraPairs<'a>,
     layers: &'a [CameraLayer],
     level: SpanLevel,
-    smooth: SmoothDepths<'a>,
+    smooth: Arc<SmoothDepths>,
     votes: VoteTest,
 }
 
@@ -110,16 +112,31 @@ impl<'a> Consensus<'a> {
         level: SpanLevel,
         settings: &Settings,
     ) -> Option<Self> {
+        let is_noisy = layers.iter().any(|layer| layer.noise_between.is_some());
+        Self::is_on(settings, is_noisy).then(|| {
+            let smooth = Arc::new(SmoothDepths::new(pairs, level));
+            Self::smoothed(pairs, layers, &smooth, settings)
+        })
+    }
+
+    /// Whether anything is to be refined where cameras are noisy, or are not.
+    pub(crate) fn is_on(settings: &Settings, is_noisy: bool) -> bool {
         let pruning = &settings.pruning;
-        let is_on = pruning.agreement != AgreementRule::Off
+        pruning.agreement != AgreementRule::Off
             && pruning.method != PruningMethod::Off
             && settings.spans.noise > 0.0
-            && layers.iter().any(|layer| layer.noise_between.is_some());
-        let side = |camera: usize| pairs.registration(camera, camera).source_side;
-        is_on.then(|| {
-            let smooth = SmoothDepths::new(layers, level, (0..layers.len()).map(side).collect());
-            Self { pairs, layers, level, smooth, votes: VoteTest::new(settings, level) }
-        })
+            && is_noisy
+    }
+
+    /// With depths that are smoothed already, as far as they were asked for.
+    pub(crate) fn smoothed(
+        pairs: &'a CameraPairs<'a>,
+        layers: &'a [CameraLayer],
+        smooth: &Arc<SmoothDepths>,
+        settings: &Settings,
+    ) -> Self {
+        let level = smooth.level();
+        Self { pairs, layers, level, smooth: smooth.clone(), votes: VoteTest::new(settings, level) }
     }
 
     /// The samples of `camera` at some pixels, refined by all cameras that confirm them.
@@ -140,11 +157,11 @@ impl<'a> Consensus<'a> {
         }
         let mut block = PixelRun::<1>::new(layer, pixel % layer.width, pixel / layer.width, 1);
         sightings.clear();
-        let smooth = self.smooth.at(camera, [pixel % layer.width, pixel / layer.width]);
+        let smooth = self.smooth.at(self.layers, camera, [pixel % layer.width, pixel / layer.width]);
         sightings.push(Sighting { farther: recorded / smooth - 1.0, variance: noise * noise });
         let mut missed = 0;
-        for other in self.others(camera) {
-            if let Some(there) = self.corners((camera, &block), other) {
+        for (other, registration) in self.others(camera) {
+            if let Some(there) = self.corners(registration, &block, other) {
                 let found = self.sighting(&there, other, [noise, self.noise_of(other, there.expected)]);
                 missed += u32::from(found.is_none() && self.has_free_view(&there, other, noise));
                 sightings.extend(found);
@@ -155,8 +172,8 @@ impl<'a> Consensus<'a> {
         block.inverse_depth[0] = refined;
         let mut color = ColorSum::default();
         color.add(1.0, layer.color[pixel].map(steps_from_linear));
-        for other in self.others(camera) {
-            if let Some(there) = self.corners((camera, &block), other)
+        for (other, registration) in self.others(camera) {
+            if let Some(there) = self.corners(registration, &block, other)
                 && there.coarseness <= COARSEST
                 && let Some(its) = self.color_seen(&there, other, noise)
             {
@@ -188,15 +205,13 @@ impl<'a> Consensus<'a> {
 
     /// The other cameras that have samples.
     #[inline(always)]
-    fn others(&self, camera: usize) -> impl Iterator<Item = usize> {
-        (0..self.layers.len())
-            .filter(move |other| *other != camera && !self.layers[*other].geometry.is_empty())
+    fn others(&self, camera: usize) -> impl Iterator<Item = (usize, &Registration)> {
+        self.pairs.others(camera).filter(|(other, _)| !self.layers[*other].geometry.is_empty())
     }
 
     /// Where a sample of a camera lies in another one; `None` outside its picture.
     #[inline(always)]
-    fn corners(&self, (camera, block): (usize, &PixelRun<1>), other: usize) -> Option<Corners> {
-        let registration = self.pairs.registration(camera, other);
+    fn corners(&self, registration: &Registration, block: &PixelRun<1>, other: usize) -> Option<Corners> {
         let reprojected = registration.reproject(block, self.layers[other].width);
         let is_in_view = reprojected.bits[0] & IN_VIEW != 0;
         is_in_view.then(|| Corners::new(registration, &reprojected, block.inverse_depth[0]))
@@ -256,7 +271,7 @@ impl<'a> Consensus<'a> {
     /// The same, smoothed.
     #[inline(always)]
     fn smooth_at(&self, camera: usize, at: [usize; 2]) -> Option<f32> {
-        self.inverse_depth_at(camera, at).map(|_| self.smooth.at(camera, at))
+        self.inverse_depth_at(camera, at).map(|_| self.smooth.at(self.layers, camera, at))
     }
 
     /// Relative standard deviation of what a camera sees at a depth.

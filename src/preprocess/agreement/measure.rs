@@ -50,18 +50,31 @@ pub(crate) fn measure_noise_between(
     layers: &[CameraLayer],
     job: &Job,
 ) -> Result<Vec<Option<Arc<NoiseBetween>>>> {
-    if layers.len() < MIN_CAMERAS {
-        return Ok(vec![None; layers.len()]);
-    }
-    let samples = (SAMPLES * FEW_CAMERAS / layers.len().max(1)).clamp(FEWEST_SAMPLES, SAMPLES);
     let of_camera = |camera: usize| {
         job.check()?;
-        let readings = Readings::of(pairs, layers, camera, samples);
-        Ok(readings.noise().map(Arc::new))
+        Ok(noise_of_camera(pairs, layers, camera))
     };
-    let noise: Vec<Option<_>> = (0..layers.len()).into_par_iter().map(of_camera).collect::<Result<_>>()?;
+    let noise: Vec<_> = (0..layers.len()).into_par_iter().map(of_camera).collect::<Result<_>>()?;
+    Ok(where_most_are_noisy(noise))
+}
+
+/// The noise of one camera as the others see it, of which only those that may see its samples need to be there.
+pub(crate) fn noise_of_camera(
+    pairs: &CameraPairs<'_>,
+    layers: &[CameraLayer],
+    camera: usize,
+) -> Option<Arc<NoiseBetween>> {
+    if layers.len() < MIN_CAMERAS {
+        return None;
+    }
+    let samples = (SAMPLES * FEW_CAMERAS / layers.len()).clamp(FEWEST_SAMPLES, SAMPLES);
+    Readings::of(pairs, layers, camera, samples).noise().map(Arc::new)
+}
+
+/// The noise of all cameras, if most of them are noisy: a few are not noisy but wrong.
+pub(crate) fn where_most_are_noisy(noise: Vec<Option<Arc<NoiseBetween>>>) -> Vec<Option<Arc<NoiseBetween>>> {
     let is_noisy = 2 * noise.iter().flatten().count() > noise.len();
-    Ok(if is_noisy { noise } else { vec![None; noise.len()] })
+    if is_noisy { noise } else { vec![None; noise.len()] }
 }
 
 /// What one sample shows beside another camera's.
@@ -96,9 +109,9 @@ impl Readings {
                     continue;
                 }
                 let block = PixelRun::<LANES>::new(layer, column, row, lanes);
-                for (other, target) in layers.iter().enumerate() {
-                    if other != camera && !target.geometry.is_empty() {
-                        let registration = pairs.registration(camera, other);
+                for (other, registration) in pairs.others(camera) {
+                    let target = &layers[other];
+                    if !target.geometry.is_empty() {
                         add_readings(&mut readings, registration, (layer, &block), target);
                     }
                 }

@@ -9,6 +9,7 @@
 use std::sync::OnceLock;
 
 use crate::preprocess::layers::CameraLayer;
+use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{TILE, TILE_SAMPLES};
 
@@ -30,8 +31,7 @@ const MOST_MOVED: f32 = 0.5;
 type SmoothTile = Box<[f32; TILE_SAMPLES]>;
 
 /// Inverse depths of all cameras, smoothed.
-pub(super) struct SmoothDepths<'a> {
-    layers: &'a [CameraLayer],
+pub(crate) struct SmoothDepths {
     level: SpanLevel,
     /// Side of each camera's pixels at depth 1.
     sides: Vec<f32>,
@@ -39,41 +39,55 @@ pub(super) struct SmoothDepths<'a> {
     tiles: Vec<Vec<OnceLock<SmoothTile>>>,
 }
 
-impl<'a> SmoothDepths<'a> {
+impl SmoothDepths {
     /// Of the samples of a level and of those above.
-    pub(super) fn new(layers: &'a [CameraLayer], level: SpanLevel, sides: Vec<f32>) -> Self {
-        let tiles = layers.iter().map(|layer| {
-            let count = layer.width.div_ceil(TILE) * layer.height().div_ceil(TILE);
+    pub(crate) fn new(pairs: &CameraPairs<'_>, level: SpanLevel) -> Self {
+        let side = |camera: usize| pairs.registration(camera, camera).source_side;
+        let sizes = pairs.cameras().iter().map(|camera| camera.intrinsics.size());
+        Self::of_sizes(sizes, level, (0..pairs.cameras().len()).map(side).collect())
+    }
+
+    fn of_sizes(sizes: impl Iterator<Item = (usize, usize)>, level: SpanLevel, sides: Vec<f32>) -> Self {
+        let tiles = sizes.map(|(width, height)| {
+            let count = width.div_ceil(TILE) * height.div_ceil(TILE);
             (0..count).map(|_| OnceLock::new()).collect()
         });
-        Self { layers, level, sides, tiles: tiles.collect() }
+        Self { level, sides, tiles: tiles.collect() }
+    }
+
+    /// The level whose samples are smoothed, with those above.
+    pub(super) fn level(&self) -> SpanLevel {
+        self.level
+    }
+
+    /// Gives up what was smoothed of a camera; it is smoothed again where it is asked for again.
+    pub(crate) fn forget(&mut self, camera: usize) {
+        self.tiles[camera].iter_mut().for_each(|tile| drop(tile.take()));
     }
 
     /// The smoothed inverse depth at a pixel; as recorded where there is nothing to be smoothed.
     #[inline(always)]
-    pub(super) fn at(&self, camera: usize, [x, y]: [usize; 2]) -> f32 {
-        let tile = y / TILE * self.layers[camera].width.div_ceil(TILE) + x / TILE;
-        let smooth = self.tiles[camera][tile].get_or_init(|| self.tile(camera, tile));
+    pub(super) fn at(&self, layers: &[CameraLayer], camera: usize, [x, y]: [usize; 2]) -> f32 {
+        let tile = y / TILE * layers[camera].width.div_ceil(TILE) + x / TILE;
+        let smooth = self.tiles[camera][tile].get_or_init(|| self.tile(&layers[camera], camera, tile));
         smooth[y % TILE * TILE + x % TILE]
     }
 
     #[cold]
     #[inline(never)]
-    fn tile(&self, camera: usize, tile: usize) -> SmoothTile {
-        let layer = &self.layers[camera];
+    fn tile(&self, layer: &CameraLayer, camera: usize, tile: usize) -> SmoothTile {
         let across = layer.width.div_ceil(TILE);
         let (left, top) = (tile % across * TILE, tile / across * TILE);
         let mut smooth = Box::new([-1.0; TILE_SAMPLES]);
         for y in top..(top + TILE).min(layer.height()) {
             for x in left..(left + TILE).min(layer.width) {
-                smooth[(y - top) * TILE + x - left] = self.pixel(camera, x, y);
+                smooth[(y - top) * TILE + x - left] = self.pixel(layer, camera, x, y);
             }
         }
         smooth
     }
 
-    fn pixel(&self, camera: usize, x: usize, y: usize) -> f32 {
-        let layer = &self.layers[camera];
+    fn pixel(&self, layer: &CameraLayer, camera: usize, x: usize, y: usize) -> f32 {
         let here = layer.inverse_depth[y * layer.width + x];
         let noise = layer.depth_noise_between(y * layer.width + x);
         if here <= 0.0 || noise <= self.sides[camera] {
@@ -157,10 +171,10 @@ mod tests {
             _ => plane(x, y),
         };
         let layers = [layer(|x, y| truth(x, y) * (1.0 + noise(x, y)))];
-        let smooth = SmoothDepths::new(&layers, 0, vec![0.001]);
+        let smooth = SmoothDepths::of_sizes([(48, 48)].into_iter(), 0, vec![0.001]);
         let (mut before, mut after) = (0.0, 0.0);
         for (x, y) in (0..48 * 48).map(|pixel| (pixel % 48, pixel / 48)) {
-            let (recorded, found) = (layers[0].inverse_depth[y * 48 + x], smooth.at(0, [x, y]));
+            let (recorded, found) = (layers[0].inverse_depth[y * 48 + x], smooth.at(&layers, 0, [x, y]));
             if is_thin(x, y) {
                 assert_eq!(found, recorded, "{x}, {y}");
             }

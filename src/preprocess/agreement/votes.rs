@@ -227,8 +227,8 @@ impl VoteTest {
         camera: usize,
         pixel: u32,
     ) -> VoteCounts {
-        let others = (0..layers.len()).filter(|other| *other != camera);
-        let votes = others.map(|other| self.vote(pairs, layers, (camera, pixel), other));
+        let others = pairs.others(camera);
+        let votes = others.map(|(other, way)| self.vote(way, layers, (camera, pixel), other));
         votes.fold(VoteCounts::default(), |mut counts, vote| {
             counts.confirm += u32::from(vote == Vote::Confirms);
             counts.look_past += u32::from(vote == Vote::LooksPast);
@@ -239,7 +239,7 @@ impl VoteTest {
     /// What camera `other` says about the sample of `camera` at `pixel`.
     pub(crate) fn vote(
         &self,
-        pairs: &CameraPairs<'_>,
+        registration: &Registration,
         layers: &[CameraLayer],
         (camera, pixel): (usize, u32),
         other: usize,
@@ -251,7 +251,7 @@ impl VoteTest {
         let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
         let block = PixelRun::<1>::new(layer, x, y, 1);
         let mut votes = VotedRun::NONE;
-        self.add(pairs.registration(camera, other), (layer, &block), target, 1, &mut votes);
+        self.add(registration, (layer, &block), target, 1, &mut votes);
         match votes.counts(0) {
             VoteCounts { confirm: 1, .. } => Vote::Confirms,
             VoteCounts { look_past: 1, .. } => Vote::LooksPast,

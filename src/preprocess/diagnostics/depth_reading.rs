@@ -29,6 +29,9 @@ pub enum DepthReading {
 /// Units that are mistaken for each other.
 const SCALES: [f64; 8] = [1e-3, 1e-2, 0.1, 0.3048, 3.280_84, 10.0, 100.0, 1000.0];
 
+/// As it was read.
+const CLAIMED: DepthReading = DepthReading::Scaled(1.0);
+
 /// Another reading has to leave less than this share of the distances.
 const BETTER: f64 = 0.5;
 
@@ -61,17 +64,61 @@ impl DepthReading {
 
 /// The reading that fits best, where one does far better than the one that the capture claims.
 pub(crate) fn better_reading(cameras: &[Camera], layers: &[CameraLayer]) -> Option<DepthReading> {
-    let others = [DepthReading::RayDistance, DepthReading::PlanarZ].into_iter();
-    let others: Vec<DepthReading> = others.chain(SCALES.map(DepthReading::Scaled)).collect();
-    let claimed = misfit(cameras, layers, DepthReading::Scaled(1.0))?;
-    let misfits =
-        others.into_par_iter().filter_map(|reading| Some((misfit(cameras, layers, reading)?, reading)));
-    let best = misfits.collect::<Vec<_>>().into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    best.filter(|(misfit, _)| *misfit < BETTER * claimed).map(|(_, reading)| reading)
+    let mut misfits = Misfits::new();
+    for source in 0..layers.len() {
+        let targets: Vec<usize> = (0..layers.len()).filter(|target| *target != source).collect();
+        misfits.add((cameras, layers), source, &targets);
+    }
+    misfits.better()
 }
 
-/// How far apart depths lie under a reading, relative, median; `None` where too few can be compared.
-fn misfit(cameras: &[Camera], layers: &[CameraLayer], reading: DepthReading) -> Option<f64> {
+/// How far apart depths lie, relative, under the reading that the capture claims and under others.
+pub(crate) struct Misfits(Vec<(DepthReading, Vec<f64>)>);
+
+impl Misfits {
+    /// Nothing is compared yet.
+    pub(crate) fn new() -> Self {
+        let others = [DepthReading::RayDistance, DepthReading::PlanarZ].into_iter();
+        let all = [CLAIMED].into_iter().chain(others).chain(SCALES.map(DepthReading::Scaled));
+        Self(all.map(|reading| (reading, Vec::new())).collect())
+    }
+
+    /// Compares what one camera saw with what some others did.
+    pub(crate) fn add(
+        &mut self,
+        (cameras, layers): (&[Camera], &[CameraLayer]),
+        source: usize,
+        targets: &[usize],
+    ) {
+        self.0.par_iter_mut().for_each(|(reading, off)| {
+            add_misfits((cameras, layers), (source, targets), *reading, off);
+        });
+    }
+
+    /// The reading that fits best, where one does far better than the one that the capture claims.
+    pub(crate) fn better(self) -> Option<DepthReading> {
+        let mut readings = self.0.into_iter();
+        let claimed = median(readings.next()?.1)?;
+        let misfits = readings.filter_map(|(reading, off)| Some((median(off)?, reading)));
+        let best = misfits.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.filter(|(misfit, _)| *misfit < BETTER * claimed).map(|(_, reading)| reading)
+    }
+}
+
+/// `None` where too few can be compared.
+fn median(mut off: Vec<f64>) -> Option<f64> {
+    (off.len() >= MIN_READINGS).then(|| {
+        off.sort_unstable_by(f64::total_cmp);
+        off[off.len() / 2]
+    })
+}
+
+fn add_misfits(
+    (cameras, layers): (&[Camera], &[CameraLayer]),
+    (source, targets): (usize, &[usize]),
+    reading: DepthReading,
+    off: &mut Vec<f64>,
+) {
     let depth_at = |camera: usize, x: usize, y: usize| {
         let layer = &layers[camera];
         let pixel = y * layer.width + x;
@@ -81,25 +128,19 @@ fn misfit(cameras: &[Camera], layers: &[CameraLayer], reading: DepthReading) -> 
         (layer.level[pixel] == ROOT && inverse_depth > 0.0)
             .then(|| (center, reading.meant(inverse_depth.recip(), ray)))
     };
-    let mut off = Vec::new();
-    for (index, layer) in layers.iter().enumerate() {
-        let step = (layer.width * layer.height() / SAMPLES).isqrt().max(1);
-        let lattice = (0..layer.height()).step_by(step);
-        let lattice = lattice.flat_map(|y| (0..layer.width).step_by(step).map(move |x| (x, y)));
-        for (center, depth) in lattice.filter_map(|(x, y)| depth_at(index, x, y)) {
-            let point = cameras[index].unproject(center, depth);
-            for (other, camera) in cameras.iter().enumerate().filter(|(other, _)| *other != index) {
-                let Some((at, expected)) = camera.project(point) else { continue };
-                let (width, height) = (layers[other].width as f64, layers[other].height() as f64);
-                if at.x >= 0.0 && at.y >= 0.0 && at.x < width && at.y < height {
-                    let found = depth_at(other, at.x as usize, at.y as usize);
-                    off.extend(found.map(|(_, found)| (found / expected - 1.0).abs()));
-                }
+    let layer = &layers[source];
+    let step = (layer.width * layer.height() / SAMPLES).isqrt().max(1);
+    let lattice = (0..layer.height()).step_by(step);
+    let lattice = lattice.flat_map(|y| (0..layer.width).step_by(step).map(move |x| (x, y)));
+    for (center, depth) in lattice.filter_map(|(x, y)| depth_at(source, x, y)) {
+        let point = cameras[source].unproject(center, depth);
+        for &other in targets {
+            let Some((at, expected)) = cameras[other].project(point) else { continue };
+            let (width, height) = (layers[other].width as f64, layers[other].height() as f64);
+            if at.x >= 0.0 && at.y >= 0.0 && at.x < width && at.y < height {
+                let found = depth_at(other, at.x as usize, at.y as usize);
+                off.extend(found.map(|(_, found)| (found / expected - 1.0).abs()));
             }
         }
     }
-    (off.len() >= MIN_READINGS).then(|| {
-        off.sort_unstable_by(f64::total_cmp);
-        off[off.len() / 2]
-    })
 }

@@ -91,6 +91,10 @@ pub(crate) struct Readings {
     asked: u64,
 }
 
+/// `[source * cameras + target]`: of samples of all frames, and of things that moved; `None` of a camera itself, and where the target
+/// sees nothing of what the source saw.
+pub(crate) type PairReadings = Vec<Option<Box<[Readings; 2]>>>;
+
 impl Readings {
     pub(crate) fn add(&mut self, other: &Self) {
         self.footprints.add(&other.footprints);
@@ -113,8 +117,9 @@ impl Readings {
 pub(crate) struct Residuals<'a> {
     camera_pairs: &'a CameraPairs<'a>,
     frames: usize,
-    /// `[source * cameras + target]`: of samples of all frames, and of things that moved.
-    readings: Vec<[Readings; 2]>,
+    readings: PairReadings,
+    /// Per camera: samples that were looked for in cameras that see none of them.
+    asked_unseen: Vec<u64>,
     /// Per camera: inverse depth on the lattice when it was last looked at.
     before: Vec<Vec<[f32; LANES]>>,
 }
@@ -122,13 +127,10 @@ pub(crate) struct Residuals<'a> {
 impl<'a> Residuals<'a> {
     pub(crate) fn new(camera_pairs: &'a CameraPairs<'a>, frames: usize) -> Self {
         let pairs = camera_pairs.cameras().len().pow(2);
+        let readings = (0..pairs).map(|_| None).collect();
         let before = vec![Vec::new(); camera_pairs.cameras().len()];
-        Self {
-            camera_pairs,
-            frames,
-            readings: (0..pairs).map(|_| <[Readings; 2]>::default()).collect(),
-            before,
-        }
+        let asked_unseen = vec![0; camera_pairs.cameras().len()];
+        Self { camera_pairs, frames, readings, asked_unseen, before }
     }
 
     /// Compares what is the same over all frames.
@@ -143,6 +145,23 @@ impl<'a> Residuals<'a> {
         });
         let blocks: Vec<Vec<_>> = blocks.collect();
         self.add(layers, &blocks, 0, job)
+    }
+
+    /// The same for the samples of one camera, where only those cameras need to be there that may see them.
+    pub(crate) fn add_lasting_of(&mut self, source: usize, layers: &[CameraLayer]) {
+        let layer = &layers[source];
+        let block = |(column, row)| (column, row, lanes_at(layer, (column, row), |level| level == ROOT));
+        let blocks: Vec<_> = lattice(layer, self.asked()).map(block).collect();
+        let others: Vec<_> = self.camera_pairs.others(source).collect();
+        let compare = |(target, registration): (usize, &Registration)| {
+            let (source, blocks) = (layer, &blocks[..]);
+            (target, simd::run(Compare { registration, source, target: &layers[target], blocks }))
+        };
+        let cameras = self.camera_pairs.cameras().len();
+        for (target, reading) in others.into_par_iter().map(compare).collect::<Vec<_>>() {
+            self.readings[source * cameras + target].get_or_insert_default()[0].add(&reading);
+        }
+        self.asked_unseen[source] = asked_of(layer, &blocks);
     }
 
     /// The frame before a run that the first of its frames to look at is compared with; `None` where there is none.
@@ -208,26 +227,42 @@ impl<'a> Residuals<'a> {
                     target: &layers[target],
                     blocks: &blocks[source],
                 };
-                readings[kind].add(&simd::run(compare));
+                readings.get_or_insert_default()[kind].add(&simd::run(compare));
             }
             Ok(())
         })
     }
 
-    /// What was gathered, `[source * cameras + target]`: of samples of all frames, and of things that moved.
-    pub(crate) fn into_readings(self) -> Vec<[Readings; 2]> {
+    /// What was gathered.
+    pub(crate) fn into_readings(mut self) -> PairReadings {
+        // Where no cameras can be compared, that is said of every pair.
+        if !is_any_compared(&self.readings) {
+            let cameras = self.asked_unseen.len();
+            for (pair, readings) in self.readings.iter_mut().enumerate() {
+                let asked = self.asked_unseen[pair / cameras];
+                if pair / cameras != pair % cameras && asked > 0 && readings.is_none() {
+                    readings.get_or_insert_default()[0].asked = asked;
+                }
+            }
+        }
         self.readings
     }
 }
 
+fn is_any_compared(readings: &PairReadings) -> bool {
+    readings.iter().flatten().flat_map(|pair| pair.iter()).any(|reading| reading.residual().is_some())
+}
+
 /// The residuals of readings of so many cameras: `[source][target]`.
-pub(crate) fn residuals_of(readings: &[[Readings; 2]], cameras: usize) -> Vec<Vec<PairResiduals>> {
-    let is_compared = |reading: &Readings| reading.residual().is_some();
-    let is_any_compared = readings.iter().flatten().any(is_compared);
-    let of_pair = |[lasting, moving]: &[Readings; 2]| PairResiduals {
-        lasting: lasting.residual(),
-        moving: moving.residual(),
-        unmatched: if is_any_compared { 0 } else { lasting.asked },
+pub(crate) fn residuals_of(readings: &PairReadings, cameras: usize) -> Vec<Vec<PairResiduals>> {
+    let is_any_compared = is_any_compared(readings);
+    let of_pair = |pair: &Option<Box<[Readings; 2]>>| {
+        let Some([lasting, moving]) = pair.as_deref() else { return PairResiduals::default() };
+        PairResiduals {
+            lasting: lasting.residual(),
+            moving: moving.residual(),
+            unmatched: if is_any_compared { 0 } else { lasting.asked },
+        }
     };
     let mut pairs = readings.iter().map(of_pair);
     (0..cameras).map(|_| pairs.by_ref().take(cameras).collect()).collect()
@@ -247,6 +282,18 @@ fn lattice(layer: &CameraLayer, pixels: usize) -> impl Iterator<Item = (usize, u
         let first = row / step % step * LANES;
         (first..width).step_by(step * LANES).map(move |column| (column, row))
     })
+}
+
+/// Samples of some blocks that are compared, whatever the other camera sees.
+fn asked_of(layer: &CameraLayer, blocks: &[(usize, usize, u32)]) -> u64 {
+    let of_block = |&(column, row, lanes): &(usize, usize, u32)| {
+        let block = PixelRun::<LANES>::new(layer, column, row, lanes);
+        let is_asked = |lane: &usize| {
+            lanes >> lane & 1 == 1 && !is_mixed(block.rank[*lane]) && block.inverse_depth[*lane] > 0.0
+        };
+        (0..LANES).filter(is_asked).count() as u64
+    };
+    blocks.iter().map(of_block).sum()
 }
 
 /// Where the inverse depth changed by more than noise and rounding do.

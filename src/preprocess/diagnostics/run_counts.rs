@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::pair_residuals::{Readings, residuals_of};
+use super::pair_residuals::{PairReadings, residuals_of};
 use super::report::{Report, SpanReport};
 use crate::samples::ImageFacts;
 
@@ -14,8 +14,7 @@ use crate::samples::ImageFacts;
 pub(crate) struct RunCounts {
     /// Without what the images say, and without residuals.
     pub(crate) report: Report,
-    /// `[source * cameras + target]`: of samples of all frames, and of things that moved.
-    pub(crate) readings: Vec<[Readings; 2]>,
+    pub(crate) readings: PairReadings,
 }
 
 impl RunCounts {
@@ -33,8 +32,11 @@ impl RunCounts {
             all.foreground_pixels += more.foreground_pixels;
             all.foreground_kept += more.foreground_kept;
         }
-        for (all, more) in self.readings.iter_mut().flatten().zip(other.readings.iter().flatten()) {
-            all.add(more);
+        for (all, more) in self.readings.iter_mut().zip(&other.readings) {
+            if let Some(more) = more {
+                let all = all.get_or_insert_default();
+                all.iter_mut().zip(more.iter()).for_each(|(all, more)| all.add(more));
+            }
         }
     }
 

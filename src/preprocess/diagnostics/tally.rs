@@ -2,15 +2,16 @@
 
 use rayon::prelude::*;
 
-use super::depth_reading::better_reading;
+use super::depth_reading::{DepthReading, better_reading};
 use super::report::{CameraReport, DepthNoise, Report, STATIC_RULE};
 use crate::capture::conventions::{self, DepthClaim, PoseConvention};
 use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
+use crate::error::Result;
 use crate::preprocess::layers::{CameraLayer, Rate};
 use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
-use crate::preprocess::pruning::{Decided, Rule, Verdict};
-use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, TemporalScan};
+use crate::preprocess::pruning::{Decided, Dispute, Rule, Verdict};
+use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, SpanLevel, TemporalScan};
 use crate::samples::Span;
 use crate::settings::{NormalSource, Settings};
 
@@ -79,32 +80,66 @@ impl Tally {
     }
 
     /// Notes how noisy cameras are beside each other, and, where they are, whether depth fits better if it is read otherwise.
-    pub(crate) fn add_noise_between(&mut self, cameras: &[Camera], layers: &[CameraLayer]) {
+    ///
+    /// # Errors
+    /// None of its own.
+    pub(crate) fn add_noise_between(&mut self, cameras: &[Camera], layers: &[CameraLayer]) -> Result<()> {
         if layers.iter().any(|layer| layer.noise_between.is_some()) {
-            let claim = (self.depth_claim, self.pose_convention);
-            let found = conventions::check_pictures(cameras, claim, |camera, pixel| {
-                let is_lasting = layers[camera].level[pixel] == ROOT;
-                if is_lasting { layers[camera].inverse_depth[pixel] } else { INVALID_INVERSE_DEPTH }
-            });
-            self.report.conventions = Some(found).filter(|found| found.warning().is_some());
-            if self.report.conventions.is_none() {
-                self.report.better_reading = better_reading(cameras, layers);
-            }
+            let lasting = |(level, inverse_depth): (&SpanLevel, &f32)| {
+                if *level == ROOT { *inverse_depth } else { INVALID_INVERSE_DEPTH }
+            };
+            let inverse_depths = |camera: usize| {
+                let CameraLayer { level, inverse_depth, .. } = &layers[camera];
+                Ok(level.iter().zip(inverse_depth).map(lasting).collect())
+            };
+            self.add_reading(cameras, inverse_depths, || Ok(better_reading(cameras, layers)))?;
         }
-        for (camera, layer) in self.report.cameras.iter_mut().zip(layers) {
-            let Some(noise) = &layer.noise_between else { continue };
-            let mut is_met = [false; DEPTH_CLASSES];
-            for &inverse_depth in layer.inverse_depth.iter().filter(|inverse_depth| **inverse_depth > 0.0) {
-                is_met[depth_class(inverse_depth)] = true;
-            }
-            let met = (0..DEPTH_CLASSES).rev().filter(|class| is_met[*class]);
-            let of_class =
-                |class| DepthNoise { depth: depth_of_class(class), relative: noise.depth_relative[class] };
-            camera.depth_noise_between = met.map(of_class).collect();
-            let mut steps = noise.color_steps;
-            steps.sort_unstable_by(f32::total_cmp);
-            camera.color_noise_between_steps = steps[steps.len() / 2];
+        layers.iter().enumerate().for_each(|(camera, layer)| self.add_noise_of(camera, layer));
+        Ok(())
+    }
+
+    /// Notes whether depth of noisy cameras fits better if it is read otherwise, or else whether it is `better` in another way.
+    ///
+    /// # Errors
+    /// Those of what is given.
+    pub(crate) fn add_reading(
+        &mut self,
+        cameras: &[Camera],
+        inverse_depths: impl Fn(usize) -> Result<Vec<f32>> + Sync,
+        better: impl FnOnce() -> Result<Option<DepthReading>>,
+    ) -> Result<()> {
+        let claim = (self.depth_claim, self.pose_convention);
+        let found = conventions::check_pictures(cameras, claim, inverse_depths)?;
+        self.report.conventions = Some(found).filter(|found| found.warning().is_some());
+        if self.report.conventions.is_none() {
+            self.report.better_reading = better()?;
         }
+        Ok(())
+    }
+
+    /// Notes how noisy a camera is beside others.
+    pub(crate) fn add_noise_of(&mut self, camera: usize, layer: &CameraLayer) {
+        let Some(noise) = &layer.noise_between else { return };
+        let mut is_met = [false; DEPTH_CLASSES];
+        for &inverse_depth in layer.inverse_depth.iter().filter(|inverse_depth| **inverse_depth > 0.0) {
+            is_met[depth_class(inverse_depth)] = true;
+        }
+        let met = (0..DEPTH_CLASSES).rev().filter(|class| is_met[*class]);
+        let of_class =
+            |class| DepthNoise { depth: depth_of_class(class), relative: noise.depth_relative[class] };
+        let report = &mut self.report.cameras[camera];
+        report.depth_noise_between = met.map(of_class).collect();
+        let mut steps = noise.color_steps;
+        steps.sort_unstable_by(f32::total_cmp);
+        report.color_noise_between_steps = steps[steps.len() / 2];
+    }
+
+    /// Counts what was decided on the samples of one camera, where all samples are of all frames.
+    pub(crate) fn add_view(&mut self, camera: usize, decided: &Decided) {
+        let kept = self.count(camera, decided);
+        let counts = &mut self.report.cameras[camera];
+        counts.background_pixels += decided.pixels.len() as u64;
+        counts.background_kept += kept;
     }
 
     /// Counts what was decided on the samples of one span.
@@ -146,11 +181,7 @@ impl Tally {
                 self.report.witnesses[camera][verdict.witness_camera as usize] += 1;
             }
         }
-        for dispute in &decided.disputes {
-            let (used, other) = (dispute.camera as usize, dispute.other_camera as usize);
-            let (paper, footprint) = if self.rate == Rate::Paper { (used, other) } else { (other, used) };
-            self.report.rate_disputes[paper][footprint] += 1;
-        }
+        self.add_disputes(&decided.disputes);
         let [yielded, dropped] = [Rule::MixedYields, Rule::MixedDropped].map(|rule| by_rule[rule as usize]);
         let mixed = [
             ("found", decided.mixed),
@@ -171,6 +202,15 @@ impl Tally {
             }
         }
         kept
+    }
+
+    /// Counts where the two rate models name different cameras.
+    pub(crate) fn add_disputes(&mut self, disputes: &[Dispute]) {
+        for dispute in disputes {
+            let (used, other) = (dispute.camera as usize, dispute.other_camera as usize);
+            let (paper, footprint) = if self.rate == Rate::Paper { (used, other) } else { (other, used) };
+            self.report.rate_disputes[paper][footprint] += 1;
+        }
     }
 
     /// That the samples of all frames are counted elsewhere.

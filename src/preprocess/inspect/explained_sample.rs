@@ -115,15 +115,14 @@ impl<'a> ExplainedSample<'a> {
         let target = &self.inspection.samples.cameras[other];
         let layer = &self.inspection.layers[other];
         let own = other == self.camera;
-        let outcome = (!own).then(|| {
-            limits.explain(pairs.registration(self.camera, other), (self.layer, self.x, self.y), layer)
-        });
+        let way = pairs.registration(self.camera, other);
+        let outcome = (!own).then(|| limits.explain(way, (self.layer, self.x, self.y), layer));
         let mut evidence = CameraEvidence {
             camera: other,
             outcome,
             vote: (!own).then(|| {
                 let votes = VoteTest::new(&self.inspection.settings, self.layer.level[self.pixel]);
-                votes.vote(pairs, &self.inspection.layers, (self.camera, self.pixel as u32), other)
+                votes.vote(way, &self.inspection.layers, (self.camera, self.pixel as u32), other)
             }),
             position: None,
             pixel: None,

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::blended_pixels::BlendedTest;
 use super::flying_pixels::FlyingTest;
+use super::known_mixed::KnownMixed;
 use super::layer::CameraLayer;
 use super::packed_sample::{MIXED, PackedColor, PackedGeometry, Ranks, UNKNOWN_NORMAL};
 use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
@@ -54,6 +55,17 @@ impl<'a> LayerBuilder<'a> {
 
     /// Fills in footprints, ranks, packed geometry and packed color of the samples at `pixels`, from colors, depths and normals.
     pub(crate) fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
+        self.rate_with(layer, camera, pixels, None);
+    }
+
+    /// The same where it may be known already which pixels are mixed: to find them takes longer than all else.
+    pub(crate) fn rate_with(
+        &self,
+        layer: &mut CameraLayer,
+        camera: &Camera,
+        pixels: &[u32],
+        known: Option<&KnownMixed>,
+    ) {
         let width = layer.width.max(1);
         let rays = ViewingRays::new(camera);
         let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
@@ -66,6 +78,7 @@ impl<'a> LayerBuilder<'a> {
             MixedPixels::Yield => !is_first_camera,
             MixedPixels::Keep => false,
         };
+        let detects = detects && known.is_none();
         let blended = (detects && self.antialiased).then(|| BlendedTest::new(layer, camera, edge));
         // Other cameras decide what becomes of a flying pixel.
         let asks = pruning.agreement != AgreementRule::Off;
@@ -77,8 +90,13 @@ impl<'a> LayerBuilder<'a> {
             let ray = rays.at(x, y);
             let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
             let own = of(self.rate);
-            let is_flying = flying.as_ref().is_some_and(|test| test.is_flying(x, y));
-            let mixed = is_flying || blended.as_ref().is_some_and(|test| test.is_blended(x, y));
+            let (is_flying, mixed) = known.map_or_else(
+                || {
+                    let is_flying = flying.as_ref().is_some_and(|test| test.is_flying(x, y));
+                    (is_flying, is_flying || blended.as_ref().is_some_and(|test| test.is_blended(x, y)))
+                },
+                |known| known.at(pixel),
+            );
             let ranks = [own, of(self.rate.other())].map(|footprint| {
                 let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
                 let unsure = if unsure { UNKNOWN_NORMAL } else { 0 };

@@ -3,11 +3,13 @@
 mod blended_pixels;
 mod builder;
 mod flying_pixels;
+mod known_mixed;
 mod layer;
 mod packed_sample;
 mod sampling_rate;
 
 pub(crate) use builder::LayerBuilder;
+pub(crate) use known_mixed::KnownMixed;
 pub(crate) use layer::CameraLayer;
 pub(crate) use packed_sample::{
     COLOR_STEPS, PackedColor, PackedGeometry, Ranks, has_unknown_normal, is_mixed,

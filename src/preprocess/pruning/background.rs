@@ -82,24 +82,36 @@ pub(crate) fn static_layers(
     let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
     let of_camera = |index: usize| {
         job.check()?;
-        let (camera, of_camera) = (&capture.cameras[index], &scan.cameras[index]);
-        let (width, height) = camera.intrinsics.size();
-        let samples = match (&scan.spans, &of_camera.ranges) {
-            (Some(spans), _) => spans.get(index, all_frames(scan.frames))?.unwrap_or_default(),
-            (None, Some(ranges)) => {
-                let test = scan.static_test(index, &settings.spans);
-                Arc::new(ranges.samples(&ranges.static_pixels(&settings.spans, &test)))
-            }
-            (None, None) => Arc::default(),
-        };
-        let mut layer = CameraLayer::empty(width, height);
-        layer.noise = of_camera.noise.clone();
-        // Those of all frames are their means.
-        layer.noise_share = vec![(scan.frames.max(1) as f32).sqrt().recip()];
-        layer.depth_step_relative = of_camera.depth_step_relative;
-        layer.put(ROOT, &samples);
-        builder.estimate_normals(&mut layer, camera, &samples.pixels);
-        Ok((layer, samples.pixels.clone()))
+        static_layer(&builder, (capture, scan, settings), index)
     };
     (0..scan.cameras.len()).into_par_iter().map(of_camera).collect()
+}
+
+/// The same of one camera.
+///
+/// # Errors
+/// `Io` where the temporary file cannot be read.
+pub(crate) fn static_layer(
+    builder: &LayerBuilder<'_>,
+    (capture, scan, settings): (&Capture, &TemporalScan, &Settings),
+    index: usize,
+) -> Result<StaticLayer> {
+    let (camera, of_camera) = (&capture.cameras[index], &scan.cameras[index]);
+    let (width, height) = camera.intrinsics.size();
+    let samples = match (&scan.spans, &of_camera.ranges) {
+        (Some(spans), _) => spans.get(index, all_frames(scan.frames))?.unwrap_or_default(),
+        (None, Some(ranges)) => {
+            let test = scan.static_test(index, &settings.spans);
+            Arc::new(ranges.samples(&ranges.static_pixels(&settings.spans, &test)))
+        }
+        (None, None) => Arc::default(),
+    };
+    let mut layer = CameraLayer::empty(width, height);
+    layer.noise = of_camera.noise.clone();
+    // Those of all frames are their means.
+    layer.noise_share = vec![(scan.frames.max(1) as f32).sqrt().recip()];
+    layer.depth_step_relative = of_camera.depth_step_relative;
+    layer.put(ROOT, &samples);
+    builder.estimate_normals(&mut layer, camera, &samples.pixels);
+    Ok((layer, samples.pixels.clone()))
 }

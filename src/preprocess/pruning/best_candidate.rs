@@ -46,26 +46,18 @@ pub(crate) fn other_cameras<'a>(
         .iter()
         .flatten()
         .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
-    (0..layers.len())
-        .filter(|&other| other != camera && !layers[other].geometry.is_empty())
-        .filter_map(|other| {
-            let registration = pairs.registration(camera, other);
-            registration.may_see([0, layer.width - 1], ends, whole).then(|| OtherCamera {
-                camera: other,
-                registration,
-                limits: limits(other),
-                improved: 0,
-                may_see: bounds
-                    .iter()
-                    .enumerate()
-                    .map(|(at, bounds)| {
-                        let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
-                        bounds.is_some_and(|bounds| registration.may_see(columns, ends, bounds))
-                    })
-                    .collect(),
-            })
-        })
-        .collect()
+    let may_see = |(other, registration): &(usize, &Registration)| {
+        !layers[*other].geometry.is_empty() && registration.may_see([0, layer.width - 1], ends, whole)
+    };
+    let of_other = |(camera, registration): (usize, &'a Registration)| {
+        let of_columns = |(at, bounds): (usize, &Option<[f32; 2]>)| {
+            let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
+            bounds.is_some_and(|bounds| registration.may_see(columns, ends, bounds))
+        };
+        let may_see = bounds.iter().enumerate().map(of_columns).collect();
+        OtherCamera { camera, registration, limits: limits(camera), improved: 0, may_see }
+    };
+    pairs.others(camera).filter(may_see).map(of_other).collect()
 }
 
 /// Which of sixteen pixels from `position`, column and row, on have a sample of a wanted level.

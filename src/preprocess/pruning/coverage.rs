@@ -1,7 +1,9 @@
 //! The coverage guarantee: a sample is dropped once a candidate is known to be kept; and kept once all are known to be dropped,
 //! unless more cameras look past it than confirm it.
 
-use super::decision::{Candidate, Rule, Verdict, may_be_witness};
+use rayon::prelude::*;
+
+use super::decision::{Candidate, Decided, Rule, Verdict, may_be_witness};
 use super::pass::{DROPPED, KEPT, PendingSample, PruningPass, SearchBand, UNDECIDED};
 use crate::preprocess::registration::Outcome;
 use crate::simd::{self, VectorLoop};
@@ -26,7 +28,9 @@ pub(crate) fn resolve(pass: &PruningPass<'_>, band: &mut SearchBand<'_>) {
         if pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == KEPT {
             pass.set_status(band.camera, band.pixels[index], DROPPED);
         } else {
-            band.pending.push(PendingSample { index: index as u32, others: None });
+            let rank = pass.layers[band.camera].ranks[band.pixels[index] as usize].rank;
+            let index = index as u32;
+            band.pending.push(PendingSample { index, rank, others: None, is_contradicted: None });
         }
     }
 }
@@ -46,7 +50,8 @@ fn is_still_pending(pass: &PruningPass<'_>, band: &mut SearchBand<'_>, sample: &
         }
         let others = sample.others.get_or_insert_with(|| all_but_the_best(pass, band.camera, pixel));
         let Some(next) = others.pop() else {
-            if pass.votes.contradicts(pass.pairs, pass.layers, band.camera, pixel) {
+            let ask = || pass.votes.contradicts(pass.pairs, pass.layers, band.camera, pixel);
+            if sample.is_contradicted.unwrap_or_else(ask) {
                 *verdict = Verdict::without_witness(Rule::Contradicted);
                 pass.set_status(band.camera, pixel, DROPPED);
                 return false;
@@ -55,9 +60,87 @@ fn is_still_pending(pass: &PruningPass<'_>, band: &mut SearchBand<'_>, sample: &
             pass.set_status(band.camera, pixel, KEPT);
             return false;
         };
-        let rank = pass.layers[band.camera].ranks[pixel as usize].rank;
-        *verdict = Verdict::dropped_for(pass.settings.pruning.method, rank, next);
+        *verdict = Verdict::dropped_for(pass.settings.pruning.method, sample.rank, next);
     }
+}
+
+/// Samples that are decided as one piece of work.
+const CHUNK: usize = 4096;
+
+/// Samples of one camera that wait for others.
+#[derive(Default)]
+pub(crate) struct Waiting {
+    /// By chunk.
+    chunks: Vec<(usize, Vec<PendingSample>)>,
+    /// Camera and pixel of what is waited for.
+    awaited: Vec<(u16, u32)>,
+}
+
+impl Waiting {
+    /// Whether anything that is waited for is decided by now.
+    pub(crate) fn may_go_on(&self, pass: &PruningPass<'_>) -> bool {
+        let is_decided = |&(camera, pixel): &(u16, u32)| pass.status(usize::from(camera), pixel) != UNDECIDED;
+        self.awaited.iter().any(is_decided)
+    }
+
+    /// Finds all that may be asked for on the way to a decision, so that it can be made without any layer. `pixels` are those of the
+    /// camera's samples.
+    pub(crate) fn prepare(&mut self, pass: &PruningPass<'_>, camera: usize, pixels: &[u32]) {
+        let prepare = |(chunk, samples): &mut (usize, Vec<PendingSample>)| {
+            for sample in samples {
+                let pixel = pixels[*chunk * CHUNK + sample.index as usize];
+                sample.others.get_or_insert_with(|| all_but_the_best(pass, camera, pixel));
+                let ask = || pass.votes.contradicts(pass.pairs, pass.layers, camera, pixel);
+                sample.is_contradicted.get_or_insert_with(ask);
+            }
+        };
+        self.chunks.par_iter_mut().for_each(prepare);
+    }
+
+    /// Samples that wait.
+    pub(crate) fn len(&self) -> usize {
+        self.awaited.len()
+    }
+}
+
+/// Decides those of a camera's samples that can be: all for the first time, or those that are `waiting`. Gives those that wait on.
+pub(crate) fn settle(
+    pass: &PruningPass<'_>,
+    camera: usize,
+    decided: &mut Decided,
+    waiting: Option<Waiting>,
+) -> Waiting {
+    let is_first = waiting.is_none();
+    let mut pending: Vec<Vec<PendingSample>> = Vec::new();
+    pending.resize_with(decided.pixels.len().div_ceil(CHUNK), Vec::new);
+    for (chunk, samples) in waiting.unwrap_or_default().chunks {
+        pending[chunk] = samples;
+    }
+    let chunks = decided.pixels.par_chunks_mut(CHUNK).zip(decided.verdicts.par_chunks_mut(CHUNK));
+    let of_chunk = |((pixels, verdicts), pending)| {
+        let mut band = SearchBand { camera, rows: 0..0, pixels, verdicts, disputes: Vec::new(), pending };
+        if is_first {
+            resolve(pass, &mut band);
+        }
+        if !band.pending.is_empty() {
+            simd::run(ResolvePending { pass, band: &mut band });
+        }
+        let awaited = band.pending.iter().map(|sample| {
+            let verdict = band.verdicts[sample.index as usize];
+            (verdict.witness_camera, verdict.witness_pixel)
+        });
+        let awaited: Vec<_> = awaited.collect();
+        (band.pending, awaited)
+    };
+    let settled: Vec<_> = chunks.zip(pending).map(of_chunk).collect();
+    let mut still = Waiting::default();
+    for (chunk, (pending, awaited)) in settled.into_iter().enumerate() {
+        if !pending.is_empty() {
+            still.chunks.push((chunk, pending));
+            still.awaited.extend(awaited);
+        }
+    }
+    still
 }
 
 /// All candidates of a sample but the best, worst first.
@@ -67,12 +150,11 @@ fn all_but_the_best(pass: &PruningPass<'_>, camera: usize, pixel: u32) -> Vec<Ca
     let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
     let sample = Candidate::new(layer, camera, pixel);
     let mut candidates = Vec::new();
-    for other in (0..pass.layers.len()).filter(|other| *other != camera) {
+    for (other, registration) in pass.pairs.others(camera) {
         let target = &pass.layers[other];
         if target.geometry.is_empty() {
             continue;
         }
-        let registration = pass.pairs.registration(camera, other);
         let Outcome::Same(found) = pass.limits.test(registration, (layer, x, y), target) else { continue };
         let candidate = Candidate::new(target, other, found);
         // Samples of this level that are dropped by now are candidates still; they will be passed over.

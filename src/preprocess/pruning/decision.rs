@@ -250,6 +250,25 @@ impl Verdict {
         }
     }
 
+    /// As a number, to be put away.
+    pub(crate) fn to_bits(self) -> u64 {
+        let Self { rule, witness_level, witness_camera, witness_pixel } = self;
+        rule as u64
+            | u64::from(witness_level) << 8
+            | u64::from(witness_camera) << 16
+            | u64::from(witness_pixel) << 32
+    }
+
+    /// Back from [`Verdict::to_bits`].
+    pub(crate) fn from_bits(bits: u64) -> Self {
+        Self {
+            rule: Rule::ALL[(bits & 0xff) as usize],
+            witness_level: (bits >> 8) as SpanLevel,
+            witness_camera: (bits >> 16) as u16,
+            witness_pixel: (bits >> 32) as u32,
+        }
+    }
+
     /// Whether the sample stays.
     #[must_use]
     pub fn is_kept(self) -> bool {

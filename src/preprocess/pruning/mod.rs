@@ -14,14 +14,15 @@ mod search;
 mod span_stack;
 
 pub(crate) use background::PrunedBackground;
-pub(crate) use background::{StaticLayer, rated, static_layers};
+pub(crate) use background::{StaticLayer, rated, static_layer, static_layers};
 pub(crate) use best_candidate::{OtherCamera, lanes_at, other_cameras};
+pub(crate) use coverage::{Waiting, settle};
 pub(crate) use decision::Decided;
 pub(crate) use decision::{
     Candidate, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
 };
 pub use decision::{Dispute, Rule, Verdict};
 pub(crate) use pack::{Masks, pack};
-pub(crate) use pass::{BAND_ROWS, DROPPED, KEPT, Statuses, UNDECIDED, no_statuses};
-pub(crate) use search::prune;
+pub(crate) use pass::{ABSENT, BAND_ROWS, DROPPED, KEPT, PruningPass, Statuses, UNDECIDED, no_statuses};
+pub(crate) use search::{find, pass_over_views, prune};
 pub(crate) use span_stack::{FRAME, SpanStack, StackStep, load_frame};

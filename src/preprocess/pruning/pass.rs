@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use super::decision::{Candidate, Dispute, Verdict, may_be_witness};
+use super::decision::{Candidate, Dispute, Verdict, is_dropped_as_mixed, may_be_witness};
 use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, SameSurface};
@@ -11,7 +11,7 @@ use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
 
 /// No sample at the pixel that could be a witness.
-pub(super) const ABSENT: u8 = 0;
+pub(crate) const ABSENT: u8 = 0;
 /// Waiting for better samples to be decided.
 pub(crate) const UNDECIDED: u8 = 1;
 /// Stays.
@@ -45,6 +45,8 @@ pub(crate) struct PruningPass<'a> {
     pub(crate) all_may_be_witnesses: Vec<bool>,
     /// Per camera, whether it holds samples of deeper levels than the one that is decided.
     pub(crate) has_deeper: Vec<bool>,
+    /// Whether there are no samples of other levels: which samples may be witnesses is then known without a look at what is decided.
+    pub(crate) is_only_level: bool,
 }
 
 /// Some rows of one camera: the samples to decide and what is known of each. Until it is resolved, a verdict names the
@@ -62,9 +64,13 @@ pub(crate) struct SearchBand<'a> {
 pub(crate) struct PendingSample {
     /// Index into the band's pixels.
     pub(crate) index: u32,
+    /// Its rank.
+    pub(crate) rank: u32,
     /// All candidates but the best, worst first; found only where the best was dropped. The verdict names the one that is
     /// waited for.
     pub(crate) others: Option<Vec<Candidate>>,
+    /// Whether other cameras contradict it, where that was asked before it mattered.
+    pub(crate) is_contradicted: Option<bool>,
 }
 
 impl PruningPass<'_> {
@@ -79,6 +85,10 @@ impl PruningPass<'_> {
     /// See [`may_be_witness`], as far as is known before anything of this level is decided.
     #[inline(always)]
     pub(crate) fn may_be_witness(&self, camera: usize, pixel: u32) -> bool {
+        if self.is_only_level {
+            let rank = self.layers[camera].ranks[pixel as usize].rank;
+            return !is_dropped_as_mixed(self.settings.pruning.mixed_pixels, rank);
+        }
         let status = self.status(camera, pixel);
         let is_own_level = self.layers[camera].level[pixel as usize] == self.level;
         let across_spans = self.settings.pruning.across_spans;

@@ -35,7 +35,7 @@ use crate::job::Job;
 use crate::preprocess::agreement::{VoteTest, VotedRun};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, LANES, PixelRun, SameSurface};
-use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
+use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::{MixedPixels, PruningMethod, Settings};
 use crate::simd::{self, VectorLoop};
 
@@ -75,13 +75,12 @@ pub(crate) fn prune(
         votes: VoteTest::new(settings, level),
         all_may_be_witnesses: all_may_be_witnesses.collect(),
         has_deeper: layers.par_iter().map(|layer| has_deeper(layer, level)).collect(),
+        is_only_level: false,
     };
-    let mut bands = bands(layers, &counts, &mut decided);
-    bands.par_iter_mut().try_for_each(|band| {
-        job.check()?;
-        simd::run(FindBest { pass: &pass, band });
-        Ok(())
-    })?;
+    let cameras = counts.iter().zip(&mut decided).enumerate();
+    let mut bands: Vec<_> =
+        cameras.flat_map(|(camera, (counts, decided))| bands(layers, camera, counts, decided)).collect();
+    find_best(&pass, &mut bands, job)?;
     bands.par_iter_mut().for_each(|band| resolve(&pass, band));
     while bands.iter().any(|band| !band.pending.is_empty()) {
         job.check()?;
@@ -93,6 +92,62 @@ pub(crate) fn prune(
     }
     if settings.pruning.mixed_pixels != MixedPixels::Keep {
         decided.par_iter_mut().zip(layers).for_each(|(decided, layer)| decided.count_mixed(layer));
+    }
+    Ok(decided)
+}
+
+/// Finds the best candidate of every sample of some bands.
+fn find_best(pass: &PruningPass<'_>, bands: &mut [SearchBand<'_>], job: &Job) -> Result<()> {
+    bands.par_iter_mut().try_for_each(|band| {
+        job.check()?;
+        simd::run(FindBest { pass, band });
+        Ok(())
+    })
+}
+
+/// What a pass over samples of all frames shares where there are no others, before anything is decided.
+pub(crate) fn pass_over_views<'a>(
+    pairs: &'a CameraPairs<'a>,
+    layers: &'a [CameraLayer],
+    statuses: &'a Statuses,
+    settings: &'a Settings,
+) -> PruningPass<'a> {
+    let is_any_dropped = settings.pruning.mixed_pixels == MixedPixels::Drop;
+    PruningPass {
+        pairs,
+        layers,
+        statuses,
+        level: ROOT,
+        settings,
+        limits: SameSurface::new(settings).at_level(ROOT),
+        votes: VoteTest::new(settings, ROOT),
+        all_may_be_witnesses: vec![!is_any_dropped; layers.len()],
+        has_deeper: vec![false; layers.len()],
+        is_only_level: true,
+    }
+}
+
+/// As [`prune`] for some cameras of a [`pass_over_views`], up to the verdicts as if all candidates were kept.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Result<Vec<Decided>> {
+    let mark = |&camera: &usize| {
+        let mixed_pixels = pass.settings.pruning.mixed_pixels;
+        mark_undecided(&pass.layers[camera], &pass.statuses[camera], pass.level, mixed_pixels)
+    };
+    let counts: Vec<Vec<usize>> = cameras.par_iter().map(mark).collect();
+    let mut decided: Vec<Decided> =
+        counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
+    let each = cameras.iter().zip(counts.iter().zip(&mut decided));
+    let mut bands: Vec<_> =
+        each.flat_map(|(&camera, (counts, decided))| bands(pass.layers, camera, counts, decided)).collect();
+    find_best(pass, &mut bands, job)?;
+    let disputes: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
+    let mut at = 0;
+    for (camera, disputes) in disputes {
+        at += cameras[at..].iter().position(|other| *other == camera).unwrap_or(0);
+        decided[at].disputes.extend(disputes);
     }
     Ok(decided)
 }
@@ -156,30 +211,29 @@ fn has_deeper(layer: &CameraLayer, level: SpanLevel) -> bool {
     deeper
 }
 
-/// The rows of every camera, cut into bands that hold something to decide.
+/// The rows of a camera, cut into bands that hold something to decide.
 fn bands<'a>(
     layers: &[CameraLayer],
-    counts: &[Vec<usize>],
-    decided: &'a mut [Decided],
+    camera: usize,
+    counts: &[usize],
+    decided: &'a mut Decided,
 ) -> Vec<SearchBand<'a>> {
     let mut bands = Vec::new();
-    for (camera, (decided, counts)) in decided.iter_mut().zip(counts).enumerate() {
-        let (mut pixels, mut verdicts) = (&mut decided.pixels[..], &mut decided.verdicts[..]);
-        for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-            let first_row = index * BAND_ROWS;
-            let (own_pixels, rest) = pixels.split_at_mut(count);
-            pixels = rest;
-            let (own_verdicts, rest) = verdicts.split_at_mut(count);
-            verdicts = rest;
-            bands.push(SearchBand {
-                camera,
-                rows: first_row..(first_row + BAND_ROWS).min(layers[camera].height()),
-                pixels: own_pixels,
-                verdicts: own_verdicts,
-                disputes: Vec::new(),
-                pending: Vec::new(),
-            });
-        }
+    let (mut pixels, mut verdicts) = (&mut decided.pixels[..], &mut decided.verdicts[..]);
+    for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+        let first_row = index * BAND_ROWS;
+        let (own_pixels, rest) = pixels.split_at_mut(count);
+        pixels = rest;
+        let (own_verdicts, rest) = verdicts.split_at_mut(count);
+        verdicts = rest;
+        bands.push(SearchBand {
+            camera,
+            rows: first_row..(first_row + BAND_ROWS).min(layers[camera].height()),
+            pixels: own_pixels,
+            verdicts: own_verdicts,
+            disputes: Vec::new(),
+            pending: Vec::new(),
+        });
     }
     bands
 }

@@ -6,6 +6,7 @@ mod matches;
 mod noise_tolerance;
 mod reproject;
 mod same_surface;
+mod sight;
 mod tolerances;
 
 pub(crate) use camera_pairs::CameraPairs;
@@ -13,3 +14,4 @@ pub use matches::Outcome;
 pub(crate) use matches::{HAS_DEPTH, IN_VIEW, LANES, NEARER, ON_SURFACE, RequiredTolerances};
 pub(crate) use reproject::{PixelRun, Registration, ReprojectedRun, lanes_of};
 pub(crate) use same_surface::SameSurface;
+pub(crate) use sight::Sight;

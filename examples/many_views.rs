@@ -1,0 +1,179 @@
+//! Preprocesses a static scene that a moving camera recorded, and tells what that took: how time and memory grow with the number of
+//! views. The camera walks along a wall, so that each view overlaps with a bounded number of others however many there are, or around
+//! a table, so that all overlap. Pictures are computed on demand.
+//!
+//! ```sh
+//! cargo run --release --example many_views -- walk 1000 640x480
+//! cargo run --release --example many_views -- around 64 320x240 noisy --set capture.cache=64
+//! ```
+
+use std::error::Error;
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::{DVec2, DVec3};
+use half::f16;
+use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics};
+use overlook::grid::Grid;
+use overlook::job::Job;
+use overlook::preprocess::preprocess_buffered;
+use overlook::samples::SampleImage;
+use overlook::settings::Settings;
+
+/// How far the camera walks from view to view, m.
+const STEP_M: f64 = 0.25;
+/// Distance of the wall, m.
+const WALL_M: f64 = 3.0;
+/// Relative standard deviation of depth where it is noisy.
+const NOISE: f64 = 0.01;
+
+/// A wall with columns before it on a floor, or a table of spheres.
+struct Walk {
+    cameras: Vec<Camera>,
+    is_noisy: bool,
+}
+
+/// Sixteen pseudo-random bits of three numbers.
+fn mixed(a: u64, b: u64, c: u64) -> f64 {
+    let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ b.wrapping_mul(0xbf58_476d_1ce4_e5b9) ^ c;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 48) as f64 / 65536.0
+}
+
+/// The factor by which a ray has to be as long to meet a sphere.
+fn meets_sphere(eye: DVec3, ray: DVec3, center: DVec3, radius: f64) -> Option<f64> {
+    let (a, b) = (ray.length_squared(), ray.dot(eye - center));
+    let root = b * b - a * ((eye - center).length_squared() - radius * radius);
+    let nearest = (-b - root.max(0.0).sqrt()) / a;
+    (root > 0.0 && nearest > 1e-6).then_some(nearest)
+}
+
+impl Walk {
+    fn new(around: bool, views: usize, size: (u32, u32), is_noisy: bool) -> Self {
+        let lens = Intrinsics::from_horizontal_angle(size.0, size.1, 1.0);
+        let camera = |index: usize| {
+            let at = index as f64;
+            let name = format!("view{index}");
+            if around {
+                // Spread over a part of a sphere by the golden angle.
+                let (turn, up) = (at * 2.399_963, 0.3 + 0.9 * (at + 0.5) / views as f64);
+                let eye = DVec3::new(up.cos() * turn.cos(), up.cos() * turn.sin(), up.sin()) * 2.5;
+                return Camera::look_at(name, lens, eye, DVec3::Z * 0.3, DVec3::Z);
+            }
+            let eye = DVec3::new(STEP_M * at, 0.2 * (0.7 * at).sin(), 1.5 + 0.1 * (1.3 * at).cos());
+            let target = DVec3::new(eye.x + 0.4 * (0.5 * at).sin(), WALL_M, 1.2);
+            Camera::look_at(name, lens, eye, target, DVec3::Z)
+        };
+        Self { cameras: (0..views).map(camera).collect(), is_noisy }
+    }
+
+    /// Nearest hit: how many times as long as the ray, and what stands there.
+    fn hit(eye: DVec3, ray: DVec3) -> (f64, u64) {
+        let mut nearest = (f64::INFINITY, 0);
+        let mut offer = |length: f64, what: u64| {
+            if length > 1e-6 && length < nearest.0 {
+                nearest = (length, what);
+            }
+        };
+        offer((WALL_M - eye.y) / ray.y, 1);
+        offer((-WALL_M - eye.y) / ray.y, 1);
+        offer(-eye.z / ray.z, 2);
+        offer((3.0 - eye.z) / ray.z, 3);
+        // Spheres before the wall, one a meter: those that the ray passes.
+        let through = eye.x + ray.x * (WALL_M - 0.5 - eye.y) / ray.y;
+        for nth in [through.floor() - 1.0, through.floor(), through.floor() + 1.0] {
+            let place = DVec3::new(nth + 0.5, WALL_M - 0.5, 1.0 + mixed(nth as i64 as u64, 1, 2));
+            if let Some(length) = meets_sphere(eye, ray, place, 0.3) {
+                offer(length, 4);
+            }
+        }
+        nearest
+    }
+
+    fn color(point: DVec3, what: u64) -> [f16; 3] {
+        let cell = (point * 20.0).floor();
+        let cell = mixed(cell.x as i64 as u64, cell.y as i64 as u64, cell.z as i64 as u64 ^ what << 40);
+        let wave = |a: f64, b: f64, c: f64| 0.3 + 0.15 * (a * point.x + b * point.y + c * point.z).sin();
+        [wave(1.3, 0.4, 2.0), wave(0.5, 1.7, 3.1), wave(0.8, 0.9, 1.2)]
+            .map(|level| f16::from_f64(level + 0.1 * cell))
+    }
+}
+
+impl FrameSource for Walk {
+    fn load(&self, camera: usize, _frame: usize) -> overlook::error::Result<Frame> {
+        let view = &self.cameras[camera];
+        let (width, height) = view.intrinsics.size();
+        let eye = view.position_in_world();
+        let (mut color, mut inverse_depth) =
+            (Grid::filled(width, height, [f16::ZERO; 3]), Grid::filled(width, height, 0.0));
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let in_camera = view.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+            let ray = view.world_from_camera.matrix3 * in_camera;
+            let (length, what) = Self::hit(eye, ray);
+            color[(x, y)] = Self::color(eye + ray * length, what);
+            let draws = || (0..4).map(|nth| mixed(camera as u64, (y * width + x) as u64, nth) - 0.5);
+            let noise = if self.is_noisy { NOISE * 3.0_f64.sqrt() * draws().sum::<f64>() } else { 0.0 };
+            inverse_depth[(x, y)] = (1.0 / (length * (1.0 + noise))) as f32;
+        }
+        Ok(Frame { color, inverse_depth, normal_in_world: None, depth_step_relative: 0.0 })
+    }
+
+    fn place(&self, camera: usize, _frame: usize) -> String {
+        format!("view {camera}")
+    }
+}
+
+/// A number that tells kept samples from others.
+fn hash(of: u64, image: &SampleImage) -> u64 {
+    let mixed = |hash: u64, next: u64| (hash ^ next).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
+    let color = image.color.iter().flatten().map(|channel| u64::from(channel.to_bits()));
+    let places = image.tiles.iter().flat_map(|tile| tile.rows).map(u64::from);
+    let depth = image.depth.low().iter().map(|low| u64::from(*low));
+    let doubtful = image.doubtful.iter().flat_map(|tile| tile.rows).map(u64::from);
+    places.chain(color).chain(depth).chain(doubtful).fold(mixed(of, u64::from(image.camera)), mixed)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let usage = "give walk or around, the number of views, and WIDTHxHEIGHT; then noisy, and --set KEY=VALUE";
+    let [path, views, size, rest @ ..] = arguments.as_slice() else { return Err(usage.into()) };
+    let (width, height) = size.split_once('x').ok_or(usage)?;
+    let (views, size) = (views.parse()?, (width.parse()?, height.parse()?));
+    let is_noisy = rest.iter().any(|word| word == "noisy");
+    let mut settings = Settings::default();
+    for assignment in rest.iter().filter(|word| word.contains('=')) {
+        settings.set_text(assignment)?;
+    }
+    let source = Walk::new(path == "around", views, size, is_noisy);
+    let parts = CaptureParts {
+        name: "walk".to_owned(),
+        cameras: source.cameras.clone(),
+        frame_numbers: vec![0],
+        up_in_world: DVec3::Z,
+        has_normals: false,
+        antialiased_color: false,
+        warnings: Vec::new(),
+        source: Arc::new(source),
+    };
+    let capture = Capture::new(parts, 16 << 20);
+    let started = Instant::now();
+    let result = preprocess_buffered(&capture, &settings, &Job::new())?;
+    let seconds = started.elapsed().as_secs_f64();
+    let images = &result.images;
+    let hash = (0..images.len())
+        .try_fold(0, |of, index| Ok::<_, overlook::error::Error>(hash(of, &*images.get(index)?)))?;
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or("").trim();
+    let report = &result.report;
+    println!(
+        "{views} views: {seconds:.2} s, {:.1} ms a view, {:.0} ns a pixel; peak {peak}; {} of {} samples kept, {} doubtful, noisy: {}, {hash:016x}",
+        1e3 * seconds / views as f64,
+        1e9 * seconds / report.samples_in as f64,
+        report.samples_kept,
+        report.samples_in,
+        report.samples_doubtful,
+        report.is_noisy(),
+    );
+    Ok(())
+}

@@ -1,0 +1,56 @@
+//! What a camera saw, as a few boxes: enough to prove that another camera cannot see any of it.
+
+use super::reproject::Registration;
+
+/// Columns and rows of a block of pixels whose depths are known together.
+const BLOCK: usize = 64;
+
+/// The smallest and largest inverse depths of a camera's samples, block by block.
+#[derive(Clone, Debug)]
+pub(crate) struct Sight {
+    width: usize,
+    height: usize,
+    /// Row by row; the smallest is larger where there is no sample.
+    blocks: Vec<[f32; 2]>,
+}
+
+const NOTHING: [f32; 2] = [f32::INFINITY, 0.0];
+
+impl Sight {
+    /// What a camera of so many columns and rows saw: the inverse depths of some of its pixels, `y * width + x`.
+    pub(crate) fn new((width, height): (usize, usize), samples: impl Iterator<Item = (u32, f32)>) -> Self {
+        let across = width.div_ceil(BLOCK);
+        let mut blocks = vec![NOTHING; across * height.div_ceil(BLOCK)];
+        for (pixel, inverse_depth) in samples {
+            let (x, y) = (pixel as usize % width, pixel as usize / width);
+            let [smallest, largest] = &mut blocks[y / BLOCK * across + x / BLOCK];
+            *smallest = smallest.min(inverse_depth);
+            *largest = largest.max(inverse_depth);
+        }
+        Self { width, height, blocks }
+    }
+
+    /// The same if each depth may be off by a share of it.
+    pub(crate) fn blurred(&self, share: f32) -> Self {
+        let nearest = if share < 1.0 { 1.0 / (1.0 - share) } else { f32::INFINITY };
+        let blur =
+            |[smallest, largest]: [f32; 2]| [smallest / (1.0 + share), (largest * nearest).min(f32::MAX)];
+        let is_any = |block: &[f32; 2]| block[0] <= block[1];
+        let blocks = self.blocks.iter().map(|block| if is_any(block) { blur(*block) } else { NOTHING });
+        Self { blocks: blocks.collect(), ..*self }
+    }
+
+    /// Whether the target of a registration may see any of the samples. It may wrongly be true, never wrongly false.
+    pub(crate) fn may_be_seen(&self, registration: &Registration) -> bool {
+        let all = self.blocks.iter().fold(NOTHING, |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
+        if all[0] > all[1] || !registration.may_see([0, self.width - 1], [0, self.height - 1], all) {
+            return false;
+        }
+        let across = self.width.div_ceil(BLOCK);
+        self.blocks.iter().enumerate().filter(|(_, block)| block[0] <= block[1]).any(|(at, block)| {
+            let last = |first: usize, size: usize| (first + BLOCK).min(size) - 1;
+            let [left, top] = [at % across * BLOCK, at / across * BLOCK];
+            registration.may_see([left, last(left, self.width)], [top, last(top, self.height)], *block)
+        })
+    }
+}
