@@ -122,6 +122,18 @@ impl VoteTest {
         self.is_on && counts.contradict(self.margin, is_flying)
     }
 
+    /// Which samples the votes contradict if so many more cameras look past each; `flying` ones fly.
+    #[inline(always)]
+    pub(crate) fn contradicted<const N: usize>(&self, votes: &VotedRun<N>, flying: u32, more: u32) -> u32 {
+        let mut contradicted = 0;
+        for lane in 0..N {
+            let VoteCounts { confirm, look_past } = votes.counts(lane);
+            let counts = VoteCounts { confirm, look_past: look_past + more };
+            contradicted |= u32::from(counts.contradict(self.margin, flying >> lane & 1 == 1)) << lane;
+        }
+        contradicted
+    }
+
     /// Adds the votes of a camera on the `asked` samples of a block.
     #[inline(always)]
     pub(crate) fn add<const N: usize>(
@@ -267,7 +279,23 @@ impl VoteTest {
         camera: usize,
         pixel: u32,
     ) -> bool {
+        if !self.is_on {
+            return false;
+        }
         let is_flying = layers[camera].packed_colors[pixel as usize].is_flying();
-        self.is_on && self.is_contradicted(self.counts(pairs, layers, camera, pixel), is_flying)
+        let others = pairs.others(camera);
+        let (mut counts, mut left) = (VoteCounts::default(), others.len() as u32);
+        for (other, way) in others {
+            // Those who are left cannot contradict it any more.
+            let most = VoteCounts { look_past: counts.look_past + left, ..counts };
+            if !most.contradict(self.margin, is_flying) {
+                return false;
+            }
+            left -= 1;
+            let vote = self.vote(way, layers, (camera, pixel), other);
+            counts.confirm += u32::from(vote == Vote::Confirms);
+            counts.look_past += u32::from(vote == Vote::LooksPast);
+        }
+        counts.contradict(self.margin, is_flying)
     }
 }

@@ -309,20 +309,26 @@ fn contradicted_lanes(
             && run.best.candidate(*lane).is_none()
             && pass.status(camera, (pixel + lane) as u32) != DROPPED
     };
-    let asked = (0..LANES).filter(is_asked).fold(0, |lanes, lane| lanes | 1 << lane);
+    let mut asked = (0..LANES).filter(is_asked).fold(0, |lanes, lane| lanes | 1 << lane);
     if asked == 0 {
         return 0;
     }
+    let is_flying = |lane: usize| asked >> lane & 1 == 1 && layer.packed_colors[pixel + lane].is_flying();
+    let flying = (0..LANES).filter(|lane| is_flying(*lane)).fold(0, |lanes, lane| lanes | 1 << lane);
+    let voters = || others.iter().filter(|other| other.may_see[run.nth]);
+    let mut left = voters().count() as u32;
     let mut votes = VotedRun::NONE;
-    for other in others.iter().filter(|other| other.may_see[run.nth]) {
+    for other in voters() {
+        // Nobody is asked about samples that all who are left cannot contradict any more.
+        asked &= pass.votes.contradicted(&votes, flying, left);
+        if asked == 0 {
+            return 0;
+        }
+        left -= 1;
         let target = &pass.layers[other.camera];
         pass.votes.add(other.registration, (layer, &run.block), target, asked, &mut votes);
     }
-    let contradicted = |lane: &usize| {
-        let is_flying = || layer.packed_colors[pixel + lane].is_flying();
-        asked >> lane & 1 == 1 && pass.votes.is_contradicted(votes.counts(*lane), is_flying())
-    };
-    (0..LANES).filter(contradicted).fold(0, |lanes, lane| lanes | 1 << lane)
+    asked & pass.votes.contradicted(&votes, flying, 0)
 }
 
 /// For each row and each sixteen pixels of it, which of them hold a sample of the level.
