@@ -28,7 +28,7 @@ pub(crate) fn prune_run(
     job: &Job,
 ) -> Result<(ImageBuffer, RunCounts)> {
     let capture = scan.capture();
-    if scan.frames == 1 && scan.spans.is_some() {
+    if scan.frames == 1 && scan.spans.is_some() && run.contains(0) {
         let errors = scan.normal_errors(&settings.normals, job)?;
         return prune_views(images, Views::new(capture, scan, settings), &errors, job);
     }

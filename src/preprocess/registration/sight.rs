@@ -10,11 +10,18 @@ const BLOCK: usize = 64;
 pub(crate) struct Sight {
     width: usize,
     height: usize,
+    /// Of all samples.
+    whole: [f32; 2],
     /// Row by row; the smallest is larger where there is no sample.
     blocks: Vec<[f32; 2]>,
 }
 
 const NOTHING: [f32; 2] = [f32::INFINITY, 0.0];
+
+/// The smallest and largest inverse depth of several blocks.
+fn union(blocks: &[[f32; 2]]) -> [f32; 2] {
+    blocks.iter().fold(NOTHING, |all, block| [all[0].min(block[0]), all[1].max(block[1])])
+}
 
 impl Sight {
     /// What a camera of so many columns and rows saw: the inverse depths of some of its pixels, `y * width + x`.
@@ -27,23 +34,22 @@ impl Sight {
             *smallest = smallest.min(inverse_depth);
             *largest = largest.max(inverse_depth);
         }
-        Self { width, height, blocks }
+        Self { width, height, whole: union(&blocks), blocks }
     }
 
-    /// The same if each depth may be off by a share of it.
+    /// The same if each depth may be off by a share of it, less than 1.
     pub(crate) fn blurred(&self, share: f32) -> Self {
-        let nearest = if share < 1.0 { 1.0 / (1.0 - share) } else { f32::INFINITY };
-        let blur =
-            |[smallest, largest]: [f32; 2]| [smallest / (1.0 + share), (largest * nearest).min(f32::MAX)];
+        let blur = |[smallest, largest]: [f32; 2]| [smallest / (1.0 + share), largest / (1.0 - share)];
         let is_any = |block: &[f32; 2]| block[0] <= block[1];
-        let blocks = self.blocks.iter().map(|block| if is_any(block) { blur(*block) } else { NOTHING });
-        Self { blocks: blocks.collect(), ..*self }
+        let blurred = self.blocks.iter().map(|block| if is_any(block) { blur(*block) } else { NOTHING });
+        let blocks: Vec<[f32; 2]> = blurred.collect();
+        Self { whole: union(&blocks), blocks, ..*self }
     }
 
     /// Whether the target of a registration may see any of the samples. It may wrongly be true, never wrongly false.
     pub(crate) fn may_be_seen(&self, registration: &Registration) -> bool {
-        let all = self.blocks.iter().fold(NOTHING, |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
-        if all[0] > all[1] || !registration.may_see([0, self.width - 1], [0, self.height - 1], all) {
+        let (columns, rows) = ([0, self.width - 1], [0, self.height - 1]);
+        if self.whole[0] > self.whole[1] || !registration.may_see(columns, rows, self.whole) {
             return false;
         }
         let across = self.width.div_ceil(BLOCK);

@@ -34,8 +34,12 @@ use looks::{better_reading, noise_between};
 use steps::Pruning;
 use window::LayerWindow;
 
-/// How far apart smoothing and other views may put a sample, in standard deviations: 3 √2, see [`super::agreement`].
-const REFINED_SIGMAS: f32 = 4.25;
+/// By which share of its depth a sample is moved at most where noisy cameras are averaged: other views are within 3 √2 standard
+/// deviations of it, and what it is smoothed to within 3, and within a half (see [`super::agreement`]).
+fn moved_at_most(noise: f32) -> f32 {
+    let smoothed = (3.0 * noise).min(0.5);
+    (3.0 * std::f32::consts::SQRT_2 * noise).max(smoothed / (1.0 - smoothed))
+}
 
 /// Prunes the views of a single frame, and adds what is kept to `images`.
 ///
@@ -57,10 +61,15 @@ pub(crate) fn prune_views(
         let noise = noise_between(&pairs, &mut window, job)?;
         window.set_noise(noise);
     }
-    // Where samples are refined, others may see them than before.
+    // Samples that are moved may be seen by other views than before.
     let noise = window.most_noise();
-    let blurred: Vec<Sight> = sights.iter().map(|sight| sight.blurred(REFINED_SIGMAS * noise)).collect();
-    let pairs = CameraPairs::of_sights(&capture.cameras, &blurred);
+    let moved = 1.01 * moved_at_most(noise);
+    let pairs = if moved < 1.0 {
+        let blurred: Vec<Sight> = sights.iter().map(|sight| sight.blurred(moved)).collect();
+        CameraPairs::of_sights(&capture.cameras, &blurred)
+    } else {
+        CameraPairs::new(&capture.cameras)
+    };
     if noise > 0.0 {
         tally.add_reading(
             &capture.cameras,
