@@ -18,7 +18,7 @@ use crate::app::widgets::{
 const FOOTER: f32 = 48.0;
 
 /// Widths of the lists: in a view that is wide enough, and at least.
-const LIST_WIDTH: f32 = 106.0;
+const LIST_WIDTH: f32 = 140.0;
 const SHORTEST_LIST: f32 = 60.0;
 /// Width of the button of other programs' pictures.
 const PICTURES_WIDTH: f32 = 38.0;

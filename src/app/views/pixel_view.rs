@@ -18,7 +18,7 @@ use crate::preprocess::inspect::CameraEvidence;
 const SUMMARY: f32 = 292.0;
 
 /// Width that the table needs at its full size, and the size of its letters where there is less.
-const TABLE: f32 = 820.0;
+const TABLE: f32 = 826.0;
 const NARROW: f32 = 11.0;
 
 /// Least width of the last column, which gets what the others leave: beyond that the table scrolls to the side.
@@ -28,7 +28,7 @@ const OWN_SAMPLE: f32 = 110.0;
 const COLUMNS: [(&str, f32, &str); 9] = [
     ("Camera", 88.0, "Click a name to see the point there."),
     ("Visible", 128.0, "Whether the camera shows the same surface point, and if not, which rule says so."),
-    ("Depth", 90.0, "Planar depth expected at the point, and the depth that the camera recorded there."),
+    ("Depth", 96.0, "Planar depth expected at the point, and the depth that the camera recorded there."),
     ("Depth error", 74.0, "Distance to the surface found there, in pixel footprints (px)."),
     ("Angle", 44.0, "Angle of incidence: between the line of sight and the surface's normal."),
     (
