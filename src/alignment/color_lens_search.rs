@@ -9,10 +9,10 @@ use rayon::prelude::*;
 
 use super::color_lens::{ColorLens, Difference, Matches, Sensing, UNKNOWNS};
 use super::color_lens_matches::matches;
+use super::color_lens_shares::{Share, shares};
 use super::judge::Judgment;
-use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
-use super::solver::{Problem, TUKEY, loss};
+use super::solver::{Problem, loss};
 use crate::capture::Intrinsics;
 use crate::error::Result;
 use crate::job::Job;
@@ -29,8 +29,6 @@ const MOST_COARSE_MATCHES: usize = 10_000;
 const START_RATIOS: [f64; 7] = [1.0, 0.95, 1.05, 0.9, 1.1, 0.85, 1.15];
 /// Standard deviations of the unknowns, as they are known beforehand; in the order of [`UNKNOWNS`].
 const TRUST: [f64; UNKNOWNS] = [0.1, 0.02, 0.02, 0.02, 0.03, 0.03, 0.03, 0.02, 0.02];
-/// The weight of one match: neighbors are not independent, and a wrong pose is wrong for all matches of a pair.
-const INDEPENDENT: f64 = 0.05;
 /// Unknowns of the models in turn.
 const MODELS: [&[usize]; 3] = [&[0], &[0, 1, 2, 3, 4, 5, 6], &[0, 1, 2, 3, 4, 5, 6, 7, 8]];
 /// Resolutions and steps at each, of the first model and of those that start from it.
@@ -49,8 +47,6 @@ const RIGHT_PX: [f64; 2] = [0.08, 0.15];
 const RIGHT_LOSS: f64 = 0.06;
 /// Standardized brightness differs by so much within one surface whatever the lens: the width of the loss that judges.
 const JUDGED_SIGMA: f64 = 0.3;
-/// Standard deviations of differences are never taken for less.
-const LEAST_SIGMA: f64 = 0.05;
 /// A better start has a loss that is lower by this share.
 const BETTER_START: f64 = 0.03;
 /// A model pays where the loss of pairs that judge falls by so many standard errors, and by this share. Pairs come in both
@@ -383,36 +379,4 @@ fn spread(free: &[usize], values: &[f64]) -> [f64; UNKNOWNS] {
         all[*unknown] = *value;
     }
     all
-}
-
-/// One pair's share of the normal equations of all unknowns, of which the lower triangle counts.
-struct Share {
-    matrix: [[f64; UNKNOWNS]; UNKNOWNS],
-    right: [f64; UNKNOWNS],
-}
-
-fn shares(pairs: &[Matches], lens: &ColorLens, sensing: &Sensing) -> Vec<Share> {
-    pairs.par_iter().map(|pair| share(&pair.differences(lens, sensing))).collect()
-}
-
-fn share(differences: &[Difference]) -> Share {
-    let mut share = Share { matrix: [[0.0; UNKNOWNS]; UNKNOWNS], right: [0.0; UNKNOWNS] };
-    let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.value.abs()).collect();
-    let Some(middle) = median(&mut sizes) else { return share };
-    let sigma = (middle / MEDIAN_PER_SIGMA).max(LEAST_SIGMA);
-    for Difference { value, by_unknown, .. } in differences {
-        let relative = value / (TUKEY * sigma);
-        if relative.abs() >= 1.0 {
-            continue;
-        }
-        let weight = INDEPENDENT * (1.0 - relative * relative).powi(2) / (sigma * sigma);
-        for row in 0..UNKNOWNS {
-            let weighted = weight * by_unknown[row];
-            for column in 0..=row {
-                share.matrix[row][column] += weighted * by_unknown[column];
-            }
-            share.right[row] -= weighted * value;
-        }
-    }
-    share
 }

@@ -23,6 +23,8 @@ const USABLE: [f32; 2] = [0.004, 0.85];
 const LEAST_SAMPLES: usize = 40;
 /// A gain that changes less, in stops, does not show.
 pub(crate) const LEAST_STOPS: f64 = 0.02;
+/// A gain is kept where it is so many times its standard error, which is wider than independent samples would make it.
+const LEAST_ERRORS: f64 = 2.0;
 /// Samples differ at least so much for reasons other than the gain, natural logarithm.
 const LEAST_SPREAD: f64 = 0.02;
 
@@ -78,7 +80,7 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
             |values: [f64; 3]| values.into_iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let [stops, errors] = [correction.log_gain, correction.standard_error]
             .map(|logarithms| largest(logarithms) / std::f64::consts::LN_2);
-        correction.kept = correction.judgment.pays() && stops > LEAST_STOPS && stops > 3.0 * errors;
+        correction.kept = correction.judgment.pays() && stops > LEAST_STOPS && stops > LEAST_ERRORS * errors;
     }
     corrections
 }

@@ -18,6 +18,7 @@ mod clock;
 mod color_lens;
 mod color_lens_matches;
 mod color_lens_search;
+mod color_lens_shares;
 mod corrected_frames;
 mod exposure;
 mod judge;
