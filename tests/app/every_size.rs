@@ -58,9 +58,9 @@ fn show_workspace(window: &mut Window, workspace: &str) {
     settle(window);
 }
 
-/// Shows all workspaces at some sizes and in both themes, and checks each.
+/// Shows all workspaces at some sizes, and checks each: in both themes where pictures are kept, else in one after the other.
 fn check_every_workspace(window: &mut Window, what: &str, checked: &[usize]) {
-    let mut wrong = Vec::new();
+    let (mut wrong, mut sizes) = (Vec::new(), 0);
     for (nth, (screen, scale)) in SIZES.into_iter().enumerate() {
         if folder().is_none() && !checked.contains(&nth) {
             continue;
@@ -70,7 +70,10 @@ fn check_every_workspace(window: &mut Window, what: &str, checked: &[usize]) {
         window.set_size(size);
         window.run_steps(4);
         settle(window);
-        for theme in ["Light theme", "Dark theme"] {
+        let themes = ["Light theme", "Dark theme"];
+        let shown = if folder().is_some() { &themes[..] } else { &themes[sizes % 2..][..1] };
+        sizes += 1;
+        for theme in shown {
             click(window, theme);
             for workspace in WORKSPACES {
                 show_workspace(window, workspace);
