@@ -174,13 +174,10 @@ fn tracks(problem: &Problem, capture: &Capture, spans: &[Span], job: &Job) -> Re
 impl Moment {
     fn new(problem: &Problem, capture: &Capture, camera: usize, span: Span, job: &Job) -> Result<Self> {
         let Span { at, before, after } = span;
-        let first = &problem.views[camera];
+        let lens = &problem.views[camera].camera;
         let view = |frame: i64| {
             job.check()?;
-            if frame == 0 {
-                return Ok(ReferenceView { is_still: None, ..first.clone() });
-            }
-            Ok(ReferenceView::new(first.camera.clone(), capture.frame(camera, frame as usize)?, None))
+            Ok(ReferenceView::new(lens.clone(), capture.frame(camera, frame as usize)?, None))
         };
         let views: Vec<ReferenceView> = (at - before..=at + after).map(view).collect::<Result<_>>()?;
         let own = before as usize;

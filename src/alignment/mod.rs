@@ -153,12 +153,7 @@ fn aligned_beside_lenses(
     if !is_kept {
         return Ok(None);
     }
-    let mut before = problem.clone();
-    for (view, camera) in before.views.iter_mut().zip(&seen.cameras) {
-        view.camera = camera.clone();
-    }
-    before.log_gains.fill(0.0);
-    let before = before.pair_medians();
+    let before = problem.pair_medians_as_claimed(&seen.cameras);
     let of_camera = |camera: usize| {
         let now = problem.views[camera].camera.world_from_camera.matrix3;
         let then = seen.cameras[camera].world_from_camera.matrix3;

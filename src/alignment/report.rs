@@ -371,4 +371,21 @@ impl Problem {
         };
         self.pairs.par_iter().map(of_pair).collect()
     }
+
+    /// The same with the cameras that the capture claims, and without gains.
+    pub(super) fn pair_medians_as_claimed(&mut self, claimed: &[Camera]) -> Vec<[f64; 2]> {
+        let mut cameras = claimed.to_vec();
+        let mut gains = vec![0.0; claimed.len()];
+        self.swap(&mut cameras, &mut gains);
+        let medians = self.pair_medians();
+        self.swap(&mut cameras, &mut gains);
+        medians
+    }
+
+    fn swap(&mut self, cameras: &mut [Camera], gains: &mut Vec<f64>) {
+        for (view, camera) in self.views.iter_mut().zip(cameras) {
+            std::mem::swap(&mut view.camera, camera);
+        }
+        std::mem::swap(&mut self.log_gains, gains);
+    }
 }

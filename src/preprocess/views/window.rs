@@ -33,7 +33,6 @@ pub(super) struct LayerWindow<'a> {
     /// Per view, when it was last asked for; 0 where its layer is not held.
     used: Vec<u64>,
     turn: u64,
-    bound: usize,
 }
 
 impl<'a> LayerWindow<'a> {
@@ -50,7 +49,6 @@ impl<'a> LayerWindow<'a> {
             smooth: Arc::new(SmoothDepths::new(pairs, ROOT)),
             used: vec![0; count],
             turn: 0,
-            bound: views.bound,
         }
     }
 
@@ -72,7 +70,7 @@ impl<'a> LayerWindow<'a> {
         order: &[usize],
         others: impl Fn(usize) -> I,
     ) -> Vec<Group> {
-        groups(order, |camera| self.bytes(camera), self.bound, others)
+        groups(order, |camera| self.bytes(camera), self.views.bound, others)
     }
 
     fn bytes(&self, camera: usize) -> usize {
@@ -109,7 +107,7 @@ impl<'a> LayerWindow<'a> {
         held.retain(|camera| self.used[*camera] < self.turn);
         held.sort_by_key(|camera| self.used[*camera]);
         for camera in held {
-            if bytes <= self.bound {
+            if bytes <= self.views.bound {
                 break;
             }
             bytes -= self.bytes(camera);
