@@ -175,6 +175,46 @@ fn tune_writes_settings_that_preprocess_takes_and_refuses_a_budget_that_cannot_b
 }
 
 #[test]
+fn the_fewest_views_are_chosen_with_a_curve_a_chart_and_a_page_and_preprocess_takes_them_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    succeed(
+        folder,
+        &["demo", "orrery", "--out", "scene", "--cameras", "6", "--frames", "1", "--size", "64x48"],
+    );
+    let tune = ["tune", "scene", "--fewest-views", "views", "--show", "90"];
+    let table = succeed(folder, &tune);
+    assert!(table.contains("shown %") && table.contains(" of 6 show"), "{table}");
+    let document = json(&folder.join("views/views.json"));
+    let needed = document["needed"].as_u64().unwrap() as usize;
+    let shown: Vec<f64> =
+        document["order"].as_array().unwrap().iter().map(|view| view["shown"].as_f64().unwrap()).collect();
+    assert!((1..6).contains(&needed) && shown.is_sorted() && shown[needed - 1] >= 0.9, "{document}");
+    assert!(needed == 1 || shown[needed - 2] < 0.9, "not one too many: {shown:?}");
+    let counts: Vec<u64> = document["accuracy"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|count| count["views"].as_u64().unwrap())
+        .collect();
+    assert!(counts.first() == Some(&1) && counts.last() == Some(&6) && counts.is_sorted(), "{counts:?}");
+    is_picture(&folder.join("views/views.png"));
+    let page = std::fs::read_to_string(folder.join("views/report.html")).unwrap();
+    assert!(page.contains("The fewest views") && page.contains("<svg"));
+    let printed = json_of(&succeed(folder, &[&tune[..], &["--json"]].concat()));
+    assert_eq!(printed, document, "the same every time");
+    let names = std::fs::read_to_string(folder.join("views/views.txt")).unwrap();
+    assert_eq!(names.lines().count(), needed);
+    succeed(folder, &["preprocess", "scene", "--only", "views/views.txt", "--out", "few.ovl"]);
+    let info = json_of(&succeed(folder, &["info", "few.ovl", "--json"]));
+    assert_eq!(info["cameras"].as_array().map(Vec::len), Some(needed), "{info}");
+    std::fs::write(folder.join("other.txt"), "nobody\n").unwrap();
+    let refused = fail(folder, &["preprocess", "scene", "--only", "other.txt", "--out", "none.ovl"], 1);
+    assert!(refused.contains("other.txt") && refused.contains("nobody"), "{refused}");
+    fail(folder, &["tune", "scene", "--show", "90", "--out", "tuned.toml"], 2);
+}
+
+#[test]
 fn what_tune_found_is_told_even_where_its_folder_went_away_meanwhile() {
     let folder = scene("2", "48x36");
     let folder = folder.path();

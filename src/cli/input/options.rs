@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+use crate::capture::Capture;
 use crate::cli::output::{self, CommandError};
 use crate::error::Error;
 use crate::settings::{Backend, Fill, Kernel, RenderSettings, Settings};
@@ -104,6 +105,22 @@ impl HoldOutArgs {
         names.retain(|name| seen.insert(name.clone()));
         names
     }
+}
+
+/// The cameras that a file names, one a line; empty lines count for nothing.
+pub(crate) fn only_cameras(capture: &Capture, file: &Path) -> Result<Capture, Error> {
+    let text = std::fs::read_to_string(file).map_err(|error| Error::io(file, error))?;
+    let names: HashSet<&str> = text.lines().map(str::trim).filter(|name| !name.is_empty()).collect();
+    let known: HashSet<&str> = capture.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    if let Some(unknown) = text.lines().map(str::trim).find(|name| !name.is_empty() && !known.contains(name))
+    {
+        let what = format!("'{}' has no camera '{unknown}'", capture.name);
+        return Err(Error::invalid(file.display(), what));
+    }
+    if names.is_empty() {
+        return Err(Error::invalid(file.display(), "names no camera; write one a line"));
+    }
+    Ok(capture.with_cameras(|_, camera| names.contains(camera.name.as_str())))
 }
 
 #[cfg(test)]

@@ -25,8 +25,8 @@ pub(crate) use results::{Journal, recorded, sweep_table, write_results};
 pub(crate) use score_table::{class_line, comparison_table, painter_line, picture_table, view_table};
 pub(crate) use size_table::Sizes;
 pub(crate) use study::{
-    PAGE, SavedPicture, StressDocument, SweepDocument, command, save_picture, version, write_error_map,
-    write_page,
+    PAGE, SavedPicture, StressDocument, SweepDocument, ViewsDocument, command, save_picture, version,
+    write_error_map, write_page,
 };
 pub(crate) use text::{
     bytes, count, count_of, number, percent, print, print_error, print_json, print_parts, warn, without_depth,

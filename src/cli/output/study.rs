@@ -1,4 +1,4 @@
-//! What sweeps and stress tests leave in a folder, and the page that is made of it.
+//! What sweeps, stress tests and choices of views leave in a folder, and the page that is made of it.
 
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,7 @@ use crate::evaluate::report::{self, CaptureResults, Figure};
 use crate::evaluate::stress::{BreakingPoint, StressPoint};
 use crate::evaluate::sweep::Point;
 use crate::evaluate::trial::ShownView;
+use crate::evaluate::tune::ChosenViews;
 use crate::render::Picture;
 use crate::whole_file;
 
@@ -48,6 +49,20 @@ pub(crate) struct StressDocument {
     pub(crate) failures: Vec<BreakingPoint>,
     /// The first method at the breaking point of each disturbance, as pictures in the same folder.
     pub(crate) breaking: Vec<SavedPicture>,
+}
+
+/// The fewest views of one capture that show everything.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct ViewsDocument {
+    pub(crate) capture: String,
+    /// In words.
+    pub(crate) truth: String,
+    /// What was typed.
+    pub(crate) command: String,
+    /// Of the program.
+    pub(crate) version: String,
+    #[serde(flatten)]
+    pub(crate) chosen: ChosenViews,
 }
 
 /// A picture in the folder of its document.
@@ -130,7 +145,7 @@ pub(crate) fn write_page(folders: &[PathBuf], out: &Path) -> Result<usize> {
         if captures.len() == before {
             return Err(Error::invalid(
                 folder.display(),
-                "holds no sweep.json and no stress.json, nor does a folder in it; write them with 'overlook sweep' or 'overlook stress'",
+                "holds no sweep.json, stress.json or views.json, nor does a folder in it; write them with 'overlook sweep', 'overlook stress' or 'overlook tune --fewest-views'",
             ));
         }
     }
@@ -147,11 +162,12 @@ fn subfolders(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(folders)
 }
 
-/// What a folder holds; `None` if neither a sweep nor a stress test.
+/// What a folder holds; `None` if neither a sweep nor a stress test nor chosen views.
 fn results_in(folder: &Path) -> Result<Option<CaptureResults>> {
     let sweep: Option<SweepDocument> = document(&folder.join("sweep.json"))?;
     let stress: Option<StressDocument> = document(&folder.join("stress.json"))?;
-    if sweep.is_none() && stress.is_none() {
+    let views: Option<ViewsDocument> = document(&folder.join("views.json"))?;
+    if sweep.is_none() && stress.is_none() && views.is_none() {
         return Ok(None);
     }
     let mut results = CaptureResults::default();
@@ -169,6 +185,14 @@ fn results_in(folder: &Path) -> Result<Option<CaptureResults>> {
         }
         results.commands.push(stress.command);
         results.versions.push(stress.version);
+    }
+    if let Some(views) = views {
+        results.views = Some(views.chosen);
+        if results.name.is_empty() {
+            (results.name, results.truth) = (views.capture, views.truth);
+        }
+        results.commands.push(views.command);
+        results.versions.push(views.version);
     }
     Ok(Some(results))
 }

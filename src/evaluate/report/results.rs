@@ -2,6 +2,7 @@
 
 use crate::evaluate::stress::{BreakingPoint, StressPoint};
 use crate::evaluate::sweep::Point;
+use crate::evaluate::tune::ChosenViews;
 
 /// What was measured on one capture.
 #[derive(Debug, Default)]
@@ -20,6 +21,8 @@ pub(crate) struct CaptureResults {
     pub(crate) stress: Vec<StressPoint>,
     /// Of the stress test.
     pub(crate) failures: Vec<BreakingPoint>,
+    /// The fewest views that show everything, where they were chosen.
+    pub(crate) views: Option<ChosenViews>,
     /// The worst views of the sweep's default.
     pub(crate) worst: Vec<Figure>,
     /// At the breaking points of the stress test.

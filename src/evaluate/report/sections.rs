@@ -9,6 +9,7 @@ use crate::evaluate::chart;
 use crate::evaluate::metrics::ClassScore;
 use crate::evaluate::stress::LOST_DB;
 use crate::evaluate::sweep::{Point, Series, mark_pareto_of_stores};
+use crate::evaluate::tune::{ChosenViews, ViewCount};
 use crate::plural::{counted, either};
 
 /// Settings that a table of one capture shows besides rivals and baselines, the most accurate first.
@@ -69,6 +70,9 @@ pub(super) fn capture(results: &CaptureResults, id: &str) -> String {
     }
     if !results.stress.is_empty() {
         html += &stress(results);
+    }
+    if let Some(chosen) = &results.views {
+        html += &views(&results.name, chosen);
     }
     html + "</section>\n"
 }
@@ -215,6 +219,26 @@ fn stress(results: &CaptureResults) -> String {
         for breaking in &results.breaking {
             html += &figure(breaking);
         }
+    }
+    html
+}
+
+/// The fewest views that show everything.
+fn views(name: &str, chosen: &ChosenViews) -> String {
+    let mut html = String::from("<h3>The fewest views</h3>\n");
+    html += &embedded(&chart::views(name, chosen).svg());
+    let _ = writeln!(html, "<p>{}</p>", escaped(&chosen.words.join(" ")));
+    let cells = |count: &ViewCount| {
+        vec![
+            count.views.to_string(),
+            format!("{:.1} %", 100.0 * count.shown),
+            format!("{:.2} ± {:.2}", count.psnr_filled_db, count.psnr_filled_db_se),
+            format!("{:.2}", count.bytes as f64 / f64::from(1 << 20)),
+        ]
+    };
+    if !chosen.accuracy.is_empty() {
+        let rows: Vec<_> = chosen.accuracy.iter().map(cells).collect();
+        html += &table(&["views", "shown", "dB", "MiB"], &rows);
     }
     html
 }

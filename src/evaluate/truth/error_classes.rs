@@ -82,6 +82,11 @@ pub(crate) fn seen_at(capture: &Capture, frame: usize) -> Result<Vec<RecordedVie
 /// Whether a camera's depth agrees with a point in the world.
 fn sees(RecordedView { camera, frame }: &RecordedView, point_in_world: glam::DVec3) -> bool {
     let Some((position, depth)) = camera.project(point_in_world) else { return false };
+    is_surface_at(frame, position, depth)
+}
+
+/// Whether a picture has a surface of this depth at an image position, or one pixel beside it.
+pub(crate) fn is_surface_at(frame: &Frame, position: DVec2, depth: f64) -> bool {
     let (width, height) = frame.size();
     if position.x < 0.0 || position.y < 0.0 || position.x >= width as f64 || position.y >= height as f64 {
         return false;

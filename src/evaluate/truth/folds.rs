@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::error_classes::class_map;
 use super::hold_out;
-use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthView};
+use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthLoader, TruthView};
 use crate::error::{Error, Result};
 use crate::evaluate::metrics::ClassMap;
 use crate::evaluate::scoring::{nothing_to_compare, unknown_truth_warning, vantage_order, with_truth};
@@ -196,6 +196,50 @@ fn mask_unseen(truth: &mut Frame, camera: &Camera, camera_views: &[CameraView]) 
     });
 }
 
+/// Views masked to what the cameras of a capture saw, as in a [`Fold`], with the picture of one camera at a time in memory. Views of which
+/// nothing is left are dropped.
+///
+/// # Errors
+/// Those of loading frames and truth; `Cancelled`.
+pub(crate) fn masked_one_by_one(
+    capture: &Capture,
+    views: Vec<TruthView>,
+    job: &Job,
+) -> Result<Vec<TruthView>> {
+    let recorded = Recorded::undisturbed(capture);
+    let mask = |view: TruthView| {
+        let (Some(load), Some(frame)) = (&view.truth, capture.frame_index(view.frame_number)) else {
+            return Ok(None);
+        };
+        let mut truth = load()?;
+        let width = truth.size().0;
+        let depths = &mut truth.inverse_depth;
+        if depths.as_slice().iter().any(|inverse_depth| *inverse_depth > 0.0) {
+            let mut unseen: Vec<usize> = (0..depths.as_slice().len()).collect();
+            for camera in 0..capture.cameras.len() {
+                job.check()?;
+                let seen = CameraView::new(&recorded, camera, frame)?;
+                unseen.retain(|&pixel| {
+                    let center = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+                    !seen.sees(&view.camera, center, depths.as_slice()[pixel])
+                });
+            }
+            for pixel in unseen {
+                depths.as_mut_slice()[pixel] = INVALID_INVERSE_DEPTH;
+            }
+        }
+        job.advance(1);
+        let is_known = depths.as_slice().iter().any(|inverse_depth| *inverse_depth >= 0.0);
+        let truth = Arc::new(truth);
+        let truth = Some(Arc::new(move || Ok((*truth).clone())) as TruthLoader);
+        Ok(is_known.then_some(TruthView { truth, ..view }))
+    };
+    let masked: Vec<Option<TruthView>> = views.into_par_iter().map(mask).collect::<Result<_>>()?;
+    let masked: Vec<TruthView> = masked.into_iter().flatten().collect();
+    let order = vantage_order(&masked.iter().collect::<Vec<_>>());
+    Ok(order.into_iter().map(|index| masked[index].clone()).collect())
+}
+
 /// What one camera saw at one frame.
 struct CameraView {
     camera: Camera,
@@ -299,6 +343,19 @@ mod tests {
             panic!("a view that shows nothing passed for truth")
         };
         assert!(error.to_string().contains("no view has a true picture"), "{error}");
+    }
+
+    #[test]
+    fn views_masked_with_one_picture_in_memory_are_those_of_a_fold() {
+        let (capture, views) = demo_of_two();
+        let folds = Truth::Views(views.clone()).folds(&Recorded::undisturbed(&capture), &Job::new()).unwrap();
+        let masked = masked_one_by_one(&capture, views, &Job::new()).unwrap();
+        assert_eq!(masked.len(), folds[0].views.len());
+        for (one_by_one, of_fold) in masked.iter().zip(&folds[0].views) {
+            assert_eq!(one_by_one.file_path, of_fold.file_path);
+            let truths = [one_by_one, of_fold].map(|view| view.truth.as_ref().unwrap()().unwrap());
+            assert_eq!(truths[0], truths[1]);
+        }
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub(crate) fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, 
 }
 
 /// At most `count` of `total` indices, evenly spaced, the first among them.
-pub(super) fn evenly_spaced(total: usize, count: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn evenly_spaced(total: usize, count: usize) -> impl Iterator<Item = usize> {
     let count = count.min(total);
     (0..count).map(move |step| step * total / count)
 }

@@ -7,15 +7,19 @@
 //! ```text
 //! every variation of one setting ─▶ best ─▶ good enough by paired differences ─▶ combine what saves bytes ─▶ cheaper kernel ─▶ cameras
 //! ```
+//!
+//! Apart from that, [`choose_views`] chooses the fewest views that show everything.
 
 mod cameras;
 mod choice;
 mod plan;
 mod search;
+mod views;
 mod whole;
 mod words;
 
 pub use plan::{AT_MOST_DB, CameraCost, TuneBudget, TunePlan, Tuned};
+pub use views::{AddedView, ChosenViews, SHOWN_AT_LEAST, ViewCount, choose_views};
 
 use super::sweep::Point;
 use super::truth::Truth;

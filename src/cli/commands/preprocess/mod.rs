@@ -37,6 +37,9 @@ pub(crate) struct PreprocessArgs {
     settings: SettingsArgs,
     #[command(flatten)]
     held_out: HoldOutArgs,
+    /// Use only the cameras that this file names, one a line, as `overlook tune --fewest-views` writes it.
+    #[arg(long, value_name = "FILE")]
+    only: Option<PathBuf>,
     /// Read at most this many views: those that together show the most [default: as the settings say].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     views: Option<u32>,
@@ -188,7 +191,10 @@ impl PreprocessArgs {
     }
 
     fn open(&self, settings: &CaptureSettings) -> Result<Capture> {
-        let capture = capture::open(&self.capture, settings)?;
+        let mut capture = capture::open(&self.capture, settings)?;
+        if let Some(file) = &self.only {
+            capture = input::only_cameras(&capture, file)?;
+        }
         let held_out = self.held_out.names();
         if held_out.is_empty() { Ok(capture) } else { Ok(truth::split(&capture, &held_out)?.0) }
     }

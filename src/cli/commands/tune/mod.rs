@@ -1,5 +1,7 @@
 //! `overlook tune`: no more model than the scene needs.
 
+mod views;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -20,8 +22,16 @@ pub(crate) struct TuneArgs {
     #[command(flatten)]
     truth: TruthArgs,
     /// The settings that were found, as TOML for --settings.
-    #[arg(long, value_name = "S.toml")]
-    out: PathBuf,
+    #[arg(long, value_name = "S.toml", required_unless_present = "fewest_views")]
+    out: Option<PathBuf>,
+    /// Choose the fewest views that show everything, by what each adds, instead of settings. The folder gets their names in views.txt
+    /// (for `overlook preprocess --only`), the curve of coverage and accuracy against their number in views.json, views.csv and
+    /// views.png, and report.html. Where no true pictures are known, accuracy is measured at views that were not chosen.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "max_bytes", "max_ms", "at_most", "all_cameras", "journal", "part", "join"])]
+    fewest_views: Option<PathBuf>,
+    /// How much of what all views saw the chosen ones show [default: 99].
+    #[arg(long = "show", value_name = "PERCENT", value_parser = parse_percent)]
+    show_percent: Option<f64>,
     /// Take the most accurate setting whose store of the whole capture has at most so many bytes, instead of the simplest good
     /// enough.
     #[arg(long, value_name = "BYTES", conflicts_with = "max_ms", value_parser = clap::value_parser!(u64).range(1..))]
@@ -51,14 +61,20 @@ pub(crate) struct TuneArgs {
 impl TuneArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
-        output::check_file(&self.out, "tuned.toml")?;
-        output::refuse_store(&self.out)?;
-        self.settings.refuse_inputs(&self.out)?;
+        let Some(out) = &self.out else { return self.run_views(&settings) };
+        if self.show_percent.is_some() {
+            return Err(CommandError::Usage(
+                "--show says what --fewest-views looks for; give that too".to_owned(),
+            ));
+        }
+        output::check_file(out, "tuned.toml")?;
+        output::refuse_store(out)?;
+        self.settings.refuse_inputs(out)?;
         if let Some(journal) = &self.journal {
             output::check_folder(journal)?;
         }
         let opened = input::open_capture(&self.capture, &settings.capture)?;
-        output::refuse_capture_files(&self.capture, self.truth.views.as_deref(), &self.out)?;
+        output::refuse_capture_files(&self.capture, self.truth.views.as_deref(), out)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         let part_files = self.part_files(&settings, &opened, &truth)?;
         let journal = match &self.journal {
@@ -87,7 +103,7 @@ impl TuneArgs {
         let tuned =
             output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
-        let written = whole_file::write_all(&self.out, head + &tuned.settings.to_toml());
+        let written = whole_file::write_all(out, head + &tuned.settings.to_toml());
         // Results of hours of work are printed even if the file cannot be written.
         if self.json {
             output::print_json(&tuned)?;
@@ -95,11 +111,19 @@ impl TuneArgs {
             output::print(&format!("{}\nCameras: {}", tuned.words.join("\n"), tuned.cameras.join(", ")))?;
         }
         written?;
-        if self.json { Ok(()) } else { output::print(&format!("Wrote {}", self.out.display())) }
+        if self.json { Ok(()) } else { output::print(&format!("Wrote {}", out.display())) }
     }
 }
 
 impl TuneArgs {
+    fn run_views(&self, settings: &Settings) -> Result<(), CommandError> {
+        let Some(folder) = &self.fewest_views else { return Ok(()) };
+        output::check_folder(folder)?;
+        let opened = input::open_capture(&self.capture, &settings.capture)?;
+        let (capture, truth) = self.truth.open(&self.capture, &opened)?;
+        self.choose_views(folder, settings, (&capture, &truth))
+    }
+
     /// The parts of what every search begins with, where the work is cut.
     fn part_files(
         &self,
@@ -140,6 +164,11 @@ impl TuneArgs {
 fn parse_decibels(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
     number.ok_or_else(|| "write a number of dB, 0 or more, as in 0.1".to_owned())
+}
+
+fn parse_percent(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && *number <= 100.0);
+    number.ok_or_else(|| "write a share in percent, above 0 and up to 100, as in 99.5".to_owned())
 }
 
 fn parse_milliseconds(text: &str) -> Result<f64, String> {

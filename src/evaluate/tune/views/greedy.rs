@@ -1,0 +1,179 @@
+//! Views in the order of what each shows that those before it do not.
+//!
+//! Purpose: the fewest views that show everything cannot be found in reasonable time. Taking one after the other by what it adds needs
+//! more by a factor that hardly grows; of those taken, some are needless once all others are there, and are dropped again.
+//!
+//! Source: V. Chvátal, *A Greedy Heuristic for the Set-Covering Problem*, 1979; what a view adds never grows, so that most need not be
+//! looked at again: M. Minoux, *Accelerated Greedy Algorithms for Maximizing Submodular Set Functions*, 1978. What differs: each surface
+//! counts once, however many views saw it. A point weighs the less the more views show it, since as many have a point of it.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::visibility::{ShownOf, ShownPoints, all_bits, common_bits};
+
+/// What a point weighs that a single view shows: a multiple of all numbers to 16, so that sums are whole and the same in any order.
+const WEIGHT: u64 = 720_720;
+
+/// A view, and what it adds to those before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Addition {
+    pub(super) view: usize,
+    /// Of [`Coverage::total`].
+    pub(super) added: u64,
+}
+
+/// What all views show.
+pub(super) struct Coverage {
+    shown: Vec<ShownPoints>,
+    /// Of every point of every view.
+    weights: Vec<Vec<u64>>,
+    /// Of all points together.
+    pub(super) total: u64,
+}
+
+impl Coverage {
+    /// What `shown` comes to, where views have `counts` points.
+    pub(super) fn new(shown: Vec<ShownPoints>, counts: &[usize]) -> Self {
+        let mut weights: Vec<Vec<u64>> = counts.iter().map(|count| vec![0; *count]).collect();
+        for of in shown.iter().flatten() {
+            common_bits(&of.bits, &of.bits).for_each(|nth| weights[of.seen][nth] += 1);
+        }
+        // Each point is shown at least by the view that saw it.
+        weights.iter_mut().flatten().for_each(|views| *views = WEIGHT / (*views).max(1));
+        Self { total: weights.iter().flatten().sum(), weights, shown }
+    }
+
+    /// All views that add anything, in order. The first of them show the `goal` of [`Coverage::total`], and none of these is needless.
+    /// Gives how many.
+    pub(super) fn order(&self, goal: u64) -> (Vec<Addition>, usize) {
+        let mut missing = self.all_points();
+        let mut found = self.by_what_each_adds(0..self.shown.len(), &mut missing, goal);
+        let mut needed = self.without_needless(found.iter().map(|addition| addition.view).collect(), goal);
+        needed.sort_unstable();
+        missing = self.all_points();
+        found = self.by_what_each_adds(needed.iter().copied(), &mut missing, self.total);
+        let count = found.len();
+        let others = (0..self.shown.len()).filter(|view| needed.binary_search(view).is_err());
+        found.extend(self.by_what_each_adds(others, &mut missing, self.total));
+        (found, count)
+    }
+
+    fn all_points(&self) -> Vec<Vec<u64>> {
+        self.weights.iter().map(|weights| all_bits(weights.len())).collect()
+    }
+
+    /// What a view shows of some points.
+    fn shows_of(&self, view: usize, points: &[Vec<u64>]) -> u64 {
+        let of = |of: &ShownOf| -> u64 {
+            common_bits(&of.bits, &points[of.seen]).map(|nth| self.weights[of.seen][nth]).sum()
+        };
+        self.shown[view].iter().map(of).sum()
+    }
+
+    /// Takes views out of some by what each adds, of equals the first, until they have added the `goal` or nothing is left to add.
+    fn by_what_each_adds(
+        &self,
+        views: impl Iterator<Item = usize>,
+        missing: &mut [Vec<u64>],
+        goal: u64,
+    ) -> Vec<Addition> {
+        let mut at_most: BinaryHeap<(u64, Reverse<usize>)> =
+            views.map(|view| (self.shows_of(view, missing), Reverse(view))).collect();
+        let (mut order, mut sum) = (Vec::new(), 0);
+        while let Some((_, Reverse(view))) = at_most.pop().filter(|_| sum < goal) {
+            let now = (self.shows_of(view, missing), Reverse(view));
+            if at_most.peek().is_some_and(|next| *next > now) {
+                at_most.push(now);
+                continue;
+            }
+            if now.0 == 0 {
+                break;
+            }
+            for of in &self.shown[view] {
+                missing[of.seen].iter_mut().zip(&of.bits).for_each(|(missing, shown)| *missing &= !shown);
+            }
+            sum += now.0;
+            order.push(Addition { view, added: now.0 });
+        }
+        order
+    }
+
+    /// Those of some views that show the goal together, without such as it is reached without; first those go that alone show the least.
+    fn without_needless(&self, mut views: Vec<usize>, goal: u64) -> Vec<usize> {
+        let mut shown_by: Vec<Vec<u32>> = self.weights.iter().map(|weights| vec![0; weights.len()]).collect();
+        for of in views.iter().flat_map(|view| &self.shown[*view]) {
+            common_bits(&of.bits, &of.bits).for_each(|nth| shown_by[of.seen][nth] += 1);
+        }
+        let alone = |view: usize, shown_by: &[Vec<u32>]| -> u64 {
+            let of = |of: &ShownOf| -> u64 {
+                let points = common_bits(&of.bits, &of.bits).filter(|nth| shown_by[of.seen][*nth] == 1);
+                points.map(|nth| self.weights[of.seen][nth]).sum()
+            };
+            self.shown[view].iter().map(of).sum()
+        };
+        let all = shown_by.iter().flatten().zip(self.weights.iter().flatten());
+        let mut sum: u64 = all.filter(|(views, _)| **views > 0).map(|(_, weight)| weight).sum();
+        let mut least_first: Vec<(u64, usize)> =
+            views.iter().map(|view| (alone(*view, &shown_by), *view)).collect();
+        least_first.sort_unstable();
+        for (_, view) in least_first {
+            let lost = alone(view, &shown_by);
+            if sum - lost >= goal {
+                sum -= lost;
+                for of in &self.shown[view] {
+                    common_bits(&of.bits, &of.bits).for_each(|nth| shown_by[of.seen][nth] -= 1);
+                }
+                views.retain(|other| *other != view);
+            }
+        }
+        views
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Views that show some of the points of one view that has six, given as bits.
+    fn of_six(bits: &[u64]) -> Coverage {
+        let views = bits.iter().map(|bits| vec![ShownOf { seen: 0, bits: vec![*bits] }]).collect();
+        Coverage::new(views, &[6])
+    }
+
+    fn views((order, needed): &(Vec<Addition>, usize)) -> (Vec<usize>, usize) {
+        (order.iter().map(|addition| addition.view).collect(), *needed)
+    }
+
+    #[test]
+    fn the_view_that_adds_most_comes_first_and_one_that_adds_nothing_does_not_come() {
+        let all = of_six(&[0b00_0011, 0b11_1100, 0b01_1000, 0b00_0110]);
+        let found = all.order(all.total);
+        assert_eq!(views(&found), (vec![1, 0], 2));
+        assert_eq!(found.0.iter().map(|addition| addition.added).sum::<u64>(), all.total);
+        assert!(found.0[0].added > found.0[1].added);
+        assert_eq!(views(&all.order(all.total / 2)).1, 1, "as many as are asked for, and then the others");
+        assert_eq!(views(&all.order(all.total / 2)).0.len(), 2);
+    }
+
+    #[test]
+    fn a_view_is_dropped_again_that_others_made_needless() {
+        // The first shows the most, but the others are needed for the rest, and show what it shows as well.
+        let all = of_six(&[0b01_1110, 0b00_0111, 0b11_1000]);
+        assert_eq!(views(&all.order(all.total)), (vec![1, 2], 2));
+    }
+
+    #[test]
+    fn of_equal_views_the_first_is_taken_and_a_surface_that_many_saw_counts_once() {
+        let twins = of_six(&[0b11_1111, 0b11_1111, 0b11_1111]);
+        assert_eq!(twins.order(twins.total).0, [Addition { view: 0, added: twins.total }]);
+        // Three views saw the first point and have one of it each; a fourth saw two points that no other did.
+        let shown = (0..3).map(|_| (0..3).map(|seen| ShownOf { seen, bits: vec![1] }).collect());
+        let shown: Vec<ShownPoints> = shown.chain([vec![ShownOf { seen: 3, bits: vec![0b11] }]]).collect();
+        let all = Coverage::new(shown, &[1, 1, 1, 2]);
+        assert_eq!(
+            all.order(all.total).0,
+            [Addition { view: 3, added: 2 * WEIGHT }, Addition { view: 0, added: WEIGHT }]
+        );
+    }
+}
