@@ -34,6 +34,8 @@ pub(crate) enum Purpose {
     LoadPath,
     /// Read pictures that another program made.
     OpenPictures,
+    /// Watch a folder that other machines write parts to.
+    FollowParts,
 }
 
 impl Purpose {
@@ -41,7 +43,12 @@ impl Purpose {
     pub(crate) fn writes(self) -> bool {
         !matches!(
             self,
-            Self::OpenFile | Self::OpenFolder | Self::LoadSettings | Self::LoadPath | Self::OpenPictures
+            Self::OpenFile
+                | Self::OpenFolder
+                | Self::LoadSettings
+                | Self::LoadPath
+                | Self::OpenPictures
+                | Self::FollowParts
         )
     }
 
@@ -50,6 +57,7 @@ impl Purpose {
         match self {
             Self::OpenFile | Self::OpenFolder => "Open",
             Self::ExportPictures | Self::ExportExr | Self::ExportFilm => "Export",
+            Self::FollowParts => "Follow parts",
             _ => "File",
         }
     }
@@ -70,6 +78,7 @@ impl Purpose {
             Self::SavePath => "Save the camera path",
             Self::LoadPath => "Open a camera path",
             Self::OpenPictures => "Open pictures of another program",
+            Self::FollowParts => "Follow work in parts",
             Self::ExportFilm => "Export a video",
         }
     }
@@ -90,6 +99,7 @@ impl Purpose {
             Self::SavePath => "Save camera path to path…",
             Self::LoadPath => "Open camera path from path…",
             Self::OpenPictures => "Open pictures from path…",
+            Self::FollowParts => "Follow parts at path…",
         }
     }
 }

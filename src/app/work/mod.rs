@@ -5,6 +5,7 @@
 //! ```
 
 mod accuracy;
+mod arriving;
 mod compare;
 mod compare_place;
 mod develop;
@@ -24,6 +25,7 @@ mod study;
 mod worker;
 mod workers;
 
+pub(crate) use arriving::FollowRequest;
 pub(crate) use files::with_ending;
 pub(crate) use requests::{ExportRequest, FileRequest, OpenRequest, StudyRequest};
 pub(crate) use scheduler::Scheduler;
