@@ -1,19 +1,23 @@
 //! Preprocesses a static scene that a moving camera recorded, and tells what that took: how time and memory grow with the number of
 //! views. The camera walks along a wall, so that each view overlaps with a bounded number of others however many there are, or around
-//! a table, so that all overlap. Pictures are computed on demand.
+//! a table, so that all overlap. Pictures are computed on demand. Or a recording of one place is repeated as if there were many such
+//! places beside each other, each of its poses off by a little more.
 //!
 //! ```sh
 //! cargo run --release --example many_views -- walk 1000 640x480
+//! cargo run --release --example many_views -- path/to/recording 1000
 //! cargo run --release --example many_views -- around 64 320x240 noisy --set capture.cache=64
 //! ```
 
 use std::error::Error;
+use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use half::f16;
-use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics};
+use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, open};
 use overlook::grid::Grid;
 use overlook::job::Job;
 use overlook::preprocess::preprocess_buffered;
@@ -124,6 +128,71 @@ impl FrameSource for Walk {
     }
 }
 
+/// The pictures of a recording, again and again.
+struct Repeated(Capture);
+
+impl FrameSource for Repeated {
+    fn load(&self, camera: usize, _frame: usize) -> overlook::error::Result<Frame> {
+        Ok(Frame::clone(&*self.0.frame(camera % self.0.cameras.len(), 0)?))
+    }
+
+    fn place(&self, camera: usize, _frame: usize) -> String {
+        format!("view {camera}")
+    }
+}
+
+/// How far repetitions of a recording lie apart: nothing of one is seen from another.
+const PLACE_APART: f64 = 1000.0;
+/// By how much poses of a repetition are off at most: radians, and the capture's unit.
+const JITTER: (f64, f64) = (1e-3, 2e-3);
+
+/// So many views of a recording that is repeated.
+fn repeated(folder: &Path, views: usize) -> Result<CaptureParts, Box<dyn Error>> {
+    let recording = open(folder, &Settings::default().capture)?;
+    let camera = |index: usize| {
+        let (nth, again) = (index % recording.cameras.len(), index / recording.cameras.len());
+        let draw = |nth: u64| 2.0 * mixed(index as u64, nth, 7) - 1.0;
+        let turn = DVec3::new(draw(0), draw(1), draw(2)) * JITTER.0;
+        let shift = DVec3::new(draw(3), draw(4), draw(5)) * JITTER.1;
+        let jitter = DAffine3::from_rotation_translation(DQuat::from_scaled_axis(turn), shift);
+        let mut camera = recording.cameras[nth].clone();
+        if again > 0 {
+            camera.world_from_camera = DAffine3::from_translation(DVec3::X * PLACE_APART * again as f64)
+                * camera.world_from_camera
+                * jitter;
+        }
+        camera.name = format!("{} ({again})", camera.name);
+        camera
+    };
+    Ok(CaptureParts {
+        cameras: (0..views).map(camera).collect(),
+        frame_numbers: vec![0],
+        source: Arc::new(Repeated(recording.clone())),
+        ..(*recording).clone()
+    })
+}
+
+/// Memory in use, MiB.
+fn used_mib() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let used = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap_or("");
+    used.split_whitespace().next().and_then(|text| text.parse::<u64>().ok()).unwrap_or(0) >> 10
+}
+
+/// The most memory that each stage of the work uses, by looking again and again until the work is done.
+fn watch(job: &Job, is_done: &AtomicBool) -> Vec<(String, u64)> {
+    let mut stages: Vec<(String, u64)> = Vec::new();
+    while !is_done.load(Ordering::Relaxed) {
+        let (stage, used) = (job.progress().stage, used_mib());
+        match stages.last_mut().filter(|(last, _)| *last == stage) {
+            Some((_, most)) => *most = used.max(*most),
+            None => stages.push((stage, used)),
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    stages
+}
+
 /// A number that tells kept samples from others.
 fn hash(of: u64, image: &SampleImage) -> u64 {
     let mixed = |hash: u64, next: u64| (hash ^ next).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
@@ -136,29 +205,42 @@ fn hash(of: u64, image: &SampleImage) -> u64 {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let usage = "give walk or around, the number of views, and WIDTHxHEIGHT; then noisy, and --set KEY=VALUE";
-    let [path, views, size, rest @ ..] = arguments.as_slice() else { return Err(usage.into()) };
-    let (width, height) = size.split_once('x').ok_or(usage)?;
-    let (views, size) = (views.parse()?, (width.parse()?, height.parse()?));
-    let is_noisy = rest.iter().any(|word| word == "noisy");
+    let usage = "give walk or around, the number of views, and WIDTHxHEIGHT, or a recording and the number of views; then noisy, and --set KEY=VALUE";
+    let [path, views, rest @ ..] = arguments.as_slice() else { return Err(usage.into()) };
+    let views: usize = views.parse()?;
     let mut settings = Settings::default();
     for assignment in rest.iter().filter(|word| word.contains('=')) {
         settings.set_text(assignment)?;
     }
-    let source = Walk::new(path == "around", views, size, is_noisy);
-    let parts = CaptureParts {
-        name: "walk".to_owned(),
-        cameras: source.cameras.clone(),
-        frame_numbers: vec![0],
-        up_in_world: DVec3::Z,
-        has_normals: false,
-        antialiased_color: false,
-        warnings: Vec::new(),
-        source: Arc::new(source),
+    let parts = if Path::new(path).exists() {
+        repeated(Path::new(path), views)?
+    } else {
+        let (width, height) = rest.first().and_then(|size| size.split_once('x')).ok_or(usage)?;
+        let is_noisy = rest.iter().any(|word| word == "noisy");
+        let source = Walk::new(path == "around", views, (width.parse()?, height.parse()?), is_noisy);
+        CaptureParts {
+            name: "walk".to_owned(),
+            cameras: source.cameras.clone(),
+            frame_numbers: vec![0],
+            up_in_world: DVec3::Z,
+            has_normals: false,
+            antialiased_color: false,
+            warnings: Vec::new(),
+            source: Arc::new(source),
+        }
     };
     let capture = Capture::new(parts, 16 << 20);
+    let (job, is_done) = (Job::new(), AtomicBool::new(false));
     let started = Instant::now();
-    let result = preprocess_buffered(&capture, &settings, &Job::new())?;
+    let (result, stages) = std::thread::scope(|threads| {
+        let watcher = std::thread::Builder::new()
+            .name("memory".to_owned())
+            .spawn_scoped(threads, || watch(&job, &is_done));
+        let result = preprocess_buffered(&capture, &settings, &job);
+        is_done.store(true, Ordering::Relaxed);
+        (result, watcher.ok().and_then(|watcher| watcher.join().ok()).unwrap_or_default())
+    });
+    let result = result?;
     let seconds = started.elapsed().as_secs_f64();
     let images = &result.images;
     let hash = (0..images.len())
@@ -175,5 +257,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         report.samples_doubtful,
         report.is_noisy(),
     );
+    for (stage, mib) in stages.iter().filter(|(stage, _)| !stage.is_empty()) {
+        println!("  {stage}: {mib} MiB");
+    }
     Ok(())
 }

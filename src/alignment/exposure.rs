@@ -70,7 +70,7 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
     };
     let readings: Vec<PairReadings> = problem.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
     let ratios: Vec<Ratio> = readings.iter().filter_map(|(pair, readings)| ratio(*pair, readings)).collect();
-    let mut corrections = solved(&ratios, problem.views.len());
+    let mut corrections = solved(&ratios, &problem.is_free);
     let spreads = spreads(&ratios, &readings);
     // All gains are applied; what is left is judged camera by camera beside them.
     let found: Vec<[f64; 3]> = corrections.iter().map(|correction| correction.log_gain).collect();
@@ -85,8 +85,12 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
     corrections
 }
 
-/// The gains that fit the ratios best, with their standard errors; nothing is judged yet.
-fn solved(ratios: &[Ratio], cameras: usize) -> Vec<GainCorrection> {
+/// The gains that fit the ratios best, with their standard errors; nothing is judged yet. The mean of those that stay is held, or of all
+/// where all are free.
+fn solved(ratios: &[Ratio], is_free: &[bool]) -> Vec<GainCorrection> {
+    let cameras = is_free.len();
+    let are_all_free = is_free.iter().all(|is_free| *is_free);
+    let held: Vec<usize> = (0..cameras).filter(|camera| are_all_free || !is_free[*camera]).collect();
     let none = GainCorrection {
         kept: false,
         log_gain: [0.0; 3],
@@ -99,7 +103,7 @@ fn solved(ratios: &[Ratio], cameras: usize) -> Vec<GainCorrection> {
         for Ratio { pair, difference, weight, .. } in ratios {
             equations.add_difference(*pair, difference[channel], weight[channel]);
         }
-        hold_mean(&mut equations);
+        hold_mean(&mut equations, &held);
         let Some(factor) = equations.factor() else { continue };
         for (camera, gain) in factor.solve(&equations.right).into_iter().enumerate() {
             corrections[camera].log_gain[channel] = gain;
@@ -142,14 +146,15 @@ fn spreads(ratios: &[Ratio], readings: &[PairReadings]) -> Vec<[f64; 3]> {
     readings.iter().map(of_pair).collect()
 }
 
-fn hold_mean(equations: &mut NormalEquations) {
+fn hold_mean(equations: &mut NormalEquations, held: &[usize]) {
     const WEIGHT: f64 = 1e3;
     const PULL: f64 = 1.0;
-    let size = equations.size();
-    for a in 0..size {
+    for a in 0..equations.size() {
         equations.add(a, a, PULL);
-        for b in 0..=a {
-            equations.add(a, b, WEIGHT / size as f64);
+    }
+    for (nth, &a) in held.iter().enumerate() {
+        for &b in &held[..=nth] {
+            equations.add(a, b, WEIGHT / held.len() as f64);
         }
     }
 }

@@ -10,6 +10,8 @@
 //! kept only where samples that took no part in finding it agree better by more than their standard error; a capture that is right
 //! keeps every bit. The color lens comes first, since it is the same for all cameras; depth is then carried into the pixels of color.
 //!
+//! Hundreds of cameras are aligned in groups of neighbors (`grouped.rs`), so that memory is bounded and time grows with their number.
+//!
 //! Of poses only those of cameras relative to each other are known: most cameras stay where they are. Of gains only ratios are
 //! known: the mean stays.
 
@@ -21,6 +23,8 @@ mod color_lens_search;
 mod color_lens_shares;
 mod corrected_frames;
 mod exposure;
+mod grouped;
+mod groups;
 mod judge;
 mod median;
 mod normal_equations;
@@ -34,6 +38,7 @@ mod residuals;
 mod shifted_frames;
 mod solver;
 mod surface_samples;
+mod together;
 mod view_alignment;
 mod view_corrections;
 
@@ -41,52 +46,24 @@ pub use capture_correction::CaptureCorrection;
 pub use report::{
     AlignedCamera, AlignedClock, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment,
 };
+pub use together::Aligned;
 pub use view_alignment::align_view;
 pub use view_corrections::{CameraCorrection, CorrectedViews, CrossValidation, Predictors, ViewCorrections};
-
-use glam::DMat3;
-use rayon::prelude::*;
 
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
-use clock::ClockCorrection;
 use color_lens_search::{LEAST_CAMERAS, LensCorrection};
-use corrected_frames::FrameCorrection;
-use exposure::kept_gain;
-use median::median;
-use overlaps::overlapping_pairs;
-use reference_view::ReferenceView;
-use residuals::Scale;
+use grouped::aligned_in_groups;
 use solver::Problem;
-use surface_samples::surface_samples;
+use together::{aligned_beside_lenses, problem};
 
-/// A capture without what was found wrong.
-#[derive(Clone, Debug)]
-pub struct Aligned {
-    /// The capture; the one that was given where nothing is corrected.
-    pub capture: Capture,
-    /// What was corrected; `None` where nothing is.
-    pub alignment: Option<Alignment>,
-    /// What makes the one of the other.
-    pub correction: CaptureCorrection,
-}
-
-impl Aligned {
-    /// The capture as it claims to be.
-    fn unchanged(capture: &Capture) -> Self {
-        Self { capture: capture.clone(), alignment: None, correction: CaptureCorrection::default() }
-    }
-}
-
-/// Samples of each camera, about; with many cameras fewer.
-const SAMPLES: usize = 2400;
-const FEWEST_SAMPLES: usize = 1000;
-/// Cameras up to which nothing is spared.
-const FEW_CAMERAS: usize = 9;
-/// Poses and exposures of more cameras are taken as they are: the unknowns of all of them are solved for at once.
+/// The unknowns of so many cameras are solved for at once, and so many pixels of theirs held; of more, one group after the other.
 const MOST_CAMERAS: usize = 400;
+const MOST_PIXELS: usize = 32 << 20;
+/// Cameras of a group, with large pictures and with small ones.
+const GROUP: [usize; 2] = [48, 96];
 
 /// Measures what is wrong with a capture, and mends what pays.
 ///
@@ -106,9 +83,15 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     };
     let seen = CaptureCorrection::of_lenses(&lenses).seen_through_lenses(capture);
     let is_lens_alone = AlignSettings { lens: Correction::Off, ..settings.clone() } == AlignSettings::OFF;
-    let found = if is_lens_alone || cameras > MOST_CAMERAS {
+    let found = if is_lens_alone {
         let looked = looked.filter(|_| !lenses.is_empty());
         looked.map(|looked| looked.through(&lenses, seen, job)).transpose()?
+    } else if let Some(most) = most_together(&seen) {
+        let looked = looked.map_or_else(|| LookedAt::new(&seen, job), Ok)?;
+        let typical_depth = 1.0 / looked.problem.scale.inverse_depth;
+        drop(looked);
+        let groups = groups::groups(&seen.cameras, typical_depth, most);
+        aligned_in_groups(&seen, (&groups, typical_depth), &lenses, settings, job)?
     } else {
         // What a lens was looked for in is what poses are solved for, where no lens changed it and no camera was left out.
         let known = looked.filter(|looked| lenses.is_empty() && looked.cameras.len() == cameras);
@@ -122,57 +105,12 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     Ok(found.unwrap_or_else(|| Aligned::unchanged(capture)))
 }
 
-/// Finds poses, exposures and clocks of a capture that is seen through its color lenses; `None` where there are none of these and
-/// nothing else pays.
-fn aligned_beside_lenses(
-    seen: &Capture,
-    mut problem: Problem,
-    lenses: &[LensCorrection],
-    settings: &AlignSettings,
-    job: &Job,
-) -> Result<Option<Aligned>> {
-    if problem.pairs.is_empty() && lenses.is_empty() {
-        return Ok(None);
-    }
-    let poses =
-        if settings.poses == Correction::Auto { poses::align_poses(&mut problem, job)? } else { Vec::new() };
-    let gains = if settings.exposure == Correction::Auto {
-        exposure::align_gains(&problem, &problem.finest_weighing())
-    } else {
-        Vec::new()
-    };
-    let clocks = if settings.clock == Correction::Auto {
-        clock::align_clocks(&problem, seen, job)?
-    } else {
-        Vec::new()
-    };
-    let is_kept = !lenses.is_empty()
-        || poses.iter().any(|pose| pose.kept)
-        || gains.iter().any(|gain| gain.kept)
-        || clocks.iter().any(ClockCorrection::shows);
-    if !is_kept {
-        return Ok(None);
-    }
-    let before = problem.pair_medians_as_claimed(&seen.cameras);
-    let of_camera = |camera: usize| {
-        let now = problem.views[camera].camera.world_from_camera.matrix3;
-        let then = seen.cameras[camera].world_from_camera.matrix3;
-        let log_gain = kept_gain(&gains, camera).map_or([0.0; 3], |gain| gain.log_gain);
-        FrameCorrection {
-            gain: log_gain.map(|log_gain| log_gain.exp() as f32),
-            normal_turn: if now == then { DMat3::IDENTITY } else { now * then.transpose() },
-        }
-    };
-    let alignment = Alignment::new((seen, &problem), lenses, &poses, (&gains, &clocks), before);
-    let is_shifted = clocks.iter().any(|clock| clock.shift != 0);
-    let correction = CaptureCorrection {
-        cameras: problem.views.iter().map(|view| view.camera.clone()).collect(),
-        frames: (0..seen.cameras.len()).map(of_camera).collect(),
-        late_frames: if is_shifted { clocks.iter().map(|clock| clock.shift).collect() } else { Vec::new() },
-        ..CaptureCorrection::of_lenses(lenses)
-    };
-    let capture = correction.applied_to_seen(seen);
-    Ok(Some(Aligned { capture, alignment: Some(alignment), correction }))
+/// How many cameras of a capture are aligned together at most; `None` where all are.
+fn most_together(capture: &Capture) -> Option<usize> {
+    let largest = capture.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).max();
+    let affordable = MOST_PIXELS / largest.unwrap_or(1).max(1);
+    let is_few = capture.cameras.len() <= affordable.clamp(GROUP[0], MOST_CAMERAS);
+    (!is_few).then(|| affordable.clamp(GROUP[0], GROUP[1]))
 }
 
 /// Cameras that tell a lens that all share, and their pixels; more are evenly chosen from, so that memory is bounded.
@@ -213,31 +151,6 @@ impl LookedAt {
         let correction = CaptureCorrection::of_lenses(lenses);
         Ok(Aligned { capture: seen, alignment: Some(alignment), correction })
     }
-}
-
-/// What is solved for. Without `pairs` those that overlap are compared.
-fn problem(capture: &Capture, pairs: Option<Vec<[usize; 2]>>, job: &Job) -> Result<Problem> {
-    let views = ReferenceView::all_of(capture, job)?;
-    let cameras = views.len();
-    let count = (SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_SAMPLES, SAMPLES);
-    let samples: Vec<_> = views.par_iter().map(|view| surface_samples(view, count)).collect();
-    let pairs = pairs.unwrap_or_else(|| overlapping_pairs(&views, &samples));
-    let mut depths: Vec<f64> = samples.iter().flatten().map(|sample| sample.inverse_depth).collect();
-    let mut focals: Vec<f64> = views.iter().map(|view| view.camera.intrinsics.fx).collect();
-    let scale = Scale {
-        inverse_depth: median(&mut depths).unwrap_or(1.0),
-        focal: median(&mut focals).unwrap_or(1.0),
-    };
-    Ok(Problem {
-        log_gains: vec![0.0; cameras],
-        moved: vec![[0.0; 6]; cameras],
-        is_free: vec![true; cameras],
-        color_alone: false,
-        views,
-        samples,
-        pairs,
-        scale,
-    })
 }
 
 #[cfg(test)]

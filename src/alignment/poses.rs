@@ -130,11 +130,15 @@ pub(crate) fn align_poses(problem: &mut Problem, job: &Job) -> Result<Vec<PoseCo
     if problem.pairs.is_empty() || problem.is_settled() {
         return Ok(none(problem));
     }
-    let start = problem.clone();
+    let before = (problem.log_gains.clone(), problem.moved.clone());
     let weighing = problem.solve(job)?;
-    hold_most(problem, &original);
+    // Where some stay, the others go by them.
+    if problem.is_free.iter().all(|is_free| *is_free) {
+        hold_most(problem, &original);
+    }
     let Some(factor) = problem.equations(&weighing).factor() else {
-        *problem = start;
+        problem.views.iter_mut().zip(original).for_each(|(view, camera)| view.camera = camera);
+        (problem.log_gains, problem.moved) = before;
         return Ok(none(problem));
     };
     let terms = problem.terms_per_sample(&weighing);

@@ -285,7 +285,7 @@ impl AlignedClock {
 }
 
 impl AlignedLens {
-    fn new(correction: &LensCorrection) -> Self {
+    pub(super) fn new(correction: &LensCorrection) -> Self {
         let LensCorrection { claimed, found, free, standard_errors, moved_px, judgment } = correction;
         let largest = |range: std::ops::Range<usize>| {
             let is_free = range.clone().all(|unknown| free.contains(&unknown));

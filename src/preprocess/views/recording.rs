@@ -23,13 +23,17 @@ pub(crate) struct Views<'a> {
     pub(crate) bound: usize,
 }
 
-/// The share of the memory setting that layers take.
+/// The share of the memory setting that layers take, and what is held of all views beside them.
 const SHARE: usize = 2;
+/// Bytes that are held of four pixels of every view: whether a sample is kept, and whether it is mixed.
+const OF_FOUR_PIXELS: usize = 5;
 
 impl<'a> Views<'a> {
     /// With layers in a share of the memory setting.
     pub(crate) fn new(capture: &'a Capture, scan: &'a TemporalScan, settings: &'a Settings) -> Self {
-        Self { capture, scan, settings, bound: ((settings.capture.cache as usize) << 20) / SHARE }
+        let pixels: usize = capture.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).sum();
+        let share = ((settings.capture.cache as usize) << 20) / SHARE;
+        Self { capture, scan, settings, bound: share.saturating_sub(OF_FOUR_PIXELS * pixels / 4) }
     }
 
     /// What each view saw, as a few boxes.

@@ -20,6 +20,12 @@ use crate::settings::MixedPixels;
 
 /// Views of which samples that wait are decided together.
 const SETTLED_TOGETHER: usize = 16;
+/// Samples that wait before some of them are decided, each with all its candidates: some 150 bytes.
+const MOST_WAITING: usize = 1 << 19;
+
+fn samples_of(waiting: &[Waiting]) -> usize {
+    waiting.iter().map(Waiting::len).sum()
+}
 
 /// What the steps of pruning share.
 pub(super) struct Pruning<'a> {
@@ -71,22 +77,34 @@ impl<'a> Pruning<'a> {
     pub(super) fn settle_all(&mut self) -> Result<()> {
         let mut waiting: Vec<Waiting> = Vec::new();
         waiting.resize_with(self.views.capture.cameras.len(), Waiting::default);
+        let mut most = MOST_WAITING;
         for group in self.groups.clone() {
             self.window.hold(&group.held, self.job)?;
             let settled = self.settle(&group.cameras, None)?;
             for (camera, waits) in settled {
                 waiting[camera] = waits;
             }
+            // Most of what waits does so for the group that comes next: it is decided before more of it piles up.
+            if samples_of(&waiting) > most {
+                self.go_on(&mut waiting)?;
+                most = MOST_WAITING.max(2 * samples_of(&waiting));
+            }
         }
-        while waiting.iter().any(|waiting| waiting.len() > 0) {
-            let pass = self.pass();
-            let may_go_on = |camera: &usize| waiting[*camera].may_go_on(&pass);
-            let cameras: Vec<usize> = (0..waiting.len()).filter(may_go_on).collect();
-            // As many at a time as verdicts fit into memory.
-            for cameras in cameras.chunks(SETTLED_TOGETHER) {
-                for (camera, waits) in self.settle(cameras, Some(&mut waiting))? {
-                    waiting[camera] = waits;
-                }
+        while samples_of(&waiting) > 0 {
+            self.go_on(&mut waiting)?;
+        }
+        Ok(())
+    }
+
+    /// Decides what waits for something that is decided by now.
+    fn go_on(&mut self, waiting: &mut Vec<Waiting>) -> Result<()> {
+        let pass = self.pass();
+        let may_go_on = |camera: &usize| waiting[*camera].may_go_on(&pass);
+        let cameras: Vec<usize> = (0..waiting.len()).filter(may_go_on).collect();
+        // As many at a time as verdicts fit into memory.
+        for cameras in cameras.chunks(SETTLED_TOGETHER) {
+            for (camera, waits) in self.settle(cameras, Some(waiting))? {
+                waiting[camera] = waits;
             }
         }
         Ok(())

@@ -1,0 +1,187 @@
+//! Alignment of hundreds of cameras, group by group, in memory that does not grow with their number.
+//!
+//! ```text
+//! cameras ─▶ groups of neighbors ─▶ each aligned, beside neighbors that are decided and stay ─▶ corrections of all cameras
+//! ```
+//!
+//! Purpose: the pictures of all cameras are looked at again and again, 15 bytes a pixel, and the work of solving for all poses at once
+//! grows with the cube of their number.
+//!
+//! Source: local bundle adjustment with cameras that stay (E. Mouragnon, M. Lhuillier, M. Dhome, F. Dekeyser, P. Sayd, *Real Time
+//! Localization and 3D Reconstruction*, CVPR 2006). What differs: all that is solved for is as without groups; the exposure of cameras
+//! that stay is the one that the others are brought to.
+
+use super::capture_correction::CaptureCorrection;
+use super::color_lens_search::LensCorrection;
+use super::corrected_frames::FrameCorrection;
+use super::groups::Group;
+use super::report::{AlignedCamera, AlignedLens, AlignedPair, Alignment};
+use super::together::{Aligned, aligned_beside_lenses, problem};
+use super::view_corrections::{CameraCorrection, ViewCorrections};
+use crate::capture::{Camera, Capture};
+use crate::error::Result;
+use crate::job::Job;
+use crate::settings::AlignSettings;
+
+/// What is known of all cameras while one group after the other is aligned.
+struct Decided {
+    correction: CaptureCorrection,
+    cameras: Vec<AlignedCamera>,
+    pairs: Vec<AlignedPair>,
+}
+
+impl Decided {
+    /// That all cameras are as they claim to be, but for their lenses.
+    fn nothing(seen: &Capture, lenses: &[LensCorrection]) -> Self {
+        let named = |camera: &Camera| AlignedCamera { name: camera.name.clone(), ..AlignedCamera::default() };
+        Self {
+            correction: CaptureCorrection {
+                cameras: seen.cameras.clone(),
+                frames: vec![FrameCorrection::NONE; seen.cameras.len()],
+                late_frames: vec![0; seen.cameras.len()],
+                ..CaptureCorrection::of_lenses(lenses)
+            },
+            cameras: seen.cameras.iter().map(named).collect(),
+            pairs: Vec::new(),
+        }
+    }
+
+    /// Takes over what was found of the new cameras of a group.
+    fn take(&mut self, group: &Group, held: &[usize], found: Aligned) {
+        let is_new = |camera: usize| group.new.binary_search(&camera).is_ok();
+        let CaptureCorrection { cameras, frames, late_frames, .. } = found.correction;
+        let alignment = found.alignment.unwrap_or_default();
+        for (nth, &camera) in held.iter().enumerate().filter(|(_, camera)| is_new(**camera)) {
+            self.correction.cameras[camera] = cameras[nth].clone();
+            self.correction.frames[camera] = frames[nth].clone();
+            self.correction.late_frames[camera] = late_frames.get(nth).copied().unwrap_or(0);
+            self.cameras[camera] = alignment.cameras[nth].clone();
+        }
+        let of_all = alignment.pairs.into_iter().map(|pair| AlignedPair {
+            source: held[pair.source],
+            target: held[pair.target],
+            ..pair
+        });
+        self.pairs.extend(of_all.filter(|pair| is_new(pair.source)));
+    }
+}
+
+/// Finds poses, exposures and clocks of a capture that is seen through its color lenses, as [`aligned_beside_lenses`] does of few cameras.
+pub(super) fn aligned_in_groups(
+    seen: &Capture,
+    (groups, typical_depth): (&[Group], f64),
+    lenses: &[LensCorrection],
+    settings: &AlignSettings,
+    job: &Job,
+) -> Result<Option<Aligned>> {
+    let mut decided = Decided::nothing(seen, lenses);
+    let mut so_far = seen.clone();
+    for group in groups {
+        let mut held = [group.new.as_slice(), group.decided.as_slice()].concat();
+        held.sort_unstable();
+        let part = so_far.with_cameras(|camera, _| held.binary_search(&camera).is_ok());
+        let mut problem = problem(&part, None, job)?;
+        problem.is_free = held.iter().map(|camera| group.new.binary_search(camera).is_ok()).collect();
+        if let Some(found) = aligned_beside_lenses(&part, problem, &[], settings, job)? {
+            decided.take(group, &held, found);
+            so_far = decided.correction.applied_to_seen(seen);
+        }
+    }
+    let Decided { mut correction, cameras, pairs } = decided;
+    if lenses.is_empty() && cameras.iter().all(|camera| camera.sentence().is_none()) {
+        return Ok(None);
+    }
+    if correction.late_frames.iter().all(|late| *late == 0) {
+        correction.late_frames = Vec::new();
+    }
+    let of_camera = |index: usize| {
+        let stops = cameras[index].exposure.as_ref().map_or([0.0; 3], |exposure| exposure.stops);
+        let log_gain = stops.map(|stops| stops * std::f64::consts::LN_2);
+        let [then, now] = [&seen.cameras[index], &correction.cameras[index]];
+        CameraCorrection::new(seen.picture_stem(index, 0), then, now, log_gain)
+    };
+    let views = ViewCorrections::new((0..cameras.len()).map(of_camera).collect(), typical_depth);
+    let lenses = lenses.iter().map(AlignedLens::new).collect();
+    let alignment = Alignment { cameras, lenses, pairs, views };
+    Ok(Some(Aligned { capture: so_far, alignment: Some(alignment), correction }))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{DAffine3, DQuat};
+    use half::f16;
+
+    use super::super::groups::groups;
+    use super::*;
+    use crate::capture::{CaptureParts, Frame, FrameSource};
+    use crate::demo::{Demo, DemoSpec};
+    use crate::settings::{CaptureSettings, Correction};
+
+    /// Cameras whose pictures are the brighter the later they come.
+    struct Brightening(Capture);
+
+    fn stops(camera: usize) -> f64 {
+        0.05 * camera as f64
+    }
+
+    impl FrameSource for Brightening {
+        fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+            let mut exposed = Frame::clone(&*self.0.frame(camera, frame)?);
+            let gain = (stops(camera) - stops(12)).exp2() as f32;
+            for color in exposed.color.as_mut_slice() {
+                *color = color.map(|value| f16::from_f32(f32::from(value) * gain));
+            }
+            Ok(exposed)
+        }
+
+        fn place(&self, camera: usize, frame: usize) -> String {
+            self.0.place(camera, frame)
+        }
+    }
+
+    #[test]
+    fn groups_agree_with_each_other_about_exposure_and_a_wrong_pose_in_one_is_found() {
+        const WRONG: usize = 13;
+        let demo = Demo::new(&DemoSpec::new("orrery").cameras(24).frames(1).size((160, 120))).unwrap();
+        let right = demo.capture(&CaptureSettings::default());
+        let parts = CaptureParts { source: Arc::new(Brightening(right.clone())), ..(*right).clone() };
+        let mut wrong = Capture::new(parts, 1 << 26);
+        let turn = DAffine3::from_quat(DQuat::from_rotation_y(0.5_f64.to_radians()));
+        wrong.cameras[WRONG].world_from_camera *= turn;
+        let settings =
+            AlignSettings { poses: Correction::Auto, exposure: Correction::Auto, ..AlignSettings::OFF };
+        let groups = groups(&wrong.cameras, 4.0, 12);
+        assert!(groups.len() > 1);
+        let found = aligned_in_groups(&wrong, (&groups, 4.0), &[], &settings, &Job::new()).unwrap().unwrap();
+        let alignment = found.alignment.unwrap();
+        let off: Vec<f64> = (0..24)
+            .map(|camera| {
+                let exposure = alignment.cameras[camera].exposure.as_ref();
+                stops(camera) + exposure.map_or(0.0, |exposure| exposure.stops[1])
+            })
+            .collect();
+        let [least, most] = [f64::min, f64::max].map(|of| off.iter().copied().reduce(of).unwrap());
+        println!("exposures that differed by {} stops differ by {:.3}", stops(23), most - least);
+        assert!(most - least < 0.06, "{off:?}");
+        for (camera, told) in alignment.cameras.iter().enumerate() {
+            assert_eq!(told.pose.is_some(), camera == WRONG, "{}", told.name);
+            let [now, then] = [&found.capture.cameras[camera], &right.cameras[camera]]
+                .map(|camera| DQuat::from_mat3(&camera.world_from_camera.matrix3));
+            assert!(now.angle_between(then).to_degrees() < 0.03, "{}", told.name);
+        }
+        assert!(alignment.pairs.iter().all(|pair| pair.source < 24 && pair.target < 24));
+    }
+
+    #[test]
+    fn a_capture_that_is_right_is_left_alone_in_groups_too() {
+        let demo = Demo::new(&DemoSpec::new("orrery").cameras(12).frames(1).size((120, 90))).unwrap();
+        let right = demo.capture(&CaptureSettings::default());
+        let settings =
+            AlignSettings { poses: Correction::Auto, exposure: Correction::Auto, ..AlignSettings::OFF };
+        let groups = groups(&right.cameras, 4.0, 6);
+        let found = aligned_in_groups(&right, (&groups, 4.0), &[], &settings, &Job::new()).unwrap();
+        assert!(found.is_none());
+    }
+}

@@ -1,0 +1,123 @@
+//! Cameras that are aligned together: poses, exposures and clocks, one after the other, of all of them at once.
+
+use glam::DMat3;
+use rayon::prelude::*;
+
+use super::capture_correction::CaptureCorrection;
+use super::clock::{self, ClockCorrection};
+use super::color_lens_search::LensCorrection;
+use super::corrected_frames::FrameCorrection;
+use super::exposure::{self, kept_gain};
+use super::median::median;
+use super::overlaps::overlapping_pairs;
+use super::poses;
+use super::reference_view::ReferenceView;
+use super::report::Alignment;
+use super::residuals::Scale;
+use super::solver::Problem;
+use super::surface_samples::surface_samples;
+use crate::capture::Capture;
+use crate::error::Result;
+use crate::job::Job;
+use crate::settings::{AlignSettings, Correction};
+
+/// A capture without what was found wrong.
+#[derive(Clone, Debug)]
+pub struct Aligned {
+    /// The capture; the one that was given where nothing is corrected.
+    pub capture: Capture,
+    /// What was corrected; `None` where nothing is.
+    pub alignment: Option<Alignment>,
+    /// What makes the one of the other.
+    pub correction: CaptureCorrection,
+}
+
+impl Aligned {
+    /// The capture as it claims to be.
+    pub(super) fn unchanged(capture: &Capture) -> Self {
+        Self { capture: capture.clone(), alignment: None, correction: CaptureCorrection::default() }
+    }
+}
+
+/// Samples of each camera, about; with many cameras fewer.
+const SAMPLES: usize = 2400;
+const FEWEST_SAMPLES: usize = 1000;
+/// Cameras up to which nothing is spared.
+const FEW_CAMERAS: usize = 9;
+/// Finds poses, exposures and clocks of a capture that is seen through its color lenses; `None` where there are none of these and
+/// nothing else pays.
+pub(super) fn aligned_beside_lenses(
+    seen: &Capture,
+    mut problem: Problem,
+    lenses: &[LensCorrection],
+    settings: &AlignSettings,
+    job: &Job,
+) -> Result<Option<Aligned>> {
+    if problem.pairs.is_empty() && lenses.is_empty() {
+        return Ok(None);
+    }
+    let poses =
+        if settings.poses == Correction::Auto { poses::align_poses(&mut problem, job)? } else { Vec::new() };
+    let gains = if settings.exposure == Correction::Auto {
+        exposure::align_gains(&problem, &problem.finest_weighing())
+    } else {
+        Vec::new()
+    };
+    let clocks = if settings.clock == Correction::Auto {
+        clock::align_clocks(&problem, seen, job)?
+    } else {
+        Vec::new()
+    };
+    let is_kept = !lenses.is_empty()
+        || poses.iter().any(|pose| pose.kept)
+        || gains.iter().any(|gain| gain.kept)
+        || clocks.iter().any(ClockCorrection::shows);
+    if !is_kept {
+        return Ok(None);
+    }
+    let before = problem.pair_medians_as_claimed(&seen.cameras);
+    let of_camera = |camera: usize| {
+        let now = problem.views[camera].camera.world_from_camera.matrix3;
+        let then = seen.cameras[camera].world_from_camera.matrix3;
+        let log_gain = kept_gain(&gains, camera).map_or([0.0; 3], |gain| gain.log_gain);
+        FrameCorrection {
+            gain: log_gain.map(|log_gain| log_gain.exp() as f32),
+            normal_turn: if now == then { DMat3::IDENTITY } else { now * then.transpose() },
+        }
+    };
+    let alignment = Alignment::new((seen, &problem), lenses, &poses, (&gains, &clocks), before);
+    let is_shifted = clocks.iter().any(|clock| clock.shift != 0);
+    let correction = CaptureCorrection {
+        cameras: problem.views.iter().map(|view| view.camera.clone()).collect(),
+        frames: (0..seen.cameras.len()).map(of_camera).collect(),
+        late_frames: if is_shifted { clocks.iter().map(|clock| clock.shift).collect() } else { Vec::new() },
+        ..CaptureCorrection::of_lenses(lenses)
+    };
+    let capture = correction.applied_to_seen(seen);
+    Ok(Some(Aligned { capture, alignment: Some(alignment), correction }))
+}
+
+/// What is solved for. Without `pairs` those that overlap are compared.
+pub(super) fn problem(capture: &Capture, pairs: Option<Vec<[usize; 2]>>, job: &Job) -> Result<Problem> {
+    let views = ReferenceView::all_of(capture, job)?;
+    let cameras = views.len();
+    let count = (SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_SAMPLES, SAMPLES);
+    let samples: Vec<_> = views.par_iter().map(|view| surface_samples(view, count)).collect();
+    let pairs = pairs.unwrap_or_else(|| overlapping_pairs(&views, &samples));
+    let mut depths: Vec<f64> = samples.iter().flatten().map(|sample| sample.inverse_depth).collect();
+    let mut focals: Vec<f64> = views.iter().map(|view| view.camera.intrinsics.fx).collect();
+    let scale = Scale {
+        inverse_depth: median(&mut depths).unwrap_or(1.0),
+        focal: median(&mut focals).unwrap_or(1.0),
+    };
+    Ok(Problem {
+        log_gains: vec![0.0; cameras],
+        moved: vec![[0.0; 6]; cameras],
+        is_free: vec![true; cameras],
+        color_alone: false,
+        views,
+        samples,
+        pairs,
+        scale,
+    })
+}
