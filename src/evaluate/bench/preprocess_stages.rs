@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use super::case::{Bench, Case, Measure};
 use super::measure::{Times, repeat};
 use super::report::MeasuredStage;
-use super::scene::without_filling;
+use super::scene::{SCENE, without_filling};
 use crate::capture::Frame;
+use crate::demo::{Demo, DemoSpec};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::interactive::FrameLayers;
@@ -18,10 +19,10 @@ use crate::preprocess::normals::{DepthView, estimate_all};
 use crate::preprocess::pruning::{self, FRAME, Verdict, no_statuses, prune};
 use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{BATCH, Split, StaticTest};
-use crate::preprocess::{inspect_frame, prepare_frame, scan};
+use crate::preprocess::{inspect_frame, prepare_frame, prune as prune_capture, scan};
 use crate::render::CpuRenderer;
 use crate::samples::{SampleSet, Span};
-use crate::settings::{Backend, NormalEstimator, Settings};
+use crate::settings::{AlignSettings, Backend, NormalEstimator, Settings};
 use crate::store::file::Store;
 use crate::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use crate::store::{self, file};
@@ -32,6 +33,10 @@ const DEPTH_BYTES: u64 = 4;
 
 /// Frames that the temporal split is measured on.
 const SPLIT_FRAMES: usize = 32;
+
+/// Views of the recording, and bytes of a pixel in the layer of one; layers take up to half of the memory setting.
+const VIEWS: usize = 24;
+const LAYER_BYTES: u64 = 47;
 
 /// Repeats of a stage, the samples that it works on, and the bytes that it reads or writes at least.
 type StageResult = (Times, u64, u64);
@@ -58,6 +63,7 @@ pub(crate) fn cases() -> Vec<Case> {
         one("preprocess/prepare-frame", Box::new(prepare)),
         one("preprocess/re-prune-frame", Box::new(|bench| reprune(bench, true))),
         one("preprocess/re-prune-unprepared", Box::new(|bench| reprune(bench, false))),
+        one("preprocess/prune-views", Box::new(prune_views)),
         one("preprocess/pack", Box::new(pack_frame)),
         one("store/write", Box::new(write_store)),
         one("store/read", Box::new(read_store)),
@@ -168,6 +174,19 @@ fn reprune(bench: &Bench<'_>, prepared: bool) -> Result<StageResult> {
         inspect_frame(capture, Some(&scanned), settings, 1, bench.job)
     })?;
     Ok(of_one_frame(bench, times))
+}
+
+/// A recording of many views of one moment, half of whose layers fit into memory at a time.
+fn prune_views(bench: &Bench<'_>) -> Result<StageResult> {
+    let lens = bench.scene.capture.cameras[0].intrinsics;
+    let spec = DemoSpec::new(SCENE).cameras(VIEWS).frames(1).size((lens.width / 2, lens.height / 2));
+    let mut settings = Settings { align: AlignSettings::OFF, ..Settings::default() };
+    let capture = Demo::new(&spec)?.capture(&settings.capture);
+    let pixels = capture.pixel_count();
+    settings.capture.cache = ((pixels * LAYER_BYTES) >> 20).max(16) as u32;
+    let scanned = scan(&capture, &settings, bench.job)?;
+    let times = repeat(bench.budget, bench.job, || prune_capture(&capture, &scanned, &settings, bench.job))?;
+    Ok((times, pixels, pixels * PIXEL_BYTES))
 }
 
 fn pack_frame(bench: &Bench<'_>) -> Result<StageResult> {
