@@ -215,9 +215,14 @@ impl CpuRenderer {
             .filter(|kept| kept.image.size() == picture.image.size())
             .unwrap_or_else(|| Arc::new(Picture::empty(picture.image.width(), picture.image.height())));
         let planes = Arc::make_mut(&mut copy);
-        planes.color.as_mut_slice().copy_from_slice(picture.color.as_slice());
-        planes.inverse_depth.as_mut_slice().copy_from_slice(picture.inverse_depth.as_slice());
-        planes.image.as_mut_slice().copy_from_slice(picture.image.as_slice());
+        let Picture { color, inverse_depth, image, .. } = planes;
+        rayon::join(
+            || color.as_mut_slice().copy_from_slice(picture.color.as_slice()),
+            || {
+                inverse_depth.as_mut_slice().copy_from_slice(picture.inverse_depth.as_slice());
+                image.as_mut_slice().copy_from_slice(picture.image.as_slice());
+            },
+        );
         copy
     }
 }

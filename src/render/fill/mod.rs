@@ -76,11 +76,10 @@ pub(super) fn fill_from(
     // Where a surface is hidden, the sky is not among what the hole is filled from.
     let hides_surface = |depth: &f32| *depth < HOLE;
     let tolerance = SurfaceTolerance::new(target, settings);
-    let all = depths
-        .iter()
-        .any(is_unfilled)
-        .then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[]));
-    let surfaces = depths.iter().any(hides_surface);
+    let any_depth = |holds: &(dyn Fn(&f32) -> bool + Sync)| depths.par_iter().with_min_len(4096).any(holds);
+    let all = any_depth(&|depth| is_unfilled(depth) && !hides_surface(depth));
+    let all = all.then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[]));
+    let surfaces = any_depth(&hides_surface);
     let surfaces = surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0, blended));
     let fill_row = |(y, row): (usize, &[f32])| -> Vec<(usize, WeightedMean)> {
         let fill_pixel = |x: usize| {

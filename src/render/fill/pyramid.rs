@@ -186,6 +186,21 @@ fn halve(
             let (right, below) = ((2 * column + 1).min(width - 1), (2 * row + 1).min(height - 1));
             let block = [(2 * column, 2 * row), (right, 2 * row), (2 * column, below), (right, below)]
                 .map(|(x, y)| finer(x, y));
+            let depths = block.map(|part| part.inverse_depth);
+            let nearest = depths.iter().fold(0.0_f32, |all, w| all.max(*w));
+            let least = depths.iter().fold(f32::INFINITY, |all, w| all.min(*w));
+            // Nearly everywhere, and many times as fast as picking parts out.
+            let is_one_surface =
+                block.iter().fold(true, |all, part| all & (part.weight > 0.0)) & (nearest <= least * factor);
+            if is_one_surface {
+                let mut sum = WeightedMean::EMPTY;
+                for part in &block {
+                    sum.add(part.weight, part.color, part.inverse_depth);
+                }
+                *cell = sum.normalized();
+                cell.weight /= 4.0;
+                continue;
+            }
             let painted = || block.iter().filter(|part| part.weight > 0.0);
             let farthest = painted().map(|part| part.inverse_depth).fold(f32::INFINITY, f32::min);
             let mut sum = WeightedMean::EMPTY;

@@ -13,6 +13,9 @@ use rayon::prelude::*;
 
 use crate::render::vantage::NO_IMAGE;
 
+/// Pixels that are passed over at once where none of them is a hole.
+const RUN: usize = 32;
+
 /// Rows of a band.
 const BAND: usize = 64;
 
@@ -84,18 +87,21 @@ fn sweep(width: usize, count: usize, is_hole: impl Fn(usize) -> bool + Sync) -> 
     let mut steps = vec![[0; 4]; count];
     steps.par_chunks_mut(BAND * width).enumerate().for_each(|(band, steps)| {
         let first = band * BAND * width;
-        for local in 0..steps.len() {
-            if !is_hole(first + local) {
+        for start in (0..steps.len()).step_by(RUN) {
+            let run = start..(start + RUN).min(steps.len());
+            if !run.clone().fold(false, |any, local| any | is_hole(first + local)) {
                 continue;
             }
-            let x = local % width;
-            let has = [x > 0, x > 0 && local >= width, local >= width, x + 1 < width && local >= width];
-            // Wrapping, as the first row's upper neighbors are never looked at.
-            let above = local.wrapping_sub(width);
-            let neighbors = [local.wrapping_sub(1), above.wrapping_sub(1), above, above.wrapping_add(1)];
-            for direction in 0..4 {
-                let next = if has[direction] { steps[neighbors[direction]][direction] } else { NONE };
-                steps[local][direction] = next.saturating_add(1);
+            for local in run.filter(|local| is_hole(first + *local)) {
+                let x = local % width;
+                let has = [x > 0, x > 0 && local >= width, local >= width, x + 1 < width && local >= width];
+                // Wrapping, as the first row's upper neighbors are never looked at.
+                let above = local.wrapping_sub(width);
+                let neighbors = [local.wrapping_sub(1), above.wrapping_sub(1), above, above.wrapping_add(1)];
+                for direction in 0..4 {
+                    let next = if has[direction] { steps[neighbors[direction]][direction] } else { NONE };
+                    steps[local][direction] = next.saturating_add(1);
+                }
             }
         }
     });

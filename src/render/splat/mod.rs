@@ -1,5 +1,6 @@
 //! Splatting: samples painted into the pixels that they cover.
 
+mod band_rows;
 mod blend;
 mod input;
 mod surface;

@@ -3,10 +3,9 @@
 //! Kernels differ in the pixels that a sample touches: `point` the one it falls into; `block` the 2×2 around it (the paper,
 //! §3.3); `surfel` and `gather` those whose centers lie in its oriented footprint, each at the depth of its plane there.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
+use super::band_rows::BandRows;
 use super::input::{StageInput, split_at_bands};
 use super::zkey::{CORE, TRUSTED, key, nearness};
 use crate::error::Result;
@@ -17,7 +16,7 @@ use crate::render::geometry::{
 use crate::render::input::{DenseTile, slopes};
 use crate::samples::TILE;
 use crate::settings::Kernel;
-use crate::simd::{self, VectorLoop, joined, whole};
+use crate::simd::{self, VectorLoop, joined};
 
 /// A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its
 /// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.
@@ -142,54 +141,6 @@ impl KeyUpdates<'_> {
             which &= which - 1;
             let key = &mut self.keys[self.pixels[nth][i] as usize];
             *key = (*key).max(self.new[nth][i]);
-        }
-    }
-}
-
-/// The rows of the picture that are being painted.
-#[derive(Clone, Copy)]
-struct BandRows {
-    width: u32,
-    right: f32,
-    top: f32,
-    bottom: f32,
-    /// The last pixel of the band.
-    last: u32,
-}
-
-impl BandRows {
-    fn of(width: usize, rows: &Range<usize>) -> Self {
-        Self {
-            width: width as u32,
-            right: (width - 1) as f32,
-            top: rows.start as f32,
-            bottom: (rows.end - 1) as f32,
-            last: (width * rows.len() - 1) as u32,
-        }
-    }
-
-    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it lies in the band. If it does not, or is
-    /// NaN, the pixel is any in the band: a different one for each lane `i`, as writing to the same again and again is slow.
-    #[inline(always)]
-    fn pixel(&self, x: f32, y: f32, i: usize) -> (u32, bool) {
-        let inside = (x >= 0.0) & (x <= self.right) & (y >= self.top) & (y <= self.bottom);
-        // What lies outside may wrap: it is not used.
-        let pixel = whole(y - self.top).wrapping_mul(self.width).wrapping_add(whole(x));
-        (if inside { pixel } else { (i as u32).min(self.last) }, inside)
-    }
-
-    /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives.
-    #[inline(always)]
-    fn raise(&self, keys: &mut [u64], edges: [f32; 4], key_at: impl Fn(f32, f32) -> u64) {
-        let clamp = |value: f32, low: f32, end: f32| value.max(low).min(end) as usize;
-        let [left, right, top, bottom] = edges;
-        let (end, below) = (self.right + 1.0, self.bottom + 1.0);
-        let columns = clamp(left, 0.0, end)..clamp(right + 1.0, 0.0, end);
-        for y in clamp(top, self.top, below)..clamp(bottom + 1.0, self.top, below) {
-            for x in columns.clone() {
-                let key_there = &mut keys[(y - self.top as usize) * self.width as usize + x];
-                *key_there = (*key_there).max(key_at(x as f32, y as f32));
-            }
         }
     }
 }
@@ -336,8 +287,10 @@ impl LargeFootprint<'_> {
     fn fringe(&self, x: f32, y: f32, reach: [f32; 4]) -> u64 {
         let at = self.found.plane_at(self.projected, self.i, (x, y), FRINGE / CORE_REACH);
         let reaches = !at.is_core
-            && (-reach[0]..=reach[1]).contains(&at.across)
-            && (-reach[2]..=reach[3]).contains(&at.down);
+            & (-reach[0] <= at.across)
+            & (at.across <= reach[1])
+            & (-reach[2] <= at.down)
+            & (at.down <= reach[3]);
         if reaches { key(nearness(at.inverse_depth, self.trust), self.slot) } else { 0 }
     }
 
