@@ -15,14 +15,14 @@ use crate::plural::counted;
 use crate::preprocess::inspect::CameraEvidence;
 
 /// Width of the summary beside the table.
-const SUMMARY: f32 = 292.0;
+const SUMMARY: f32 = 264.0;
 
 /// Width that the table needs at its full size, and the size of its letters where there is less.
 const TABLE: f32 = 826.0;
 const NARROW: f32 = 11.0;
 
 /// Least width of the last column, which gets what the others leave: beyond that the table scrolls to the side.
-const OWN_SAMPLE: f32 = 110.0;
+const OWN_SAMPLE: f32 = 136.0;
 
 /// Columns of the table: heading, width in points, and what it means.
 const COLUMNS: [(&str, f32, &str); 9] = [
