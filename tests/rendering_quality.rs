@@ -10,7 +10,7 @@ use overlook::job::Job;
 use overlook::preprocess::preprocess;
 use overlook::render::{CpuRenderer, NO_IMAGE, Picture, Renderer, Vantage};
 use overlook::samples::SampleSet;
-use overlook::settings::{Backend, Kernel, PruningMethod, RenderSettings, Settings};
+use overlook::settings::{Backend, Coarse, Kernel, PruningMethod, RenderSettings, Settings};
 use scene::{Scene, arc, camera, ground_color};
 
 fn samples(capture: &Capture, method: PruningMethod) -> Arc<SampleSet> {
@@ -171,7 +171,10 @@ fn a_coarse_picture_shows_what_a_fine_one_averages_to_on_slopes_and_at_edges() {
         Some(Arc::new(|_, point| 0.2 * ((point.x * 23.0).sin() * (point.y * 19.0).sin()) as f32));
     let capture = scene.record(arc(5, 192), 1);
     let fine = camera("novel", DVec3::new(0.4, -4.4, 1.2), DVec3::new(0.3, 0.2, 0.3), 192);
-    let samples = samples(&capture, PruningMethod::HighestRate);
+    // More is kept than by default: how finely edges are looked for then matters little, and averaging is seen by itself.
+    let mut settings = Settings::default();
+    settings.pruning.color_tolerance = 24.0;
+    let samples = preprocess(&capture, &settings, &Job::new()).unwrap().samples;
     for kernel in [Kernel::Gather, Kernel::Surfel] {
         let settings = RenderSettings { kernel, backend: Backend::Cpu, ..RenderSettings::default() };
         let render = |camera: &Camera, settings: &RenderSettings| {
@@ -180,14 +183,40 @@ fn a_coarse_picture_shows_what_a_fine_one_averages_to_on_slopes_and_at_edges() {
         };
         let whole = render(&fine, &settings);
         for times in [2, 4, 8] {
-            let decibel = |antialias| {
-                let settings = RenderSettings { antialias, ..settings.clone() };
+            let decibel = |antialias, coarse| {
+                let settings = RenderSettings { antialias, coarse, ..settings.clone() };
                 off_the_mean(&render(&coarser(&fine, times), &settings), &whole, times as usize)
             };
-            let (off, on) = (decibel(false), decibel(true));
-            println!("{kernel}, {times} times as coarse: {off:.1} dB, antialiased {on:.1} dB");
-            assert!(on > 34.0 && on > off + 3.0, "{kernel}, {times}: {off:.1} dB, antialiased {on:.1} dB");
+            let (off, on) = (decibel(false, Coarse::Average), decibel(true, Coarse::Average));
+            let pyramid = decibel(true, Coarse::Pyramid);
+            println!("{kernel}, {times}: {off:.1} dB, averaged {on:.1} dB, from a pyramid {pyramid:.1} dB");
+            assert!(on > 34.0 && on > off + 3.0, "{kernel}, {times}: {off:.1} dB, averaged {on:.1} dB");
+            // Surfels are as coarse as their samples, so that only time is gained.
+            assert!(
+                pyramid > off + 1.0 || kernel == Kernel::Surfel && pyramid > 25.0,
+                "{kernel}, {times}: {off:.1} dB, from a pyramid {pyramid:.1} dB"
+            );
         }
+    }
+}
+
+#[test]
+fn a_picture_from_a_pyramid_touches_what_it_shows_and_one_as_fine_as_the_recording_stays_bit_for_bit() {
+    let capture = Scene::still_life().record(arc(5, 192), 1);
+    let fine = camera("novel", DVec3::new(0.4, -4.4, 1.2), DVec3::new(0.3, 0.2, 0.3), 192);
+    let samples = samples(&capture, PruningMethod::HighestRate);
+    let render = |camera: &Camera, coarse| {
+        let settings = RenderSettings { coarse, backend: Backend::Cpu, ..RenderSettings::default() };
+        let vantage = Vantage { camera: camera.clone(), frame: 0 };
+        Renderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap()
+    };
+    let [(whole, all), (same, _)] = [Coarse::Average, Coarse::Pyramid].map(|coarse| render(&fine, coarse));
+    assert!(whole == same, "nothing is coarser there than the recording");
+    // Here three quarters of a picture half as large have less than 1.75 recorded pixels to one of theirs.
+    for (times, most) in [(2, 1.0), (4, 0.4), (8, 0.12), (16, 0.04)] {
+        let (_, touched) = render(&coarser(&fine, times), Coarse::Pyramid);
+        let share = touched.samples as f64 / all.samples as f64;
+        assert!(share <= most, "{times} times as coarse: {share} of the samples");
     }
 }
 

@@ -23,6 +23,8 @@ mod free_space;
 mod gather;
 mod geometry;
 mod input;
+mod painter;
+mod pyramid_level;
 mod renderer;
 mod resolve;
 mod splat;
@@ -30,7 +32,8 @@ mod supersample;
 mod vantage;
 
 pub use cpu::CpuRenderer;
-pub use renderer::{Painter, Renderer, WindowPicture};
+pub use painter::Painter;
+pub use renderer::{Renderer, WindowPicture};
 pub use vantage::{MAX_PIXELS, NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]

@@ -7,43 +7,14 @@ use std::time::Instant;
 use super::cpu::CpuRenderer;
 use super::finish::changes_pictures;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
+use super::painter::Painter;
+use super::pyramid_level::PyramidLevels;
 use super::supersample::{averaged, finer, supersampling_factor};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::settings::{Backend, Kernel, RenderSettings};
-
-/// What painted a picture.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-pub struct Painter {
-    /// `Cpu` or `Gpu`.
-    pub backend: Backend,
-    /// Name of the graphics adapter, where one painted.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub adapter: Option<String>,
-}
-
-impl Painter {
-    /// The processor.
-    #[must_use]
-    pub fn cpu() -> Self {
-        Self { backend: Backend::Cpu, adapter: None }
-    }
-
-    fn gpu(gpu: &GpuRenderer) -> Self {
-        Self { backend: Backend::Gpu, adapter: Some(gpu.adapter_name().to_owned()) }
-    }
-}
-
-impl std::fmt::Display for Painter {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match &self.adapter {
-            Some(adapter) => write!(f, "GPU ({adapter})"),
-            None => write!(f, "CPU"),
-        }
-    }
-}
 
 /// The state of the graphics adapter.
 #[derive(Debug, Default)]
@@ -62,6 +33,7 @@ enum Adapter {
 #[derive(Debug, Default)]
 pub struct Renderer {
     cpu: CpuRenderer,
+    pyramid: PyramidLevels,
     adapter: Adapter,
     /// The backend that `auto` found to be faster, per kernel.
     faster: HashMap<Kernel, Backend>,
@@ -159,6 +131,13 @@ impl Renderer {
         job: &Job,
     ) -> Result<PaintedBy> {
         let started = Instant::now();
+        if let Some(coarser) = self.pyramid.for_picture(samples, vantage, settings) {
+            let (picture, stats) = self.paint(&Request { samples: &coarser, vantage, settings, job })?;
+            return Ok((
+                picture,
+                RenderStats { milliseconds: started.elapsed().as_secs_f64() * 1e3, ..stats },
+            ));
+        }
         let factor = supersampling_factor(samples, vantage, settings);
         if factor == 1 {
             return self.paint(&Request { samples, vantage, settings, job });

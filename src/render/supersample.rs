@@ -30,6 +30,17 @@ const LEAST_REFINED_RATE: f32 = 0.65;
 /// Most pixels of the finer picture: a picture of 1280×720 at three times its size.
 const MAX_FINER_PIXELS: usize = 1 << 23;
 
+/// Whether the settings ask for pictures that are coarser than what was recorded to be averaged or rendered from coarser samples:
+/// kernels that are simple on purpose stay so.
+pub(crate) fn filters(settings: &RenderSettings) -> bool {
+    settings.antialias && matches!(settings.kernel, Kernel::Gather | Kernel::Surfel)
+}
+
+/// Recorded pixels along a pixel of the picture in the finer parts of it: at least so many over three quarters of the picture.
+pub(crate) fn least_rate(samples: &SampleSet, vantage: &Vantage) -> f32 {
+    rate_of_share(samples, vantage, 0.75)
+}
+
 /// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than what was recorded, and for
 /// kernels that are simple on purpose.
 pub(crate) fn supersampling_factor(
@@ -38,8 +49,7 @@ pub(crate) fn supersampling_factor(
     settings: &RenderSettings,
 ) -> usize {
     let pixels = vantage.camera.intrinsics.pixel_count();
-    let filters = matches!(settings.kernel, Kernel::Gather | Kernel::Surfel);
-    if !settings.antialias || !filters || pixels == 0 || pixels > MAX_FINER_PIXELS / 4 {
+    if !filters(settings) || pixels == 0 || pixels > MAX_FINER_PIXELS / 4 {
         return 1;
     }
     let rate = typical_rate(samples, vantage);
@@ -60,6 +70,11 @@ pub(crate) fn subpixels(samples: &SampleSet, vantage: &Vantage, settings: &Rende
 
 /// Recorded pixels along a pixel, the median over the picture; 0 if it shows nothing.
 fn typical_rate(samples: &SampleSet, vantage: &Vantage) -> f32 {
+    rate_of_share(samples, vantage, 0.5)
+}
+
+/// Recorded pixels along a pixel, that many or more over a share of the picture; 0 if it shows nothing.
+fn rate_of_share(samples: &SampleSet, vantage: &Vantage, share: f64) -> f32 {
     let images = || samples.images_at(vantage.frame);
     // Of longer spans if there are any, so that the resolution does not change from frame to frame.
     let has_longer = images().any(|image| image.span.len() > 1 && !image.is_empty());
@@ -69,11 +84,11 @@ fn typical_rate(samples: &SampleSet, vantage: &Vantage) -> f32 {
     rates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let all: f64 = rates.iter().map(|(_, area)| f64::from(*area)).sum();
     let mut covered = 0.0;
-    let half = rates.iter().find(|(_, area)| {
+    let found = rates.iter().find(|(_, area)| {
         covered += f64::from(*area);
-        2.0 * covered >= all
+        covered >= share * all
     });
-    half.map_or(0.0, |(rate, _)| *rate)
+    found.map_or(0.0, |(rate, _)| *rate)
 }
 
 /// For each tile whose center is visible: recorded pixels along a pixel of the vantage, and the pixels that its samples cover.

@@ -1,5 +1,6 @@
 //! The data model: samples of all cameras over spans of frames, in tiles, as preprocessing makes them, stores keep them and renderers paint them.
 
+mod coarser;
 mod depth_plane;
 mod image_buffer;
 mod oct_normal;
@@ -8,6 +9,7 @@ mod sample_set;
 mod spill_file;
 mod tile;
 
+pub(crate) use coarser::halved_camera;
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
 pub use image_buffer::{ImageBuffer, ImageFacts};
 pub use oct_normal::OctNormal;

@@ -117,6 +117,20 @@ impl SampleImage {
         self.doubtful.iter().flat_map(|mask| mask.rows).map(|row| row.count_ones() as usize).sum()
     }
 
+    /// An image in its place that holds nothing.
+    #[must_use]
+    pub(crate) fn without_samples(&self) -> Self {
+        Self {
+            camera: self.camera,
+            span: self.span,
+            tiles: Vec::new(),
+            color: Vec::new(),
+            depth: DepthPlane::default(),
+            normal: self.normal.as_ref().map(|_| Vec::new()),
+            doubtful: Vec::new(),
+        }
+    }
+
     /// Every sample with its pixel, in storage order.
     pub fn samples(&self) -> impl Iterator<Item = Sample> + '_ {
         self.tiles.iter().flat_map(|tile| {

@@ -145,6 +145,16 @@ choice! {
 }
 
 choice! {
+    /// How pictures that are coarser than what was recorded are rendered.
+    pub enum Coarse {
+        /// Finer, and averaged: takes about as long as a picture as fine as the recording.
+        Average = "average",
+        /// From samples that were averaged beforehand, as coarse as the picture: many times as fast, and nearly as exact.
+        Pyramid = "pyramid",
+    }
+}
+
+choice! {
     /// What renders.
     pub enum Backend {
         /// The faster of CPU and GPU, as measured on the first picture.

@@ -16,8 +16,8 @@ mod choices;
 mod section;
 
 pub use choices::{
-    AgreementRule, Backend, Coding, Correction, Fill, Instructions, Kernel, MixedPixels, NormalEstimator,
-    NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
+    AgreementRule, Backend, Coarse, Coding, Correction, Fill, Instructions, Kernel, MixedPixels,
+    NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
 };
 pub use section::{Field, ValueKind};
 
@@ -155,6 +155,9 @@ section! {
         /// Whether a picture that is coarser than what was recorded is rendered finer and averaged, by kernels that interpolate, and
         /// silhouettes are found at half a pixel by `gather`.
         antialias: bool = true, "", ValueKind::Switch;
+        /// How a picture that is coarser than what was recorded is rendered where it is antialiased. The window renders from a pyramid
+        /// while a view moves, whatever is chosen here.
+        coarse: Coarse = Coarse::Average, "", ValueKind::Choice(Coarse::NAMES);
         /// What renders.
         backend: Backend = Backend::Auto, "", ValueKind::Choice(Backend::NAMES);
     }

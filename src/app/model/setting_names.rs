@@ -49,6 +49,7 @@ const NAMES: &[(&str, &str)] = &[
     ("render.free_space", "Line-of-sight test"),
     ("render.depth_tolerance", "Blending depth range"),
     ("render.antialias", "Antialiasing"),
+    ("render.coarse", "Coarse pictures"),
     ("render.backend", "Renderer"),
 ];
 

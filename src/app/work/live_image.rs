@@ -16,7 +16,7 @@ use crate::job::Job;
 use crate::preprocess::agreement::SampleAgreement;
 use crate::render::gpu::HolePattern;
 use crate::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, WindowPicture, output};
-use crate::samples::{DepthPlane, SampleImage, SampleSet};
+use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
 
 /// Frames whose samples are sent to a GPU in advance.
@@ -51,24 +51,12 @@ impl CameraFilter {
             if cameras.shows(image.camera as usize) {
                 image.clone()
             } else {
-                Arc::new(without_samples(image))
+                Arc::new(image.without_samples())
             }
         });
         let filtered = Arc::new(SampleSet { images: images.collect(), ..(*samples).clone() });
         self.kept = Some((samples, cameras.clone(), filtered.clone()));
         filtered
-    }
-}
-
-fn without_samples(image: &SampleImage) -> SampleImage {
-    SampleImage {
-        camera: image.camera,
-        span: image.span,
-        tiles: Vec::new(),
-        color: Vec::new(),
-        depth: DepthPlane::pack(&[], &[]),
-        normal: image.normal.as_ref().map(|_| Vec::new()),
-        doubtful: Vec::new(),
     }
 }
 
@@ -252,6 +240,7 @@ mod tests {
     use crate::app::model::Display;
     use crate::capture::{Camera, Intrinsics};
     use crate::render::Vantage;
+    use crate::samples::{DepthPlane, SampleImage};
     use crate::settings::Settings;
     use glam::DVec3;
 

@@ -14,7 +14,7 @@ use crate::app::model::{
 use crate::preprocess::inspect::FrameInspection;
 use crate::render::Vantage;
 use crate::samples::SampleSet;
-use crate::settings::{Backend, Settings};
+use crate::settings::{Backend, Coarse, Settings};
 
 /// How long a slider must rest before the whole capture is pruned again.
 const DEBOUNCE: Duration = Duration::from_millis(400);
@@ -202,6 +202,11 @@ impl Scheduler {
             _ => orbit.size_at_rest(state.live.size),
         };
         let size = if rested < REST { coarse } else { fine };
+        let mut settings = state.settings.render.clone();
+        if rested < REST {
+            settings.coarse = Coarse::Pyramid;
+        }
+        let will_average = settings.coarse != state.settings.render.coarse;
         let vantage = Vantage { camera: state.live_camera(size)?, frame };
         let on_gpu =
             state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
@@ -212,7 +217,7 @@ impl Scheduler {
             samples: samples.clone(),
             playback: scene.playback().cloned(),
             vantage,
-            settings: state.settings.render.clone(),
+            settings,
             color_by: state.live.color_by,
             inspection: state
                 .inspection_here()
@@ -226,7 +231,7 @@ impl Scheduler {
             per_coarse_pixel: f64::from(size[0]) / f64::from(coarse[0]),
         };
         submit_new(&workers.live, &mut self.live, key);
-        self.live_will_change = rested < REST && (in_motion || coarse != fine);
+        self.live_will_change = in_motion || will_average || (rested < REST && coarse != fine);
         self.live_will_change.then(|| REST.saturating_sub(rested))
     }
 
