@@ -106,7 +106,7 @@ section! {
         /// Two samples show the same surface while their normals differ by less than this.
         normal_tolerance: f32 = 30.0, "degrees", ValueKind::Number { min: 1.0, max: 90.0, log: false };
         /// Two samples show the same surface while their colors differ by less than this.
-        color_tolerance: f32 = 24.0, "8-bit steps", ValueKind::Number { min: 1.0, max: 255.0, log: true };
+        color_tolerance: f32 = 48.0, "8-bit steps", ValueKind::Number { min: 1.0, max: 255.0, log: true };
         /// The cosine of incidence never counts as less than this: grazing views and poor normals stay comparable.
         cosine_floor: f32 = 0.1, "", ValueKind::Number { min: 0.01, max: 1.0, log: true };
         /// Whether a foreground sample may be dropped for a background sample that shows the same point.

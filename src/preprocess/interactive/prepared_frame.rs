@@ -243,7 +243,7 @@ mod tests {
             for (index, factor) in factors.into_iter().enumerate() {
                 let pruning = &mut settings.pruning;
                 pruning.depth_tolerance = factor;
-                pruning.color_tolerance = 24.0 * factors[(index + 1) % 6].min(2.0);
+                pruning.color_tolerance = 48.0 * factors[(index + 1) % 6].min(2.0);
                 pruning.normal_tolerance = (30.0 * factor_of_normals * factor).clamp(7.6, 90.0);
                 pruning.across_spans = index % 4 != 1;
                 assert!(complete.lists.lock().unwrap().serving(&settings).is_some());
