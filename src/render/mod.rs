@@ -16,6 +16,7 @@ pub mod film;
 pub mod gpu;
 pub mod output;
 
+mod coarser_samples;
 mod cpu;
 mod environment;
 mod finish;
@@ -24,7 +25,6 @@ mod gather;
 mod geometry;
 mod input;
 mod painter;
-mod pyramid_level;
 mod renderer;
 mod resolve;
 mod splat;

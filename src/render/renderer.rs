@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::coarser_samples::CoarserSamples;
 use super::cpu::CpuRenderer;
 use super::finish::changes_pictures;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::painter::Painter;
-use super::pyramid_level::PyramidLevels;
 use super::supersample::{averaged, finer, supersampling_factor};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
@@ -33,7 +33,7 @@ enum Adapter {
 #[derive(Debug, Default)]
 pub struct Renderer {
     cpu: CpuRenderer,
-    pyramid: PyramidLevels,
+    coarser: CoarserSamples,
     adapter: Adapter,
     /// The backend that `auto` found to be faster, per kernel.
     faster: HashMap<Kernel, Backend>,
@@ -131,7 +131,7 @@ impl Renderer {
         job: &Job,
     ) -> Result<PaintedBy> {
         let started = Instant::now();
-        if let Some(coarser) = self.pyramid.for_picture(samples, vantage, settings) {
+        if let Some(coarser) = self.coarser.for_picture(samples, vantage, settings) {
             let (picture, stats) = self.paint(&Request { samples: &coarser, vantage, settings, job })?;
             return Ok((
                 picture,

@@ -1,4 +1,4 @@
-//! Samples as coarse as a picture: the level of a pyramid over the samples of a frame whose resolution is nearest to the picture's.
+//! Samples as coarse as a picture: of a pyramid over those of a frame, the level whose resolution is nearest to the picture's.
 //!
 //! Purpose: a picture that is coarser than what was recorded takes the time of what it shows, not of what was recorded.
 //!
@@ -31,20 +31,20 @@ fn level_of(rate: f32) -> usize {
 
 /// The levels that were asked for last, kept while the samples of the frame stay the same.
 #[derive(Debug, Default)]
-pub(super) struct PyramidLevels {
+pub(super) struct CoarserSamples {
     /// From the first coarser one on.
-    levels: Vec<Level>,
+    levels: Vec<HalvedSet>,
 }
 
-/// One level.
+/// Samples, and what they become at half the resolution.
 #[derive(Debug)]
-struct Level {
+struct HalvedSet {
     finer: Arc<SampleSet>,
     frame: usize,
     coarser: Arc<SampleSet>,
 }
 
-impl PyramidLevels {
+impl CoarserSamples {
     /// The samples from which the settings ask for a picture to be rendered, if these are coarser ones.
     pub(super) fn for_picture(
         &mut self,
@@ -63,7 +63,7 @@ impl PyramidLevels {
         for nth in 0..level {
             let known = self.levels.get(nth);
             if !known.is_some_and(|known| known.is_of(&finer, frame)) {
-                let made = Level::new(&finer, frame, known);
+                let made = HalvedSet::new(&finer, frame, known);
                 match self.levels.get_mut(nth) {
                     Some(level) => *level = made,
                     None => self.levels.push(made),
@@ -75,7 +75,7 @@ impl PyramidLevels {
     }
 }
 
-impl Level {
+impl HalvedSet {
     /// Of the samples of a frame; images that another level has are taken from there.
     fn new(finer: &Arc<SampleSet>, frame: usize, before: Option<&Self>) -> Self {
         let focal_px: Vec<f32> = finer.cameras.iter().map(focal).collect();
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn each_level_has_a_quarter_of_the_samples_and_what_stays_is_the_same_image_at_the_next_frame() {
         let (samples, _) = scene(DemoSpec::new("orrery").size((96, 64)), 0);
-        let mut levels = PyramidLevels::default();
+        let mut levels = CoarserSamples::default();
         let count =
             |set: &SampleSet, frame: usize| set.images_at(frame).map(|image| image.len()).sum::<usize>();
         let mut before = count(&samples, 0);
