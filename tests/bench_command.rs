@@ -79,6 +79,8 @@ impl Counts {
         match stage {
             "preprocess/scan" => Some(Self::ALL_FRAMES),
             "preprocess/split" => Some(Self::SPLIT_FRAMES * Self::PIXELS),
+            // Twenty-four views of half as many columns and rows.
+            "preprocess/prune-views" => Some(24 * Self::PIXELS / 4),
             "store/decode-foreground" => Some(Self::ONE_FRAME),
             still if still.contains("/still-vantage/") => None,
             of_pruned if of_pruned.starts_with("store/") || of_pruned.contains("/pruned/") => {
