@@ -1,9 +1,10 @@
 //! Which parts of a line of sight no camera has seen free.
 
-use super::seen_depth::{FreeDepths, SeenDepths, UNSEEN, cell_camera};
+use super::seen_depth::{FreeDepths, SeenDepths, UNSEEN};
 use crate::capture::Camera;
 use crate::render::geometry::{Projector, focal};
 use crate::render::input::{LANES, LaneValues};
+use crate::samples::halved_camera;
 use crate::simd::{joined, whole};
 
 /// Vectors of inverse depths at which a line of sight is tested.
@@ -56,7 +57,7 @@ impl<'a> RayTest<'a> {
     /// For lines of sight of `target`, of which what `cameras_to_ask` saw must be known.
     pub(crate) fn new(seen: &'a SeenDepths, cameras: &[Camera], target: &Camera) -> Self {
         let view = |camera: usize| {
-            let cells = cell_camera(&cameras[camera]);
+            let cells = halved_camera(&cameras[camera]);
             let cells_from_target = Projector::new(target, &cells);
             let behind_ratio = 1.0 - BEHIND_FOOTPRINTS / focal(&cells);
             Some(CellView { free: seen.free_depths(camera)?, cells_from_target, behind_ratio })

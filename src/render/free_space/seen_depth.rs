@@ -11,11 +11,8 @@ use rayon::prelude::*;
 use crate::capture::Camera;
 use crate::render::geometry::{FootprintReach, Projector, TileBounds, bounds};
 use crate::render::input::{DenseTile, FrameSamples, FrameTile};
-use crate::samples::TILE;
+use crate::samples::{TILE, halved_camera};
 use crate::simd::{self, VectorLoop, whole};
-
-/// Columns and rows of a camera's pixels in a cell.
-const CELL_PX: u32 = 2;
 
 /// One of this many rows of samples is carried: a cell still gets two samples of each surface.
 const ROW_STEP: usize = 2;
@@ -58,17 +55,6 @@ pub(crate) struct SeenDepths {
     cameras: Vec<Option<SeenCamera>>,
 }
 
-/// A camera whose pixels are the cells of another.
-pub(super) fn cell_camera(camera: &Camera) -> Camera {
-    let mut cells = camera.clone();
-    let k = &mut cells.intrinsics;
-    (k.width, k.height) = (k.width.div_ceil(CELL_PX), k.height.div_ceil(CELL_PX));
-    for length in [&mut k.fx, &mut k.fy, &mut k.cx, &mut k.cy] {
-        *length /= f64::from(CELL_PX);
-    }
-    cells
-}
-
 impl SeenDepths {
     /// Whether it is known what these cameras saw.
     pub(crate) fn has(&self, wanted: &[usize]) -> bool {
@@ -92,7 +78,7 @@ impl SeenDepths {
             .par_chunks(share)
             .flat_map_iter(|missing| {
                 let cells: Vec<Camera> =
-                    missing.iter().map(|camera| cell_camera(&cameras[*camera])).collect();
+                    missing.iter().map(|camera| halved_camera(&cameras[*camera])).collect();
                 let already = |camera: &usize| before.and_then(|before| before.cameras[*camera].clone());
                 let seen = missing.iter().zip(&cells);
                 let mut seen: Vec<SeenCamera> = seen
