@@ -18,7 +18,7 @@ use super::worker::{Outbox, Supersede, Worker};
 use crate::app::model::{ArrivedParts, Message, WorkInParts};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::part::MOST_PARTS;
+use crate::part::Part;
 
 /// How often the folder is looked at, and whether the watch goes on.
 const LOOK: Duration = Duration::from_secs(1);
@@ -36,21 +36,18 @@ struct PartFile {
     path: PathBuf,
     /// Name of the work.
     name: String,
-    part: u32,
-    of: u32,
+    part: Part,
     is_complete: bool,
     /// Its length and time, by which a change shows.
     state: (u64, Option<SystemTime>),
 }
 
-/// Name, number, how many there are, and whether it is complete, by the name of a file.
-fn part_of(file_name: &str) -> Option<(String, u32, u32, bool)> {
+/// Name of the work, its part, and whether that is complete, by the name of a file.
+fn part_of(file_name: &str) -> Option<(&str, Part, bool)> {
     let (is_complete, stem) =
         file_name.strip_suffix(".journal").map_or((true, file_name), |stem| (false, stem));
-    let (name, numbers) = stem.rsplit_once(".part-")?;
-    let (part, of) = numbers.split_once("-of-")?;
-    let (part, of): (u32, u32) = (part.parse().ok()?, of.parse().ok()?);
-    ((1..=of).contains(&part) && of <= MOST_PARTS).then(|| (name.to_owned(), part, of, is_complete))
+    let (name, part) = Part::of_file_name(stem)?;
+    Some((name, part, is_complete))
 }
 
 /// The files of parts in a folder, by name, number and path.
@@ -59,15 +56,18 @@ fn part_files(folder: &Path) -> Result<Vec<PartFile>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(io)? {
         let entry = entry.map_err(io)?;
-        let (Some((name, part, of, is_complete)), Ok(facts)) =
-            (entry.file_name().to_str().and_then(part_of), entry.metadata())
+        let file_name = entry.file_name();
+        let (Some((name, part, is_complete)), Ok(facts)) =
+            (file_name.to_str().and_then(part_of), entry.metadata())
         else {
             continue;
         };
         let state = (facts.len(), facts.modified().ok());
-        files.push(PartFile { path: entry.path(), name, part, of, is_complete, state });
+        files.push(PartFile { path: entry.path(), name: name.to_owned(), part, is_complete, state });
     }
-    files.sort_by(|a, b| (&a.name, a.of, a.part, &a.path).cmp(&(&b.name, b.of, b.part, &b.path)));
+    files.sort_by(|a, b| {
+        (&a.name, a.part.of(), a.part, &a.path).cmp(&(&b.name, b.part.of(), b.part, &b.path))
+    });
     Ok(files)
 }
 
@@ -82,11 +82,12 @@ fn points<P: DeserializeOwned>(file: &PartFile) -> Vec<P> {
 fn arrived(folder: &Path, files: &[PartFile]) -> ArrivedParts {
     let mut cuts: BTreeMap<(&str, u32), Vec<&PartFile>> = BTreeMap::new();
     for file in files {
-        cuts.entry((&file.name, file.of)).or_default().push(file);
+        cuts.entry((&file.name, file.part.of())).or_default().push(file);
     }
     let mut works: Vec<(WorkInParts, Vec<&PartFile>)> = Vec::new();
     for ((name, of), files) in cuts {
-        let complete: Vec<u32> = files.iter().filter(|file| file.is_complete).map(|file| file.part).collect();
+        let complete: Vec<u32> =
+            files.iter().filter(|file| file.is_complete).map(|file| file.part.number()).collect();
         let work = WorkInParts { name: name.to_owned(), of, complete };
         match works.last_mut().filter(|(last, _)| last.name == name) {
             Some(last) if work.complete.len() > last.0.complete.len() => *last = (work, files),
@@ -145,7 +146,7 @@ mod tests {
 
     #[test]
     fn files_of_parts_are_known_by_their_names() {
-        let part = |name: &str, part, of, is_complete| Some((name.to_owned(), part, of, is_complete));
+        let part = |name, number, of, is_complete| Some((name, Part::new(number, of).unwrap(), is_complete));
         assert_eq!(part_of("sweep.part-2-of-6"), part("sweep", 2, 6, true));
         assert_eq!(part_of("sweep.part-2-of-6.journal"), part("sweep", 2, 6, false));
         assert_eq!(part_of("a.ovl.scan.part-6-of-6"), part("a.ovl.scan", 6, 6, true));

@@ -136,7 +136,7 @@ impl PartFiles {
         if self.is_single {
             return self.name.clone();
         }
-        format!("{}.part-{}-of-{}", self.name, part.number(), part.of())
+        part.file_name(&self.name)
     }
 
     /// Where a part is, once it is complete.
