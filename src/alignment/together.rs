@@ -44,6 +44,7 @@ const SAMPLES: usize = 2400;
 const FEWEST_SAMPLES: usize = 1000;
 /// Cameras up to which nothing is spared.
 const FEW_CAMERAS: usize = 9;
+
 /// Finds poses, exposures and clocks of a capture that is seen through its color lenses; `None` where there are none of these and
 /// nothing else pays.
 pub(super) fn aligned_beside_lenses(

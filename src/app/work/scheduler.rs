@@ -14,7 +14,7 @@ use crate::app::model::{
 use crate::preprocess::inspect::FrameInspection;
 use crate::render::Vantage;
 use crate::samples::SampleSet;
-use crate::settings::{Backend, Coarse, Settings};
+use crate::settings::{Backend, Coarse, RenderSettings, Settings};
 
 /// How long a slider must rest before the whole capture is pruned again.
 const DEBOUNCE: Duration = Duration::from_millis(400);
@@ -201,17 +201,16 @@ impl Scheduler {
             ColorBy::SamplingRate => coarse,
             _ => orbit.size_at_rest(state.live.size),
         };
-        let size = if rested < REST { coarse } else { fine };
-        let mut settings = state.settings.render.clone();
-        if rested < REST {
-            settings.coarse = Coarse::Pyramid;
-        }
-        let will_average = settings.coarse != state.settings.render.coarse;
+        let moves = rested < REST;
+        let size = if moves { coarse } else { fine };
+        let at_rest = &state.settings.render;
+        let from = if moves { Coarse::Pyramid } else { at_rest.coarse };
+        let settings = RenderSettings { coarse: from, ..at_rest.clone() };
         let vantage = Vantage { camera: state.live_camera(size)?, frame };
         let on_gpu =
             state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
         // The adapter shows colors as recorded.
-        let in_motion = state.live.shares_device && on_gpu && rested < REST && state.display.is_neutral();
+        let in_motion = state.live.shares_device && on_gpu && moves && state.display.is_neutral();
         let key = LiveKey {
             scene: scene.id,
             samples: samples.clone(),
@@ -231,7 +230,7 @@ impl Scheduler {
             per_coarse_pixel: f64::from(size[0]) / f64::from(coarse[0]),
         };
         submit_new(&workers.live, &mut self.live, key);
-        self.live_will_change = in_motion || will_average || (rested < REST && coarse != fine);
+        self.live_will_change = moves && (in_motion || coarse != fine || at_rest.coarse != Coarse::Pyramid);
         self.live_will_change.then(|| REST.saturating_sub(rested))
     }
 

@@ -110,16 +110,16 @@ impl HoldOutArgs {
 /// The cameras that a file names, one a line; empty lines count for nothing.
 pub(crate) fn only_cameras(capture: &Capture, file: &Path) -> Result<Capture, Error> {
     let text = std::fs::read_to_string(file).map_err(|error| Error::io(file, error))?;
-    let names: HashSet<&str> = text.lines().map(str::trim).filter(|name| !name.is_empty()).collect();
-    let known: HashSet<&str> = capture.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    if let Some(unknown) = text.lines().map(str::trim).find(|name| !name.is_empty() && !known.contains(name))
-    {
-        let what = format!("'{}' has no camera '{unknown}'", capture.name);
-        return Err(Error::invalid(file.display(), what));
-    }
+    let names: Vec<&str> = text.lines().map(str::trim).filter(|name| !name.is_empty()).collect();
     if names.is_empty() {
         return Err(Error::invalid(file.display(), "names no camera; write one a line"));
     }
+    let known: HashSet<&str> = capture.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    if let Some(unknown) = names.iter().find(|name| !known.contains(*name)) {
+        let what = format!("'{}' has no camera '{unknown}'", capture.name);
+        return Err(Error::invalid(file.display(), what));
+    }
+    let names: HashSet<&str> = names.into_iter().collect();
     Ok(capture.with_cameras(|_, camera| names.contains(camera.name.as_str())))
 }
 

@@ -2,7 +2,7 @@
 
 mod views;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -61,7 +61,12 @@ pub(crate) struct TuneArgs {
 impl TuneArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         let settings = self.settings.over(Settings::default())?;
-        let Some(out) = &self.out else { return self.run_views(&settings) };
+        if let Some(folder) = &self.fewest_views {
+            return self.run_views(folder, &settings);
+        }
+        let Some(out) = &self.out else {
+            return Err(CommandError::Usage("give --out or --fewest-views".to_owned()));
+        };
         if self.show_percent.is_some() {
             return Err(CommandError::Usage(
                 "--show says what --fewest-views looks for; give that too".to_owned(),
@@ -116,8 +121,7 @@ impl TuneArgs {
 }
 
 impl TuneArgs {
-    fn run_views(&self, settings: &Settings) -> Result<(), CommandError> {
-        let Some(folder) = &self.fewest_views else { return Ok(()) };
+    fn run_views(&self, folder: &Path, settings: &Settings) -> Result<(), CommandError> {
         output::check_folder(folder)?;
         let opened = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
