@@ -1,7 +1,7 @@
 //! Drives the window off screen: no display needed, a software Vulkan adapter is enough.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use egui_kittest::kittest::Queryable;
@@ -11,6 +11,12 @@ use overlook::demo::DemoSpec;
 
 /// Longest any single wait takes before the test fails: far more than needed, as test machines stall.
 const PATIENCE: Duration = Duration::from_mins(3);
+
+/// A display shows no more pictures than one in so long.
+const REFRESH: Duration = Duration::from_millis(16);
+
+/// Longest that a window goes undrawn, so that one that fails to ask for it fails by what it shows and not by time.
+const UNDRAWN: Duration = Duration::from_millis(500);
 
 /// A window with a harness around it.
 pub(crate) type Window = Harness<'static, OverlookApp>;
@@ -110,14 +116,47 @@ pub(crate) fn drop_on(window: &mut Window, path: &Path) {
     window.input_mut().dropped_files.push(Arc::new(Dropped(path.to_path_buf())));
 }
 
-/// Steps the window until `condition` holds.
+/// When a window wants to be drawn next, as it told egui.
+#[derive(Clone, Default)]
+struct Wanted(Arc<Mutex<Option<Instant>>>);
+
+impl Wanted {
+    fn of(window: &Window) -> Self {
+        let id = egui::Id::unique("wanted by tests");
+        if let Some(wanted) = window.ctx.data(|data| data.get_temp(id)) {
+            return wanted;
+        }
+        // What was asked for before nobody listened.
+        let wanted = Self(Arc::new(Mutex::new(Some(Instant::now()))));
+        window.ctx.data_mut(|data| data.insert_temp(id, wanted.clone()));
+        let told = wanted.clone();
+        window.ctx.set_request_repaint_callback(move |request| {
+            let (asked, mut next) = (Instant::now() + request.delay, told.0.lock().unwrap());
+            *next = Some(next.map_or(asked, |next| next.min(asked)));
+        });
+        wanted
+    }
+
+    fn is_due(&self) -> bool {
+        self.0.lock().unwrap().is_some_and(|next| next <= Instant::now())
+    }
+}
+
+/// Draws the window whenever it asks for it, as a display does, until `condition` holds: work has the processor meanwhile.
 pub(crate) fn wait(window: &mut Window, what: &str, mut condition: impl FnMut(&Window) -> bool) {
-    let started = Instant::now();
+    let (started, wanted) = (Instant::now(), Wanted::of(window));
+    let mut drawn: Option<Instant> = None;
     while !condition(window) {
         let notices = window.state().notices();
         assert!(started.elapsed() < PATIENCE, "waited too long for {what}; messages: {notices:?}");
-        window.step();
-        std::thread::sleep(Duration::from_millis(5));
+        let undrawn = drawn.map_or(UNDRAWN, |at| at.elapsed());
+        if undrawn >= UNDRAWN || (undrawn >= REFRESH && wanted.is_due()) {
+            *wanted.0.lock().unwrap() = None;
+            drawn = Some(Instant::now());
+            window.step();
+        } else {
+            std::thread::sleep(Duration::from_millis(2));
+        }
     }
 }
 
