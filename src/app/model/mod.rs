@@ -76,7 +76,9 @@ pub(crate) use readings::{ReadingImages, Readings, ShownReadings};
 pub(crate) use recent::{RECENT_SIDES, RecentPicture};
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, Origin, median_depth};
-pub(crate) use source_picture::{Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, ranked};
+pub(crate) use source_picture::{
+    Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
+};
 pub(crate) use table::Table;
 pub(crate) use text::{bytes, count, count_of, percent, sentence, significant, time_left, words};
 pub(crate) use texture::Texture;

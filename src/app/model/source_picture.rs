@@ -18,6 +18,7 @@ pub(crate) enum Overlay {
     SamplingRatio,
     WhoWon,
     Agreement,
+    ViewDependence,
     RateDisputes,
     Split,
     Tiles,
@@ -35,7 +36,7 @@ impl Overlay {
     }
 
     /// Every choice in the order of the menu: its name, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 9] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 10] = [
         (Self::Color, "Picture", "The picture as the camera recorded it."),
         (
             Self::WhoWon,
@@ -48,6 +49,11 @@ impl Overlay {
             "How densely this camera samples each point against another: purple where this one is denser, orange where the other is.",
         ),
         (Self::Agreement, "Agreement", AGREEMENT),
+        (
+            Self::ViewDependence,
+            "View dependence",
+            "By how much the color of each point differs from what the other cameras show of it: highlights, mirrors, and exposures that differ.",
+        ),
         (
             Self::RateDisputes,
             "Rates",
@@ -140,6 +146,9 @@ pub(crate) enum Legend {
     },
     /// Pixels by what the other cameras say of them.
     Agreement { confirmed: u64, contradicted: u64, alone: u64, invalid: u64 },
+    /// By how much colors differ from those of other cameras, from 0 to [`VIEW_DEPENDENCE_RANGE`]. Pixels that differ visibly, that do
+    /// not, and of which no other camera can tell.
+    ViewDependence { visible: u64, alike: u64, unknown: u64 },
     /// Kept share of each tile, 0 to 1.
     Tiles(Grid<f32>),
 }
@@ -158,6 +167,9 @@ pub(crate) fn ranked(won_by: &[u64]) -> (Vec<usize>, usize) {
 
 /// log₂ r at either end of the scale: eight times denser or coarser.
 pub(crate) const RATIO_RANGE: f32 = 3.0;
+
+/// 8-bit sRGB steps at the upper end of the scale of *View dependence*.
+pub(crate) const VIEW_DEPENDENCE_RANGE: f32 = 32.0;
 
 /// The left picture.
 pub(crate) struct SourcePicture {

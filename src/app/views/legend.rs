@@ -5,7 +5,8 @@ use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense
 use crate::app::camera_cues;
 use crate::app::colormap::{diverging, sequential};
 use crate::app::model::{
-    self, ColorBy, Command, Commands, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, State, ranked,
+    self, ColorBy, Command, Commands, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, State,
+    VIEW_DEPENDENCE_RANGE, ranked,
 };
 use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
@@ -64,6 +65,17 @@ pub(crate) fn source_legend_ui(
                 swatch_ui(ui, tokens.of_agreement(found), &format!("{name} {share}")).on_hover_text(help);
             }
             no_depth_ui(ui, *invalid, total);
+        }
+        Legend::ViewDependence { visible, alike, unknown } => {
+            let total = visible + alike + unknown;
+            bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} steps"), sequential);
+            let differs = format!("visible {}", model::percent(*visible, total));
+            ui.label(RichText::new(differs).small()).on_hover_text(
+                "Differs by 8 or more of 255 steps: more than the eye takes for the same color.",
+            );
+            let unknown = format!("seen once {}", model::percent(*unknown, total));
+            ui.label(RichText::new(unknown).small())
+                .on_hover_text("No other camera shows the point about as finely; shown dimmed.");
         }
         Legend::Winners { kept, lost_to, dropped, invalid } => {
             let total = kept + dropped + invalid + lost_to.iter().sum::<u64>();

@@ -7,13 +7,15 @@ use egui::{Color32, ColorImage};
 use super::develop::{background_at, displayed, histogram_of};
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix, recorded, sequential};
-use crate::app::model::{Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture, ranked};
+use crate::app::model::{
+    Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
+};
 use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::preprocess::agreement::SampleAgreement;
-use crate::preprocess::inspect::CameraInspection;
+use crate::preprocess::inspect::{CameraInspection, VISIBLE_STEPS};
 use crate::preprocess::pruning::Verdict;
 use crate::preprocess::temporal::PixelClass;
 use crate::samples::TILE;
@@ -50,6 +52,7 @@ fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
         (Overlay::SamplingRatio, Some(_)) => (sampling_ratio(key, &picture), Legend::Ratio),
         (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens, key.isolated),
         (Overlay::Agreement, Some(_)) => agreement(key, &picture, tokens),
+        (Overlay::ViewDependence, Some(_)) => view_dependence(key, &picture),
         (Overlay::RateDisputes, Some(camera)) => rate_disputes(camera, &picture, tokens, key.isolated),
         (Overlay::Split, Some(camera)) => split(camera, &picture, tokens),
         (Overlay::Tiles, Some(camera)) => tiles(camera, &picture),
@@ -114,6 +117,24 @@ fn sampling_ratio(key: &SourceKey, picture: &Grid<Color32>) -> Grid<Color32> {
         let value = ratio[(x, y)];
         if value.is_nan() { dimmed(picture[(x, y)], 0.35) } else { diverging(value / RATIO_RANGE) }
     })
+}
+
+fn view_dependence(key: &SourceKey, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
+    let Some(inspection) = &key.inspection else { return (picture.clone(), Legend::Plain) };
+    let found = inspection.view_dependence(key.camera);
+    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
+        let steps = found[(x, y)];
+        let of_camera = dimmed(picture[(x, y)], 0.35);
+        if steps.is_nan() { of_camera } else { sequential(steps / VIEW_DEPENDENCE_RANGE) }
+    });
+    let count =
+        |wanted: fn(f32) -> bool| found.as_slice().iter().filter(|steps| wanted(**steps)).count() as u64;
+    let legend = Legend::ViewDependence {
+        visible: count(|steps| steps >= VISIBLE_STEPS),
+        alike: count(|steps| steps < VISIBLE_STEPS),
+        unknown: count(f32::is_nan),
+    };
+    (pixels, legend)
 }
 
 fn who_won(
