@@ -9,9 +9,6 @@ const MIN_COVERAGE: f32 = 0.25;
 const OWN_SHARE: f32 = 0.2;
 // The weight of a camera of whose 2×2 samples some lie on another surface.
 const BESIDE_EDGE: f32 = 0.3;
-// No further camera is read once this many pixels' worth of samples are found.
-const FULL_COVERAGE: f32 = 1.99;
-const FULL_COVERAGE_PRUNED: f32 = 0.99;
 // Depths that differ by less than this part of the tolerance are taken as equal.
 const EXACT: f32 = 0.005;
 // A sub-pixel is at most this many samples wide.
@@ -104,7 +101,6 @@ fn color_in(camera: u32, at: vec2<f32>, w: f32) -> ViewColor {
 // the nearest sample, which kept it, comes before them.
 fn surface_color(key: vec2<u32>, at: vec2<f32>, w: f32) -> vec3<f32> {
     let pruned = stage.pruned != 0u;
-    let full_coverage = select(FULL_COVERAGE, FULL_COVERAGE_PRUNED, pruned);
     let sample_camera = pieces[piece_of(~key.x >> 8u)].camera;
     var sum = vec4<f32>(0.0);
     var coverage = 0.0;
@@ -117,7 +113,7 @@ fn surface_color(key: vec2<u32>, at: vec2<f32>, w: f32) -> vec3<f32> {
             sum += found.sum;
             coverage += found.coverage;
         }
-        if next == camera_count || coverage >= full_coverage {
+        if next == camera_count || coverage >= stage.full_coverage {
             break;
         }
         camera = camera_list[next];

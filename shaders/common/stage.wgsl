@@ -34,7 +34,8 @@ struct Stage {
     subpixels: u32,
     // 1 if pictures tell what pixels show in front of their farthest surface.
     with_fronts: u32,
-    padding_2: u32,
+    // No further camera is read once this many pixels' worth of samples are found.
+    full_coverage: f32,
 }
 
 @group(0) @binding(0) var<uniform> stage: Stage;

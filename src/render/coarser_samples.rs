@@ -10,7 +10,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::geometry::focal;
-use super::supersample::{filters, least_rate};
+use super::recorded_rates::RecordedRates;
+use super::supersample::filters;
 use super::vantage::Vantage;
 use crate::samples::{SampleImage, SampleSet, halved_camera};
 use crate::settings::{Coarse, RenderSettings};
@@ -20,6 +21,9 @@ const LEAST_RATE: f32 = 1.75;
 
 /// Samples of the chosen level along a pixel of the picture are at least so many, and fewer than twice as many.
 const REMAINING_RATE: f32 = 0.75;
+
+/// The share of a picture that has at least the rate which decides: the level serves what was recorded more finely as well.
+const SHARE: f64 = 0.75;
 
 /// Coarsest level: 64 recorded pixels along one of its samples.
 const COARSEST: usize = 6;
@@ -49,11 +53,12 @@ impl CoarserSamples {
     pub(super) fn for_picture(
         &mut self,
         samples: &Arc<SampleSet>,
+        rates: &RecordedRates,
         vantage: &Vantage,
         settings: &RenderSettings,
     ) -> Option<Arc<SampleSet>> {
         let is_asked_for = settings.coarse == Coarse::Pyramid && filters(settings);
-        let level = if is_asked_for { level_of(least_rate(samples, vantage)) } else { 0 };
+        let level = if is_asked_for { level_of(rates.of_share(SHARE)) } else { 0 };
         (level > 0).then(|| self.at(samples, vantage.frame, level))
     }
 

@@ -115,8 +115,7 @@ impl PictureInput<'_> {
     ) -> Result<()> {
         self.scratches.forget();
         let (frame, cells) = (self.stage.frame, cache.cells.as_ref());
-        let (target, tolerance) = (self.target, self.settings.depth_tolerance);
-        let views = |table| SourceViews::new(frame, table, target, tolerance, self.subpixels);
+        let views = |table| SourceViews::new(frame, table, self.target, self.settings, self.subpixels);
         // Pixels without foreground are copied from the background's picture, if that exists already.
         let behind = cells.filter(|_| background_picture.is_none()).map(|cells| views(cells.clone()));
         let all = cells.filter(|_| foreground.is_some());

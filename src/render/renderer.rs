@@ -8,7 +8,9 @@ use super::coarser_samples::CoarserSamples;
 use super::cpu::CpuRenderer;
 use super::finish::changes_pictures;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
+use super::magnified::{by_levels, coarsest_level};
 use super::painter::Painter;
+use super::recorded_rates::RecordedRates;
 use super::supersample::{averaged, finer, supersampling_factor};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
@@ -32,7 +34,8 @@ enum Adapter {
 /// Paints on the backend of [`RenderSettings::backend`], or on the CPU if that fails.
 #[derive(Debug, Default)]
 pub struct Renderer {
-    cpu: CpuRenderer,
+    /// One for each level of a close-up, so that each keeps its background.
+    cpu: Vec<CpuRenderer>,
     coarser: CoarserSamples,
     adapter: Adapter,
     /// The backend that `auto` found to be faster, per kernel.
@@ -59,6 +62,8 @@ struct Request<'a> {
     vantage: &'a Vantage,
     settings: &'a RenderSettings,
     job: &'a Job,
+    /// Of a close-up; 0 is the picture itself.
+    level: usize,
 }
 
 type PaintedBy = (Arc<Picture>, RenderStats);
@@ -102,7 +107,7 @@ impl Renderer {
 
     /// Drops what is cached, so that the next picture is painted in full.
     pub fn forget_background(&mut self) {
-        self.cpu = CpuRenderer::new();
+        self.cpu.clear();
         if let Adapter::Open(gpu) = &mut self.adapter {
             gpu.forget_background();
         }
@@ -131,24 +136,34 @@ impl Renderer {
         job: &Job,
     ) -> Result<PaintedBy> {
         let started = Instant::now();
-        if let Some(coarser) = self.coarser.for_picture(samples, vantage, settings) {
-            let (picture, stats) = self.paint(&Request { samples: &coarser, vantage, settings, job })?;
-            return Ok((
-                picture,
-                RenderStats { milliseconds: started.elapsed().as_secs_f64() * 1e3, ..stats },
-            ));
+        let milliseconds = || started.elapsed().as_secs_f64() * 1e3;
+        let request = Request { samples, vantage, settings, job, level: 0 };
+        let rates = RecordedRates::of(samples, vantage);
+        if let Some(coarser) = self.coarser.for_picture(samples, &rates, vantage, settings) {
+            let (picture, stats) = self.paint(&Request { samples: &coarser, ..request })?;
+            return Ok((picture, RenderStats { milliseconds: milliseconds(), ..stats }));
         }
-        let factor = supersampling_factor(samples, vantage, settings);
+        let factor = supersampling_factor(&rates, vantage, settings);
         if factor == 1 {
-            return self.paint(&Request { samples, vantage, settings, job });
+            return self.paint_by_levels(&request, &rates);
         }
         let finer = Vantage { camera: finer(&vantage.camera, factor), ..vantage.clone() };
         let settings = &RenderSettings { antialias: false, ..settings.clone() };
-        let (picture, stats) = self.paint(&Request { samples, vantage: &finer, settings, job })?;
+        let (picture, stats) = self.paint(&Request { vantage: &finer, settings, ..request })?;
         let picture = averaged(&picture, factor);
-        let milliseconds = started.elapsed().as_secs_f64() * 1e3;
-        let stats = RenderStats { holes: picture.holes(), milliseconds, ..stats };
+        let stats = RenderStats { holes: picture.holes(), milliseconds: milliseconds(), ..stats };
         Ok((Arc::new(picture), stats))
+    }
+
+    /// Paints a picture, of what it magnifies coarser levels.
+    fn paint_by_levels(&mut self, request: &Request<'_>, rates: &RecordedRates) -> Result<PaintedBy> {
+        let coarsest = coarsest_level(rates, request.settings);
+        if coarsest == 0 {
+            return self.paint(request);
+        }
+        by_levels(coarsest, request.samples, request.vantage, |level, vantage| {
+            self.paint(&Request { vantage, level, ..*request })
+        })
     }
 
     fn paint(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
@@ -195,7 +210,9 @@ impl Renderer {
         {
             return Ok((WindowPicture::OnAdapter(texture), stats));
         }
-        let (picture, stats) = self.paint(&Request { samples, vantage, settings, job })?;
+        let rates = RecordedRates::of(samples, vantage);
+        let request = Request { samples, vantage, settings, job, level: 0 };
+        let (picture, stats) = self.paint_by_levels(&request, &rates)?;
         Ok((WindowPicture::InMemory(picture), stats))
     }
 
@@ -259,7 +276,11 @@ impl Renderer {
     }
 
     fn on_cpu(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
-        let painted = self.cpu.render(request.samples, request.vantage, request.settings, request.job)?;
+        let Request { samples, vantage, settings, job, level } = *request;
+        if self.cpu.len() <= level {
+            self.cpu.resize_with(level + 1, CpuRenderer::new);
+        }
+        let painted = self.cpu[level].render(samples, vantage, settings, job)?;
         self.painter = Some(Painter::cpu());
         Ok(painted)
     }
@@ -268,7 +289,7 @@ impl Renderer {
         if let Adapter::Missing(why) = &self.adapter {
             self.notice = Some(format!("the CPU renders: {why}"));
         }
-        let Request { samples, vantage, settings, job } = *request;
+        let Request { samples, vantage, settings, job, .. } = *request;
         let painted = self.try_gpu(|gpu| gpu.render(samples, vantage, settings, job))?;
         painted.map_or_else(|| self.on_cpu(request), Ok)
     }

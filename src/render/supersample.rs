@@ -8,11 +8,11 @@
 
 use rayon::prelude::*;
 
-use super::geometry::Projector;
+use super::recorded_rates::RecordedRates;
 use super::vantage::{NO_IMAGE, Picture, Vantage};
 use crate::capture::{Camera, Intrinsics};
 use crate::grid::Grid;
-use crate::samples::{DepthTile, SampleImage, SampleSet, SampleTile, TILE};
+use crate::samples::SampleSet;
 use crate::settings::{Kernel, RenderSettings};
 
 /// From this many recorded pixels along a pixel on the picture is supersampled. Below, interpolation suffices.
@@ -36,15 +36,10 @@ pub(crate) fn filters(settings: &RenderSettings) -> bool {
     settings.antialias && matches!(settings.kernel, Kernel::Gather | Kernel::Surfel)
 }
 
-/// Recorded pixels along a pixel of the picture in the finer parts of it: at least so many over three quarters of the picture.
-pub(crate) fn least_rate(samples: &SampleSet, vantage: &Vantage) -> f32 {
-    rate_of_share(samples, vantage, 0.75)
-}
-
 /// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than what was recorded, and for
 /// kernels that are simple on purpose.
-pub(crate) fn supersampling_factor(
-    samples: &SampleSet,
+pub(super) fn supersampling_factor(
+    rates: &RecordedRates,
     vantage: &Vantage,
     settings: &RenderSettings,
 ) -> usize {
@@ -52,7 +47,7 @@ pub(crate) fn supersampling_factor(
     if !filters(settings) || pixels == 0 || pixels > MAX_FINER_PIXELS / 4 {
         return 1;
     }
-    let rate = typical_rate(samples, vantage);
+    let rate = rates.of_share(0.5);
     if rate < MIN_RATE {
         return 1;
     }
@@ -65,52 +60,7 @@ pub(crate) fn supersampling_factor(
 pub(crate) fn subpixels(samples: &SampleSet, vantage: &Vantage, settings: &RenderSettings) -> usize {
     let pixels = vantage.camera.intrinsics.pixel_count();
     let refines = settings.antialias && settings.kernel == Kernel::Gather && pixels <= MAX_FINER_PIXELS / 4;
-    if refines && typical_rate(samples, vantage) >= LEAST_REFINED_RATE { 2 } else { 1 }
-}
-
-/// Recorded pixels along a pixel, the median over the picture; 0 if it shows nothing.
-fn typical_rate(samples: &SampleSet, vantage: &Vantage) -> f32 {
-    rate_of_share(samples, vantage, 0.5)
-}
-
-/// Recorded pixels along a pixel, that many or more over a share of the picture; 0 if it shows nothing.
-fn rate_of_share(samples: &SampleSet, vantage: &Vantage, share: f64) -> f32 {
-    let images = || samples.images_at(vantage.frame);
-    // Of longer spans if there are any, so that the resolution does not change from frame to frame.
-    let has_longer = images().any(|image| image.span.len() > 1 && !image.is_empty());
-    let chosen: Vec<_> = images().filter(|image| !has_longer || image.span.len() > 1).collect();
-    let mut rates: Vec<(f32, f32)> =
-        chosen.par_iter().flat_map_iter(|image| rates(image, samples, vantage)).collect();
-    rates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-    let all: f64 = rates.iter().map(|(_, area)| f64::from(*area)).sum();
-    let mut covered = 0.0;
-    let found = rates.iter().find(|(_, area)| {
-        covered += f64::from(*area);
-        covered >= share * all
-    });
-    found.map_or(0.0, |(rate, _)| *rate)
-}
-
-/// For each tile whose center is visible: recorded pixels along a pixel of the vantage, and the pixels that its samples cover.
-fn rates<'a>(
-    image: &'a SampleImage,
-    samples: &SampleSet,
-    vantage: &Vantage,
-) -> impl Iterator<Item = (f32, f32)> + 'a {
-    let target = &vantage.camera;
-    let projector = samples.cameras.get(image.camera as usize).map(|camera| Projector::new(camera, target));
-    let (width, height) = target.intrinsics.size();
-    let rate = move |(tile, depth): (&SampleTile, &DepthTile)| {
-        let projector = projector?;
-        let middle = |tile: u16| f32::from(tile) * TILE as f32 + 0.5 * TILE as f32;
-        let inverse_depth = 0.5 * (f32::from_bits(depth.farthest) + f32::from_bits(depth.nearest));
-        let point = projector.point(middle(tile.tile_x), middle(tile.tile_y), inverse_depth);
-        let (u, v) = (point.x / point.z, point.y / point.z);
-        let is_seen = point.z > 0.0 && (0.0..width as f32).contains(&u) && (0.0..height as f32).contains(&v);
-        let rate = point.z / projector.focal_ratio;
-        is_seen.then(|| (rate, tile.count() as f32 / (rate * rate)))
-    };
-    image.tiles.iter().zip(image.depth.tiles()).filter_map(rate)
+    if refines && RecordedRates::of(samples, vantage).of_share(0.5) >= LEAST_REFINED_RATE { 2 } else { 1 }
 }
 
 /// The same camera at `factor` times the width and height.

@@ -155,6 +155,16 @@ choice! {
 }
 
 choice! {
+    /// How parts of a picture are rendered that show more finely than any camera recorded.
+    pub enum Magnified {
+        /// As the rest. Gaps and steps as wide as a recorded pixel can be seen.
+        Direct = "direct",
+        /// At most two to four pixels to a recorded one, and upsampled: smoother, and faster.
+        Upsampled = "upsampled",
+    }
+}
+
+choice! {
     /// What renders.
     pub enum Backend {
         /// The faster of CPU and GPU, as measured on the first picture.

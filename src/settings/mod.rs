@@ -16,7 +16,7 @@ mod choices;
 mod section;
 
 pub use choices::{
-    AgreementRule, Backend, Coarse, Coding, Correction, Fill, Instructions, Kernel, MixedPixels,
+    AgreementRule, Backend, Coarse, Coding, Correction, Fill, Instructions, Kernel, Magnified, MixedPixels,
     NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
 };
 pub use section::{Field, ValueKind};
@@ -152,12 +152,16 @@ section! {
         free_space: bool = true, "", ValueKind::Switch;
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
         depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
+        /// Cameras whose colors `gather` averages at each point where nothing was pruned; pruning leaves the sample of one.
+        views: u32 = 2, "cameras", ValueKind::Integer { min: 1, max: 8 };
         /// Whether a picture that is coarser than what was recorded is rendered finer and averaged, by kernels that interpolate, and
         /// silhouettes are found at half a pixel by `gather`.
         antialias: bool = true, "", ValueKind::Switch;
         /// How a picture that is coarser than what was recorded is rendered where it is antialiased. The window renders from a pyramid
         /// while a view moves, whatever is chosen here.
         coarse: Coarse = Coarse::Average, "", ValueKind::Choice(Coarse::NAMES);
+        /// How parts of a picture are rendered that show more finely than any camera recorded, by kernels that interpolate.
+        magnified: Magnified = Magnified::Upsampled, "", ValueKind::Choice(Magnified::NAMES);
         /// What renders.
         backend: Backend = Backend::Auto, "", ValueKind::Choice(Backend::NAMES);
     }

@@ -103,7 +103,7 @@ fn every_view_of_the_whole_capture_says_when_it_is_out_of_date() {
 #[test]
 fn how_frames_are_read_is_said_to_hold_for_what_is_opened_next() {
     // Tall enough for the last of the settings.
-    let mut window = open(small_demo(), [SIZE[0], 2100.0]);
+    let mut window = open(small_demo(), [SIZE[0], 2300.0]);
     settle(&mut window);
     click(&mut window, "Loading");
     assert!(shows(&window, "For captures that are opened from now on"));

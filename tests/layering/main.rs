@@ -51,7 +51,19 @@ const STAGES: [(&str, &[&str]); 8] = [
     ),
     (
         "render",
-        &["input", "geometry", "splat", "free_space", "gather", "resolve", "fill", "output", "gpu", "film"],
+        &[
+            "input",
+            "geometry",
+            "splat",
+            "free_space",
+            "gather",
+            "resolve",
+            "fill",
+            "magnified",
+            "output",
+            "gpu",
+            "film",
+        ],
     ),
     ("app", &["model", "dock", "work", "control", "views", "panels"]),
     (

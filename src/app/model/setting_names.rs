@@ -48,8 +48,10 @@ const NAMES: &[(&str, &str)] = &[
     ("render.fill", "Hole filling"),
     ("render.free_space", "Line-of-sight test"),
     ("render.depth_tolerance", "Blending depth range"),
+    ("render.views", "Averaged cameras"),
     ("render.antialias", "Antialiasing"),
     ("render.coarse", "Coarse pictures"),
+    ("render.magnified", "Close-ups"),
     ("render.backend", "Renderer"),
 ];
 

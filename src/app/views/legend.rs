@@ -68,7 +68,7 @@ pub(crate) fn source_legend_ui(
         }
         Legend::ViewDependence { visible, alike, unknown } => {
             let total = visible + alike + unknown;
-            bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} steps"), sequential);
+            bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} of 255"), sequential);
             let differs = format!("visible {}", model::percent(*visible, total));
             ui.label(RichText::new(differs).small()).on_hover_text(
                 "Differs by 8 or more of 255 steps: more than the eye takes for the same color.",

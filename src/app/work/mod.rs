@@ -20,6 +20,7 @@ mod pruning;
 mod readings;
 mod requests;
 mod scheduler;
+mod source_comparisons;
 mod source_image;
 mod study;
 mod worker;

@@ -5,17 +5,16 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage};
 
 use super::develop::{background_at, displayed, histogram_of};
+use super::source_comparisons::{sampling_ratio, view_dependence};
 use crate::app::camera_cues;
-use crate::app::colormap::{agreeing, dimmed, diverging, mix, recorded, sequential};
-use crate::app::model::{
-    Legend, Message, OpenScene, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
-};
+use crate::app::colormap::{agreeing, dimmed, mix, recorded, sequential};
+use crate::app::model::{Legend, Message, OpenScene, Overlay, SourceKey, SourcePicture, ranked};
 use crate::app::theme::Tokens;
 use crate::capture::Frame;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::preprocess::agreement::SampleAgreement;
-use crate::preprocess::inspect::{CameraInspection, VISIBLE_STEPS};
+use crate::preprocess::inspect::CameraInspection;
 use crate::preprocess::pruning::Verdict;
 use crate::preprocess::temporal::PixelClass;
 use crate::samples::TILE;
@@ -108,33 +107,6 @@ fn normals(normal_in_world: &Grid<[f32; 3]>, tokens: &Tokens) -> Grid<Color32> {
         let [r, g, b] = n.map(|c| ((c * 0.5 + 0.5) * 255.0).clamp(0.0, 255.0) as u8);
         Color32::from_rgb(r, g, b)
     })
-}
-
-fn sampling_ratio(key: &SourceKey, picture: &Grid<Color32>) -> Grid<Color32> {
-    let Some(inspection) = &key.inspection else { return picture.clone() };
-    let ratio = inspection.log2_sampling_ratio(key.camera, key.against);
-    Grid::from_fn(picture.width(), picture.height(), |x, y| {
-        let value = ratio[(x, y)];
-        if value.is_nan() { dimmed(picture[(x, y)], 0.35) } else { diverging(value / RATIO_RANGE) }
-    })
-}
-
-fn view_dependence(key: &SourceKey, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
-    let Some(inspection) = &key.inspection else { return (picture.clone(), Legend::Plain) };
-    let found = inspection.view_dependence(key.camera);
-    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
-        let steps = found[(x, y)];
-        let of_camera = dimmed(picture[(x, y)], 0.35);
-        if steps.is_nan() { of_camera } else { sequential(steps / VIEW_DEPENDENCE_RANGE) }
-    });
-    let count =
-        |wanted: fn(f32) -> bool| found.as_slice().iter().filter(|steps| wanted(**steps)).count() as u64;
-    let legend = Legend::ViewDependence {
-        visible: count(|steps| steps >= VISIBLE_STEPS),
-        alike: count(|steps| steps < VISIBLE_STEPS),
-        unknown: count(f32::is_nan),
-    };
-    (pixels, legend)
 }
 
 fn who_won(

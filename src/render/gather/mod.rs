@@ -26,4 +26,4 @@ pub(crate) use block::GatherScratch;
 pub(crate) use scratch_pool::ScratchPool;
 pub(crate) use silhouette::{Patch, RING, SIDE};
 pub(crate) use target::{BLOCK, BlockOrigin, PictureRows};
-pub(crate) use view_weights::SourceViews;
+pub(crate) use view_weights::{SourceViews, full_coverage};

@@ -5,14 +5,19 @@ use glam::Vec3;
 use crate::capture::Camera;
 use crate::render::geometry::{Projector, focal, rays_in_world};
 use crate::render::input::{CellTable, FrameSamples, LANES, LaneValues, Lookup};
+use crate::settings::RenderSettings;
 
 /// A higher sampling rate than this many times the vantage's gains nothing: the picture cannot show more.
 const USEFUL_RATE: f32 = 1.5;
 
+/// A camera that covers all but this share of a pixel counts as one that covers it.
+const UNCOVERED: f32 = 0.01;
+
 /// No further camera is read once this many pixels' worth of samples are found; the best come first. In a set that was not
-/// pruned two cameras average noise and aliasing; pruning leaves one per surface, and reading a second finds little.
-const FULL_COVERAGE: f32 = 1.99;
-const FULL_COVERAGE_PRUNED: f32 = 0.99;
+/// pruned several cameras average noise and aliasing; pruning leaves one per surface, and reading a second finds little.
+pub(crate) fn full_coverage(pruned: bool, settings: &RenderSettings) -> f32 {
+    if pruned { 1.0 - UNCOVERED } else { settings.views as f32 - UNCOVERED }
+}
 
 /// A camera and its position relative to the vantage.
 pub(super) struct SourceView {
@@ -39,7 +44,7 @@ pub(crate) struct SourceViews<'a> {
     pub(super) views: Vec<SourceView>,
     /// Whether samples that others represent were dropped.
     pub(super) pruned: bool,
-    /// [`FULL_COVERAGE`] or [`FULL_COVERAGE_PRUNED`].
+    /// As the function of this name gives it.
     pub(super) full_coverage: f32,
     /// Pixels of the z-buffer along each side of a pixel of the picture, for whose size rates are measured.
     pub(super) subpixels: f32,
@@ -48,13 +53,12 @@ pub(crate) struct SourceViews<'a> {
 }
 
 impl<'a> SourceViews<'a> {
-    /// Over the tiles of a table; `depth_tolerance` in footprints, and `subpixels` of the target along each side of a pixel of the
-    /// picture.
+    /// Over the tiles of a table, and with so many `subpixels` of the target along each side of a pixel of the picture.
     pub(crate) fn new(
         frame: &'a FrameSamples<'a>,
         table: CellTable,
         target: &Camera,
-        depth_tolerance: f32,
+        settings: &RenderSettings,
         subpixels: usize,
     ) -> Self {
         let center = target.position_in_world();
@@ -63,12 +67,12 @@ impl<'a> SourceViews<'a> {
             source_from_target: Projector::new(target, source),
             target_from_source: Projector::new(source, target),
             offset_in_world: (center - source.position_in_world()).as_vec3(),
-            tolerance: depth_tolerance / focal(source),
+            tolerance: settings.depth_tolerance / focal(source),
         };
         let pruned = frame.is_pruned();
         Self {
             pruned,
-            full_coverage: if pruned { FULL_COVERAGE_PRUNED } else { FULL_COVERAGE },
+            full_coverage: full_coverage(pruned, settings),
             lookup: Lookup { table, frame },
             views: frame.set.cameras.iter().enumerate().map(view).collect(),
             subpixels: subpixels as f32,

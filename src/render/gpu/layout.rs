@@ -27,7 +27,7 @@ pub(super) struct GpuStage {
     pub(super) pruned: u32,
     pub(super) subpixels: u32,
     pub(super) with_fronts: u32,
-    pub(super) padding_2: u32,
+    pub(super) full_coverage: f32,
 }
 
 /// `Projector` in `project.wgsl`.
@@ -170,7 +170,7 @@ mod tests {
         assert_same_layout! {
             &module, "Stage", GpuStage,
             width, height, kernel, step, first_tile, tile_count, piece_count, surface_ratio, first_ray,
-            background_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, subpixels, with_fronts, padding_2
+            background_tiles, ray_across, entries_at, ray_down, all_tiles, pruned, subpixels, with_fronts, full_coverage
         }
         assert_same_layout! {
             &module, "View", GpuView,

@@ -4,7 +4,7 @@ use std::iter::once;
 use std::num::NonZeroU64;
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 
 use super::context::Context;
 use super::layout::{GpuPiece, GpuProjector, GpuStage, GpuView, MAX_CAMERAS};
@@ -13,6 +13,7 @@ use super::pipelines::{Pipelines, bind};
 use super::target::GpuTarget;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
+use crate::render::gather::full_coverage;
 use crate::render::geometry::{focal, rays_in_world};
 use crate::render::input::FrameSamples;
 use crate::samples::{SampleImage, TILE};
@@ -127,7 +128,7 @@ fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
                 pruned: u32::from(frame.is_pruned()),
                 subpixels: subpixels as u32,
                 with_fronts: u32::from(with_fronts),
-                ..GpuStage::zeroed()
+                full_coverage: full_coverage(frame.is_pruned(), settings),
             };
             stages.extend_from_slice(bytemuck::bytes_of(&stage));
             stages.resize(stages.len().next_multiple_of(STAGE_STRIDE), 0);
