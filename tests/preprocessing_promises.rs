@@ -351,6 +351,29 @@ fn a_clean_silhouette_is_not_taken_for_a_blended_one() {
 }
 
 #[test]
+fn samples_of_the_sky_are_dropped_where_they_are_blended_and_those_of_surfaces_yield() {
+    let mut capture = Scene { color_rays: 4, ..Scene::still_life() }.record(arc(3, 64), 1);
+    capture.antialiased_color = true;
+    let settings = Settings::default();
+    let inspection = inspect(&capture, &settings, 0);
+    let mut dropped = 0;
+    for (camera, inspected) in inspection.cameras.iter().enumerate() {
+        let frame = capture.frame(camera, 0).unwrap();
+        for (pixel, verdict) in inspected.verdict.as_slice().iter().enumerate() {
+            if verdict.rule == Rule::MixedDropped {
+                dropped += 1;
+                assert_eq!(frame.inverse_depth.as_slice()[pixel], 0.0, "camera {camera}, pixel {pixel}");
+            }
+        }
+    }
+    assert!(dropped > 20, "{dropped}");
+    let mut unpruned = settings;
+    unpruned.pruning.method = PruningMethod::Off;
+    let inspection = inspect(&capture, &unpruned, 0);
+    assert_eq!((0..3).map(|camera| count(&inspection, camera, Rule::MixedDropped)).sum::<usize>(), 0);
+}
+
+#[test]
 fn at_grazing_incidence_the_floor_of_the_cosine_decides_and_the_nearer_camera_wins() {
     // Both see the ground at a few degrees; without a floor, rounding of the cosine would outweigh the distance.
     let near = camera("near", DVec3::new(0.0, -3.0, 0.12), DVec3::new(0.0, 0.0, 0.0), 48);

@@ -75,7 +75,8 @@ choice! {
     pub enum MixedPixels {
         /// They are samples like any other.
         Keep = "keep",
-        /// They lose against clean samples of the same surface, whatever the rates; flying pixels are contradicted by their own camera.
+        /// They lose against clean samples of the same surface, whatever the rates; flying pixels are contradicted by their own camera, and
+        /// blended ones of the sky are dropped, as the sky is continued over them.
         Yield = "yield",
         /// They are removed before anything else.
         Drop = "drop",

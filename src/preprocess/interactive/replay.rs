@@ -11,11 +11,12 @@ use crate::job::Job;
 use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{
-    BAND_ROWS, DROPPED, Dispute, KEPT, Rule, Statuses, UNDECIDED, Verdict, may_be_witness, rule_of_kept,
+    BAND_ROWS, DROPPED, Dispute, KEPT, Rule, Statuses, UNDECIDED, Verdict, is_dropped_as_mixed,
+    may_be_witness, rule_of_kept,
 };
 use crate::preprocess::registration::{CameraPairs, LANES, Outcome, SameSurface};
 use crate::preprocess::temporal::SpanLevel;
-use crate::settings::{MixedPixels, Settings};
+use crate::settings::Settings;
 
 /// Decides every sample of `level` of a frame whose lists serve the settings. `verdicts` has one for each pixel of
 /// each camera; those of other levels stay as they are. Gives each camera's disputes.
@@ -144,7 +145,9 @@ impl ReplayContext<'_> {
         count: u16,
         candidates: &[ListedCandidate],
     ) -> (Verdict, u8) {
-        if count & IS_MIXED != 0 && self.settings.pruning.mixed_pixels == MixedPixels::Drop {
+        let mixed_pixels = self.settings.pruning.mixed_pixels;
+        let rank = || self.layers[band.camera].ranks[band.first + index].rank;
+        if count & IS_MIXED != 0 && is_dropped_as_mixed(mixed_pixels, rank()) {
             return (Verdict::without_witness(Rule::MixedDropped), DROPPED);
         }
         let best = candidates.iter().find(|candidate| self.may_be_witness(band, index, candidate));

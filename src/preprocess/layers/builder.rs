@@ -7,7 +7,7 @@ use super::blended_pixels::BlendedTest;
 use super::flying_pixels::FlyingTest;
 use super::known_mixed::KnownMixed;
 use super::layer::CameraLayer;
-use super::packed_sample::{MIXED, PackedColor, PackedGeometry, Ranks, UNKNOWN_NORMAL};
+use super::packed_sample::{BLENDED_SKY, MIXED, PackedColor, PackedGeometry, Ranks, UNKNOWN_NORMAL};
 use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
 use crate::capture::Camera;
 use crate::preprocess::normals::{DepthView, MIN_CONFIDENCE, estimate_at};
@@ -79,6 +79,7 @@ impl<'a> LayerBuilder<'a> {
             MixedPixels::Keep => false,
         };
         let detects = detects && known.is_none();
+        let compares = pruning.method == PruningMethod::HighestRate;
         let blended = (detects && self.antialiased).then(|| BlendedTest::new(layer, camera, edge));
         // Other cameras decide what becomes of a flying pixel.
         let asks = pruning.agreement != AgreementRule::Off;
@@ -101,7 +102,8 @@ impl<'a> LayerBuilder<'a> {
                 let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
                 let unsure = if unsure { UNKNOWN_NORMAL } else { 0 };
                 let rank = if is_first_camera { 0 } else { rank(footprint) | unsure };
-                if mixed { rank | MIXED } else { rank }
+                let blended_sky = if compares && inverse_depth == 0.0 { BLENDED_SKY } else { 0 };
+                if mixed { rank | MIXED | blended_sky } else { rank }
             });
             let normal_in_camera = camera_from_world * normal;
             let ranks = Ranks { rank: ranks[0], other_rank: ranks[1] };

@@ -20,6 +20,15 @@ pub(super) const MIXED: u32 = 1 << 31;
 /// Set in the rank of a sample on a surface whose normal is not known: it yields to all whose normal is.
 pub(super) const UNKNOWN_NORMAL: u32 = 1 << 30;
 
+/// Set beside [`MIXED`] in the rank of a sample at infinity whose color is blended with what is before it.
+pub(super) const BLENDED_SKY: u32 = 1 << 29;
+
+/// Whether a rank is that of a sample of the sky whose color is blended with what is before it.
+#[inline(always)]
+pub(crate) fn is_blended_sky(rank: u32) -> bool {
+    rank & BLENDED_SKY != 0
+}
+
 /// Whether a rank is that of a mixed pixel, which yields to all others.
 #[inline(always)]
 pub(crate) fn is_mixed(rank: u32) -> bool {
@@ -44,7 +53,7 @@ const LEVEL_SHIFT: u32 = 16;
 /// How well a sample was sampled: smaller wins.
 ///
 /// ```text
-/// [ mixed pixel: 1 bit | unknown normal: 1 bit | footprint: 30 bits ]     u32::MAX where there is no sample
+/// [ mixed pixel: 1 bit | unknown normal: 1 bit | blended sky: 1 bit | footprint: 29 bits ]     u32::MAX where there is no sample
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(8))]

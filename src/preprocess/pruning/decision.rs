@@ -12,7 +12,7 @@
 //! for many samples at once and in stages; all three are made of the predicates below, and a test compares their verdicts.
 //! Whether two samples show the same surface point is decided in [`crate::preprocess::registration`].
 
-use crate::preprocess::layers::{CameraLayer, has_unknown_normal, is_mixed};
+use crate::preprocess::layers::{CameraLayer, has_unknown_normal, is_blended_sky, is_mixed};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::settings::{MixedPixels, PruningMethod, PruningSettings};
 
@@ -42,7 +42,7 @@ pub enum Rule {
     MixedYields,
     /// Dropped: the normal is unknown, so that the rate is a guess, and the witness's is known.
     UnsureYields,
-    /// Dropped: it is a mixed pixel, and the settings drop all such samples. There is no witness.
+    /// Dropped: it is a mixed pixel, and of the sky, or the settings drop all such samples. There is no witness.
     MixedDropped,
     /// Dropped: more cameras look past the point than confirm it; its own confirms it, but looks past it if the sample flies. There is
     /// no witness.
@@ -65,7 +65,12 @@ pub(crate) fn may_be_witness(is_own_level: bool, is_kept: bool, across_spans: bo
 /// Whether a sample is dropped before anything is compared, because it is a mixed pixel.
 #[inline(always)]
 pub(crate) fn is_dropped_as_mixed(mixed_pixels: MixedPixels, rank: u32) -> bool {
-    mixed_pixels == MixedPixels::Drop && is_mixed(rank)
+    match mixed_pixels {
+        MixedPixels::Drop => is_mixed(rank),
+        // No surface is lost with it: the sky is continued over it from all around, without the color of what is before it.
+        MixedPixels::Yield => is_blended_sky(rank),
+        MixedPixels::Keep => false,
+    }
 }
 
 /// By which rule a sample of `rank` is dropped for a witness of `witness_rank`, which is better.

@@ -112,7 +112,7 @@ pub(crate) fn pass_over_views<'a>(
     statuses: &'a Statuses,
     settings: &'a Settings,
 ) -> PruningPass<'a> {
-    let is_any_dropped = settings.pruning.mixed_pixels == MixedPixels::Drop;
+    let is_any_dropped = settings.pruning.mixed_pixels != MixedPixels::Keep;
     PruningPass {
         pairs,
         layers,
