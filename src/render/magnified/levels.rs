@@ -20,7 +20,7 @@ const COARSEST: usize = 4;
 const LEAST_SHARE: f64 = 0.1;
 
 /// The coarsest level of which a picture shows a part; 0 if it shows nothing but itself.
-pub(in crate::render) fn coarsest_level(rates: &RecordedRates, settings: &RenderSettings) -> usize {
+pub(crate) fn coarsest_level(rates: &RecordedRates, settings: &RenderSettings) -> usize {
     let applies = settings.magnified == Magnified::Upsampled
         && matches!(settings.kernel, Kernel::Gather | Kernel::Surfel);
     let rate = if applies { rates.of_share(1.0 - LEAST_SHARE) } else { 0.0 };
