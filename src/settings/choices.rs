@@ -160,7 +160,7 @@ choice! {
     pub enum Magnified {
         /// As the rest. Gaps and steps as wide as a recorded pixel can be seen.
         Direct = "direct",
-        /// At most two to four pixels to a recorded one, and upsampled: smoother, and faster.
+        /// With a few pixels to a recorded one, and upsampled: smoother, without gaps between samples.
         Upsampled = "upsampled",
     }
 }

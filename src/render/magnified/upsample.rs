@@ -21,7 +21,7 @@ pub(super) fn blended(
 ) -> Picture {
     let mut picture = Picture::empty(width, height);
     let shown: Vec<ShownLevel> =
-        levels.iter().map(|(level, picture)| ShownLevel::new(*level, picture)).collect();
+        levels.iter().map(|(level, picture)| ShownLevel::new(*level, picture, width)).collect();
     let across = Taps::row(map.coarsest, width, map.levels.width());
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
     let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
@@ -32,12 +32,15 @@ pub(super) fn blended(
         scratch.sums.resize(width, [0.0; 4]);
         scratch.most.clear();
         scratch.most.resize(width, (0.0, 0));
+        scratch.down.clear();
+        scratch.down.extend(shown.iter().map(|level| level.rows_at(y)));
         for (nth, level) in shown.iter().enumerate() {
-            level.add_row(y, nth, scratch);
+            level.add_row(nth, scratch);
         }
         for x in 0..width {
             let level = &shown[scratch.most[x].1];
-            (inverse_depth[x], image[x]) = level.surface_at(x, y);
+            (inverse_depth[x], image[x]) =
+                level.surface_at(&level.across[x], &scratch.down[scratch.most[x].1]);
             let [red, green, blue, share] = scratch.sums[x];
             if share > 0.0 && (image[x] != NO_IMAGE || inverse_depth[x] >= 0.0) {
                 color[x] = [red, green, blue].map(|sum| squared(sum / share));
@@ -56,7 +59,9 @@ struct RowScratch {
     sums: Vec<Shown>,
     /// The largest weight of a level, and which it is.
     most: Vec<(f32, usize)>,
-    /// A row between those of a level.
+    /// Between which rows of each level the row lies.
+    down: Vec<Taps>,
+    /// The row between those of a level.
     between: Vec<Shown>,
 }
 
@@ -92,28 +97,36 @@ struct ShownLevel<'a> {
     level: usize,
     picture: &'a Picture,
     shown: Vec<Shown>,
+    /// Of the pixels of a row.
+    across: Vec<Taps>,
 }
 
 impl<'a> ShownLevel<'a> {
-    fn new(level: usize, picture: &'a Picture) -> Self {
+    /// For a picture of so many columns.
+    fn new(level: usize, picture: &'a Picture, width: usize) -> Self {
         let pixel = |((color, w), image): ((&[f32; 3], &f32), &u32)| {
             let [red, green, blue] = color.map(root);
             if *image != NO_IMAGE || *w >= 0.0 { [red, green, blue, 1.0] } else { [0.0; 4] }
         };
         let depths = picture.inverse_depth.as_slice().par_iter();
         let pixels = picture.color.as_slice().par_iter().zip(depths).zip(picture.image.as_slice());
-        Self { level, picture, shown: pixels.map(pixel).collect() }
+        let across = Taps::row(level, width, picture.image.width());
+        Self { level, picture, shown: pixels.map(pixel).collect(), across }
+    }
+
+    /// Between which rows of this level a row of the picture lies.
+    fn rows_at(&self, y: usize) -> Taps {
+        Taps::new(self.level, y, self.picture.image.height())
     }
 
     /// Adds what a row of the picture shows of this level, which is the `nth`.
-    fn add_row(&self, y: usize, nth: usize, scratch: &mut RowScratch) {
-        let RowScratch { levels, sums, most, between } = scratch;
+    fn add_row(&self, nth: usize, scratch: &mut RowScratch) {
+        let RowScratch { levels, sums, most, down, between } = scratch;
         let weight_at = |shown: f32| (1.0 - (shown - self.level as f32).abs()).max(0.0);
         if levels.iter().all(|shown| weight_at(*shown) == 0.0) {
             return;
         }
-        let (width, height) = self.picture.image.size();
-        let down = Taps::new(self.level, y, height);
+        let (width, down) = (self.picture.image.width(), &down[nth]);
         let rows = down.at.map(|row| &self.shown[row * width..][..width]);
         between.clear();
         between.extend((0..width).map(|x| down.interpolated(rows.map(|row| row[x]))));
@@ -122,7 +135,7 @@ impl<'a> ShownLevel<'a> {
             if weight == 0.0 {
                 continue;
             }
-            let across = Taps::new(self.level, x, width);
+            let across = &self.across[x];
             let value = across.interpolated(across.at.map(|x| between[x]));
             for channel in 0..4 {
                 sums[x][channel] += weight * value[channel];
@@ -134,11 +147,9 @@ impl<'a> ShownLevel<'a> {
     }
 
     /// Inverse depth and image at a pixel of the picture: of the nearest pixel, its depth interpolated on the same surface.
-    fn surface_at(&self, x: usize, y: usize) -> (f32, u32) {
-        let (width, height) = self.picture.image.size();
-        let (across, down) = (Taps::new(self.level, x, width), Taps::new(self.level, y, height));
+    fn surface_at(&self, across: &Taps, down: &Taps) -> (f32, u32) {
         let nearest = |taps: &Taps| taps.at[if taps.along < 0.5 { 1 } else { 2 }];
-        let at = (nearest(&across), nearest(&down));
+        let at = (nearest(across), nearest(down));
         let (own, image) = (self.picture.inverse_depth[at], self.picture.image[at]);
         let corner = |right: usize, below: usize| {
             let w = self.picture.inverse_depth[(across.at[1 + right], down.at[1 + below])];
