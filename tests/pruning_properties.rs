@@ -157,7 +157,7 @@ fn blended_silhouettes_yield_to_clean_samples_and_can_be_dropped() {
 }
 
 #[test]
-fn of_two_equal_cameras_half_of_the_surfaces_blended_is_kept_and_the_first_of_them_yields_nothing_at_all() {
+fn of_two_equal_cameras_half_of_what_is_blended_on_surfaces_is_kept_and_the_first_yields_nothing_at_all() {
     let ball = Sphere::resting(DVec3::new(0.0, 0.0, 0.6), 0.8, [0.7, 0.2, 0.1]);
     let scene = Scene { spheres: vec![ball], ground: true, normals: true, color_rays: 4, ..Scene::default() };
     let first = arc(3, 64);

@@ -33,7 +33,7 @@ struct SeenFrame {
 
 /// Whether lines of sight are tested with these settings.
 pub(super) fn tests_free_space(settings: &RenderSettings) -> bool {
-    settings.free_space && matches!(settings.kernel, Kernel::Gather | Kernel::Surfel)
+    settings.free_space && settings.kernel.interpolates()
 }
 
 /// Whether pictures of some images of samples have to tell what pixels show in front of their farthest surface: where lines of

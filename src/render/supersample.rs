@@ -33,7 +33,7 @@ const MAX_FINER_PIXELS: usize = 1 << 23;
 /// Whether the settings ask for pictures that are coarser than what was recorded to be averaged or rendered from coarser samples:
 /// kernels that are simple on purpose stay so.
 pub(crate) fn filters(settings: &RenderSettings) -> bool {
-    settings.antialias && matches!(settings.kernel, Kernel::Gather | Kernel::Surfel)
+    settings.antialias && settings.kernel.interpolates()
 }
 
 /// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than what was recorded, and for

@@ -18,7 +18,7 @@ use super::depth_plane::DepthPlane;
 use super::oct_normal::OctNormal;
 use super::tile::{SampleTile, TILE, TileMask};
 use crate::capture::Camera;
-use crate::settings::Settings;
+use crate::settings::{PruningMethod, Settings};
 
 /// A run of frames `[start, end)`, as frame indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -180,6 +180,12 @@ pub struct SampleSet {
 }
 
 impl SampleSet {
+    /// Whether samples that others represent were dropped.
+    #[must_use]
+    pub fn is_pruned(&self) -> bool {
+        self.settings.pruning.method != PruningMethod::Off
+    }
+
     /// The images whose span contains `frame`, longest span first: together they show every camera at that frame.
     pub fn images_at(&self, frame: usize) -> impl Iterator<Item = &std::sync::Arc<SampleImage>> {
         self.images.iter().filter(move |image| image.span.contains(frame))

@@ -133,6 +133,14 @@ choice! {
     }
 }
 
+impl Kernel {
+    /// Whether pixels show surfaces between samples. Kernels that do not are simple on purpose, and stay so.
+    #[must_use]
+    pub fn interpolates(self) -> bool {
+        matches!(self, Self::Surfel | Self::Gather)
+    }
+}
+
 choice! {
     /// How pixels without any sample are filled.
     pub enum Fill {

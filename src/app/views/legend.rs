@@ -12,6 +12,7 @@ use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
 use crate::grid::Grid;
 use crate::preprocess::agreement::SampleAgreement;
+use crate::preprocess::inspect::VISIBLE_STEPS;
 use crate::samples::TILE;
 
 /// Height of a line of legend.
@@ -70,9 +71,9 @@ pub(crate) fn source_legend_ui(
             let total = visible + alike + unknown;
             bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} of 255"), sequential);
             let differs = format!("visible {}", model::percent(*visible, total));
-            ui.label(RichText::new(differs).small()).on_hover_text(
-                "Differs by 8 or more of 255 steps: more than the eye takes for the same color.",
-            );
+            ui.label(RichText::new(differs).small()).on_hover_text(format!(
+                "Differs by {VISIBLE_STEPS:.0} or more of 255 steps: more than the eye takes for the same color.",
+            ));
             let unknown = format!("seen once {}", model::percent(*unknown, total));
             ui.label(RichText::new(unknown).small())
                 .on_hover_text("No other camera shows the point about as finely; shown dimmed.");

@@ -1,7 +1,7 @@
 //! The decision on a sample: the twelve rules that keep or drop it, and the conditions that they are made of.
 //!
 //! ```text
-//! no depth ─▶ NoSample    mixed, and all such are dropped ─▶ MixedDropped    pruning is off ─▶ PruningOff
+//! no depth ─▶ NoSample    mixed, and of the sky or all such are dropped ─▶ MixedDropped    pruning is off ─▶ PruningOff
 //! else, of the samples of other cameras that show the same surface point and may be its witness:
 //!     the best of those that are better and kept ─▶ LowerRate, Tie, LaterCamera, MixedYields, UnsureYields
 //!     none, and more cameras look past it than confirm it ─▶ Contradicted
@@ -42,7 +42,7 @@ pub enum Rule {
     MixedYields,
     /// Dropped: the normal is unknown, so that the rate is a guess, and the witness's is known.
     UnsureYields,
-    /// Dropped: it is a mixed pixel, and of the sky, or the settings drop all such samples. There is no witness.
+    /// Dropped: it is a mixed pixel of the sky, or of anything where the settings drop all of them. There is no witness.
     MixedDropped,
     /// Dropped: more cameras look past the point than confirm it; its own confirms it, but looks past it if the sample flies. There is
     /// no witness.

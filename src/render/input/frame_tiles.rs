@@ -14,7 +14,6 @@ use half::f16;
 use super::frame_tile::{FrameTile, linear};
 use crate::error::{Error, Result};
 use crate::samples::{SampleImage, SampleSet, TILE, TILE_SAMPLES};
-use crate::settings::PruningMethod;
 use crate::simd::{self, VectorLoop};
 
 /// Most tiles that slots can number.
@@ -126,7 +125,7 @@ impl VectorLoop for IndexTiles<'_, '_> {
 impl<'a> FrameSamples<'a> {
     /// Whether redundant samples were pruned.
     pub(crate) fn is_pruned(&self) -> bool {
-        self.set.settings.pruning.method != PruningMethod::Off
+        self.set.is_pruned()
     }
 
     /// The samples of the images at `frame`. With an index of the background's tiles, these are not listed for painting again.

@@ -8,7 +8,7 @@ use crate::render::geometry::Projector;
 use crate::render::recorded_rates::RecordedRates;
 use crate::render::vantage::{Picture, Vantage};
 use crate::samples::SampleSet;
-use crate::settings::{Kernel, Magnified, PruningMethod, RenderSettings};
+use crate::settings::{Magnified, RenderSettings};
 
 /// From this magnification on a coarser level has a part.
 const LEAST_MAGNIFICATION: f32 = 2.5;
@@ -21,8 +21,7 @@ const LEAST_SHARE: f64 = 0.1;
 
 /// The coarsest level of which a picture shows a part; 0 if it shows nothing but itself.
 pub(crate) fn coarsest_level(rates: &RecordedRates, settings: &RenderSettings) -> usize {
-    let applies = settings.magnified == Magnified::Upsampled
-        && matches!(settings.kernel, Kernel::Gather | Kernel::Surfel);
+    let applies = settings.magnified == Magnified::Upsampled && settings.kernel.interpolates();
     let rate = if applies { rates.of_share(1.0 - LEAST_SHARE) } else { 0.0 };
     if rate > 0.0 { (level_of(rate.recip()).ceil() as usize).min(COARSEST) } else { 0 }
 }
@@ -118,7 +117,7 @@ impl<'a> RecordedPixels<'a> {
         Self {
             samples,
             source_from_target: samples.cameras.iter().map(of_camera).collect(),
-            is_pruned: samples.settings.pruning.method != PruningMethod::Off,
+            is_pruned: samples.is_pruned(),
         }
     }
 
