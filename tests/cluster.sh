@@ -91,7 +91,7 @@ workflow killed &
 running=$!
 killed=
 while [ -z "$killed" ] && kill -0 $running 2> /dev/null; do
-    killed=$(pgrep -f "^[^ ]*overlook[^ ]* preprocess .*killed/scene.ovl .*--stage prune --part 3/6$" | head -n 1 || true)
+    killed=$(pgrep -f "^$program preprocess .*killed/scene.ovl .*--stage prune --part 3/6$" | head -n 1 || true)
     sleep 0.01
 done
 [ -n "$killed" ] || fail "no job was there to be killed"

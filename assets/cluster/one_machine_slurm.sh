@@ -5,7 +5,8 @@
 #         --profile assets/cluster/profiles/slurm
 #
 # Needs root, and Debian's slurmctld, slurmd, slurm-client and munge. All it writes is in a temporary folder, to which
-# /etc/slurm/slurm.conf leads meanwhile; it removes both. With KEEP_LOGS=FOLDER logs are copied there first. Nothing listens beyond this machine's own ports 16817 to 16819.
+# /etc/slurm/slurm.conf leads meanwhile; it removes both. With KEEP_LOGS=FOLDER logs are copied there first. Each node says that it has
+# NODE_CPUS cores and NODE_MEMORY_MB of memory. Nothing listens beyond this machine's own ports 16817 to 16819.
 set -euo pipefail
 
 [ $# -gt 0 ] || { echo "give the command to run on the cluster" >&2; exit 2; }
@@ -36,8 +37,9 @@ clean_up() {
 trap clean_up EXIT
 
 host=$(hostname -s)
-cpus=${NODE_CPUS:-2}
-memory=${NODE_MEMORY_MB:-4000}
+# As much as the largest job of the profile asks for, whatever the machine has: a larger job would wait forever.
+cpus=${NODE_CPUS:-16}
+memory=${NODE_MEMORY_MB:-16000}
 mkdir -p "$folder/state" "$folder/spool"
 chmod 755 "$folder"
 head -c 128 /dev/urandom > "$folder/key"
