@@ -98,12 +98,15 @@ mod tests {
     use crate::samples::SampleImage;
     use crate::settings::{AlignSettings, CaptureSettings, MixedPixels, Settings};
 
-    /// A demo whose depth is off by some share of it, at each pixel by another.
+    /// Views of each place where a demo stands.
+    const AT_ONE_PLACE: usize = 6;
+
+    /// A demo that stands at several places. Its depth is off by some share of it, at each pixel by another.
     struct Noisy(Demo, f32);
 
     impl FrameSource for Noisy {
         fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-            let mut loaded = self.0.load(camera, frame)?;
+            let mut loaded = self.0.load(camera % AT_ONE_PLACE, frame)?;
             for (pixel, inverse_depth) in loaded.inverse_depth.as_mut_slice().iter_mut().enumerate() {
                 let draw = crate::random::mix((camera * 1_000_003 + pixel) as u64) >> 40;
                 *inverse_depth *= 1.0 + self.1 * (draw as f32 / (1 << 23) as f32 - 1.0);
@@ -112,14 +115,24 @@ mod tests {
         }
 
         fn place(&self, camera: usize, frame: usize) -> String {
-            self.0.place(camera, frame)
+            self.0.place(camera % AT_ONE_PLACE, frame)
         }
     }
 
     fn capture(scene: &str, noise: f32) -> Capture {
-        let demo = Demo::new(&DemoSpec::new(scene).cameras(12).frames(1).size((80, 60))).unwrap();
+        let demo = Demo::new(&DemoSpec::new(scene).cameras(AT_ONE_PLACE).frames(1).size((80, 60))).unwrap();
         let capture = demo.capture(&CaptureSettings::default());
-        let parts = CaptureParts { source: Arc::new(Noisy(demo, noise)), ..(*capture).clone() };
+        // The first two places are near enough for some views of one to look at the other.
+        let places =
+            [0.0, 12.0, 1000.0].map(|meters| glam::DAffine3::from_translation(glam::DVec3::X * meters));
+        let at = |place: &glam::DAffine3, camera: &crate::capture::Camera| crate::capture::Camera {
+            world_from_camera: *place * camera.world_from_camera,
+            ..camera.clone()
+        };
+        let cameras =
+            places.iter().flat_map(|place| capture.cameras.iter().map(move |camera| at(place, camera)));
+        let cameras = cameras.collect();
+        let parts = CaptureParts { cameras, source: Arc::new(Noisy(demo, noise)), ..(*capture).clone() };
         Capture::new(parts, 1 << 20)
     }
 
@@ -135,12 +148,12 @@ mod tests {
             settings.pruning.mixed_pixels = mixed;
             let capture = capture(scene, noise);
             let scan: Arc<PreparedScan> = crate::preprocess::scan(&capture, &settings, &job).unwrap();
-            let layer = 80 * 60 * 47;
+            let (layer, count) = (80 * 60 * 47, capture.cameras.len());
             let of_bound = |bound: usize| {
                 let views = Views { bound, ..Views::new(&capture, &scan, &settings) };
                 let (images, counts) =
-                    prune_views(ImageBuffer::new(usize::MAX), views, &vec![Vec::new(); 12], &job).unwrap();
-                let report = counts.finish(12, images.facts());
+                    prune_views(ImageBuffer::new(usize::MAX), views, &vec![Vec::new(); count], &job).unwrap();
+                let report = counts.finish(count, images.facts());
                 (images.into_images().unwrap(), report)
             };
             let (images, report) = of_bound(usize::MAX);

@@ -4,6 +4,9 @@ use std::collections::VecDeque;
 
 use crate::preprocess::registration::CameraPairs;
 
+/// Most views that are worked on together: their verdicts are in memory, 16 bytes a pixel.
+pub(super) const MOST_TOGETHER: usize = 16;
+
 /// Views that are worked on together.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Group {
@@ -41,13 +44,16 @@ fn order_of<I: ExactSizeIterator<Item = usize>>(count: usize, others: impl Fn(us
     order
 }
 
-/// Cuts an order into groups. Those that a group holds take no more than `bound` together, unless those of a single view do.
+/// Cuts an order into groups. Those that a group holds take no more than `bound` together, or than a single view does with all that it
+/// needs: memory that is taken once may be used throughout.
 pub(super) fn groups<I: Iterator<Item = usize>>(
     order: &[usize],
     bytes: impl Fn(usize) -> usize,
     bound: usize,
     others: impl Fn(usize) -> I,
 ) -> Vec<Group> {
+    let needed_by = |camera: usize| bytes(camera) + others(camera).map(&bytes).sum::<usize>();
+    let bound = order.iter().map(|camera| needed_by(*camera)).fold(bound, usize::max);
     let mut groups: Vec<Group> = Vec::new();
     let mut is_held = vec![false; order.len()];
     let mut held_bytes = 0;
@@ -57,7 +63,8 @@ pub(super) fn groups<I: Iterator<Item = usize>>(
         };
         let mut more = needed(&is_held);
         let more_bytes: usize = more.iter().map(|other| bytes(*other)).sum();
-        if groups.is_empty() || held_bytes + more_bytes > bound {
+        let is_full = groups.last().is_none_or(|group| group.cameras.len() == MOST_TOGETHER);
+        if is_full || held_bytes + more_bytes > bound {
             is_held.fill(false);
             held_bytes = 0;
             more = needed(&is_held);
@@ -110,6 +117,7 @@ mod tests {
             );
         }
         let tiny = super::groups(&order, |_| 10, 1, of);
-        assert_eq!(tiny.len(), count, "a view with all that see it is held whatever that takes");
+        assert!(tiny.iter().all(|group| group.held.len() <= 7), "a view with all that see it, and no more");
+        assert_eq!(tiny.iter().map(|group| group.cameras.len()).sum::<usize>(), count);
     }
 }

@@ -33,6 +33,8 @@ pub(super) struct LayerWindow<'a> {
     /// Per view, when it was last asked for; 0 where its layer is not held.
     used: Vec<u64>,
     turn: u64,
+    /// Bytes that layers may take: what the recording gives them, or what the largest group so far took.
+    bound: usize,
 }
 
 impl<'a> LayerWindow<'a> {
@@ -49,6 +51,7 @@ impl<'a> LayerWindow<'a> {
             smooth: Arc::new(SmoothDepths::new(pairs, ROOT)),
             used: vec![0; count],
             turn: 0,
+            bound: views.bound,
         }
     }
 
@@ -66,11 +69,14 @@ impl<'a> LayerWindow<'a> {
 
     /// Cuts an order of views into groups that fit, each with the others that matter to its views.
     pub(super) fn groups<I: Iterator<Item = usize>>(
-        &self,
+        &mut self,
         order: &[usize],
         others: impl Fn(usize) -> I,
     ) -> Vec<Group> {
-        groups(order, |camera| self.bytes(camera), self.views.bound, others)
+        let groups = groups(order, |camera| self.bytes(camera), self.bound, others);
+        let of_group = |group: &Group| group.held.iter().map(|camera| self.bytes(*camera)).sum();
+        self.bound = groups.iter().map(of_group).fold(self.bound, usize::max);
+        groups
     }
 
     fn bytes(&self, camera: usize) -> usize {
@@ -107,7 +113,7 @@ impl<'a> LayerWindow<'a> {
         held.retain(|camera| self.used[*camera] < self.turn);
         held.sort_by_key(|camera| self.used[*camera]);
         for camera in held {
-            if bytes <= self.views.bound {
+            if bytes <= self.bound {
                 break;
             }
             bytes -= self.bytes(camera);
