@@ -4,7 +4,8 @@
 //! sphere, each grid half as fine as the one before; a direction around which a fine grid knows nothing is interpolated in coarser
 //! ones. Grids in space have no seams, unlike the faces of a cube or the poles of a map.
 //!
-//! Source: pull and push, Gortler et al., *The Lumigraph*, SIGGRAPH 1996, §3.4. What differs: the grids are three-dimensional.
+//! Source: pull and push with weights that saturate, Gortler et al., *The Lumigraph*, SIGGRAPH 1996, §3.4. What differs: the grids are
+//! three-dimensional.
 
 use std::ops::Range;
 
@@ -25,7 +26,14 @@ const TOUCHING: f32 = 0.5;
 /// Interpolation ends when less than this share is open.
 const MAX_OPEN_SHARE: f32 = 1.0 / 256.0;
 
-/// Sums of red, green and blue, and their number.
+/// A cell with fewer samples than this is open by the share that it lacks: a few at the rim of what was seen may be blended with a
+/// surface.
+const FULL_COUNT: f32 = 16.0;
+
+/// What a sample counts beside which others are missing: pruning may have dropped those of a surface that it is blended with.
+const BESIDE_MISSING: f32 = 1.0 / 64.0;
+
+/// Weighted sums of red, green and blue, and the sum of weights.
 type Sum = [f32; 4];
 
 /// The colors of samples at infinity, by direction.
@@ -53,12 +61,18 @@ impl SkySums {
             cells.resize(FINEST * FINEST * FINEST, [0.0; 4]);
             dense.unpack(tile);
             for row in 0..TILE {
-                for column in (0..TILE).filter(|column| is_clean_sky(&dense, *column, row)) {
+                for column in 0..TILE {
+                    let weight = weight_of_sky(dense.rows(), column, row);
+                    if weight == 0.0 {
+                        continue;
+                    }
                     let [first, across, down] = rays[tile.camera as usize];
                     let (x, y) = (tile.origin.0 as f32 + column as f32, tile.origin.1 as f32 + row as f32);
                     let cell = &mut cells[cell_of((first + across * x + down * y).normalize_or_zero())];
                     let [red, green, blue] = tile.color(tile.rank(column, row));
-                    *cell = [cell[0] + red, cell[1] + green, cell[2] + blue, cell[3] + 1.0];
+                    for (sum, part) in cell.iter_mut().zip([red, green, blue, 1.0]) {
+                        *sum += weight * part;
+                    }
                 }
             }
         }
@@ -88,6 +102,7 @@ impl Environment {
             for_cells_around(direction, FINEST >> nth, |cell, share| {
                 let [red, green, blue, count] = level[cell];
                 if count > 0.0 {
+                    let share = share * (count / FULL_COUNT).min(1.0);
                     let part = share / count;
                     sum = [sum[0] + part * red, sum[1] + part * green, sum[2] + part * blue];
                     weight += share;
@@ -102,7 +117,7 @@ impl Environment {
                 break;
             }
         }
-        color.map(|channel| channel / (1.0 - open))
+        if open < 1.0 { color.map(|channel| channel / (1.0 - open)) } else { color }
     }
 }
 
@@ -121,11 +136,26 @@ impl PixelDirections {
     }
 }
 
-/// Whether a pixel of a tile holds a sample at infinity with no surface beside it in the tile: its color is not blended with one.
-fn is_clean_sky(tile: &DenseTile, column: usize, row: usize) -> bool {
+/// What a sample counts, given the inverse depths of its tile: nothing unless it lies at infinity with no surface beside it, else its
+/// color may be blended with one.
+fn weight_of_sky(rows: &[[f32; TILE]], column: usize, row: usize) -> f32 {
+    if rows[row][column] != 0.0 {
+        return 0.0;
+    }
     let columns = column.saturating_sub(1)..(column + 2).min(TILE);
-    let mut around = (row.saturating_sub(1)..(row + 2).min(TILE)).map(|row| &tile.row(row)[columns.clone()]);
-    tile.row(row)[column] == 0.0 && around.all(|samples| samples.iter().all(|w| *w <= 0.0))
+    let around =
+        rows[row.saturating_sub(1)..(row + 2).min(TILE)].iter().flat_map(|row| &row[columns.clone()]);
+    let (mut nearest, mut farthest) = (0.0_f32, 0.0_f32);
+    for w in around {
+        (nearest, farthest) = (nearest.max(*w), farthest.min(*w));
+    }
+    if nearest > 0.0 {
+        0.0
+    } else if farthest < 0.0 {
+        BESIDE_MISSING
+    } else {
+        1.0
+    }
 }
 
 /// The cell of the finest grid that a direction of length 1 lies in.
@@ -170,14 +200,21 @@ fn for_cells_around(direction: Vec3, side: usize, mut visit: impl FnMut(usize, f
 mod tests {
     use super::*;
 
-    /// The environment of samples with these directions and colors.
-    fn environment(samples: impl Iterator<Item = (Vec3, [f32; 3])>) -> Environment {
+    /// The environment of samples with these directions and colors, so many of each.
+    fn environment_of(samples: impl Iterator<Item = (Vec3, [f32; 3], f32)>) -> Environment {
         let mut cells = vec![[0.0; 4]; FINEST * FINEST * FINEST];
-        for (direction, [red, green, blue]) in samples {
+        for (direction, [red, green, blue], count) in samples {
             let cell = &mut cells[cell_of(direction)];
-            *cell = [cell[0] + red, cell[1] + green, cell[2] + blue, cell[3] + 1.0];
+            for (sum, part) in cell.iter_mut().zip([red, green, blue, 1.0]) {
+                *sum += count * part;
+            }
         }
         Environment::new(&SkySums { cells }).unwrap()
+    }
+
+    /// The environment of directions and colors that were seen often.
+    fn environment(samples: impl Iterator<Item = (Vec3, [f32; 3])>) -> Environment {
+        environment_of(samples.map(|(direction, color)| (direction, color, FULL_COUNT)))
     }
 
     /// Directions all over the sphere, evenly.
@@ -210,6 +247,34 @@ mod tests {
                 assert!(difference(found, color) < 1e-5, "{direction}: {found:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_few_samples_of_another_color_at_the_rim_of_what_was_seen_do_not_go_on() {
+        let (bright, dark, toward) = ([0.5; 3], [0.0; 3], Vec3::new(0.6, 0.0, 0.8));
+        let patch = || directions(20_000).filter(|direction| direction.dot(toward) > 0.9);
+        let rim = || patch().filter(|direction| direction.dot(toward) < 0.92).step_by(40);
+        let seen = || patch().map(|direction| (direction, bright, FULL_COUNT));
+        let beyond: Vec<Vec3> =
+            rim().map(|direction| (direction - 0.15 * toward).normalize_or_zero()).collect();
+        let few = |count: f32| {
+            let blended = beyond.iter().map(|direction| (*direction, dark, count));
+            let sky = environment_of(seen().chain(blended));
+            beyond.iter().map(|direction| difference(sky.color(*direction), bright)).fold(0.0, f32::max)
+        };
+        assert!(few(1.0) < 0.1 && few(BESIDE_MISSING) < 0.01, "{} {}", few(1.0), few(BESIDE_MISSING));
+        assert!(few(FULL_COUNT) > 0.25, "many are believed: {}", few(FULL_COUNT));
+    }
+
+    #[test]
+    fn samples_of_the_sky_count_little_beside_missing_ones_and_nothing_beside_a_surface() {
+        let (surface, missing) = (1.0, -1.0);
+        let mut rows = [[0.0_f32; TILE]; TILE];
+        (rows[3][3], rows[10][10]) = (surface, missing);
+        let weight = |column: usize, row: usize| weight_of_sky(&rows, column, row);
+        assert_eq!([weight(3, 3), weight(4, 4), weight(10, 10)], [0.0; 3]);
+        assert_eq!([weight(11, 9), weight(9, 10)], [BESIDE_MISSING; 2]);
+        assert_eq!([weight(6, 6), weight(0, 0), weight(15, 15)], [1.0; 3]);
     }
 
     #[test]

@@ -27,6 +27,12 @@ impl DenseTile {
         &self.rows[row + 1]
     }
 
+    /// The inverse depths of all rows.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> &[[f32; TILE]] {
+        &self.rows[1..=TILE]
+    }
+
     /// Lays out a tile.
     #[inline(always)]
     pub(crate) fn unpack(&mut self, tile: &FrameTile<'_>) {
