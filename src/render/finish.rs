@@ -84,30 +84,40 @@ impl Finisher {
         let (background, all) = (images.background().to_vec(), images.all().to_vec());
         let wanted = cameras_to_ask(&samples.cameras, &vantage.camera);
         let known = self.frame.take().filter(|seen| seen.is_of(samples, &all));
-        if let Some(seen) = known
-            && (seen.environment.is_none() || seen.depths.has(&wanted))
-        {
-            self.frame = Some(seen);
-            return Ok(());
-        }
+        let known = match known {
+            Some(seen) if seen.environment.is_none() || seen.depths.has(&wanted) => {
+                self.frame = Some(seen);
+                return Ok(());
+            }
+            known => known,
+        };
         let frame = FrameSamples::of(samples, vantage.frame, images, None)?;
         let (back, front) = (frame.background_tiles(), frame.foreground_tiles());
-        let known = self.background.take().filter(|seen| seen.is_of(samples, &background));
-        let before = self.background.insert(known.unwrap_or_else(|| SeenFrame {
+        let known_before = self.background.take().filter(|seen| seen.is_of(samples, &background));
+        let before = self.background.insert(known_before.unwrap_or_else(|| SeenFrame {
             samples: samples.clone(),
             images: background,
             depths: SeenDepths::default(),
             sky: SkySums::new(&frame, back.clone(), None),
             environment: None,
         }));
-        let sky = SkySums::new(&frame, front.clone(), Some(&before.sky));
-        let environment = Environment::new(&sky);
-        let mut depths = SeenDepths::default();
-        if environment.is_some() {
+        let mut seen = known.unwrap_or_else(|| {
+            let sky = SkySums::new(&frame, front.clone(), Some(&before.sky));
+            let environment = Environment::new(&sky);
+            SeenFrame {
+                samples: samples.clone(),
+                images: all,
+                depths: SeenDepths::default(),
+                sky,
+                environment,
+            }
+        });
+        if seen.environment.is_some() {
             before.depths.complete(&frame, &back, None, &wanted);
-            depths.complete(&frame, &front, Some(&before.depths), &wanted);
+            seen.depths.keep(&wanted);
+            seen.depths.complete(&frame, &front, Some(&before.depths), &wanted);
         }
-        self.frame = Some(SeenFrame { samples: samples.clone(), images: all, depths, sky, environment });
+        self.frame = Some(seen);
         Ok(())
     }
 }

@@ -61,6 +61,13 @@ impl SeenDepths {
         wanted.iter().all(|camera| matches!(self.cameras.get(*camera), Some(Some(_))))
     }
 
+    /// Forgets what all but the wanted cameras saw.
+    pub(crate) fn keep(&mut self, wanted: &[usize]) {
+        for (camera, seen) in self.cameras.iter_mut().enumerate() {
+            *seen = seen.take().filter(|_| wanted.contains(&camera));
+        }
+    }
+
     /// Adds what the wanted cameras saw according to some tiles of a frame, and to what was seen `before`, if given.
     pub(crate) fn complete(
         &mut self,
