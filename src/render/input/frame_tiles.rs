@@ -286,21 +286,17 @@ impl<'a> FrameSamples<'a> {
     #[inline(always)]
     pub(crate) fn cameras_of(&self, slots: impl Iterator<Item = u32>, cameras: &mut Vec<u16>) {
         cameras.clear();
+        // Most neighbors are of the same tile.
+        let mut tile = u32::MAX;
+        let firsts = slots.filter(|slot| std::mem::replace(&mut tile, slot >> 8) != slot >> 8);
+        let seen_by = firsts.map(|slot| self.camera_of(slot));
         if self.set.cameras.len() > 64 {
-            cameras.extend(slots.map(|slot| self.camera_of(slot)));
+            cameras.extend(seen_by);
             cameras.sort_unstable();
             cameras.dedup();
             return;
         }
-        let mut seen = 0_u64;
-        let mut tile = u32::MAX;
-        for slot in slots {
-            // Most neighbors are of the same tile.
-            if slot >> 8 != tile {
-                tile = slot >> 8;
-                seen |= 1 << (self.camera_of(slot) % 64);
-            }
-        }
+        let mut seen = seen_by.fold(0_u64, |seen, camera| seen | 1 << (camera % 64));
         while seen != 0 {
             cameras.push(seen.trailing_zeros() as u16);
             seen &= seen - 1;
