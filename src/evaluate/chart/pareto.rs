@@ -8,7 +8,7 @@ use crate::evaluate::sweep::{Point, Series, mark_pareto};
 use crate::plural::counted;
 use crate::settings::Kernel;
 
-const BYTES: &str = "samples in the store, MiB";
+const BYTES: &str = "samples in the store, MB";
 const WIDTH: f64 = 1800.0;
 const HEIGHT: f64 = 1040.0;
 const TOP: f64 = 110.0;
@@ -73,7 +73,7 @@ pub(crate) fn pareto(capture: &str, points: &[Point]) -> Chart {
         let x = ChartAxis::around(Scale::Log, points.iter().map(cost), (left, right));
         Panel { name, cost, left, right, x, y }.draw(&mut svg, points);
     };
-    panel(PANELS[0], BYTES, Point::mebibytes_of_samples);
+    panel(PANELS[0], BYTES, Point::megabytes_of_samples);
     panel(PANELS[1], "rendering one view, ms", |point| point.milliseconds);
     svg.upward((38.0, 0.5 * (TOP + BOTTOM)), (18.0, color::INK), "accuracy, PSNR in dB");
     legend(&mut svg, points);

@@ -89,18 +89,8 @@ fn sweep(results: &CaptureResults) -> String {
     let mut shown: Vec<&Point> = ours.iter().copied().take(SHOWN_SETTINGS).collect();
     shown.extend(ours.iter().copied().skip(SHOWN_SETTINGS).filter(|point| point.series == Series::Reference));
     shown.extend(points.iter().filter(|point| point.series.is_baseline()));
-    let head = [
-        "setting or method",
-        "dB",
-        "behind the best",
-        "SSIM",
-        "FLIP",
-        "unseen",
-        "edge",
-        "inner",
-        "MiB",
-        "ms",
-    ];
+    let head =
+        ["setting or method", "dB", "behind the best", "SSIM", "FLIP", "unseen", "edge", "inner", "MB", "ms"];
     html += &table(&head, &shown.iter().map(|point| cells(point)).collect::<Vec<_>>());
     let _ = writeln!(
         html,
@@ -141,10 +131,10 @@ fn verdict(points: &[Point]) -> String {
         .iter()
         .map(|point| {
             format!(
-                "'{}' ({:.2} dB, {:.2} MiB)",
+                "'{}' ({:.2} dB, {:.2} MB)",
                 point.label,
                 point.psnr_filled_db,
-                point.mebibytes_of_samples()
+                point.megabytes_of_samples()
             )
         })
         .collect();
@@ -188,7 +178,7 @@ fn cells(point: &Point) -> Vec<String> {
         class(point.error_by_class.map(|error| error.unseen)),
         class(point.error_by_class.map(|error| error.edge)),
         class(point.error_by_class.map(|error| error.inner)),
-        format!("{:.2}", point.mebibytes_of_samples()),
+        format!("{:.2}", point.megabytes_of_samples()),
         format!("{:.1}", point.milliseconds),
     ]
 }
@@ -233,12 +223,12 @@ fn views(name: &str, chosen: &ChosenViews) -> String {
             count.views.to_string(),
             format!("{:.1} %", 100.0 * count.shown),
             format!("{:.2} ± {:.2}", count.psnr_filled_db, count.psnr_filled_db_se),
-            format!("{:.2}", count.bytes as f64 / f64::from(1 << 20)),
+            format!("{:.2}", count.bytes as f64 / 1e6),
         ]
     };
     if !chosen.accuracy.is_empty() {
         let rows: Vec<_> = chosen.accuracy.iter().map(cells).collect();
-        html += &table(&["views", "shown", "dB", "MiB"], &rows);
+        html += &table(&["views", "shown", "dB", "MB"], &rows);
     }
     html
 }

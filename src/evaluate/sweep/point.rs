@@ -194,8 +194,8 @@ impl Point {
     }
 
     /// See [`Point::bytes_of_samples`].
-    pub(crate) fn mebibytes_of_samples(&self) -> f64 {
-        self.bytes_of_samples() as f64 / (1024.0 * 1024.0)
+    pub(crate) fn megabytes_of_samples(&self) -> f64 {
+        self.bytes_of_samples() as f64 / 1e6
     }
 
     /// What a trial gave.

@@ -19,16 +19,16 @@ pub(super) fn of(tuned: &Tuned, plan: &TunePlan, frames: usize) -> Vec<String> {
     words.push(chosen(tuned));
     words.extend(changes(&plan.settings, &tuned.settings));
     words.extend(tuned.bytes_whole.map(|bytes| {
-        format!("The store of the whole capture takes {} at most with these settings.", mebibytes(bytes))
+        format!("The store of the whole capture takes {} at most with these settings.", megabytes(bytes))
     }));
     words.push(over_time(&tuned.chosen, frames));
     words.extend(cameras(tuned));
     words
 }
 
-fn mebibytes(bytes: u64) -> String {
-    let kibibytes = bytes as f64 / 1024.0;
-    if kibibytes < 1024.0 { format!("{kibibytes:.1} KiB") } else { format!("{:.2} MiB", kibibytes / 1024.0) }
+fn megabytes(bytes: u64) -> String {
+    let kilobytes = bytes as f64 / 1e3;
+    if kilobytes < 1e3 { format!("{kilobytes:.1} kB") } else { format!("{:.2} MB", kilobytes / 1e3) }
 }
 
 fn good_enough(tuned: &Tuned, plan: &TunePlan) -> String {
@@ -45,7 +45,7 @@ fn good_enough(tuned: &Tuned, plan: &TunePlan) -> String {
             format!("Of {settings} tried, the most accurate within {milliseconds} ms was taken.")
         }
         (None, Some(TuneBudget::Bytes(bytes))) => {
-            format!("Of {settings} tried, the most accurate within {} was taken.", mebibytes(bytes))
+            format!("Of {settings} tried, the most accurate within {} was taken.", megabytes(bytes))
         }
         (None, None) => format!("{settings} {} tried.", either(tried, "was", "were")),
     }
@@ -58,7 +58,7 @@ fn chosen(tuned: &Tuned) -> String {
         "Chosen: '{}' with {:.2} dB in {}; it gives up {:.2} dB of the best and takes {share:.0} % of its bytes.",
         chosen.label,
         chosen.psnr_filled_db,
-        mebibytes(chosen.bytes),
+        megabytes(chosen.bytes),
         (best.psnr_filled_db - chosen.psnr_filled_db).max(0.0),
     )
 }

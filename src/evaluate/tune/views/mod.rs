@@ -202,12 +202,12 @@ fn words(chosen: &ChosenViews) -> Vec<String> {
     let at = |number: usize| chosen.accuracy.iter().find(|count| count.views == number);
     match (at(needed), chosen.accuracy.last()) {
         (Some(few), Some(all)) if all.views > few.views => words.push(format!(
-            "Pictures made of them have {:.2} dB in {:.2} MiB; of {}, {:.2} dB in {:.2} MiB.",
+            "Pictures made of them have {:.2} dB in {:.2} MB; of {}, {:.2} dB in {:.2} MB.",
             few.psnr_filled_db,
-            few.bytes as f64 / f64::from(1 << 20),
+            few.bytes as f64 / 1e6,
             counted(all.views, "view"),
             all.psnr_filled_db,
-            all.bytes as f64 / f64::from(1 << 20),
+            all.bytes as f64 / 1e6,
         )),
         (Some(few), _) => {
             words.push(format!("Pictures made of them have {:.2} dB.", few.psnr_filled_db));
