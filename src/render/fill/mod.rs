@@ -36,6 +36,9 @@ use pyramid::Pyramid;
 use rays::HoleRays;
 use surface::{SurfaceTolerance, WeightedMean, surface_behind};
 
+/// Surfaces that face each other across a hole in more of the four directions go on through it.
+const MOST_FACING: usize = 1;
+
 /// Fills the holes of `picture` as the settings demand. Sets color and inverse depth, which is then 0 or more; [`Picture::image`]
 /// stays [`NO_IMAGE`]. A picture without any sample is left as it is.
 pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
@@ -66,8 +69,7 @@ pub(super) fn fill_from(
             let stops = sources_where(picture, |depth| depth != OPEN_HOLE);
             let rays = HoleRays::cast(&stops, picture.image.size());
             fill_sky(picture, target, environment, |depths, pixel| {
-                depths[pixel] == OPEN_HOLE
-                    && is_mostly_beside_sky(&rays, depths, (pixel % width, pixel / width))
+                depths[pixel] == OPEN_HOLE && is_open_to_sky(&rays, depths, (pixel % width, pixel / width))
             });
         }
     }
@@ -149,12 +151,17 @@ fn sources_where(picture: &Picture, counts: impl Fn(f32) -> bool + Sync) -> Vec<
     depths.map(|depth| if counts(*depth) { 0 } else { NO_IMAGE }).collect()
 }
 
-/// Whether a pixel sees the sky across its hole in at least half of the directions in which it sees anything.
-fn is_mostly_beside_sky(rays: &HoleRays, depths: &[f32], pixel: (usize, usize)) -> bool {
+/// Whether a pixel sees the sky across its hole, and surfaces that face each other in one direction at most: a surface goes on only
+/// between what is seen of it on both sides. A pixel that sees nothing at all shows the sky.
+fn is_open_to_sky(rays: &HoleRays, depths: &[f32], pixel: (usize, usize)) -> bool {
     let seen = rays.neighbors(pixel);
-    let found = || (0..8).filter(|direction| seen.distance_px[*direction].is_finite());
-    let sky = found().filter(|direction| depths[seen.pixel[*direction]] == 0.0).count();
-    2 * sky >= found().count()
+    let inverse_depth =
+        |direction: usize| seen.distance_px[direction].is_finite().then(|| depths[seen.pixel[direction]]);
+    let is_surface = |direction: usize| inverse_depth(direction).is_some_and(|w| w > 0.0);
+    let facing = (0..4).filter(|direction| is_surface(*direction) && is_surface(direction + 4)).count();
+    let sees_sky = (0..8).any(|direction| inverse_depth(direction) == Some(0.0));
+    let sees_nothing = (0..8).all(|direction| inverse_depth(direction).is_none());
+    sees_nothing || sees_sky && facing <= MOST_FACING
 }
 
 /// Fills the holes for which `shows_sky` holds, given the inverse depths of the picture and the index of the pixel.
@@ -174,5 +181,43 @@ fn fill_sky(
     for (pixel, color) in filled {
         picture.color.as_mut_slice()[pixel] = color;
         picture.inverse_depth.as_mut_slice()[pixel] = 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The inverse depths of a picture, of which `?` is an open hole, `s` the sky, `d` a surface, and `h` a hole of another kind.
+    fn depths(rows: &[&str]) -> (Vec<f32>, (usize, usize)) {
+        let of = |letter: char| match letter {
+            '?' => OPEN_HOLE,
+            's' => 0.0,
+            'd' => 0.5,
+            _ => HOLE,
+        };
+        (rows.iter().flat_map(|row| row.chars().map(of)).collect(), (rows[0].len(), rows.len()))
+    }
+
+    fn is_open(rows: &[&str], pixel: (usize, usize)) -> bool {
+        let (depths, size) = depths(rows);
+        let stops: Vec<u32> =
+            depths.iter().map(|depth| if *depth == OPEN_HOLE { NO_IMAGE } else { 0 }).collect();
+        is_open_to_sky(&HoleRays::cast(&stops, size), &depths, pixel)
+    }
+
+    #[test]
+    fn beyond_the_corner_of_a_surface_is_the_sky_and_between_its_parts_the_surface() {
+        // Surfaces in five of eight directions, of which two lie opposite of each other.
+        assert!(is_open(&["ddddd", "d???s", "d???s", "d???s", "dssss"], (2, 2)));
+        assert!(!is_open(&["ddsdd", "d???d", "d???d", "d???d", "ddddd"], (2, 2)));
+        assert!(!is_open(&["sssss", "sd?ds", "sd?ds", "sd?ds", "sssss"], (2, 2)), "a narrow gap");
+    }
+
+    #[test]
+    fn where_nothing_is_seen_is_the_sky_and_beside_other_holes_alone_it_is_not() {
+        assert!(is_open(&["???", "???", "???"], (1, 1)));
+        assert!(!is_open(&["hhh", "h?h", "hhh"], (1, 1)));
+        assert!(!is_open(&["ddd", "d??", "d??"], (1, 1)), "a surface on one side, and nothing else");
     }
 }
