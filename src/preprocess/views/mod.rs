@@ -149,6 +149,15 @@ mod tests {
             let capture = capture(scene, noise);
             let scan: Arc<PreparedScan> = crate::preprocess::scan(&capture, &settings, &job).unwrap();
             let (layer, count) = (80 * 60 * 47, capture.cameras.len());
+            let sights = Views::new(&capture, &scan, &settings).sights(&job).unwrap();
+            let others: Vec<usize> =
+                CameraPairs::of_sights(&capture.cameras, &sights).others(0).map(|(other, _)| other).collect();
+            let of_place =
+                |place: usize| others.iter().filter(|other| **other / AT_ONE_PLACE == place).count();
+            assert!(
+                of_place(1) > 0 && others.len() < count - 1,
+                "some views of two places overlap: {others:?}"
+            );
             let of_bound = |bound: usize| {
                 let views = Views { bound, ..Views::new(&capture, &scan, &settings) };
                 let (images, counts) =
