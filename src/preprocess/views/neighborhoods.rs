@@ -4,9 +4,6 @@ use std::collections::VecDeque;
 
 use crate::preprocess::registration::CameraPairs;
 
-/// Most views that are worked on together: their verdicts are in memory, 16 bytes a pixel.
-pub(super) const MOST_TOGETHER: usize = 16;
-
 /// Views that are worked on together.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Group {
@@ -63,8 +60,7 @@ pub(super) fn groups<I: Iterator<Item = usize>>(
         };
         let mut more = needed(&is_held);
         let more_bytes: usize = more.iter().map(|other| bytes(*other)).sum();
-        let is_full = groups.last().is_none_or(|group| group.cameras.len() == MOST_TOGETHER);
-        if is_full || held_bytes + more_bytes > bound {
+        if groups.is_empty() || held_bytes + more_bytes > bound {
             is_held.fill(false);
             held_bytes = 0;
             more = needed(&is_held);

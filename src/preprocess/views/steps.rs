@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::neighborhoods::{Group, MOST_TOGETHER, neighborhood_order};
+use super::neighborhoods::{Group, neighborhood_order};
 use super::recording::Views;
 use super::verdict_store::VerdictStore;
 use super::window::LayerWindow;
@@ -18,6 +18,8 @@ use crate::preprocess::temporal::all_frames;
 use crate::samples::ImageBuffer;
 use crate::settings::MixedPixels;
 
+/// Views of which samples that wait are decided together.
+const SETTLED_TOGETHER: usize = 16;
 /// Samples that wait before some of them are decided, each with all its candidates: some 150 bytes.
 const MOST_WAITING: usize = 1 << 19;
 
@@ -99,7 +101,8 @@ impl<'a> Pruning<'a> {
         let pass = self.pass();
         let may_go_on = |camera: &usize| waiting[*camera].may_go_on(&pass);
         let cameras: Vec<usize> = (0..waiting.len()).filter(may_go_on).collect();
-        for cameras in cameras.chunks(MOST_TOGETHER) {
+        // As many at a time as verdicts fit into memory.
+        for cameras in cameras.chunks(SETTLED_TOGETHER) {
             for (camera, waits) in self.settle(cameras, Some(waiting))? {
                 waiting[camera] = waits;
             }
