@@ -39,7 +39,7 @@ type Sum = [f32; 4];
 /// The colors of samples at infinity, by direction.
 #[derive(Clone, Debug)]
 pub(crate) struct SkySums {
-    /// The finest grid, by z, y and x; empty if there are no samples.
+    /// The finest grid, by z, y and x; empty if no sample counts.
     cells: Vec<Sum>,
 }
 
@@ -58,7 +58,6 @@ impl SkySums {
         let mut cells = before.map(|before| before.cells.clone()).unwrap_or_default();
         let mut dense = DenseTile::new();
         for tile in frame.tiles(tiles).iter().filter(|tile| tile.depths.bounds().0 == 0.0) {
-            cells.resize(FINEST * FINEST * FINEST, [0.0; 4]);
             dense.unpack(tile);
             for row in 0..TILE {
                 for column in 0..TILE {
@@ -66,6 +65,7 @@ impl SkySums {
                     if weight == 0.0 {
                         continue;
                     }
+                    cells.resize(FINEST * FINEST * FINEST, [0.0; 4]);
                     let [first, across, down] = rays[tile.camera as usize];
                     let (x, y) = (tile.origin.0 as f32 + column as f32, tile.origin.1 as f32 + row as f32);
                     let cell = &mut cells[cell_of((first + across * x + down * y).normalize_or_zero())];
@@ -81,7 +81,7 @@ impl SkySums {
 }
 
 impl Environment {
-    /// From samples at infinity; `None` if there are none.
+    /// From samples at infinity; `None` if none of them counts.
     pub(crate) fn new(sums: &SkySums) -> Option<Self> {
         if sums.cells.is_empty() {
             return None;
@@ -117,7 +117,7 @@ impl Environment {
                 break;
             }
         }
-        if open < 1.0 { color.map(|channel| channel / (1.0 - open)) } else { color }
+        color.map(|channel| channel / (1.0 - open))
     }
 }
 
