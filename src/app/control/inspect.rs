@@ -139,7 +139,7 @@ impl OverlookApp {
         let (told, others) = changes.split_at(changes.len().min(CHANGES));
         let more = if others.is_empty() { String::new() } else { format!("; and {} more", others.len()) };
         let text = format!("{}{more} (Ctrl+Z undoes)", told.join("; "));
-        self.change_settings("chart", settings);
+        self.change_settings(settings);
         self.state.notify(NoticeKind::Done, "Settings applied", text);
     }
 

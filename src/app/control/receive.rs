@@ -153,7 +153,7 @@ impl OverlookApp {
     }
 
     fn settings_loaded(&mut self, path: &Path, settings: Settings) {
-        self.change_settings("file", settings);
+        self.change_settings(settings);
         let text = if self.state.has_thresholds() {
             path.display().to_string()
         } else {

@@ -19,7 +19,7 @@ impl OverlookApp {
                     self.set(path, value);
                 }
             }
-            Command::ResetAll => self.change_settings("all", Settings::default()),
+            Command::ResetAll => self.change_settings(Settings::default()),
             Command::Undo => {
                 let settings = history.undo(now)?;
                 self.put_settings(settings);
@@ -61,16 +61,22 @@ impl OverlookApp {
 
     fn set(&mut self, path: &'static str, value: toml::Value) {
         let mut settings = self.state.settings.clone();
+        let number = matches!(value, toml::Value::Integer(_) | toml::Value::Float(_)).then_some(path);
         match settings.set(path, value) {
-            Ok(()) => self.change_settings(path, settings),
+            Ok(()) => self.change_settings_by(number, settings),
             Err(error) => self.state.notify(NoticeKind::Error, "Setting not changed", error.to_string()),
         }
     }
 
-    /// Changes settings; successive changes of one `what` are undone together.
-    pub(crate) fn change_settings(&mut self, what: &'static str, settings: Settings) {
+    /// Changes settings, which is undone by itself.
+    pub(crate) fn change_settings(&mut self, settings: Settings) {
+        self.change_settings_by(None, settings);
+    }
+
+    /// Changes settings; successive changes of one `number`, as by a slider, are undone together.
+    fn change_settings_by(&mut self, number: Option<&'static str>, settings: Settings) {
         if settings != self.state.settings {
-            self.state.inspector.history.record(&self.state.settings, what, Instant::now());
+            self.state.inspector.history.record(&self.state.settings, number, Instant::now());
             self.put_settings(settings);
         }
     }
@@ -96,6 +102,6 @@ impl OverlookApp {
         let now = &self.state.settings;
         let mut settings = Settings { capture: now.capture.clone(), ..preset };
         settings.render.backend = now.render.backend;
-        self.change_settings("preset", settings);
+        self.change_settings(settings);
     }
 }

@@ -131,7 +131,7 @@ impl OverlookApp {
         let mut settings = self.state.settings.clone();
         if holes == HoleDisplay::Filled && settings.render.fill == Fill::None {
             settings.render.fill = RenderSettings::default().fill;
-            self.change_settings("render.fill", settings);
+            self.change_settings(settings);
         }
     }
 

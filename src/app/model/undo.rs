@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::settings::Settings;
 
-/// Changes of one setting that follow each other faster than this are one change: a slider in motion.
+/// Numbers of one setting that follow each other faster than this are one change: a slider in motion.
 const ONE_CHANGE: Duration = Duration::from_millis(700);
 
 /// Changes that are remembered.
@@ -25,6 +25,7 @@ pub(crate) enum SettingsSlot {
 struct Past {
     undo: Vec<Settings>,
     redo: Vec<Settings>,
+    /// When which number was changed last, where nothing else was changed since.
     last: Option<(Instant, &'static str)>,
 }
 
@@ -41,11 +42,12 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// `what` is about to change `before`.
-    pub(crate) fn record(&mut self, before: &Settings, what: &'static str, now: Instant) {
+    /// Something is about to change `before`: the `number` of this setting, or what is chosen at once.
+    pub(crate) fn record(&mut self, before: &Settings, number: Option<&'static str>, now: Instant) {
         let past = &mut self.past;
-        let goes_on = past.last.is_some_and(|(at, last)| last == what && now.duration_since(at) < ONE_CHANGE);
-        past.last = Some((now, what));
+        let goes_on =
+            past.last.is_some_and(|(at, last)| Some(last) == number && now.duration_since(at) < ONE_CHANGE);
+        past.last = number.map(|number| (now, number));
         past.redo.clear();
         if goes_on {
             return;
@@ -116,12 +118,24 @@ mod tests {
         let (mut history, start) = (History::default(), Instant::now());
         for step in 0..10 {
             let at = start + Duration::from_millis(50 * step);
-            history.record(&with(1.0 + step as f32), "pruning.depth_tolerance", at);
+            history.record(&with(1.0 + step as f32), Some("pruning.depth_tolerance"), at);
         }
         let before = history.undo(&with(11.0)).unwrap();
         assert_eq!(before, with(1.0));
         assert!(!history.can_undo());
         assert_eq!(history.redo(&before).unwrap(), with(11.0));
+    }
+
+    #[test]
+    fn what_is_chosen_is_undone_by_itself_however_soon_the_next_choice_follows() {
+        let (mut history, at) = (History::default(), Instant::now());
+        history.record(&with(1.0), None, at);
+        history.record(&with(2.0), None, at);
+        history.record(&with(3.0), Some("pruning.depth_tolerance"), at);
+        history.record(&with(4.0), None, at);
+        history.record(&with(5.0), Some("pruning.depth_tolerance"), at);
+        let undone = std::iter::successors(history.undo(&with(6.0)), |now| history.undo(now));
+        assert_eq!(undone.collect::<Vec<_>>(), [5.0, 4.0, 3.0, 2.0, 1.0].map(with));
     }
 
     #[test]
@@ -138,10 +152,10 @@ mod tests {
     #[test]
     fn what_was_changed_in_one_of_two_settings_is_not_taken_back_in_the_other() {
         let (mut history, start) = (History::default(), Instant::now());
-        history.record(&with(1.0), "pruning.depth_tolerance", start);
+        history.record(&with(1.0), Some("pruning.depth_tolerance"), start);
         let b = history.switch(&with(2.0));
         assert!(!history.can_undo(), "nothing of B was changed");
-        history.record(&b, "pruning.depth_tolerance", start);
+        history.record(&b, Some("pruning.depth_tolerance"), start);
         assert_eq!(history.undo(&with(3.0)).unwrap(), b);
         assert_eq!(history.switch(&b), with(2.0));
         assert!(!history.can_redo(), "nothing of A was taken back");
