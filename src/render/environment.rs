@@ -1,8 +1,8 @@
 //! The sky, continued into directions that no camera saw.
 //!
 //! What lies at infinity depends on direction alone. Its colors are summed up in the cells of grids over the cube around the unit
-//! sphere, each grid half as fine as the one before; a direction around which a fine grid knows nothing is interpolated in coarser
-//! ones. Grids in space have no seams, unlike the faces of a cube or the poles of a map.
+//! sphere, each grid half as fine as the one before; a cell of which a fine grid knows nothing is interpolated in the coarser one, once
+//! for all. A direction is then looked up in the finest grid alone. Grids in space have no seams, unlike the faces of a cube or the poles of a map.
 //!
 //! Source: pull and push with weights that saturate, Gortler et al., *The Lumigraph*, SIGGRAPH 1996, §3.4. What differs: the grids are
 //! three-dimensional.
@@ -19,12 +19,6 @@ use crate::samples::TILE;
 
 /// Cells along each side of the finest grid: some two degrees each.
 const FINEST: usize = 64;
-
-/// Of the eight cells around a direction half touch the sphere, on average: the others are always empty.
-const TOUCHING: f32 = 0.5;
-
-/// Interpolation ends when less than this share is open.
-const MAX_OPEN_SHARE: f32 = 1.0 / 256.0;
 
 /// A cell with fewer samples than this is open by the share that it lacks: a few at the rim of what was seen may be blended with a
 /// surface.
@@ -43,11 +37,14 @@ pub(crate) struct SkySums {
     cells: Vec<Sum>,
 }
 
+/// Red, green, blue and 1; zeros in cells that do not touch the sphere.
+type Shown = [f32; 4];
+
 /// The color at infinity in every direction.
 #[derive(Clone, Debug)]
 pub(crate) struct Environment {
-    /// The grids, finest first.
-    levels: Vec<Vec<Sum>>,
+    /// The finest grid, by z, y and x.
+    cells: Vec<Shown>,
 }
 
 impl SkySums {
@@ -86,38 +83,22 @@ impl Environment {
         if sums.cells.is_empty() {
             return None;
         }
-        let mut levels = vec![sums.cells.clone()];
-        while let Some(finer) = levels.last().filter(|finer| finer.len() > 1) {
-            let coarser = halved(finer, FINEST >> (levels.len() - 1));
-            levels.push(coarser);
+        let mut coarser: Vec<Vec<Sum>> = Vec::new();
+        for halvings in 0..FINEST.ilog2() {
+            let finer = coarser.last().unwrap_or(&sums.cells);
+            coarser.push(halved(finer, FINEST >> halvings));
         }
-        Some(Self { levels })
+        let mut cells = Vec::new();
+        for (nth, sums) in coarser.iter().enumerate().rev() {
+            cells = pushed(sums, FINEST >> (nth + 1), &cells);
+        }
+        cells = pushed(&sums.cells, FINEST, &cells);
+        Some(Self { cells })
     }
 
     /// The color in a direction of length 1, linear Rec.709.
     pub(crate) fn color(&self, direction: Vec3) -> [f32; 3] {
-        let (mut color, mut open) = ([0.0; 3], 1.0_f32);
-        for (nth, level) in self.levels.iter().enumerate() {
-            let (mut sum, mut weight) = ([0.0; 3], 0.0_f32);
-            for_cells_around(direction, FINEST >> nth, |cell, share| {
-                let [red, green, blue, count] = level[cell];
-                if count > 0.0 {
-                    let share = share * (count / FULL_COUNT).min(1.0);
-                    let part = share / count;
-                    sum = [sum[0] + part * red, sum[1] + part * green, sum[2] + part * blue];
-                    weight += share;
-                }
-            });
-            if weight > 0.0 {
-                let covered = (weight / TOUCHING).min(1.0);
-                (0..3).for_each(|channel| color[channel] += open * covered * sum[channel] / weight);
-                open *= 1.0 - covered;
-            }
-            if open < MAX_OPEN_SHARE {
-                break;
-            }
-        }
-        color.map(|channel| channel / (1.0 - open))
+        interpolated(&self.cells, FINEST, direction)
     }
 }
 
@@ -180,11 +161,41 @@ fn halved(finer: &[Sum], side: usize) -> Vec<Sum> {
     (0..half * half * half).into_par_iter().with_min_len(512).map(sum_of).collect()
 }
 
-/// Visits the eight cells around a direction with their trilinear shares, in a grid of `side` cells along each side.
-fn for_cells_around(direction: Vec3, side: usize, mut visit: impl FnMut(usize, f32)) {
+/// The colors of a grid with `side` cells along each side: of its own sums as far as they are full, else of the coarser grid, which is
+/// empty for the coarsest.
+fn pushed(sums: &[Sum], side: usize, coarser: &[Shown]) -> Vec<Shown> {
+    let color_of = |cell: usize| {
+        let [red, green, blue, count] = sums[cell];
+        let index = [cell % side, cell / side % side, cell / side / side];
+        let half_width = 1.0 / side as f32;
+        let center = Vec3::from(index.map(|index| (2 * index + 1) as f32 * half_width - 1.0));
+        if count == 0.0 && !touches_sphere(center, half_width) {
+            return [0.0; 4];
+        }
+        let full = if coarser.is_empty() { 1.0 } else { (count / FULL_COUNT).min(1.0) };
+        let own = if count > 0.0 { [red, green, blue].map(|sum| sum / count) } else { [0.0; 3] };
+        let behind =
+            if full < 1.0 { interpolated(coarser, side / 2, center.normalize_or_zero()) } else { [0.0; 3] };
+        let [red, green, blue] =
+            [0, 1, 2].map(|channel| full * own[channel] + (1.0 - full) * behind[channel]);
+        [red, green, blue, 1.0]
+    };
+    (0..sums.len()).into_par_iter().with_min_len(512).map(color_of).collect()
+}
+
+/// Whether the unit sphere goes through a cell.
+fn touches_sphere(center: Vec3, half_width: f32) -> bool {
+    let nearest = (center.abs() - half_width).max(Vec3::ZERO).length();
+    let farthest = (center.abs() + half_width).length();
+    nearest <= 1.0 && 1.0 <= farthest
+}
+
+/// The color in a direction of length 1, in a grid of `side` cells along each side: trilinear, among the cells that touch the sphere.
+fn interpolated(cells: &[Shown], side: usize, direction: Vec3) -> [f32; 3] {
     let at = (direction + Vec3::ONE) * (0.5 * side as f32) - Vec3::splat(0.5);
     let first = at.floor();
     let share = at - first;
+    let mut sum = [0.0; 4];
     for corner in 0..8 {
         let end = |axis: usize| {
             let step = corner >> axis & 1;
@@ -192,8 +203,10 @@ fn for_cells_around(direction: Vec3, side: usize, mut visit: impl FnMut(usize, f
             (index, if step == 1 { share[axis] } else { 1.0 - share[axis] })
         };
         let ((x, a), (y, b), (z, c)) = (end(0), end(1), end(2));
-        visit((z * side + y) * side + x, a * b * c);
+        let cell = cells[(z * side + y) * side + x];
+        (0..4).for_each(|channel| sum[channel] += a * b * c * cell[channel]);
     }
+    [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
 }
 
 #[cfg(test)]

@@ -19,12 +19,15 @@ pub(crate) struct OtherCamera<'a> {
     pub(crate) limits: SameSurface,
     /// For each sixteen columns of the band.
     pub(crate) may_see: Vec<bool>,
+    /// For each sixteen columns of the band, the best ranks that this camera's samples there can have.
+    best: Vec<Ranks>,
     /// How often this camera gave the best candidate so far. Cameras are tried in descending order of it, which affects
     /// speed only.
     pub(crate) improved: u32,
 }
 
-/// The other cameras that may see something of a camera's rows, of whose sixteen columns each some `lanes` take part.
+/// The other cameras that may see something of a camera's rows, of whose sixteen columns each some `lanes` take part. `best_in` gives
+/// the best ranks that a camera's samples in a rectangle can have.
 #[inline(always)]
 pub(crate) fn other_cameras<'a>(
     pairs: &'a CameraPairs<'_>,
@@ -32,6 +35,7 @@ pub(crate) fn other_cameras<'a>(
     (camera, rows): (usize, Range<usize>),
     lanes: &[u32],
     limits: impl Fn(usize) -> SameSurface,
+    best_in: impl Fn(usize, Option<[f32; 4]>) -> Ranks,
 ) -> Vec<OtherCamera<'a>> {
     let layer = &layers[camera];
     let ends = [rows.start, rows.end - 1];
@@ -52,10 +56,15 @@ pub(crate) fn other_cameras<'a>(
     let of_other = |(camera, registration): (usize, &'a Registration)| {
         let of_columns = |(at, bounds): (usize, &Option<[f32; 2]>)| {
             let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
-            bounds.is_some_and(|bounds| registration.may_see(columns, ends, bounds))
+            match bounds {
+                Some(bounds) if registration.may_see(columns, ends, *bounds) => {
+                    (true, best_in(camera, registration.rectangle(columns, ends, *bounds)))
+                }
+                _ => (false, Ranks::ABSENT),
+            }
         };
-        let may_see = bounds.iter().enumerate().map(of_columns).collect();
-        OtherCamera { camera, registration, limits: limits(camera), improved: 0, may_see }
+        let (may_see, best) = bounds.iter().enumerate().map(of_columns).unzip();
+        OtherCamera { camera, registration, limits: limits(camera), improved: 0, may_see, best }
     };
     pairs.others(camera).filter(may_see).map(of_other).collect()
 }
@@ -112,10 +121,10 @@ impl ComparedRun {
     pub(crate) const NOWHERE: Self = Self { reprojected: ReprojectedRun::NOWHERE, relevant: [0; LANES] };
 }
 
-/// Compares the samples of a row of `camera` with those of another camera. `compared` is scratch, one for each run. The whole
-/// row is reprojected before any of it is compared, so that many fetches from memory are under way at once.
+/// Compares samples of `camera` with those of another camera. `compared` is scratch, at least one for each run. All are reprojected
+/// before any of them is compared, so that many fetches from memory are under way at once.
 #[inline(always)]
-pub(crate) fn compare_row(
+pub(crate) fn compare_runs(
     pass: &PruningPass<'_>,
     camera: usize,
     undecided: &mut [UndecidedRun],
@@ -125,7 +134,7 @@ pub(crate) fn compare_row(
     let target = &pass.layers[other.camera];
     for (run, compared) in undecided.iter().zip(&mut *compared) {
         compared.reprojected.bits = [0; LANES];
-        if other.may_see[run.nth] {
+        if other.may_see[run.nth] && run.best.may_matter(run.lanes, other.best[run.nth], other.camera) {
             compared.reprojected = other.registration.reproject(&run.block, target.width);
             compared.reprojected.prefetch_ranks(target);
         }
@@ -182,6 +191,20 @@ impl BestCandidates {
         }
     }
 
+    /// Whether it may matter to any of the samples of `lanes` what a camera saw whose ranks there are no better than these.
+    #[inline(always)]
+    fn may_matter(&self, lanes: u32, ranks: Ranks, camera: usize) -> bool {
+        let mut may_matter = [0; LANES];
+        for i in 0..LANES {
+            let better = is_better(ranks.rank, camera as u32, self.rank[i], self.camera[i]);
+            let otherwise =
+                is_better(ranks.other_rank, camera as u32, self.other_rank[i], self.other_camera[i]);
+            let takes_part = lanes >> i & 1 == 1;
+            may_matter[i] = u32::from(takes_part & (better | otherwise | (self.seen[i] == 0)));
+        }
+        any(&may_matter)
+    }
+
     /// For which samples it matters what the target saw: where no other camera saw the point yet, or the target's sample would
     /// be the best by either model.
     #[inline(always)]
@@ -220,8 +243,9 @@ impl BestCandidates {
             other.limits.compare(other.registration, (source, block), (target, reprojected), *relevant);
         let mut may_be_witness = *relevant;
         if !pass.all_may_be_witnesses[other.camera] {
-            for lane in 0..LANES {
-                may_be_witness[lane] &= u32::from(pass.may_be_witness(other.camera, matches.pixel[lane]));
+            // Looked up one by one, and far apart in memory.
+            for lane in (0..LANES).filter(|lane| relevant[*lane] != 0 && matches.is_same(*lane)) {
+                may_be_witness[lane] = u32::from(pass.may_be_witness(other.camera, matches.pixel[lane]));
             }
         }
         let mut ranks = [Ranks::ABSENT; LANES];

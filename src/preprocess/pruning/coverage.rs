@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::decision::{Candidate, Decided, Rule, Verdict, may_be_witness};
 use super::pass::{DROPPED, KEPT, PendingSample, PruningPass, SearchBand, UNDECIDED};
-use crate::preprocess::registration::Outcome;
+use crate::preprocess::registration::{IN_VIEW, PixelRun};
 use crate::simd::{self, VectorLoop};
 
 /// How many samples ahead the statuses of witnesses are prefetched.
@@ -149,18 +149,25 @@ fn all_but_the_best(pass: &PruningPass<'_>, camera: usize, pixel: u32) -> Vec<Ca
     let layer = &pass.layers[camera];
     let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
     let sample = Candidate::new(layer, camera, pixel);
+    let point = PixelRun::<1>::new(layer, x, y, 1);
     let mut candidates = Vec::new();
     for (other, registration) in pass.pairs.others(camera) {
         let target = &pass.layers[other];
         if target.geometry.is_empty() {
             continue;
         }
-        let Outcome::Same(found) = pass.limits.test(registration, (layer, x, y), target) else { continue };
-        let candidate = Candidate::new(target, other, found);
+        let reprojected = registration.reproject(&point, target.width);
+        if reprojected.bits[0] & IN_VIEW == 0 {
+            continue;
+        }
+        // Whether it is better is known at once, whether it is the same surface takes long.
+        let candidate = Candidate::new(target, other, reprojected.pixel[0]);
         // Samples of this level that are dropped by now are candidates still; they will be passed over.
-        let (is_own_level, is_kept) = (candidate.level == pass.level, pass.status(other, found) == KEPT);
+        let is_own_level = candidate.level == pass.level;
+        let is_kept = pass.status(other, candidate.pixel) == KEPT;
         if may_be_witness(is_own_level, is_kept, pass.settings.pruning.across_spans)
             && candidate.is_better_than(&sample)
+            && pass.limits.compare(registration, (layer, &point), (target, &reprojected), [1]).is_same(0)
         {
             candidates.push(candidate);
         }

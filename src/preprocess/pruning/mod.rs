@@ -10,6 +10,7 @@ mod coverage;
 mod decision;
 mod pack;
 mod pass;
+mod rank_bounds;
 mod search;
 mod span_stack;
 

@@ -17,7 +17,7 @@
 //!
 //! Nearly always the best candidate is kept, so that only this one is looked for at first, for sixteen samples at a time. Where
 //! it turns out dropped, all candidates are found and tried in their order. Samples are not compared with a camera that cannot
-//! see the rectangle in which they lie. The conditions of the rules are in `decision.rs`.
+//! see the rectangle in which they lie, nor with one that has nothing better there than what was found already. The conditions of the rules are in `decision.rs`.
 
 use std::cmp::Reverse;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -25,15 +25,16 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use rayon::prelude::*;
 
 use super::best_candidate::{
-    BestCandidates, ComparedRun, OtherCamera, UndecidedRun, compare_row, lanes_at, other_cameras,
+    BestCandidates, ComparedRun, OtherCamera, UndecidedRun, compare_runs, lanes_at, other_cameras,
 };
 use super::coverage::{ResolvePending, resolve};
 use super::decision::{Decided, Dispute, Rule, Verdict, is_dropped_as_mixed, may_be_witness, rule_of_kept};
 use super::pass::{BAND_ROWS, DROPPED, KEPT, PruningPass, SearchBand, Statuses, UNDECIDED};
+use super::rank_bounds::RankBounds;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::{VoteTest, VotedRun};
-use crate::preprocess::layers::CameraLayer;
+use crate::preprocess::layers::{CameraLayer, Ranks};
 use crate::preprocess::registration::{CameraPairs, LANES, PixelRun, SameSurface};
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::{MixedPixels, PruningMethod, Settings};
@@ -61,7 +62,8 @@ pub(crate) fn prune(
     let mut decided: Vec<Decided> =
         counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
     let samples: usize = decided.iter().map(|decided| decided.pixels.len()).sum();
-    let is_dense = samples > layers.iter().map(|layer| layer.level.len()).sum::<usize>() / DENSE_SHARE;
+    let pixels: usize = layers.iter().map(|layer| layer.level.len()).sum();
+    let is_dense = samples > pixels / DENSE_SHARE;
     let all_may_be_witnesses = each().map(|(layer, statuses)| {
         is_dense && all_may_be_witnesses(layer, statuses, level, settings.pruning.across_spans)
     });
@@ -80,7 +82,10 @@ pub(crate) fn prune(
     let cameras = counts.iter().zip(&mut decided).enumerate();
     let mut bands: Vec<_> =
         cameras.flat_map(|(camera, (counts, decided))| bands(layers, camera, counts, decided)).collect();
-    find_best(&pass, &mut bands, job)?;
+    // Where fewer samples are compared than there are pixels, bounds would take longer than what they save.
+    let pays = samples * layers.len() > pixels;
+    let bounds: Vec<_> = if pays { layers.par_iter().map(RankBounds::of).collect() } else { Vec::new() };
+    find_best(&pass, &bounds, &mut bands, job)?;
     bands.par_iter_mut().for_each(|band| resolve(&pass, band));
     while bands.iter().any(|band| !band.pending.is_empty()) {
         job.check()?;
@@ -96,11 +101,16 @@ pub(crate) fn prune(
     Ok(decided)
 }
 
-/// Finds the best candidate of every sample of some bands.
-fn find_best(pass: &PruningPass<'_>, bands: &mut [SearchBand<'_>], job: &Job) -> Result<()> {
+/// Finds the best candidate of every sample of some bands, with bounds on the ranks of each camera if they are known.
+fn find_best(
+    pass: &PruningPass<'_>,
+    bounds: &[RankBounds],
+    bands: &mut [SearchBand<'_>],
+    job: &Job,
+) -> Result<()> {
     bands.par_iter_mut().try_for_each(|band| {
         job.check()?;
-        simd::run(FindBest { pass, band });
+        simd::run(FindBest { pass, bounds, band });
         Ok(())
     })
 }
@@ -142,7 +152,8 @@ pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Resu
     let each = cameras.iter().zip(counts.iter().zip(&mut decided));
     let mut bands: Vec<_> =
         each.flat_map(|(&camera, (counts, decided))| bands(pass.layers, camera, counts, decided)).collect();
-    find_best(pass, &mut bands, job)?;
+    let bounds: Vec<_> = pass.layers.par_iter().map(RankBounds::of).collect();
+    find_best(pass, &bounds, &mut bands, job)?;
     let disputes: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
     let mut at = 0;
     for (camera, disputes) in disputes {
@@ -154,6 +165,9 @@ pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Resu
 
 /// Pixels that are passed over at once.
 const RUN: usize = 64;
+
+/// Rows are compared together until they have so many runs: few enough that these and what other cameras saw there stay in the cache.
+const RUNS_TOGETHER: usize = 64;
 
 /// If fewer than one in this many pixels are to be decided, testing whether all samples may be witnesses does not pay.
 const DENSE_SHARE: usize = 8;
@@ -241,6 +255,7 @@ fn bands<'a>(
 /// Finds the best candidate of every sample of a band.
 struct FindBest<'a, 'b> {
     pass: &'a PruningPass<'a>,
+    bounds: &'a [RankBounds],
     band: &'a mut SearchBand<'b>,
 }
 
@@ -249,32 +264,36 @@ impl VectorLoop for FindBest<'_, '_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { pass, band } = self;
+        let Self { pass, bounds, band } = self;
         let layer = &pass.layers[band.camera];
         let columns = layer.width.div_ceil(LANES);
         let pruning = pass.settings.pruning.method != PruningMethod::Off;
         let lanes = lanes_of_band(band, layer, pass.level);
-        let mut others = if pruning { others_of_band(pass, band, &lanes) } else { Vec::new() };
+        let mut others = if pruning { others_of_band(pass, bounds, band, &lanes) } else { Vec::new() };
         let mut undecided = Vec::new();
-        let mut compared: Vec<ComparedRun> = (0..columns).map(|_| ComparedRun::NOWHERE).collect();
+        let mut compared = Vec::new();
         let mut next = 0;
         for (row, lanes) in band.rows.clone().zip(lanes.chunks_exact(columns)) {
-            undecided.clear();
             for (nth, &lanes) in lanes.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
                 let block = PixelRun::new(layer, nth * LANES, row, lanes);
                 let best = BestCandidates::new(&block, band.camera);
                 undecided.push(UndecidedRun { nth, lanes, block, best });
             }
-            // One camera after the other, so that its picture is read along its rows.
+            if undecided.len() < RUNS_TOGETHER && row + 1 < band.rows.end {
+                continue;
+            }
+            // One camera after the other, so that its picture is read along its rows, and what of it was read is still near for the
+            // next row.
+            compared.resize_with(compared.len().max(undecided.len()), || ComparedRun::NOWHERE);
             for other in &mut others {
-                compare_row(pass, band.camera, &mut undecided, other, &mut compared);
+                compare_runs(pass, band.camera, &mut undecided, other, &mut compared);
             }
             others.sort_by_key(|other| Reverse(other.improved));
             for run in &undecided {
-                let UndecidedRun { nth, lanes, best, .. } = run;
+                let UndecidedRun { lanes, best, block, .. } = run;
                 let contradicted = contradicted_lanes(pass, band.camera, run, &others);
                 for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-                    let pixel = row * layer.width + nth * LANES + lane;
+                    let pixel = block.row * layer.width + block.column + lane;
                     let verdict = if contradicted >> lane & 1 == 1 {
                         Verdict::without_witness(Rule::Contradicted)
                     } else if pruning {
@@ -287,6 +306,7 @@ impl VectorLoop for FindBest<'_, '_> {
                     next += 1;
                 }
             }
+            undecided.clear();
         }
     }
 }
@@ -345,12 +365,20 @@ fn lanes_of_band(band: &SearchBand<'_>, layer: &CameraLayer, level: SpanLevel) -
 
 /// The other cameras that may see something of the band.
 #[inline(always)]
-fn others_of_band<'a>(pass: &PruningPass<'a>, band: &SearchBand<'_>, lanes: &[u32]) -> Vec<OtherCamera<'a>> {
-    other_cameras(pass.pairs, pass.layers, (band.camera, band.rows.clone()), lanes, |other| {
-        pass.limits
-            .between(&pass.layers[band.camera], &pass.layers[other])
-            .with_deeper(pass.has_deeper[other])
-    })
+fn others_of_band<'a>(
+    pass: &PruningPass<'a>,
+    bounds: &[RankBounds],
+    band: &SearchBand<'_>,
+    lanes: &[u32],
+) -> Vec<OtherCamera<'a>> {
+    let limits = |other: usize| {
+        let limits = pass.limits.between(&pass.layers[band.camera], &pass.layers[other]);
+        limits.with_deeper(pass.has_deeper[other])
+    };
+    let best_in = |other: usize, rectangle| {
+        bounds.get(other).map_or(Ranks::BEST, |bounds| bounds.in_rectangle(rectangle))
+    };
+    other_cameras(pass.pairs, pass.layers, (band.camera, band.rows.clone()), lanes, limits, best_in)
 }
 
 fn verdict_without_pruning(pass: &PruningPass<'_>, camera: usize, pixel: usize) -> Verdict {

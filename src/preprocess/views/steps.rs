@@ -18,8 +18,8 @@ use crate::preprocess::temporal::all_frames;
 use crate::samples::ImageBuffer;
 use crate::settings::MixedPixels;
 
-/// Views of which samples that wait are decided together.
-const SETTLED_TOGETHER: usize = 16;
+/// Views of which verdicts are held in memory together, where they need not be for all of a group.
+const VERDICTS_TOGETHER: usize = 16;
 /// Samples that wait before some of them are decided, each with all its candidates: some 150 bytes.
 const MOST_WAITING: usize = 1 << 19;
 
@@ -60,13 +60,15 @@ impl<'a> Pruning<'a> {
     pub(super) fn find_all(&mut self, tally: &mut Tally, residuals: &mut Residuals<'_>) -> Result<()> {
         for group in self.groups.clone() {
             self.window.hold(&group.held, self.job)?;
-            let found = find(&self.pass(), &group.cameras, self.job)?;
-            for (&camera, decided) in group.cameras.iter().zip(found) {
-                tally.add_noise_of(camera, &self.window.layers[camera]);
-                tally.add_disputes(&decided.disputes);
-                residuals.add_lasting_of(camera, &self.window.layers);
-                self.verdicts.put(camera, &decided)?;
-                self.job.advance(1);
+            for cameras in group.cameras.chunks(VERDICTS_TOGETHER) {
+                let found = find(&self.pass(), cameras, self.job)?;
+                for (&camera, decided) in cameras.iter().zip(found) {
+                    tally.add_noise_of(camera, &self.window.layers[camera]);
+                    tally.add_disputes(&decided.disputes);
+                    residuals.add_lasting_of(camera, &self.window.layers);
+                    self.verdicts.put(camera, &decided)?;
+                    self.job.advance(1);
+                }
             }
         }
         Ok(())
@@ -101,8 +103,7 @@ impl<'a> Pruning<'a> {
         let pass = self.pass();
         let may_go_on = |camera: &usize| waiting[*camera].may_go_on(&pass);
         let cameras: Vec<usize> = (0..waiting.len()).filter(may_go_on).collect();
-        // As many at a time as verdicts fit into memory.
-        for cameras in cameras.chunks(SETTLED_TOGETHER) {
+        for cameras in cameras.chunks(VERDICTS_TOGETHER) {
             for (camera, waits) in self.settle(cameras, Some(waiting))? {
                 waiting[camera] = waits;
             }
@@ -172,11 +173,13 @@ impl<'a> Pruning<'a> {
                 let image = pruning::pack(camera, span, layer, masks, consensus.as_ref(), normals);
                 Ok((decided, image))
             };
-            let packed: Vec<_> = group.cameras.par_iter().map(pack).collect::<Result<_>>()?;
-            for (&camera, (decided, image)) in group.cameras.iter().zip(packed) {
-                tally.add_view(camera, &decided);
-                image.map_or(Ok(()), |image| images.push(image))?;
-                self.job.advance(1);
+            for cameras in group.cameras.chunks(VERDICTS_TOGETHER) {
+                let packed: Vec<_> = cameras.par_iter().map(pack).collect::<Result<_>>()?;
+                for (&camera, (decided, image)) in cameras.iter().zip(packed) {
+                    tally.add_view(camera, &decided);
+                    image.map_or(Ok(()), |image| images.push(image))?;
+                    self.job.advance(1);
+                }
             }
         }
         Ok(())
