@@ -8,6 +8,7 @@ mod background;
 mod best_candidate;
 mod coverage;
 mod decision;
+mod find_best;
 mod pack;
 mod pass;
 mod rank_bounds;

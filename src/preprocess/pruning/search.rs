@@ -19,26 +19,23 @@
 //! it turns out dropped, all candidates are found and tried in their order. Samples are not compared with a camera that cannot
 //! see the rectangle in which they lie, nor with one that has nothing better there than what was found already. The conditions of the rules are in `decision.rs`.
 
-use std::cmp::Reverse;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::best_candidate::{
-    BestCandidates, ComparedRun, OtherCamera, UndecidedRun, compare_runs, lanes_at, other_cameras,
-};
 use super::coverage::{ResolvePending, resolve};
-use super::decision::{Decided, Dispute, Rule, Verdict, is_dropped_as_mixed, may_be_witness, rule_of_kept};
+use super::decision::{Decided, is_dropped_as_mixed, may_be_witness};
+use super::find_best::FindBest;
 use super::pass::{BAND_ROWS, DROPPED, KEPT, PruningPass, SearchBand, Statuses, UNDECIDED};
 use super::rank_bounds::RankBounds;
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::agreement::{VoteTest, VotedRun};
-use crate::preprocess::layers::{CameraLayer, Ranks};
-use crate::preprocess::registration::{CameraPairs, LANES, PixelRun, SameSurface};
+use crate::preprocess::agreement::VoteTest;
+use crate::preprocess::layers::CameraLayer;
+use crate::preprocess::registration::{CameraPairs, SameSurface};
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
-use crate::settings::{MixedPixels, PruningMethod, Settings};
-use crate::simd::{self, VectorLoop};
+use crate::settings::{MixedPixels, Settings};
+use crate::simd;
 
 /// Decides every sample of `level`; samples of other levels take part as `statuses` says and stay as they are.
 ///
@@ -166,9 +163,6 @@ pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Resu
 /// Pixels that are passed over at once.
 const RUN: usize = 64;
 
-/// Rows are compared together until they have so many runs: few enough that these and what other cameras saw there stay in the cache.
-const RUNS_TOGETHER: usize = 64;
-
 /// If fewer than one in this many pixels are to be decided, testing whether all samples may be witnesses does not pay.
 const DENSE_SHARE: usize = 8;
 
@@ -250,165 +244,4 @@ fn bands<'a>(
         });
     }
     bands
-}
-
-/// Finds the best candidate of every sample of a band.
-struct FindBest<'a, 'b> {
-    pass: &'a PruningPass<'a>,
-    bounds: &'a [RankBounds],
-    band: &'a mut SearchBand<'b>,
-}
-
-impl VectorLoop for FindBest<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { pass, bounds, band } = self;
-        let layer = &pass.layers[band.camera];
-        let columns = layer.width.div_ceil(LANES);
-        let pruning = pass.settings.pruning.method != PruningMethod::Off;
-        let lanes = lanes_of_band(band, layer, pass.level);
-        let mut others = if pruning { others_of_band(pass, bounds, band, &lanes) } else { Vec::new() };
-        let mut undecided = Vec::new();
-        let mut compared = Vec::new();
-        let mut next = 0;
-        for (row, lanes) in band.rows.clone().zip(lanes.chunks_exact(columns)) {
-            for (nth, &lanes) in lanes.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
-                let block = PixelRun::new(layer, nth * LANES, row, lanes);
-                let best = BestCandidates::new(&block, band.camera);
-                undecided.push(UndecidedRun { nth, lanes, block, best });
-            }
-            if undecided.len() < RUNS_TOGETHER && row + 1 < band.rows.end {
-                continue;
-            }
-            // One camera after the other, so that its picture is read along its rows, and what of it was read is still near for the
-            // next row.
-            compared.resize_with(compared.len().max(undecided.len()), || ComparedRun::NOWHERE);
-            for other in &mut others {
-                compare_runs(pass, band.camera, &mut undecided, other, &mut compared);
-            }
-            others.sort_by_key(|other| Reverse(other.improved));
-            for run in &undecided {
-                let UndecidedRun { lanes, best, block, .. } = run;
-                let contradicted = contradicted_lanes(pass, band.camera, run, &others);
-                for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-                    let pixel = block.row * layer.width + block.column + lane;
-                    let verdict = if contradicted >> lane & 1 == 1 {
-                        Verdict::without_witness(Rule::Contradicted)
-                    } else if pruning {
-                        first_verdict(pass, band.camera, pixel, best, lane, &mut band.disputes)
-                    } else {
-                        verdict_without_pruning(pass, band.camera, pixel)
-                    };
-                    band.pixels[next] = pixel as u32;
-                    band.verdicts[next] = verdict;
-                    next += 1;
-                }
-            }
-            undecided.clear();
-        }
-    }
-}
-
-/// Which samples of a run are to be kept but for the other cameras, which contradict them.
-#[inline(always)]
-fn contradicted_lanes(
-    pass: &PruningPass<'_>,
-    camera: usize,
-    run: &UndecidedRun,
-    others: &[OtherCamera<'_>],
-) -> u32 {
-    if !pass.votes.is_on() {
-        return 0;
-    }
-    let layer = &pass.layers[camera];
-    let pixel = run.block.row * layer.width + run.block.column;
-    let is_asked = |lane: &usize| {
-        run.lanes >> lane & 1 == 1
-            && run.best.candidate(*lane).is_none()
-            && pass.status(camera, (pixel + lane) as u32) != DROPPED
-    };
-    let mut asked = (0..LANES).filter(is_asked).fold(0, |lanes, lane| lanes | 1 << lane);
-    if asked == 0 {
-        return 0;
-    }
-    let is_flying = |lane: usize| asked >> lane & 1 == 1 && layer.packed_colors[pixel + lane].is_flying();
-    let flying = (0..LANES).filter(|lane| is_flying(*lane)).fold(0, |lanes, lane| lanes | 1 << lane);
-    let voters = || others.iter().filter(|other| other.may_see[run.nth]);
-    let mut left = voters().count() as u32;
-    let mut votes = VotedRun::NONE;
-    for other in voters() {
-        // Nobody is asked about samples that all who are left cannot contradict any more.
-        asked &= pass.votes.contradicted(&votes, flying, left);
-        if asked == 0 {
-            return 0;
-        }
-        left -= 1;
-        let target = &pass.layers[other.camera];
-        pass.votes.add(other.registration, (layer, &run.block), target, asked, &mut votes);
-    }
-    asked & pass.votes.contradicted(&votes, flying, 0)
-}
-
-/// For each row and each sixteen pixels of it, which of them hold a sample of the level.
-#[inline(always)]
-fn lanes_of_band(band: &SearchBand<'_>, layer: &CameraLayer, level: SpanLevel) -> Vec<u32> {
-    let mut all = Vec::with_capacity(band.rows.len() * layer.width.div_ceil(LANES));
-    for row in band.rows.clone() {
-        for column in (0..layer.width).step_by(LANES) {
-            all.push(lanes_at(layer, (column, row), |found| found == level));
-        }
-    }
-    all
-}
-
-/// The other cameras that may see something of the band.
-#[inline(always)]
-fn others_of_band<'a>(
-    pass: &PruningPass<'a>,
-    bounds: &[RankBounds],
-    band: &SearchBand<'_>,
-    lanes: &[u32],
-) -> Vec<OtherCamera<'a>> {
-    let limits = |other: usize| {
-        let limits = pass.limits.between(&pass.layers[band.camera], &pass.layers[other]);
-        limits.with_deeper(pass.has_deeper[other])
-    };
-    let best_in = |other: usize, rectangle| {
-        bounds.get(other).map_or(Ranks::BEST, |bounds| bounds.in_rectangle(rectangle))
-    };
-    other_cameras(pass.pairs, pass.layers, (band.camera, band.rows.clone()), lanes, limits, best_in)
-}
-
-fn verdict_without_pruning(pass: &PruningPass<'_>, camera: usize, pixel: usize) -> Verdict {
-    if pass.status(camera, pixel as u32) == DROPPED {
-        return Verdict::without_witness(Rule::MixedDropped);
-    }
-    pass.set_status(camera, pixel as u32, KEPT);
-    Verdict::without_witness(Rule::PruningOff)
-}
-
-/// The verdict on a sample if its best candidate is kept. Keeps the sample where there is none.
-#[inline(always)]
-fn first_verdict(
-    pass: &PruningPass<'_>,
-    camera: usize,
-    pixel: usize,
-    best: &BestCandidates,
-    lane: usize,
-    disputes: &mut Vec<Dispute>,
-) -> Verdict {
-    if pass.status(camera, pixel as u32) == DROPPED {
-        return Verdict::without_witness(Rule::MixedDropped);
-    }
-    let winners = best.winners(lane);
-    if winners[0] != winners[1] {
-        disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
-    }
-    if let Some(candidate) = best.candidate(lane) {
-        return Verdict::dropped_for(pass.settings.pruning.method, best.own_rank[lane], candidate);
-    }
-    pass.set_status(camera, pixel as u32, KEPT);
-    Verdict::without_witness(rule_of_kept(best.passed_over[lane] != 0, best.seen[lane] != 0))
 }
