@@ -1,8 +1,8 @@
 //! The sky, continued into directions that no camera saw.
 //!
 //! What lies at infinity depends on direction alone. Its colors are summed up in the cells of grids over the cube around the unit
-//! sphere, each grid half as fine as the one before; a cell of which a fine grid knows nothing is interpolated in the coarser one, once
-//! for all. A direction is then looked up in the finest grid alone. Grids in space have no seams, unlike the faces of a cube or the poles of a map.
+//! sphere, each grid half as fine as the one before. Where a grid knows little, its cells are filled from the coarser one, so that a
+//! direction is looked up in the finest grid alone. Grids in space have no seams, unlike the faces of a cube or the poles of a map.
 //!
 //! Source: pull and push with weights that saturate, Gortler et al., *The Lumigraph*, SIGGRAPH 1996, §3.4. What differs: the grids are
 //! three-dimensional.
@@ -20,7 +20,7 @@ use crate::samples::TILE;
 /// Cells along each side of the finest grid: some two degrees each.
 const FINEST: usize = 64;
 
-/// A cell with fewer samples than this is open by the share that it lacks: a few at the rim of what was seen may be blended with a
+/// A cell with fewer samples than this is filled from the coarser grid by the share that it lacks: a few at the rim of what was seen may be blended with a
 /// surface.
 const FULL_COUNT: f32 = 16.0;
 
@@ -83,17 +83,7 @@ impl Environment {
         if sums.cells.is_empty() {
             return None;
         }
-        let mut coarser: Vec<Vec<Sum>> = Vec::new();
-        for halvings in 0..FINEST.ilog2() {
-            let finer = coarser.last().unwrap_or(&sums.cells);
-            coarser.push(halved(finer, FINEST >> halvings));
-        }
-        let mut cells = Vec::new();
-        for (nth, sums) in coarser.iter().enumerate().rev() {
-            cells = pushed(sums, FINEST >> (nth + 1), &cells);
-        }
-        cells = pushed(&sums.cells, FINEST, &cells);
-        Some(Self { cells })
+        Some(Self { cells: filled(&sums.cells, FINEST) })
     }
 
     /// The color in a direction of length 1, linear Rec.709.
@@ -161,9 +151,9 @@ fn halved(finer: &[Sum], side: usize) -> Vec<Sum> {
     (0..half * half * half).into_par_iter().with_min_len(512).map(sum_of).collect()
 }
 
-/// The colors of a grid with `side` cells along each side: of its own sums as far as they are full, else of the coarser grid, which is
-/// empty for the coarsest.
-fn pushed(sums: &[Sum], side: usize, coarser: &[Shown]) -> Vec<Shown> {
+/// The colors of a grid with `side` cells along each side: those of its samples where it has enough, else filled from the coarser grid.
+fn filled(sums: &[Sum], side: usize) -> Vec<Shown> {
+    let coarser = if side > 1 { filled(&halved(sums, side), side / 2) } else { Vec::new() };
     let color_of = |cell: usize| {
         let [red, green, blue, count] = sums[cell];
         let index = [cell % side, cell / side % side, cell / side / side];
@@ -174,10 +164,10 @@ fn pushed(sums: &[Sum], side: usize, coarser: &[Shown]) -> Vec<Shown> {
         }
         let full = if coarser.is_empty() { 1.0 } else { (count / FULL_COUNT).min(1.0) };
         let own = if count > 0.0 { [red, green, blue].map(|sum| sum / count) } else { [0.0; 3] };
-        let behind =
-            if full < 1.0 { interpolated(coarser, side / 2, center.normalize_or_zero()) } else { [0.0; 3] };
+        let around =
+            if full < 1.0 { interpolated(&coarser, side / 2, center.normalize_or_zero()) } else { [0.0; 3] };
         let [red, green, blue] =
-            [0, 1, 2].map(|channel| full * own[channel] + (1.0 - full) * behind[channel]);
+            [0, 1, 2].map(|channel| full * own[channel] + (1.0 - full) * around[channel]);
         [red, green, blue, 1.0]
     };
     (0..sums.len()).into_par_iter().with_min_len(512).map(color_of).collect()

@@ -68,12 +68,12 @@ impl OverlookApp {
         }
     }
 
-    /// Changes settings, which is undone by itself.
+    /// Changes settings in one step of undo.
     pub(crate) fn change_settings(&mut self, settings: Settings) {
         self.change_settings_by(None, settings);
     }
 
-    /// Changes settings; successive changes of one `number`, as by a slider, are undone together.
+    /// Changes settings. Changes of the same `number` in quick succession are one step of undo; without one, each is.
     fn change_settings_by(&mut self, number: Option<&'static str>, settings: Settings) {
         if settings != self.state.settings {
             self.state.inspector.history.record(&self.state.settings, number, Instant::now());

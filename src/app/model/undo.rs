@@ -25,7 +25,7 @@ pub(crate) enum SettingsSlot {
 struct Past {
     undo: Vec<Settings>,
     redo: Vec<Settings>,
-    /// When which number was changed last, where nothing else was changed since.
+    /// Which number was changed last and when; `None` if the last change was of another kind.
     last: Option<(Instant, &'static str)>,
 }
 
@@ -42,7 +42,8 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// Something is about to change `before`: the `number` of this setting, or what is chosen at once.
+    /// `before` are about to change. `number` names the setting if it is a number, as a slider changes it; `None` if something is
+    /// chosen.
     pub(crate) fn record(&mut self, before: &Settings, number: Option<&'static str>, now: Instant) {
         let past = &mut self.past;
         let goes_on =

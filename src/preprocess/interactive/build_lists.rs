@@ -121,15 +121,10 @@ impl VectorLoop for BandBuilder<'_> {
         let layer = &builder.layers[camera];
         let columns = layer.width.div_ceil(LANES);
         let lanes: Vec<u32> = rows.clone().flat_map(|row| lanes_with_samples(layer, row)).collect();
-        let mut others = other_cameras(
-            builder.pairs,
-            builder.layers,
-            (camera, rows.clone()),
-            &lanes,
-            |other| builder.limits.between(layer, &builder.layers[other]),
-            // All candidates are listed, not the best alone.
-            |_, _| Ranks::BEST,
-        );
+        let mut others =
+            other_cameras(builder.pairs, builder.layers, (camera, rows.clone()), &lanes, |other| {
+                builder.limits.between(layer, &builder.layers[other])
+            });
         let mut lists = BandCandidates {
             first: Vec::with_capacity(lanes.len()),
             counts: vec![0; rows.len() * layer.width],

@@ -67,14 +67,6 @@ pub(crate) struct Ranks {
 impl Ranks {
     /// No sample.
     pub(crate) const ABSENT: Self = Self { rank: u32::MAX, other_rank: u32::MAX };
-    /// No sample is better.
-    pub(crate) const BEST: Self = Self { rank: 0, other_rank: 0 };
-
-    /// The better one by either model.
-    #[inline(always)]
-    pub(crate) fn best(self, other: Self) -> Self {
-        Self { rank: self.rank.min(other.rank), other_rank: self.other_rank.min(other.other_rank) }
-    }
 }
 
 /// Where a sample's surface is and which way it faces.

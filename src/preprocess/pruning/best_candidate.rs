@@ -19,15 +19,12 @@ pub(crate) struct OtherCamera<'a> {
     pub(crate) limits: SameSurface,
     /// For each sixteen columns of the band.
     pub(crate) may_see: Vec<bool>,
-    /// For each sixteen columns of the band, the best ranks that this camera's samples there can have.
-    best: Vec<Ranks>,
     /// How often this camera gave the best candidate so far. Cameras are tried in descending order of it, which affects
     /// speed only.
     pub(crate) improved: u32,
 }
 
-/// The other cameras that may see something of a camera's rows, of whose sixteen columns each some `lanes` take part. `best_in` gives
-/// the best ranks that a camera's samples in a rectangle can have.
+/// The other cameras that may see something of a camera's rows, of whose sixteen columns each some `lanes` take part.
 #[inline(always)]
 pub(crate) fn other_cameras<'a>(
     pairs: &'a CameraPairs<'_>,
@@ -35,7 +32,6 @@ pub(crate) fn other_cameras<'a>(
     (camera, rows): (usize, Range<usize>),
     lanes: &[u32],
     limits: impl Fn(usize) -> SameSurface,
-    best_in: impl Fn(usize, Option<[f32; 4]>) -> Ranks,
 ) -> Vec<OtherCamera<'a>> {
     let layer = &layers[camera];
     let ends = [rows.start, rows.end - 1];
@@ -56,15 +52,10 @@ pub(crate) fn other_cameras<'a>(
     let of_other = |(camera, registration): (usize, &'a Registration)| {
         let of_columns = |(at, bounds): (usize, &Option<[f32; 2]>)| {
             let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
-            match bounds {
-                Some(bounds) if registration.may_see(columns, ends, *bounds) => {
-                    (true, best_in(camera, registration.rectangle(columns, ends, *bounds)))
-                }
-                _ => (false, Ranks::ABSENT),
-            }
+            bounds.is_some_and(|bounds| registration.may_see(columns, ends, bounds))
         };
-        let (may_see, best) = bounds.iter().enumerate().map(of_columns).unzip();
-        OtherCamera { camera, registration, limits: limits(camera), improved: 0, may_see, best }
+        let may_see = bounds.iter().enumerate().map(of_columns).collect();
+        OtherCamera { camera, registration, limits: limits(camera), improved: 0, may_see }
     };
     pairs.others(camera).filter(may_see).map(of_other).collect()
 }
@@ -134,7 +125,7 @@ pub(crate) fn compare_runs(
     let target = &pass.layers[other.camera];
     for (run, compared) in undecided.iter().zip(&mut *compared) {
         compared.reprojected.bits = [0; LANES];
-        if other.may_see[run.nth] && run.best.may_matter(run.lanes, other.best[run.nth], other.camera) {
+        if other.may_see[run.nth] {
             compared.reprojected = other.registration.reproject(&run.block, target.width);
             compared.reprojected.prefetch_ranks(target);
         }
@@ -189,20 +180,6 @@ impl BestCandidates {
             passed_over: [0; LANES],
             own_rank: block.rank,
         }
-    }
-
-    /// Whether it may matter to any of the samples of `lanes` what a camera saw whose ranks there are no better than these.
-    #[inline(always)]
-    fn may_matter(&self, lanes: u32, ranks: Ranks, camera: usize) -> bool {
-        let mut may_matter = [0; LANES];
-        for i in 0..LANES {
-            let better = is_better(ranks.rank, camera as u32, self.rank[i], self.camera[i]);
-            let otherwise =
-                is_better(ranks.other_rank, camera as u32, self.other_rank[i], self.other_camera[i]);
-            let takes_part = lanes >> i & 1 == 1;
-            may_matter[i] = u32::from(takes_part & (better | otherwise | (self.seen[i] == 0)));
-        }
-        any(&may_matter)
     }
 
     /// For which samples it matters what the target saw: where no other camera saw the point yet, or the target's sample would

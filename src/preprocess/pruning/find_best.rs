@@ -1,6 +1,6 @@
-//! The search for the best candidate of every sample of a band, sixteen samples at a time, and the verdicts as if it were kept.
+//! The best candidate of every sample of a band, sixteen samples at a time, and the verdict if that candidate is kept.
 //!
-//! Which samples are to be kept but for the other cameras is known here as well: these are asked at once.
+//! A sample without a candidate would be kept: here the other cameras are asked whether they contradict it.
 
 use std::cmp::Reverse;
 
@@ -9,22 +9,20 @@ use super::best_candidate::{
 };
 use super::decision::{Dispute, Rule, Verdict, rule_of_kept};
 use super::pass::{DROPPED, KEPT, PruningPass, SearchBand};
-use super::rank_bounds::RankBounds;
 use crate::preprocess::agreement::VotedRun;
-use crate::preprocess::layers::{CameraLayer, Ranks};
+use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{LANES, PixelRun};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::PruningMethod;
 use crate::simd::VectorLoop;
 
-/// Rows are compared together until they have so many runs: few enough that these and what other cameras saw there stay in the cache.
+/// Rows are compared together until they have so many runs. With fewer, what was read of another camera has left the cache before the
+/// next row needs it; with more, the runs themselves do not fit.
 const RUNS_TOGETHER: usize = 64;
 
 /// Finds the best candidate of every sample of a band.
 pub(super) struct FindBest<'a, 'b> {
     pub(super) pass: &'a PruningPass<'a>,
-    /// Of each camera; empty if they are not known.
-    pub(super) bounds: &'a [RankBounds],
     pub(super) band: &'a mut SearchBand<'b>,
 }
 
@@ -33,12 +31,12 @@ impl VectorLoop for FindBest<'_, '_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { pass, bounds, band } = self;
+        let Self { pass, band } = self;
         let layer = &pass.layers[band.camera];
         let columns = layer.width.div_ceil(LANES);
         let pruning = pass.settings.pruning.method != PruningMethod::Off;
         let lanes = lanes_of_band(band, layer, pass.level);
-        let mut others = if pruning { others_of_band(pass, bounds, band, &lanes) } else { Vec::new() };
+        let mut others = if pruning { others_of_band(pass, band, &lanes) } else { Vec::new() };
         let mut undecided = Vec::new();
         let mut compared = Vec::new();
         let mut next = 0;
@@ -51,8 +49,7 @@ impl VectorLoop for FindBest<'_, '_> {
             if undecided.len() < RUNS_TOGETHER && row + 1 < band.rows.end {
                 continue;
             }
-            // One camera after the other, so that its picture is read along its rows, and what of it was read is still near for the
-            // next row.
+            // One camera after the other, so that its picture is read along its rows.
             compared.resize_with(compared.len().max(undecided.len()), || ComparedRun::NOWHERE);
             for other in &mut others {
                 compare_runs(pass, band.camera, &mut undecided, other, &mut compared);
@@ -134,20 +131,12 @@ fn lanes_of_band(band: &SearchBand<'_>, layer: &CameraLayer, level: SpanLevel) -
 
 /// The other cameras that may see something of the band.
 #[inline(always)]
-fn others_of_band<'a>(
-    pass: &PruningPass<'a>,
-    bounds: &[RankBounds],
-    band: &SearchBand<'_>,
-    lanes: &[u32],
-) -> Vec<OtherCamera<'a>> {
-    let limits = |other: usize| {
-        let limits = pass.limits.between(&pass.layers[band.camera], &pass.layers[other]);
-        limits.with_deeper(pass.has_deeper[other])
-    };
-    let best_in = |other: usize, rectangle| {
-        bounds.get(other).map_or(Ranks::BEST, |bounds| bounds.in_rectangle(rectangle))
-    };
-    other_cameras(pass.pairs, pass.layers, (band.camera, band.rows.clone()), lanes, limits, best_in)
+fn others_of_band<'a>(pass: &PruningPass<'a>, band: &SearchBand<'_>, lanes: &[u32]) -> Vec<OtherCamera<'a>> {
+    other_cameras(pass.pairs, pass.layers, (band.camera, band.rows.clone()), lanes, |other| {
+        pass.limits
+            .between(&pass.layers[band.camera], &pass.layers[other])
+            .with_deeper(pass.has_deeper[other])
+    })
 }
 
 fn verdict_without_pruning(pass: &PruningPass<'_>, camera: usize, pixel: usize) -> Verdict {

@@ -11,7 +11,6 @@ mod decision;
 mod find_best;
 mod pack;
 mod pass;
-mod rank_bounds;
 mod search;
 mod span_stack;
 

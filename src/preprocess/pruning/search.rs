@@ -17,7 +17,7 @@
 //!
 //! Nearly always the best candidate is kept, so that only this one is looked for at first, for sixteen samples at a time. Where
 //! it turns out dropped, all candidates are found and tried in their order. Samples are not compared with a camera that cannot
-//! see the rectangle in which they lie, nor with one that has nothing better there than what was found already. The conditions of the rules are in `decision.rs`.
+//! see the rectangle in which they lie. The conditions of the rules are in `decision.rs`.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -27,7 +27,6 @@ use super::coverage::{ResolvePending, resolve};
 use super::decision::{Decided, is_dropped_as_mixed, may_be_witness};
 use super::find_best::FindBest;
 use super::pass::{BAND_ROWS, DROPPED, KEPT, PruningPass, SearchBand, Statuses, UNDECIDED};
-use super::rank_bounds::RankBounds;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::VoteTest;
@@ -59,8 +58,7 @@ pub(crate) fn prune(
     let mut decided: Vec<Decided> =
         counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
     let samples: usize = decided.iter().map(|decided| decided.pixels.len()).sum();
-    let pixels: usize = layers.iter().map(|layer| layer.level.len()).sum();
-    let is_dense = samples > pixels / DENSE_SHARE;
+    let is_dense = samples > layers.iter().map(|layer| layer.level.len()).sum::<usize>() / DENSE_SHARE;
     let all_may_be_witnesses = each().map(|(layer, statuses)| {
         is_dense && all_may_be_witnesses(layer, statuses, level, settings.pruning.across_spans)
     });
@@ -79,10 +77,7 @@ pub(crate) fn prune(
     let cameras = counts.iter().zip(&mut decided).enumerate();
     let mut bands: Vec<_> =
         cameras.flat_map(|(camera, (counts, decided))| bands(layers, camera, counts, decided)).collect();
-    // Where fewer samples are compared than there are pixels, bounds would take longer than what they save.
-    let pays = samples * layers.len() > pixels;
-    let bounds: Vec<_> = if pays { layers.par_iter().map(RankBounds::of).collect() } else { Vec::new() };
-    find_best(&pass, &bounds, &mut bands, job)?;
+    find_best(&pass, &mut bands, job)?;
     bands.par_iter_mut().for_each(|band| resolve(&pass, band));
     while bands.iter().any(|band| !band.pending.is_empty()) {
         job.check()?;
@@ -98,16 +93,11 @@ pub(crate) fn prune(
     Ok(decided)
 }
 
-/// Finds the best candidate of every sample of some bands, with bounds on the ranks of each camera if they are known.
-fn find_best(
-    pass: &PruningPass<'_>,
-    bounds: &[RankBounds],
-    bands: &mut [SearchBand<'_>],
-    job: &Job,
-) -> Result<()> {
+/// Finds the best candidate of every sample of some bands.
+fn find_best(pass: &PruningPass<'_>, bands: &mut [SearchBand<'_>], job: &Job) -> Result<()> {
     bands.par_iter_mut().try_for_each(|band| {
         job.check()?;
-        simd::run(FindBest { pass, bounds, band });
+        simd::run(FindBest { pass, band });
         Ok(())
     })
 }
@@ -149,8 +139,7 @@ pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Resu
     let each = cameras.iter().zip(counts.iter().zip(&mut decided));
     let mut bands: Vec<_> =
         each.flat_map(|(&camera, (counts, decided))| bands(pass.layers, camera, counts, decided)).collect();
-    let bounds: Vec<_> = pass.layers.par_iter().map(RankBounds::of).collect();
-    find_best(pass, &bounds, &mut bands, job)?;
+    find_best(pass, &mut bands, job)?;
     let disputes: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
     let mut at = 0;
     for (camera, disputes) in disputes {

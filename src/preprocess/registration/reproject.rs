@@ -165,9 +165,6 @@ pub(crate) struct ReprojectedRun<const N: usize = LANES> {
     pub(crate) bits: [u32; N],
 }
 
-/// The least depth of a point of which the picture's rectangle is asked for, as a share of its distance.
-const NEAREST: f32 = 0.05;
-
 impl Registration {
     /// Carries samples of `source` into `target`.
     pub(crate) fn new(source: &Camera, target: &Camera) -> Self {
@@ -193,7 +190,11 @@ impl Registration {
         let mut largest = [f32::NEG_INFINITY; 5];
         let mut depth = 0.0_f32;
         for corner in 0..8 {
-            let q = self.corner(corner, columns, rows, inverse_depths);
+            let [x, y] = [columns[corner & 1] as f32, rows[corner >> 1 & 1] as f32];
+            let q = self.first_ray
+                + self.per_column * x
+                + self.per_row * y
+                + self.translation * inverse_depths[corner >> 2];
             let [right, bottom] = [lens.size[0] - lens.center[0], lens.size[1] - lens.center[1]];
             let inside = [
                 q.x * lens.focal[0] + lens.center[0] * q.z,
@@ -209,40 +210,6 @@ impl Registration {
         }
         // Rounding moves a point by far less than a tenth of a pixel.
         largest.iter().all(|largest| *largest >= -0.1 * depth)
-    }
-
-    /// One of the eight corners of what lies between two inverse depths behind a rectangle of source pixels, in target camera space.
-    #[inline(always)]
-    fn corner(&self, corner: usize, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> Vec3 {
-        self.first_ray
-            + self.per_column * columns[corner & 1] as f32
-            + self.per_row * rows[corner >> 1 & 1] as f32
-            + self.translation * inverse_depths[corner >> 2]
-    }
-
-    /// The least and greatest column and row at which the target sees what [`Registration::may_see`] asks about, in pixels. `None` where
-    /// some of it may lie behind the target.
-    pub(crate) fn rectangle(
-        &self,
-        columns: [usize; 2],
-        rows: [usize; 2],
-        inverse_depths: [f32; 2],
-    ) -> Option<[f32; 4]> {
-        let lens = &self.target;
-        let mut rectangle = [f32::INFINITY, f32::INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY];
-        for corner in 0..8 {
-            let q = self.corner(corner, columns, rows, inverse_depths);
-            // Closer to the plane of the camera, positions are too far away to be exact.
-            if q.z <= NEAREST * q.length() {
-                return None;
-            }
-            let at = [q.x / q.z * lens.focal[0] + lens.center[0], q.y / q.z * lens.focal[1] + lens.center[1]];
-            for axis in 0..2 {
-                rectangle[axis] = rectangle[axis].min(at[axis]);
-                rectangle[axis + 2] = rectangle[axis + 2].max(at[axis]);
-            }
-        }
-        Some(rectangle)
     }
 
     /// Carries the samples of a block.
