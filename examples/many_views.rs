@@ -17,12 +17,12 @@ use std::time::{Duration, Instant};
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use half::f16;
-use overlook::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, open};
-use overlook::grid::Grid;
-use overlook::job::Job;
-use overlook::preprocess::preprocess_buffered;
-use overlook::samples::SampleImage;
-use overlook::settings::Settings;
+use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, open};
+use overlook_engine::grid::Grid;
+use overlook_engine::job::Job;
+use overlook_engine::preprocess::preprocess_buffered;
+use overlook_engine::samples::SampleImage;
+use overlook_engine::settings::Settings;
 
 /// How far the camera walks from view to view, m.
 const STEP_M: f64 = 0.25;
@@ -105,7 +105,7 @@ impl Walk {
 }
 
 impl FrameSource for Walk {
-    fn load(&self, camera: usize, _frame: usize) -> overlook::error::Result<Frame> {
+    fn load(&self, camera: usize, _frame: usize) -> overlook_engine::error::Result<Frame> {
         let view = &self.cameras[camera];
         let (width, height) = view.intrinsics.size();
         let eye = view.position_in_world();
@@ -132,7 +132,7 @@ impl FrameSource for Walk {
 struct Repeated(Capture);
 
 impl FrameSource for Repeated {
-    fn load(&self, camera: usize, _frame: usize) -> overlook::error::Result<Frame> {
+    fn load(&self, camera: usize, _frame: usize) -> overlook_engine::error::Result<Frame> {
         Ok(Frame::clone(&*self.0.frame(camera % self.0.cameras.len(), 0)?))
     }
 
@@ -244,7 +244,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let seconds = started.elapsed().as_secs_f64();
     let images = &result.images;
     let hash = (0..images.len())
-        .try_fold(0, |of, index| Ok::<_, overlook::error::Error>(hash(of, &*images.get(index)?)))?;
+        .try_fold(0, |of, index| Ok::<_, overlook_engine::error::Error>(hash(of, &*images.get(index)?)))?;
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or("").trim();
     let report = &result.report;

@@ -10,11 +10,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use overlook::capture::Camera;
-use overlook::job::Job;
-use overlook::render::{Renderer, Vantage};
-use overlook::settings::{Backend, Settings};
-use overlook::store;
+use overlook_engine::capture::Camera;
+use overlook_engine::job::Job;
+use overlook_engine::render::{Renderer, Vantage};
+use overlook_engine::settings::{Backend, Settings};
+use overlook_engine::store;
 
 /// The `nth` of `count` vantages, on the way from each camera to the next with the size of picture that is asked for.
 fn vantage(cameras: &[Camera], nth: usize, count: usize, size: (u32, u32)) -> Vantage {

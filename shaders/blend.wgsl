@@ -1,4 +1,4 @@
-// The blend stage: weighted sums of the colors of all samples of the nearest surface. Twin: src/render/splat/blend.rs.
+// The blend stage: weighted sums of the colors of all samples of the nearest surface. Twin: src/engine/render/splat/blend.rs.
 
 @group(1) @binding(0) var<storage, read_write> keys: array<u32>;
 @group(1) @binding(1) var<storage, read_write> sums: array<atomic<u32>>;

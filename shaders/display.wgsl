@@ -1,5 +1,5 @@
 // The display stage: a picture as the window shows it, encoded for a display, with holes hatched. It also counts the holes.
-// Twin: `colored` in src/app/views/live_image.rs.
+// Twin: `colored` in src/desk/app/views/live_image.rs.
 
 struct Display {
     // Size of the picture, pixels.

@@ -1,5 +1,5 @@
 // The resolve stage of kernels that do not gather: from keys and sums to a picture. Twin: `ResolveInput::blended`
-// in src/render/resolve/layers.rs.
+// in src/engine/render/resolve/layers.rs.
 
 @group(1) @binding(0) var<storage, read> background_keys: array<u32>;
 @group(1) @binding(1) var<storage, read> background_sums: array<u32>;

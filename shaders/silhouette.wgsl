@@ -1,5 +1,5 @@
 // The silhouette stage: the surfaces of pixels at steps in depth, by the votes of all cameras.
-// Twins: src/render/gather/silhouette.rs, src/render/gather/visibility_votes.rs.
+// Twins: src/engine/render/gather/silhouette.rs, src/engine/render/gather/visibility_votes.rs.
 //
 // One workgroup a block of 16×16 pixels of the z-buffer, one thread a pixel.
 

@@ -1,4 +1,4 @@
-// The surface stage: which sample is nearest in each pixel. Twin: src/render/splat/surface.rs.
+// The surface stage: which sample is nearest in each pixel. Twin: src/engine/render/splat/surface.rs.
 //
 // One workgroup a tile of samples, one thread a sample. Where the CPU works in blocks of sixteen and four corners, this is a plain
 // loop over the pixels of a footprint; the maximum makes the order irrelevant. All threads of a workgroup share very large

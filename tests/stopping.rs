@@ -1,6 +1,9 @@
 //! Ctrl-C and Cancel: work that is stopped ends before it is done and leaves nothing half-made behind.
 #![cfg(unix)]
 
+#[path = "common/draws.rs"]
+mod draws;
+#[path = "common/scene.rs"]
 mod scene;
 
 use std::path::{Path, PathBuf};
@@ -10,11 +13,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use overlook::capture::Capture;
-use overlook::error::{Error, Result};
-use overlook::job::Job;
-use overlook::preprocess::{prune, scan};
-use overlook::settings::Settings;
+use overlook_engine::capture::Capture;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::preprocess::{prune, scan};
+use overlook_engine::settings::Settings;
 use rustix::process::{Pid, Signal, kill_process};
 use scene::{Scene, arc};
 
@@ -144,7 +147,7 @@ fn scanning_pruning_and_writing_end_within_the_stage_in_which_they_are_cancelled
     std::fs::write(&path, "what was there before").unwrap();
     let mut wrote_whole = false;
     assert_cancelled_within("Writing the store", |job| {
-        let written = overlook::store::file::write(&path, &preprocessed.samples, "{}", job);
+        let written = overlook_engine::store::file::write(&path, &preprocessed.samples, "{}", job);
         wrote_whole |= written.is_ok();
         written
     });

@@ -1,7 +1,7 @@
 //! What a file may make the reader allocate: never more than a stated multiple of its own size, whatever it says.
 
 #[expect(dead_code, reason = "the builder serves other tests too")]
-#[path = "store_contract/builder.rs"]
+#[path = "common/builder.rs"]
 mod builder;
 #[path = "common/draws.rs"]
 mod draws;
@@ -12,10 +12,10 @@ use std::sync::Arc;
 
 use cap::Cap;
 use half::f16;
-use overlook::job::Job;
-use overlook::samples::DepthPlane;
-use overlook::store::file::Store;
-use overlook::store::playback::Playback;
+use overlook_engine::job::Job;
+use overlook_engine::samples::DepthPlane;
+use overlook_engine::store::file::Store;
+use overlook_engine::store::playback::Playback;
 
 use builder::{moving_set, small_report, small_set};
 use draws::Draws;
@@ -77,10 +77,11 @@ fn mend(bytes: &mut [u8]) {
     }
 }
 
-fn written(set: &overlook::samples::SampleSet) -> Vec<u8> {
+fn written(set: &overlook_engine::samples::SampleSet) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let extras = overlook::store::file::Extras { report: small_report(), ..Default::default() };
-    overlook::store::file::write_to(&mut bytes, Path::new("memory.ovl"), set, &extras, &Job::new()).unwrap();
+    let extras = overlook_engine::store::file::Extras { report: small_report(), ..Default::default() };
+    overlook_engine::store::file::write_to(&mut bytes, Path::new("memory.ovl"), set, &extras, &Job::new())
+        .unwrap();
     bytes.into_inner()
 }
 
@@ -96,7 +97,7 @@ fn bomb() -> Vec<u8> {
     let mut first = 0;
     let tiles: Vec<_> = tiles
         .map(|(tile_x, tile_y, rows)| {
-            let tile = overlook::samples::SampleTile { tile_x, tile_y, first, rows };
+            let tile = overlook_engine::samples::SampleTile { tile_x, tile_y, first, rows };
             first += tile.count() as u32;
             tile
         })
@@ -104,7 +105,7 @@ fn bomb() -> Vec<u8> {
     let depth = DepthPlane::pack(&tiles, &vec![0.5; first as usize]);
     for image in &mut set.images {
         let color = vec![[f16::ONE; 3]; first as usize];
-        *image = Arc::new(overlook::samples::SampleImage {
+        *image = Arc::new(overlook_engine::samples::SampleImage {
             tiles: tiles.clone(),
             color,
             depth: depth.clone(),

@@ -1,11 +1,35 @@
-//! The shared library that `import overlook` loads. Everything in it is [`overlook::python`]; a package of its own spares the program
-//! a shared library at every build.
+//! The Python module: the engine for notebooks, as numpy arrays.
+//!
+//! ```text
+//! overlook.open(path), overlook.demo(name) ─▶ Capture ─ preprocess ─▶ Store ─ render ─▶ color, depth, coverage
+//!                                              │ frame ─▶ Frame        │ samples ─▶ Samples
+//! ```
+//!
+//! `python/overlook/__init__.pyi` documents every name with its types, shapes, units and frames. Numbers are those of the command
+//! line: the same calls are made. Errors are `overlook.Error` with the line that the command line prints. The interpreter is let go
+//! while something works, and Ctrl-C stops it (`work.rs`).
 
-/// The engine.
+#![warn(clippy::unwrap_used, clippy::expect_used)]
+#![expect(clippy::needless_pass_by_value, reason = "Python's arguments arrive by value")]
+
+mod arrays;
+mod camera;
+mod capture;
+mod choices;
+mod exceptions;
+mod store;
+mod work;
+
+pub use camera::{PyCamera, PyLens};
+pub use capture::{PyCapture, PyFrame, demo, evaluate, open};
+pub use exceptions::Error;
+pub use store::{PySamples, PyStore, open_store};
+
+/// The module `overlook._engine`, which the package `overlook` re-exports.
 #[pyo3::pymodule]
 mod _engine {
     #[pymodule_export]
-    use overlook::python::{
+    use crate::{
         Error, PyCamera, PyCapture, PyFrame, PyLens, PySamples, PyStore, demo, evaluate, open, open_store,
     };
 

@@ -1,5 +1,5 @@
 // A tile of samples laid out as 16×16 pixels, one thread each, and the slope of its surface.
-// Twin: src/render/input/dense_tile.rs.
+// Twin: src/engine/render/input/dense_tile.rs.
 
 const EDGE_FOOTPRINTS: f32 = 8.0;
 

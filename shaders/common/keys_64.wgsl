@@ -1,4 +1,4 @@
-// Raises keys with one 64-bit maximum. Twin: `KeyUpdates` in src/render/splat/surface.rs.
+// Raises keys with one 64-bit maximum. Twin: `KeyUpdates` in src/engine/render/splat/surface.rs.
 
 @group(1) @binding(0) var<storage, read_write> keys: array<atomic<u64>>;
 

@@ -1,4 +1,4 @@
-// Looks samples up by camera and pixel. Twins: src/render/input/tile_grid.rs, src/render/input/tile_cache.rs.
+// Looks samples up by camera and pixel. Twins: src/engine/render/input/tile_grid.rs, src/engine/render/input/tile_cache.rs.
 //
 //   lookup   cells of all cameras, one per tile: number of the first tile with samples there
 //            entries, two words per tile of the frame: its piece, and the next tile of the same cell

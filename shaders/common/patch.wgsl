@@ -1,5 +1,5 @@
 // The z-buffer of a block of pixels and a ring around it, and the cameras whose samples are seen there.
-// Twins: `ResolveInput` in src/render/resolve/layers.rs, `FrameSamples::cameras_of`.
+// Twins: `ResolveInput` in src/engine/render/resolve/layers.rs, `FrameSamples::cameras_of`.
 
 @group(1) @binding(0) var<storage, read> background_keys: array<u32>;
 @group(1) @binding(1) var<storage, read> foreground_keys: array<u32>;

@@ -1,5 +1,5 @@
 // A resolved picture, in the order in which the CPU reads it: three words of color per pixel for all pixels, then inverse depths,
-// then indices of images, then, if they are wanted, four words of what pixels show in front of their farthest surface. `picture` is bound by the stage. Twin: src/render/vantage.rs.
+// then indices of images, then, if they are wanted, four words of what pixels show in front of their farthest surface. `picture` is bound by the stage. Twin: src/engine/render/vantage.rs.
 
 // Marks a pixel that no sample reached.
 const NO_IMAGE: u32 = 0xffffffffu;

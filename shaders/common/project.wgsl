@@ -1,4 +1,4 @@
-// Projection and oriented footprints. Twins: src/render/geometry/project.rs, src/render/geometry/footprint.rs.
+// Projection and oriented footprints. Twins: src/engine/render/geometry/project.rs, src/engine/render/geometry/footprint.rs.
 
 struct Projector {
     // `M·ray` of the center of pixel (0, 0).

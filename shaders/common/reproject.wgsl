@@ -1,4 +1,4 @@
-// Carries surface points back into the cameras. Twins: src/render/gather/reproject.rs, src/render/gather/view_weights.rs.
+// Carries surface points back into the cameras. Twins: src/engine/render/gather/reproject.rs, src/engine/render/gather/view_weights.rs.
 
 // A higher sampling rate than this many times the vantage's gains nothing.
 const USEFUL_RATE: f32 = 1.5;

@@ -1,4 +1,4 @@
-// The samples of one frame in the GPU's memory. Twins: src/render/input/frame_tiles.rs, src/samples/.
+// The samples of one frame in the GPU's memory. Twins: src/engine/render/input/frame_tiles.rs, src/engine/samples/.
 //
 // Images lie in up to four pages, whole or cut between tiles into pieces. All positions are in words (u32) of the piece's page:
 //

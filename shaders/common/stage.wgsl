@@ -1,5 +1,5 @@
-// What the stages of one picture share, and z-buffer keys. Twins: `StageInput` in src/render/splat/input.rs,
-// src/render/splat/zkey.rs.
+// What the stages of one picture share, and z-buffer keys. Twins: `StageInput` in src/engine/render/splat/input.rs,
+// src/engine/render/splat/zkey.rs.
 //
 // A key takes two words, the lower half first: [u32::MAX − slot, core | trusted | nearness]; both are 0 where there is nothing.
 

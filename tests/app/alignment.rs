@@ -5,10 +5,10 @@ use std::path::Path;
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::{DAffine3, DQuat};
 use overlook::app::Start;
-use overlook::capture::transforms::write_capture;
-use overlook::demo::{Demo, DemoSpec};
-use overlook::job::Job;
-use overlook::settings::CaptureSettings;
+use overlook_engine::capture::transforms::write_capture;
+use overlook_engine::demo::{Demo, DemoSpec};
+use overlook_engine::job::Job;
+use overlook_engine::settings::CaptureSettings;
 
 use super::driver::{SIZE, click, open, open_view, settle, shows, small_demo};
 

@@ -72,8 +72,8 @@ fn a_copied_view_is_pasted_and_what_is_no_view_says_so() {
     let home = position(&window);
     window.event(egui::Event::Copy);
     let copied = copied(&mut window).expect("text on the clipboard");
-    let views =
-        overlook::capture::transforms::path_from_json(copied.as_bytes(), "clipboard".as_ref()).unwrap();
+    let views = overlook_engine::capture::transforms::path_from_json(copied.as_bytes(), "clipboard".as_ref())
+        .unwrap();
     assert_eq!(views[0].camera.world_from_camera.translation.to_array(), home);
     drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
     assert_ne!(position(&window), home);
@@ -176,7 +176,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     let there = position(&window);
     type_path(&mut window, "Path file…", "Save camera path to path…", &file, "Save this path");
     wait(&mut window, "the file", |window| window.state().notices().iter().any(|n| n.starts_with("Saved")));
-    let views = overlook::capture::transforms::open_views(&file).unwrap();
+    let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
     assert_eq!(views.len(), 49, "as render --views takes them");
     click(&mut window, "Path file…");
     click(&mut window, "Remove all keys");

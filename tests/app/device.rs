@@ -9,7 +9,7 @@ use eframe::egui_wgpu::RenderState;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use overlook::app::{OverlookApp, Start};
-use overlook::render::gpu::device_descriptor;
+use overlook_engine::render::gpu::device_descriptor;
 
 /// A window drawn by wgpu, with the device that [`overlook::app::run`] asks for, and what draws it.
 fn open(start: Start) -> (Window, RenderState) {

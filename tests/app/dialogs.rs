@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, Rect, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use overlook::app::Start;
-use overlook::demo::DemoSpec;
+use overlook_engine::demo::DemoSpec;
 
 use super::driver::{SIZE, Window, click, look_at, open, settle, shows, small_demo};
 

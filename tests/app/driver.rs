@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, HarnessBuilder};
 use overlook::app::{OverlookApp, Start};
-use overlook::demo::DemoSpec;
+use overlook_engine::demo::DemoSpec;
 
 /// Longest any single wait takes before the test fails: far more than needed, as test machines stall.
 const PATIENCE: Duration = Duration::from_mins(3);

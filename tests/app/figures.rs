@@ -111,7 +111,7 @@ fn of_a_stores_settings_those_of_rendering_come_first() {
     assert!(panel.top() < 0.5 * SIZE[1] && panel.bottom() < SIZE[1], "{panel}");
     pick(&mut window, "Kernel", "Point");
     settle(&mut window);
-    assert_eq!(window.state().settings().render.kernel, overlook::settings::Kernel::Point);
+    assert_eq!(window.state().settings().render.kernel, overlook_engine::settings::Kernel::Point);
 }
 
 #[test]

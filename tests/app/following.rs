@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use egui_kittest::kittest::Queryable;
-use overlook::evaluate::sweep::{Point, Series};
-use overlook::evaluate::trial::{Trial, TrialResult};
-use overlook::settings::Settings;
+use overlook_engine::settings::Settings;
+use overlook_lab::sweep::{Point, Series};
+use overlook_lab::trial::{Trial, TrialResult};
 
 use super::driver::{SIZE, click, demo, open, open_view, settle, shows, type_path, wait};
 

@@ -152,7 +152,7 @@ fn presets_are_taken_and_two_settings_take_turns() {
     pick(&mut window, "Presets", "Conservative");
     assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
     click(&mut window, "Settings A");
-    assert_eq!(window.state().settings(), &overlook::settings::Settings::default());
+    assert_eq!(window.state().settings(), &overlook_engine::settings::Settings::default());
     click(&mut window, "Settings B");
     assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
     settle(&mut window);

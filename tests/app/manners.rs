@@ -228,7 +228,7 @@ fn the_palette_does_anything_by_its_name() {
     click(&mut window, "Do: Pruning method: Off");
     settle(&mut window);
     let (report, _) = window.state().report().unwrap();
-    assert_eq!(window.state().settings().pruning.method, overlook::settings::PruningMethod::Off);
+    assert_eq!(window.state().settings().pruning.method, overlook_engine::settings::PruningMethod::Off);
     assert!(report.samples_kept > 0);
 }
 

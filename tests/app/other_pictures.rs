@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use overlook::color::srgb_from_linear;
-use overlook::demo::{Demo, DemoSpec};
+use overlook_engine::color::srgb_from_linear;
+use overlook_engine::demo::{Demo, DemoSpec};
 
 use super::driver::{
     SIZE, Window, choose, click, open, open_store, open_view, pick, save_store, settle, shows, small_demo,

@@ -92,9 +92,9 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
         std::thread::sleep(Duration::from_secs(1));
         store.exists().then_some(())
     });
-    let (samples, report) = overlook::store::read(&store, &overlook::job::Job::new()).unwrap();
+    let (samples, report) = overlook_engine::store::read(&store, &overlook_engine::job::Job::new()).unwrap();
     assert!(samples.settings.pruning.depth_tolerance > 1.5, "{}", samples.settings.pruning.depth_tolerance);
-    let report = overlook::preprocess::diagnostics::Report::from_json(&report, "saved").unwrap();
+    let report = overlook_engine::preprocess::diagnostics::Report::from_json(&report, "saved").unwrap();
     assert_eq!(report.samples_kept, samples.sample_count());
 
     xdotool(&display, &["key", "ctrl+o"]).unwrap();
@@ -215,11 +215,11 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     wait_for("the film", || film.exists().then_some(()));
     keep_picture(&display, "10_film");
 
-    let (samples, _) = overlook::store::read(&store, &overlook::job::Job::new()).unwrap();
-    let tuned = overlook::settings::Settings::load(&settings).unwrap();
+    let (samples, _) = overlook_engine::store::read(&store, &overlook_engine::job::Job::new()).unwrap();
+    let tuned = overlook_engine::settings::Settings::load(&settings).unwrap();
     assert!(tuned.pruning.depth_tolerance > 1.2, "{}", tuned.pruning.depth_tolerance);
     assert_eq!((samples.name.as_str(), &samples.settings.pruning), ("small_capture", &tuned.pruning));
-    assert_eq!(tuned.render.kernel, overlook::settings::Kernel::Block);
+    assert_eq!(tuned.render.kernel, overlook_engine::settings::Kernel::Block);
     xdotool(&display, &["key", "ctrl+q"]).unwrap();
     std::thread::sleep(Duration::from_secs(1));
     // The camera path and the sweep are lost: the button before Cancel, which has the focus, says to close anyway.

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec3;
 use overlook::app::Start;
-use overlook::capture::transforms::write_capture;
-use overlook::capture::{Capture, CaptureParts, Frame, FrameSource};
-use overlook::demo::{Demo, DemoSpec};
-use overlook::error::Result;
-use overlook::job::Job;
-use overlook::settings::CaptureSettings;
+use overlook_engine::capture::transforms::write_capture;
+use overlook_engine::capture::{Capture, CaptureParts, Frame, FrameSource};
+use overlook_engine::demo::{Demo, DemoSpec};
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::settings::CaptureSettings;
 
 use super::driver::{
     SIZE, Window, click, demo, drop_on, open, open_view, pick, settle, shows, small_demo, wait,

@@ -9,7 +9,7 @@ use std::path::Path;
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use overlook::app::Start;
-use overlook::settings::{Fill, Settings};
+use overlook_engine::settings::{Fill, Settings};
 
 #[test]
 fn a_demo_opens_and_both_views_show_it() {

@@ -1,7 +1,7 @@
 //! A scene of three planes and a ball whose surface is known exactly, seen by a camera that walks along.
 
 use glam::{DAffine3, DVec2, DVec3};
-use overlook::capture::{Camera, Capture, Intrinsics};
+use overlook_engine::capture::{Camera, Capture, Intrinsics};
 
 const BALL: (DVec3, f64) = (DVec3::new(0.2, 2.2, 0.3), 0.5);
 

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use overlook::capture::transforms::{open, open_views};
-use overlook::capture::{Capture, TruthView};
-use overlook::settings::CaptureSettings;
+use overlook_engine::capture::transforms::{open, open_views};
+use overlook_engine::capture::{Capture, TruthView};
+use overlook_engine::settings::CaptureSettings;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")

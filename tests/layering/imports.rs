@@ -1,23 +1,24 @@
-//! Which file of `src` imports from which, read from the text: `use` declarations, and paths within code.
+//! Which file of the crates imports from which, read from the text: `use` declarations, and paths within code. The first folder of a
+//! file's name is its crate.
 //!
 //! A path leads to the file of the deepest module that it names. What a folder's `mod.rs` re-exports is an import from that
 //! `mod.rs`, and `mod.rs` imports from the files whose items it re-exports. Tests within files are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A module, as the names from the crate's root on.
+/// A module, as the names from its crate on.
 type Module = Vec<String>;
 
-/// The files of `src`, and what each imports from the others.
+/// The files of the crates, and what each imports from the others.
 pub(crate) struct Imports {
-    /// Paths below `src`.
+    /// Paths that begin with the crate.
     pub(crate) files: Vec<String>,
     /// For each file, those that it imports from, by their place in `files`.
     pub(crate) imported: Vec<BTreeSet<usize>>,
 }
 
 impl Imports {
-    /// Reads the imports of files that are given as paths below `src` and their texts.
+    /// Reads the imports of files that are given as paths and their texts.
     pub(crate) fn read(sources: &[(String, String)]) -> Self {
         let modules: BTreeMap<Module, usize> =
             sources.iter().enumerate().map(|(at, (name, _))| (module_of(name), at)).collect();
@@ -50,6 +51,37 @@ impl Imports {
         circles
     }
 
+    /// The circles between neighbors, the files and folders that lie in one folder. A folder imports what any of its files imports from
+    /// outside of it. A folder's own `mod.rs` is no neighbor of what it holds.
+    pub(crate) fn circles_of_neighbors(&self) -> Vec<Vec<String>> {
+        let mut edges: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+        for (file, imported) in self.pairs() {
+            if let Some((from, to)) = neighbors(file, imported) {
+                edges.entry(from).or_default().insert(to);
+            }
+        }
+        let reached = |start: &str| {
+            let mut reached: BTreeSet<&str> = BTreeSet::new();
+            let mut open: Vec<&str> = edges.get(start).into_iter().flatten().copied().collect();
+            while let Some(next) = open.pop() {
+                if reached.insert(next) {
+                    open.extend(edges.get(next).into_iter().flatten());
+                }
+            }
+            reached
+        };
+        let all: BTreeMap<&str, BTreeSet<&str>> =
+            edges.keys().map(|start| (*start, reached(start))).collect();
+        let circle_of = |start: &str| -> Vec<String> {
+            let others =
+                all.iter().filter(|(other, back)| all[start].contains(*other) && back.contains(start));
+            others.map(|(other, _)| (*other).to_owned()).collect()
+        };
+        let circles: BTreeSet<Vec<String>> =
+            all.keys().map(|start| circle_of(start)).filter(|circle| circle.len() > 1).collect();
+        circles.into_iter().collect()
+    }
+
     /// All files that a file imports from, directly or through others; itself only if it lies on a circle.
     fn reached_from(&self, file: usize) -> BTreeSet<usize> {
         let mut reached = BTreeSet::new();
@@ -70,10 +102,23 @@ impl Imports {
     }
 }
 
+/// What of two files' paths lies in the deepest folder that holds both; `None` where one of them is that folder's `mod.rs` or `lib.rs`,
+/// or both are one.
+fn neighbors<'a>(file: &'a str, other: &'a str) -> Option<(&'a str, &'a str)> {
+    let shared = file.split('/').zip(other.split('/')).take_while(|(a, b)| a == b);
+    let length: usize = shared.map(|(name, _)| name.len() + 1).sum();
+    let within = |path: &'a str| {
+        let rest = path.get(length..)?;
+        let end = rest.find('/').map_or(path.len(), |at| length + at);
+        (!["mod.rs", "lib.rs", "main.rs"].contains(&rest)).then_some(&path[..end])
+    };
+    Some((within(file)?, within(other)?))
+}
+
 fn module_of(file: &str) -> Module {
     let path = file.trim_end_matches(".rs");
-    let path = path.strip_suffix("/mod").unwrap_or(path);
-    if path == "lib" { Vec::new() } else { path.split('/').map(str::to_owned).collect() }
+    let path = path.strip_suffix("/mod").or(path.strip_suffix("/lib")).unwrap_or(path);
+    path.split('/').map(str::to_owned).collect()
 }
 
 /// A path in code, and whether a `use` declaration brings its last name into scope under which name.
@@ -213,6 +258,12 @@ fn files_of(module: &Module, paths: &[CodePath], modules: &BTreeMap<Module, usiz
     files
 }
 
+/// The crate that other crates know by a name, as the first folder of its files' names.
+fn crate_of(name: &str) -> Option<String> {
+    let known = [("overlook_engine", "engine"), ("overlook_lab", "lab"), ("overlook", "desk")];
+    known.iter().find(|(library, _)| *library == name).map(|(_, folder)| (*folder).to_owned())
+}
+
 /// The deepest module on a path, and whether the path names nothing within it; `None` where it leads out of the crate.
 fn deepest_module(
     module: &Module,
@@ -223,7 +274,8 @@ fn deepest_module(
     let first = segments.first()?.as_str();
     let child = || [module.as_slice(), &segments[..1]].concat();
     let (mut current, mut rest) = match first {
-        "crate" => (Vec::new(), &segments[1..]),
+        "crate" => (module[..1].to_vec(), &segments[1..]),
+        _ if crate_of(first).is_some() => (crate_of(first).into_iter().collect(), &segments[1..]),
         "self" => (module.clone(), &segments[1..]),
         "super" => (module.clone(), segments),
         _ if modules.contains_key(&child()) => (child(), &segments[1..]),

@@ -1,5 +1,5 @@
-//! Keeps the layers of the architecture: a module imports only from those to its left, and each outside library stays
-//! where it belongs.
+//! Keeps the walls of the architecture: a module imports only from those before it, neighbors do not import from each other in a circle,
+//! and each outside library stays where it belongs. The compiler keeps the walls between the crates; here is what lies within.
 
 mod imports;
 mod plurals;
@@ -12,28 +12,41 @@ use std::path::{Path, PathBuf};
 
 use imports::Imports;
 
-/// Modules from the bottom up. A module may use those before it and itself.
+/// Modules from the bottom up, each after its crate. A module may use those before it and itself.
 const LAYERS: [&[&str]; 11] = [
-    &["error", "grid", "job", "part", "plural", "color", "random", "settings", "simd", "whole_file"],
-    &["capture"],
-    &["alignment"],
-    &["samples", "demo"],
-    &["store", "preprocess"],
-    &["render"],
-    &["rivals"],
-    &["evaluate"],
-    &["cli", "app", "python"],
-    &["lib"],
-    &["main"],
+    &[
+        "engine/color",
+        "engine/cover",
+        "engine/error",
+        "engine/grid",
+        "engine/job",
+        "engine/median",
+        "engine/part",
+        "engine/plural",
+        "engine/random",
+        "engine/settings",
+        "engine/simd",
+        "engine/whole_file",
+    ],
+    &["engine/capture"],
+    &["engine/alignment"],
+    &["engine/samples", "engine/demo"],
+    &["engine/store", "engine/preprocess"],
+    &["engine/render"],
+    &["engine/lib"],
+    &["lab"],
+    &["desk/cli", "desk/app", "python"],
+    &["desk/lib"],
+    &["desk/main"],
 ];
 
 /// Modules that may not use another although it lies below them: pictures are rendered from samples, whoever made them.
-const STRANGERS: [(&str, &str); 1] = [("render", "preprocess")];
+const STRANGERS: [(&str, &str); 1] = [("engine/render", "engine/preprocess")];
 
 /// Folders of a module from the first to the last in the order in which data flows: a folder may use those before it.
 const STAGES: [(&str, &[&str]); 8] = [
     (
-        "preprocess",
+        "engine/preprocess",
         &[
             "noise",
             "normals",
@@ -50,7 +63,7 @@ const STAGES: [(&str, &[&str]); 8] = [
         ],
     ),
     (
-        "render",
+        "engine/render",
         &[
             "input",
             "geometry",
@@ -65,39 +78,46 @@ const STAGES: [(&str, &[&str]); 8] = [
             "film",
         ],
     ),
-    ("app", &["model", "dock", "work", "control", "views", "panels"]),
     (
-        "capture",
+        "engine/capture",
         &["exr", "yuv", "pictures", "conventions", "transforms", "miv", "colmap", "recording", "readers"],
     ),
-    ("demo", &["tracer", "scenes"]),
-    ("store", &["container", "codec", "image", "file", "playback"]),
+    ("engine/demo", &["tracer", "scenes"]),
+    ("engine/store", &["container", "codec", "image", "file", "playback"]),
     (
-        "evaluate",
-        &["metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "report", "bench"],
+        "lab",
+        &[
+            "rivals", "metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "report",
+            "bench",
+        ],
     ),
-    ("cli", &["output", "input", "commands"]),
+    ("desk/app", &["model", "dock", "work", "control", "views", "panels"]),
+    ("desk/cli", &["output", "input", "commands"]),
 ];
 
-/// Outside libraries that only some files may use, as prefixes of paths below `src`.
+/// Outside libraries that only some files may use, as prefixes of their paths.
 const CONFINED: [(&str, &[&str]); 13] = [
-    ("egui", &["app/"]),
-    ("epaint", &["app/"]),
-    ("egui_tiles", &["app/"]),
-    ("egui_material_icons", &["app/"]),
-    ("eframe", &["app/"]),
-    ("egui_plot", &["app/"]),
-    ("rfd", &["app/"]),
-    ("wgpu", &["render/gpu", "app/"]),
-    ("clap", &["cli/", "main.rs"]),
-    ("indicatif", &["cli/"]),
-    ("resvg", &["evaluate/chart/"]),
+    ("egui", &["desk/app/"]),
+    ("epaint", &["desk/app/"]),
+    ("egui_tiles", &["desk/app/"]),
+    ("egui_material_icons", &["desk/app/"]),
+    ("eframe", &["desk/app/"]),
+    ("egui_plot", &["desk/app/"]),
+    ("rfd", &["desk/app/"]),
+    ("wgpu", &["engine/render/gpu", "desk/app/"]),
+    ("clap", &["desk/cli/", "desk/main.rs"]),
+    ("indicatif", &["desk/cli/"]),
+    ("resvg", &["lab/chart/"]),
     ("pyo3", &["python/"]),
     ("numpy", &["python/"]),
 ];
 
-/// Files that know bytes, not cameras, as prefixes of paths below `src`.
-const BYTES_ONLY: [&str; 2] = ["store/container/", "store/codec/"];
+/// Files that know bytes, not cameras, as prefixes of their paths.
+const BYTES_ONLY: [&str; 2] = ["engine/store/container/", "engine/store/codec/"];
+
+/// Where the files of each crate lie, and what it is called here.
+const CRATES: [(&str, &str); 4] =
+    [("src/engine", "engine"), ("src/lab", "lab"), ("src/desk", "desk"), ("python/src", "python")];
 
 /// A file longer than this holds two ideas.
 const MAX_LINES: usize = 400;
@@ -113,17 +133,19 @@ fn sources() -> Vec<(String, String)> {
             }
         }
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    visit(&root, &mut files);
-    files.sort();
-    files
-        .into_iter()
-        .map(|path| {
-            let name = path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
-            (name, std::fs::read_to_string(&path).unwrap())
-        })
-        .collect()
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut sources = Vec::new();
+    for (folder, name) in CRATES {
+        let folder = root.join(folder);
+        let mut files = Vec::new();
+        visit(&folder, &mut files);
+        files.sort();
+        sources.extend(files.into_iter().map(|path| {
+            let within = path.strip_prefix(&folder).unwrap().to_string_lossy().replace('\\', "/");
+            (format!("{name}/{within}"), std::fs::read_to_string(&path).unwrap())
+        }));
+    }
+    sources
 }
 
 /// Code without comments: a doc comment may speak of any layer.
@@ -145,9 +167,13 @@ fn layer_of(module: &str) -> Option<usize> {
     LAYERS.iter().position(|layer| layer.contains(&module))
 }
 
-/// The module at the top of a path below `src`.
+/// The crate and the module at the top of a path; the lab and the Python module are one layer each.
 fn top(file: &str) -> &str {
-    file.split(['/', '.']).next().unwrap_or_default()
+    let (home, rest) = file.split_once('/').unwrap_or((file, ""));
+    if home == "lab" || home == "python" {
+        return home;
+    }
+    &file[..home.len() + 1 + rest.find(['/', '.']).unwrap_or(rest.len())]
 }
 
 #[test]
@@ -157,8 +183,8 @@ fn a_module_imports_only_from_the_layers_below_it() {
         let layer = layer_of(top(imported)).unwrap_or_else(|| panic!("{imported} belongs to no layer"));
         // What lies at the bottom may use its like.
         let is_below = layer < own || top(file) == top(imported) || (own == 0 && layer == 0);
-        assert!(is_below, "src/{file} imports from src/{imported}");
-        assert!(!STRANGERS.contains(&(top(file), top(imported))), "src/{file} imports from src/{imported}");
+        assert!(is_below, "{file} imports from {imported}");
+        assert!(!STRANGERS.contains(&(top(file), top(imported))), "{file} imports from {imported}");
     }
 }
 
@@ -169,11 +195,31 @@ fn no_imports_run_in_a_circle() {
     assert!(circles.is_empty(), "files that import from each other: {circles:#?}");
 }
 
+#[test]
+fn no_neighbors_import_from_each_other_in_a_circle() {
+    let circles = Imports::read(&sources()).circles_of_neighbors();
+    assert!(circles.is_empty(), "files and folders that import from each other: {circles:#?}");
+}
+
+#[test]
+fn a_planted_circle_between_a_file_and_a_folder_is_found() {
+    let folder = ("desk/app/control/mod.rs", "mod keys;\npub use keys::carry_out;");
+    let keys = ("desk/app/control/keys.rs", "use crate::app::state::State;");
+    let state = ("desk/app/state.rs", "pub struct State;");
+    let window = ("desk/app/window.rs", "use super::control::carry_out;\nuse super::state::State;");
+    assert_eq!(planted(&[folder, keys, state, window]).circles_of_neighbors(), Vec::<Vec<String>>::new());
+    // No file imports from itself through others here, and yet the folder and the file need each other.
+    let back = ("desk/app/state.rs", "use super::control::Other;\npub struct State;");
+    let imports = planted(&[("desk/app/control/mod.rs", "mod keys;\npub struct Other;"), keys, back]);
+    assert!(imports.circles().is_empty());
+    assert_eq!(imports.circles_of_neighbors(), [["desk/app/control", "desk/app/state.rs"]]);
+}
+
 /// The place of a file's folder among the stages of a module; `None` outside of them.
 fn stage_of(file: &str, module: &str, stages: &[&str]) -> Option<usize> {
     let folder = file.strip_prefix(module)?.strip_prefix('/')?.split_once('/')?.0;
     let place = stages.iter().position(|stage| *stage == folder);
-    assert!(place.is_some() || folder == "tests", "src/{module}/{folder} is in no order");
+    assert!(place.is_some() || folder == "tests", "{module}/{folder} is in no order");
     place
 }
 
@@ -187,7 +233,7 @@ fn within_a_module_a_folder_imports_only_from_earlier_ones() {
             if let (Some(own), Some(other)) = (own, other)
                 && other > own
             {
-                wrong.push(format!("src/{file} imports from src/{imported}, a later stage"));
+                wrong.push(format!("{file} imports from {imported}, a later stage"));
             }
         }
     }
@@ -202,10 +248,10 @@ fn planted(files: &[(&str, &str)]) -> Imports {
 
 #[test]
 fn a_planted_circle_is_found() {
-    let first = ("stage/first.rs", "use super::second::Two;\npub struct One(Two);");
-    let folder = ("stage/mod.rs", "mod first;\nmod second;\npub use first::One;");
+    let first = ("engine/stage/first.rs", "use super::second::Two;\npub struct One(Two);");
+    let folder = ("engine/stage/mod.rs", "mod first;\nmod second;\npub use first::One;");
     let harmless = (
-        "stage/second.rs",
+        "engine/stage/second.rs",
         "/// Used by [`One`](super::first::One).\npub const TWO: &str = \"super::first::One\";",
     );
     assert_eq!(planted(&[folder, first, harmless]).circles(), Vec::<Vec<&str>>::new());
@@ -215,12 +261,15 @@ fn a_planted_circle_is_found() {
         "use super::first;\nfn f() { first::f(); }",
         "fn f() -> crate::stage::first::One { todo!() }",
     ] {
-        let imports = planted(&[folder, first, ("stage/second.rs", back)]);
-        assert_eq!(imports.circles(), [["stage/first.rs", "stage/second.rs"]], "{back}");
+        let imports = planted(&[folder, first, ("engine/stage/second.rs", back)]);
+        assert_eq!(imports.circles(), [["engine/stage/first.rs", "engine/stage/second.rs"]], "{back}");
     }
     // Through the folder's re-export the circle is one of three files.
-    let imports = planted(&[folder, first, ("stage/second.rs", "use super::One;")]);
-    assert_eq!(imports.circles(), [["stage/mod.rs", "stage/first.rs", "stage/second.rs"]]);
+    let imports = planted(&[folder, first, ("engine/stage/second.rs", "use super::One;")]);
+    assert_eq!(
+        imports.circles(),
+        [["engine/stage/mod.rs", "engine/stage/first.rs", "engine/stage/second.rs"]]
+    );
 }
 
 #[test]
@@ -231,7 +280,7 @@ fn each_outside_library_stays_where_it_belongs() {
                 continue;
             }
             let used = code(&text).find(|line| uses(line, library));
-            assert!(used.is_none(), "src/{name} uses {library}: {}", used.unwrap_or_default().trim());
+            assert!(used.is_none(), "{name} uses {library}: {}", used.unwrap_or_default().trim());
         }
     }
 }
@@ -243,7 +292,7 @@ fn files_that_know_bytes_know_no_cameras() {
     assert!(BYTES_ONLY.iter().all(|folder| imports.files.iter().any(|file| file.starts_with(folder))));
     for (file, imported) in imports.pairs().filter(|(file, _)| is_bytes(file)) {
         let is_bottom = layer_of(top(imported)) == Some(0);
-        assert!(is_bytes(imported) || is_bottom, "src/{file} imports from src/{imported}");
+        assert!(is_bytes(imported) || is_bottom, "{file} imports from {imported}");
     }
 }
 
@@ -257,43 +306,53 @@ fn manifest(path: &str) -> toml::Table {
     std::fs::read_to_string(path).unwrap().parse().unwrap()
 }
 
+fn manifest_of_workspace() -> toml::Table {
+    manifest("Cargo.toml")
+}
+
 /// The dependencies in a manifest, on any system, and the version that is asked for.
 fn dependencies(manifest: &toml::Table) -> BTreeMap<String, String> {
     let targets = manifest.get("target").and_then(|targets| targets.as_table());
     let tables = targets.into_iter().flat_map(|targets| targets.values());
     // A target may have libraries for tests alone.
     let tables = tables.filter_map(|target| target.get("dependencies")).chain([&manifest["dependencies"]]);
-    let version = |wanted: &toml::Value| wanted.get("version").unwrap_or(wanted).as_str().unwrap().to_owned();
+    let all = manifest_of_workspace();
+    let version = |name: &str, wanted: &toml::Value| {
+        let shared = wanted.get("workspace").map(|_| &all["workspace"]["dependencies"][name]);
+        let wanted = shared.unwrap_or(wanted);
+        wanted.get("version").unwrap_or(wanted).as_str().unwrap().to_owned()
+    };
     tables
         .flat_map(|table| table.as_table().unwrap())
-        .map(|(name, wanted)| (name.clone(), version(wanted)))
+        .map(|(name, wanted)| (name.clone(), version(name, wanted)))
         .collect()
 }
 
 #[test]
 fn what_is_fuzzed_finds_every_outside_library_that_it_uses() {
     let fuzz = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/lib.rs")).unwrap();
-    let modules: Vec<&str> =
-        fuzz.split("#[path = \"../src/").skip(1).filter_map(|rest| rest.split(['/', '.']).next()).collect();
+    let modules: Vec<&str> = fuzz
+        .split("#[path = \"../src/engine/")
+        .skip(1)
+        .filter_map(|rest| rest.split(['/', '.']).next())
+        .collect();
     assert!(modules.contains(&"capture") && modules.contains(&"store"), "{modules:?}");
-    let (ours, fuzzed) = (dependencies(&manifest("Cargo.toml")), dependencies(&manifest("fuzz/Cargo.toml")));
+    let (ours, fuzzed) =
+        (dependencies(&manifest("src/engine/Cargo.toml")), dependencies(&manifest("fuzz/Cargo.toml")));
     let lock = manifest("fuzz/Cargo.lock");
     let locked = |name: &str| {
         let mut packages = lock["package"].as_array().unwrap().iter();
         packages.any(|package| package["name"].as_str() == Some(name))
     };
     for (name, text) in sources() {
-        if !modules.contains(&name.split(['/', '.']).next().unwrap()) {
+        let module = name.strip_prefix("engine/").and_then(|rest| rest.split(['/', '.']).next());
+        if !module.is_some_and(|module| modules.contains(&module)) {
             continue;
         }
         for (library, version) in &ours {
             if code(untested(&text)).any(|line| uses(line, &library.replace('-', "_"))) {
-                assert_eq!(
-                    fuzzed.get(library),
-                    Some(version),
-                    "{library}, for src/{name}, in fuzz/Cargo.toml"
-                );
-                assert!(locked(library), "{library}, for src/{name}, is not in fuzz/Cargo.lock");
+                assert_eq!(fuzzed.get(library), Some(version), "{library}, for {name}, in fuzz/Cargo.toml");
+                assert!(locked(library), "{library}, for {name}, is not in fuzz/Cargo.lock");
             }
         }
     }
@@ -352,7 +411,8 @@ fn the_files_that_the_architecture_names_exist() {
 fn the_page_on_captures_names_every_key_of_the_manifest() {
     let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("CAPTURES.md")).unwrap();
     let text_of = |file: &str| sources().into_iter().find(|(name, _)| name == file).unwrap().1;
-    let text = text_of("capture/transforms/manifest.rs") + &text_of("capture/transforms/raw_video.rs");
+    let text =
+        text_of("engine/capture/transforms/manifest.rs") + &text_of("engine/capture/transforms/raw_video.rs");
     let keys = text.lines().filter_map(|line| line.strip_prefix("    pub ")?.split_once(':'));
     // Keys of bent lenses are told as a kind: none of them helps. Those of raw video stand in a file of their own.
     let keys: Vec<&str> = keys
@@ -369,6 +429,6 @@ fn the_page_on_captures_names_every_key_of_the_manifest() {
 fn no_file_grew_to_hold_two_ideas() {
     for (name, text) in sources() {
         let lines = text.lines().count();
-        assert!(lines <= MAX_LINES, "src/{name} has {lines} lines; {MAX_LINES} at most");
+        assert!(lines <= MAX_LINES, "{name} has {lines} lines; {MAX_LINES} at most");
     }
 }

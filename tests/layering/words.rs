@@ -47,10 +47,10 @@ fn what_people_read_in_the_window_has_the_terms_of_the_field() {
     let mut texts = 0;
     for (name, code) in sources() {
         let shown = code.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-        let read = if name.starts_with("settings/") {
+        let read = if name.starts_with("engine/settings/") {
             let help = shown.lines().enumerate().map(|(index, line)| (index + 1, line.trim().to_owned()));
             help.filter(|(_, line)| line.starts_with("///")).collect()
-        } else if name.starts_with("app/") && !name.starts_with("app/tests/") {
+        } else if name.starts_with("desk/app/") && !name.starts_with("desk/app/tests/") {
             quoted(shown)
         } else {
             continue;
@@ -58,7 +58,7 @@ fn what_people_read_in_the_window_has_the_terms_of_the_field() {
         texts += read.len();
         for (line, text) in read {
             if let Some(word) = private_word(&text) {
-                found.push(format!("src/{name}:{line}: {word:?} in {text:?}"));
+                found.push(format!("{name}:{line}: {word:?} in {text:?}"));
             }
         }
     }

@@ -1,0 +1,272 @@
+//! Stores: the kept samples, in memory after preprocessing or played from a file.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::{DVec2, DVec3};
+use half::f16;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyModule};
+
+use super::camera::{PyCamera, PyLens, pose_of};
+use super::choices::settings_over;
+use super::exceptions::to_exception;
+use super::{arrays, work};
+use overlook_engine::capture::Camera;
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::plural::counted;
+use overlook_engine::preprocess::Preprocessed;
+use overlook_engine::render::{NO_IMAGE, Renderer, Vantage};
+use overlook_engine::samples::{SampleImage, SampleSet};
+use overlook_engine::store::file::{Store, write};
+use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
+use overlook_engine::store::write_again;
+
+/// Opens a store for playing it from disk.
+///
+/// # Errors
+/// `Error` as [`Store::open`].
+#[pyfunction]
+pub fn open_store(py: Python<'_>, path: PathBuf) -> PyResult<PyStore> {
+    let store = work::run(py, None, |_| Store::open(&path))?;
+    let (report, warnings) = (store.info().report.clone(), store.info().warnings.clone());
+    let playback = Playback::new(store, DEFAULT_CACHE_BYTES);
+    let outline = playback.outline().clone();
+    Ok(PyStore {
+        samples: Samples::OnDisk(path, Box::new(playback)),
+        outline,
+        report,
+        warnings,
+        renderer: Mutex::default(),
+    })
+}
+
+enum Samples {
+    InMemory(Arc<SampleSet>),
+    OnDisk(PathBuf, Box<Playback>),
+}
+
+impl Samples {
+    /// Those of one frame, or all.
+    fn at(&self, frame: Option<usize>, job: &Job) -> Result<Arc<SampleSet>> {
+        match (self, frame) {
+            (Self::InMemory(samples), _) => Ok(samples.clone()),
+            (Self::OnDisk(_, playback), Some(frame)) => playback.at(frame, job),
+            (Self::OnDisk(_, playback), None) => Ok(Arc::new(playback.store().read_undamaged(job)?)),
+        }
+    }
+}
+
+/// The kept samples of a capture.
+#[pyclass(name = "Store", module = "overlook", frozen)]
+pub struct PyStore {
+    samples: Samples,
+    /// Cameras, frames and settings.
+    outline: Arc<SampleSet>,
+    /// JSON.
+    report: String,
+    warnings: Vec<String>,
+    renderer: Mutex<Renderer>,
+}
+
+impl PyStore {
+    pub(super) fn of(Preprocessed { samples, report }: Preprocessed) -> PyResult<Self> {
+        let warnings = report.warnings();
+        let report = report.to_json().map_err(|error| to_exception(&error))?;
+        let outline = samples.clone();
+        Ok(Self {
+            samples: Samples::InMemory(samples),
+            outline,
+            report,
+            warnings,
+            renderer: Mutex::default(),
+        })
+    }
+}
+
+#[pymethods]
+impl PyStore {
+    #[getter]
+    fn name(&self) -> &str {
+        &self.outline.name
+    }
+
+    #[getter]
+    fn cameras(&self) -> Vec<PyCamera> {
+        self.outline.cameras.iter().cloned().map(PyCamera).collect()
+    }
+
+    #[getter]
+    fn frame_numbers(&self) -> Vec<i64> {
+        self.outline.frame_numbers.clone()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// What preprocessing counted and measured.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        PyModule::import(py, "json")?.getattr("loads")?.call1((&self.report,))
+    }
+
+    /// Writes the store to a file; gives its size in bytes.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<u64> {
+        work::run(py, None, |job| match &self.samples {
+            Samples::InMemory(samples) => write(&path, samples, &self.report, job),
+            Samples::OnDisk(_, playback) => write_again(&path, playback.store(), None, job),
+        })
+    }
+
+    /// The samples of one frame, or of all spans; of one camera, or of all.
+    #[pyo3(signature = (frame=None, camera=None))]
+    fn samples(&self, py: Python<'_>, frame: Option<usize>, camera: Option<usize>) -> PyResult<PySamples> {
+        let (frames, cameras) = (self.outline.frame_count(), self.outline.cameras.len());
+        if frame.is_some_and(|frame| frame >= frames) || camera.is_some_and(|camera| camera >= cameras) {
+            let what = format!(
+                "'{}' has {} and {}",
+                self.outline.name,
+                counted(frames, "frame"),
+                counted(cameras, "camera")
+            );
+            return Err(PyIndexError::new_err(what));
+        }
+        let rows = work::run(py, None, |job| {
+            let samples = self.samples.at(frame, job)?;
+            let is_wanted = |image: &&Arc<SampleImage>| {
+                frame.is_none_or(|frame| image.span.contains(frame))
+                    && camera.is_none_or(|camera| image.camera as usize == camera)
+            };
+            let mut rows = SampleRows::default();
+            for image in samples.images.iter().filter(is_wanted) {
+                rows.add(image, &samples.cameras[image.camera as usize]);
+            }
+            Ok(rows)
+        })?;
+        rows.into_arrays(py)
+    }
+
+    /// A picture from any place: color, depth, and where samples were seen.
+    #[pyo3(signature = (pose, lens, frame=0, settings=None))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        pose: PyReadonlyArray2<'_, f64>,
+        lens: PyLens,
+        frame: usize,
+        settings: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Rendered<'py>> {
+        let settings = settings_over(self.outline.settings.clone(), settings)?.render;
+        let camera = Camera {
+            name: "python".to_owned(),
+            intrinsics: lens.intrinsics(),
+            world_from_camera: pose_of(&pose)?,
+        };
+        let vantage = Vantage { camera, frame };
+        let picture = work::run(py, None, |job| {
+            vantage.check(&self.outline)?;
+            let samples = match &self.samples {
+                Samples::InMemory(samples) => samples.clone(),
+                Samples::OnDisk(_, playback) => playback.seen_from(&vantage.camera, frame, job)?,
+            };
+            let mut renderer = self.renderer.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok(renderer.render(&samples, &vantage, &settings, job)?.0)
+        })?;
+        Ok((
+            arrays::vectors(py, &picture.color)?,
+            arrays::plane(py, &picture.inverse_depth, |w| arrays::depth_of(*w))?,
+            arrays::plane(py, &picture.image, |image| *image != NO_IMAGE)?,
+        ))
+    }
+
+    fn __repr__(&self) -> String {
+        let place = match &self.samples {
+            Samples::InMemory(samples) => counted(samples.sample_count(), "sample") + " in memory",
+            Samples::OnDisk(path, _) => path.display().to_string(),
+        };
+        format!("<overlook.Store '{}', {place}>", self.outline.name)
+    }
+}
+
+type Rendered<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<bool>>);
+
+/// Samples as rows, before they become arrays.
+#[derive(Default)]
+struct SampleRows {
+    camera: Vec<u32>,
+    pixel: Vec<[u32; 2]>,
+    span: Vec<[u32; 2]>,
+    color: Vec<[f32; 3]>,
+    depth: Vec<f32>,
+    point_in_world: Vec<[f32; 3]>,
+    normal_in_world: Vec<[f32; 3]>,
+}
+
+impl SampleRows {
+    fn add(&mut self, image: &SampleImage, camera: &Camera) {
+        let inverse_depths = image.inverse_depths();
+        for sample in image.samples() {
+            let inverse_depth = inverse_depths[sample.index];
+            let ray =
+                camera.intrinsics.ray_in_camera(DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5));
+            let point = if inverse_depth == 0.0 {
+                // Of a sample at infinity nothing but the direction is known.
+                camera.world_from_camera.transform_vector3(ray) * f64::INFINITY
+            } else {
+                camera.world_from_camera.transform_point3(ray / f64::from(inverse_depth))
+            };
+            self.camera.push(image.camera);
+            self.pixel.push([sample.x as u32, sample.y as u32]);
+            self.span.push([image.span.start, image.span.end]);
+            self.color.push(image.color[sample.index].map(f16::to_f32));
+            self.depth.push(arrays::depth_of(inverse_depth));
+            self.point_in_world.push(no_nan(point).as_vec3().to_array());
+            if let Some(normals) = &image.normal {
+                self.normal_in_world.push(normals[sample.index].decode().to_array());
+            }
+        }
+    }
+
+    fn into_arrays(self, py: Python<'_>) -> PyResult<PySamples> {
+        let has_normals = self.normal_in_world.len() == self.camera.len();
+        let normals = has_normals.then(|| arrays::rows(py, self.normal_in_world)).transpose()?;
+        Ok(PySamples {
+            camera: self.camera.into_pyarray(py).unbind(),
+            pixel: arrays::rows(py, self.pixel)?.unbind(),
+            span: arrays::rows(py, self.span)?.unbind(),
+            color: arrays::rows(py, self.color)?.unbind(),
+            depth: self.depth.into_pyarray(py).unbind(),
+            point_in_world: arrays::rows(py, self.point_in_world)?.unbind(),
+            normal_in_world: normals.map(Bound::unbind),
+        })
+    }
+}
+
+/// An infinite vector along an axis has no part along the others.
+fn no_nan(point: DVec3) -> DVec3 {
+    DVec3::from_array(point.to_array().map(|along| if along.is_nan() { 0.0 } else { along }))
+}
+
+/// Samples, one row each.
+#[pyclass(name = "Samples", module = "overlook", frozen, get_all)]
+pub struct PySamples {
+    camera: Py<PyArray1<u32>>,
+    pixel: Py<PyArray2<u32>>,
+    span: Py<PyArray2<u32>>,
+    color: Py<PyArray2<f32>>,
+    depth: Py<PyArray1<f32>>,
+    point_in_world: Py<PyArray2<f32>>,
+    normal_in_world: Option<Py<PyArray2<f32>>>,
+}
+
+#[pymethods]
+impl PySamples {
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        self.camera.bind(py).len()
+    }
+}

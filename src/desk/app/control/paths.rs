@@ -1,0 +1,382 @@
+//! Paths that are chosen in a dialog or typed: what for, whether there is anything to write, and what stands there already.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::app::model::{
+    Command, Content, Destination, DockView, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
+    csv,
+};
+use crate::app::overlook_app::OverlookApp;
+use crate::app::work::{FileRequest, FollowRequest, with_ending};
+use overlook_engine::error::Error;
+
+/// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
+const NO_DIALOG: Duration = Duration::from_secs(2);
+
+const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
+
+const OTHER_ENDING: &str = "A picture is written as PNG or EXR; name it .png or .exr.";
+
+impl OverlookApp {
+    /// Carries out what concerns a path that is chosen or typed; gives back what does not.
+    pub(crate) fn apply_to_typed_path(&mut self, command: Command) -> Option<Command> {
+        match command {
+            // Before a path is chosen for nothing.
+            Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
+            Command::AskPath(purpose) => {
+                self.asked_at = Some(Instant::now());
+                self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
+            }
+            Command::TypePath(purpose) => self.type_path(purpose, None),
+            Command::TypedPath(text) => {
+                if let Some(typed) = &mut self.state.typed_path {
+                    (typed.text, typed.replaces) = (text, false);
+                }
+            }
+            Command::TakeTypedPath => self.take_typed_path(),
+            Command::CloseTypedPath => self.state.typed_path = None,
+            other => return Some(other),
+        }
+        None
+    }
+
+    fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
+        let text = suggested_name(&self.state, purpose);
+        let folder = std::env::current_dir().ok();
+        self.state.typed_path = Some(TypedPath { purpose, text, folder, reason, replaces: false });
+    }
+
+    /// Takes the path in the field; one to be written to once it is known that nothing stands there, or that it may be replaced.
+    fn take_typed_path(&mut self) {
+        let Some(typed) = &mut self.state.typed_path else { return };
+        let (purpose, Some(path)) = (typed.purpose, place(&typed.text)) else { return };
+        let Some(path) = named(purpose, path) else {
+            typed.reason = Some(OTHER_ENDING.to_owned());
+            return;
+        };
+        if purpose.writes() && !typed.replaces {
+            self.workers.check.submit(Destination { purpose, path });
+        } else {
+            self.last_typed = self.state.typed_path.take();
+            self.take_path(purpose, path);
+        }
+    }
+
+    /// Takes in whether something stands where the path in the field leads to.
+    pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
+        let Destination { purpose, path } = destination;
+        if !purpose.writes() {
+            let command = Command::OpenPath(path.clone());
+            if taken && self.state.inspector.unsaved_work().is_some() {
+                self.state.open_after_question = Some(command);
+            } else {
+                // What is not there is told as what cannot be opened, and what is open stays.
+                self.open(command);
+            }
+            return;
+        }
+        let typed = self.state.typed_path.as_mut();
+        let Some(typed) = typed
+            .filter(|typed| typed.purpose == *purpose && typed_destination(typed).as_ref() == Some(path))
+        else {
+            return;
+        };
+        if taken {
+            typed.replaces = true;
+        } else {
+            self.last_typed = self.state.typed_path.take();
+            self.take_path(*purpose, path.clone());
+        }
+    }
+
+    /// Takes in what the system's dialog was answered.
+    pub(crate) fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
+        let asked_at = self.asked_at.take();
+        match path {
+            // The dialog asks before a file of the chosen name is replaced; not for folders, nor for a name with an added ending.
+            Some(path)
+                if (matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr)
+                    || named(purpose, path.clone()).as_ref() != Some(&path))
+                    && path.to_str().is_some() =>
+            {
+                self.type_path(purpose, None);
+                self.apply(Command::TypedPath(path.display().to_string()));
+                self.take_typed_path();
+            }
+            Some(path) => self.take_path(purpose, path),
+            None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
+                self.type_path(purpose, Some(NO_DIALOG_WORDS.to_owned()));
+            }
+            None => {
+                let entry = purpose.typed_entry();
+                let text = format!("Where no file dialog appears, \"{entry}\" takes a path that is typed.");
+                self.state.notify(NoticeKind::Done, "No path was chosen", text);
+            }
+        }
+    }
+
+    /// Shows a path again that was typed and could not be read or written.
+    pub(crate) fn type_again(&mut self, what: &str, error: &Error) {
+        let Error::Io { path, .. } = error else { return };
+        let last = self.last_typed.take_if(|last| {
+            last.purpose.worker() == what
+                && typed_destination(last).is_some_and(|place| path.starts_with(place))
+        });
+        if let (Some(last), None) = (last, &self.state.typed_path) {
+            self.state.typed_path =
+                Some(TypedPath { reason: Some(error.to_string()), replaces: false, ..last });
+        }
+    }
+
+    pub(crate) fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
+        let path = lasting(path);
+        match purpose {
+            Purpose::OpenFile | Purpose::OpenFolder => self.apply(Command::OpenPath(path)),
+            Purpose::SaveStore => self.save_store(path),
+            Purpose::SaveSettings => {
+                let settings = self.state.shown_settings();
+                self.workers.file.submit(FileRequest::SaveSettings { path, settings });
+            }
+            Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::SaveTable(table) => match csv::csv(table, &self.state) {
+                Some(text) => self.workers.file.submit(FileRequest::SaveText { path, text }),
+                None => {
+                    self.state.warn_of_scene("Nothing to save", format!("There is no {} yet.", table.name()));
+                }
+            },
+            Purpose::SavePicture => self.save_picture(path),
+            Purpose::SaveShot => self.save_shot(path),
+            Purpose::ExportExr => {
+                self.export_path(ExportTarget { path, film_rate: None, linear: true });
+            }
+            Purpose::SavePath => self.save_path(path),
+            Purpose::LoadPath => {
+                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                    self.workers.file.submit(FileRequest::LoadPath { path, scene });
+                }
+            }
+            Purpose::OpenPictures => {
+                if let Some(scene) = self.state.scene.clone() {
+                    self.workers.file.submit(FileRequest::OpenPictures { path, scene });
+                }
+            }
+            Purpose::FollowParts => {
+                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                    self.state.inspector.charts.follow(path.clone());
+                    self.workers.follow.submit(FollowRequest { scene, folder: path });
+                }
+            }
+            Purpose::ExportPictures => {
+                self.export_path(ExportTarget { path, film_rate: None, linear: false });
+            }
+            Purpose::ExportFilm => {
+                let film_rate = Some(f64::from(self.state.timeline.frames_per_second));
+                self.export_path(ExportTarget { path, film_rate, linear: false });
+            }
+        }
+    }
+
+    fn save_picture(&mut self, path: PathBuf) {
+        let shown = self.state.live_shown.as_ref();
+        let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
+        let picture = self.state.shown_picture().cloned();
+        match picture.zip(rendered) {
+            Some((picture, rendered)) => {
+                let display = self.state.display;
+                self.workers.file.submit(FileRequest::SavePicture { path, picture, rendered, display });
+            }
+            None => self.notify_in_motion(),
+        }
+    }
+
+    /// Takes a picture of the window once it is drawn without the field that the path was typed into.
+    fn save_shot(&mut self, path: PathBuf) {
+        let path = if path.extension().is_some() { path } else { path.with_extension("png") };
+        if !self.visible_views().contains(&DockView::Live) {
+            let text = "The live view is behind another one; bring it to the front, then try again.";
+            return self.state.warn_of_scene("No view to save", text);
+        }
+        self.shot_wanted = Some(path);
+        let (shot, ctx) = (self.shot.clone(), self.ctx.clone());
+        let taken = egui::ScreenshotCallback::new(move |image| {
+            *shot.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(image);
+            ctx.request_repaint();
+        });
+        self.ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
+    }
+
+    /// Writes the picture of the window that was taken, if one was.
+    pub(crate) fn take_shot(&mut self) {
+        let taken = self.shot.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
+        let Some(picture) = taken else { return };
+        let Some(path) = self.shot_wanted.take() else { return };
+        let scale = picture.size[0] as f32 / self.ctx.content_rect().width().max(1.0);
+        let area = self.state.live.area;
+        let area = [area.left(), area.top(), area.width(), area.height()]
+            .map(|side| (side * scale).round().max(0.0) as usize);
+        self.workers.file.submit(FileRequest::SaveShot { path, picture, area });
+    }
+
+    fn save_path(&mut self, path: PathBuf) {
+        let Some(scene) = self.state.scene.clone().filter(|_| !self.refuses(Purpose::SavePath)) else {
+            return;
+        };
+        let (camera_path, size) = (self.state.inspector.path.clone(), self.state.export_size());
+        let up_in_world = self.state.up_in_world();
+        self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size, up_in_world });
+    }
+
+    fn save_store(&mut self, path: PathBuf) {
+        if self.refuses(Purpose::SaveStore) {
+            return;
+        }
+        let Some(scene) = &self.state.scene else { return };
+        if let Content::Store { playback, .. } = &scene.content {
+            self.workers.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
+        } else if let Some(whole) = &self.state.whole {
+            // The store records the rendering settings of now, so that it looks the same when it is opened.
+            let mut samples = (*whole.samples).clone();
+            samples.settings.render = self.state.settings.render.clone();
+            let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
+            self.workers.file.submit(FileRequest::SaveStore { path, scene, samples, report });
+        }
+    }
+
+    /// Whether there is nothing yet to write for this purpose; warns then.
+    pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
+        if let Purpose::SaveTable(table) = purpose {
+            let is_empty = csv::csv(table, &self.state).is_none();
+            if is_empty {
+                let text = format!("There is no {} yet.", table.name());
+                self.state.warn_of_scene("Nothing to save yet", text);
+            }
+            return is_empty;
+        }
+        let title = match purpose {
+            Purpose::SaveStore => "Nothing to save yet",
+            Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => "Nothing to export yet",
+            Purpose::SavePath => "No camera path to save",
+            Purpose::LoadPath => "No scene for a camera path",
+            Purpose::OpenPictures => "Nothing to compare pictures with",
+            Purpose::FollowParts => "No capture that work is done on",
+            _ => return false,
+        };
+        let exports = matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm);
+        let text = if purpose == Purpose::OpenPictures {
+            if self.state.has_capture() {
+                return false;
+            }
+            "Open a capture first: a store has no viewpoints with true pictures."
+        } else if purpose == Purpose::FollowParts {
+            if self.state.has_capture() {
+                return false;
+            }
+            "Open the capture first that others work on."
+        } else if self.state.scene.is_none() {
+            "Open a capture or a store first."
+        } else if purpose == Purpose::LoadPath {
+            return false;
+        } else if purpose == Purpose::SavePath {
+            if self.state.inspector.path.pictures() > 0 {
+                return false;
+            }
+            NO_KEYS
+        } else if !self.state.is_whole_ready() && self.state.stopped {
+            "The whole capture is not pruned with these settings; recompute it (below), then try again."
+        } else if !self.state.is_whole_ready() {
+            "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
+        } else if exports && self.state.inspector.path.pictures() == 0 {
+            NO_KEYS
+        } else {
+            return false;
+        };
+        self.state.warn_of_scene(title, text);
+        true
+    }
+}
+
+/// What a path is likely to be named; empty where it has to be there already.
+fn suggested_name(state: &State, purpose: Purpose) -> String {
+    match purpose {
+        Purpose::SaveStore => format!("{}.ovl", state.scene.as_ref().map_or("capture", |scene| &scene.name)),
+        Purpose::SaveSettings => "settings.toml".to_owned(),
+        Purpose::SavePicture => "picture.png".to_owned(),
+        Purpose::SaveTable(table) => table.file().to_owned(),
+        Purpose::SaveShot => "view.png".to_owned(),
+        Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
+        Purpose::ExportFilm => "video.mp4".to_owned(),
+        Purpose::SavePath => "transforms.json".to_owned(),
+        Purpose::OpenFile
+        | Purpose::OpenFolder
+        | Purpose::LoadSettings
+        | Purpose::LoadPath
+        | Purpose::OpenPictures
+        | Purpose::FollowParts => String::new(),
+    }
+}
+
+/// Where a typed text leads to, `~` being the person's own folder; `None` where there is none.
+fn place(text: &str) -> Option<PathBuf> {
+    let text = text.trim();
+    let at_home = text.strip_prefix('~').filter(|rest| rest.is_empty() || rest.starts_with('/'));
+    let path = match (at_home, std::env::home_dir()) {
+        (Some(rest), Some(home)) => home.join(rest.trim_start_matches('/')),
+        _ => PathBuf::from(text),
+    };
+    (!text.is_empty()).then(|| lasting(path))
+}
+
+/// The path with the ending that a file of this purpose needs; `None` where it has one of another kind of file.
+fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
+    let ending = match purpose {
+        Purpose::SavePicture => return with_ending(path),
+        Purpose::SaveStore => "ovl",
+        Purpose::SaveSettings => "toml",
+        Purpose::SaveTable(_) => "csv",
+        Purpose::ExportFilm => "mp4",
+        _ => return Some(path),
+    };
+    // A dot within a name, as in `take.2`, is no ending that people mean; one that they typed is theirs.
+    let known = path
+        .extension()
+        .is_some_and(|typed| typed.len() > 1 && !typed.to_string_lossy().chars().all(|c| c.is_ascii_digit()));
+    Some(if known { path } else { PathBuf::from(format!("{}.{ending}", path.display())) })
+}
+
+/// Where the path in the field leads to; `None` where it cannot be taken.
+fn typed_destination(typed: &TypedPath) -> Option<PathBuf> {
+    named(typed.purpose, place(&typed.text)?)
+}
+
+/// A path that means the same from whatever folder the window is started next time.
+pub(crate) fn lasting(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_without_an_ending_gets_that_of_its_purpose() {
+        let named = |purpose, path: &str| named(purpose, path.into()).unwrap();
+        assert_eq!(named(Purpose::SaveStore, "/a/capture"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::SaveStore, "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
+        assert_eq!(named(Purpose::SaveStore, "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::SaveSettings, "/a/mine"), PathBuf::from("/a/mine.toml"));
+        assert_eq!(named(Purpose::ExportFilm, "/a/b.mkv"), PathBuf::from("/a/b.mkv"));
+        assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));
+    }
+
+    #[test]
+    fn a_tilde_that_is_typed_is_the_own_folder() {
+        let home = std::env::home_dir().unwrap();
+        assert_eq!(place(" ~/films/a.mp4 "), Some(home.join("films/a.mp4")));
+        assert_eq!(place("~"), Some(home.join("")));
+        assert_eq!(place("/data/~x/~"), Some(PathBuf::from("/data/~x/~")));
+        assert_eq!(place("~x"), Some(lasting("~x".into())));
+        assert_eq!(place("  "), None);
+    }
+}

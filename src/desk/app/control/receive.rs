@@ -1,0 +1,331 @@
+//! Takes in the answers of the workers.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::{TextureFilter, TextureOptions};
+
+use super::remembered::remember_recent;
+use crate::app::model::setting_names::SettingPairs;
+use crate::app::model::{
+    self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, NoticeLink, OpenScene,
+    OrbitCamera, Origin, PixelSource, Probed, Readings, Ruler, ShownCameras, ShownPicture, SourceLook, Spot,
+    Texture, Unit, Whole, and_others, method_of,
+};
+use crate::app::overlook_app::OverlookApp;
+use overlook_engine::error::Error;
+use overlook_engine::plural::{counted, either};
+use overlook_engine::preprocess::diagnostics::Suspect;
+use overlook_engine::preprocess::{PreparedScan, Preprocessed};
+use overlook_engine::settings::Settings;
+
+/// The source view shows single pixels sharply; the live view is interpolated.
+const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
+const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
+
+impl OverlookApp {
+    /// The texture that shows a picture of the live view; `None` where nothing draws the window that could.
+    fn texture_of(&mut self, picture: &LivePicture) -> Option<Texture> {
+        let replaced = self.state.live_shown.take().map(|shown| shown.texture);
+        match &picture.pixels {
+            PixelSource::InMemory { image, .. } => Some(Texture::send(&self.ctx, LIVE, image, replaced)),
+            PixelSource::OnAdapter(painted) => {
+                Some(Texture::painted(self.window.as_ref()?, painted, replaced))
+            }
+        }
+    }
+
+    /// Takes in one answer, unless it is about a scene that is no longer open.
+    pub(crate) fn receive(&mut self, message: Message) {
+        let current = self.state.scene.as_ref().map(|scene| scene.id);
+        if message.scene().is_some_and(|scene| Some(scene) != current) {
+            return;
+        }
+        let Self { state, ctx, .. } = self;
+        match message {
+            Message::Opened(scene) => self.opened(&scene),
+            Message::Scanned { scan, .. } => self.scanned(scan),
+            Message::Pruned { settings, result, .. } => self.pruned(settings, &result),
+            Message::Inspected { inspected, .. } => {
+                state.inspected = Some(inspected);
+                state.failed_frame = None;
+            }
+            Message::SourcePainted { key, picture } => {
+                let replaced = state.source_shown.take().map(|shown| shown.texture);
+                let texture = Texture::send(ctx, SOURCE, &picture.image, replaced);
+                state.source_shown = Some(ShownPicture { key, picture, texture });
+            }
+            Message::LivePainted { key, picture } => {
+                state.report_damage(&picture.damage);
+                let texture = self.texture_of(&picture);
+                self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
+            }
+            Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
+            Message::Probed { spot, probed, is_hole, .. } => self.probed(spot, probed, is_hole),
+            Message::Thumbnails { pictures, .. } => {
+                let textures =
+                    pictures.into_iter().map(|it| ctx.load_texture("thumbnail", it, TextureOptions::LINEAR));
+                state.inspector.thumbs = textures.collect();
+            }
+            Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
+            Message::Compared { key, outcome } => self.compared(&key, outcome),
+            Message::MemoryMapped { cameras, .. } => state.inspector.memory = Some(cameras),
+            Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
+            Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
+            Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
+            Message::PartsArrived { parts, .. } => state.inspector.charts.arrive(*parts),
+            Message::Studied => {
+                state.inspector.charts.complete();
+                self.refresh_busy();
+            }
+            Message::Exported { path, exported } => self.exported(&path, &exported),
+            Message::PathSaved { path, saved } => self.path_saved(&path, saved),
+            Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),
+            Message::PicturesOpened { folder, .. } => self.pictures_opened(folder),
+            Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
+            Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
+            Message::DestinationChecked { destination, taken } => {
+                self.destination_checked(&destination, taken);
+            }
+            Message::ReadingsChecked { finding, .. } => self.readings_checked(finding),
+            Message::ReadingsShown { images, .. } => self.readings_shown(images),
+            Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
+            Message::Failed { what, error } => self.failed(what, &error),
+            // Nobody sees it.
+            Message::Prepared => {}
+        }
+    }
+
+    fn scanned(&mut self, scan: Arc<PreparedScan>) {
+        let settings = &self.state.settings;
+        // Of settings that were taken back; what serves those on the sliders is here.
+        let late =
+            !scan.serves(settings) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(settings));
+        if !late {
+            self.state.scan = Some(scan);
+        }
+    }
+
+    fn pruned(&mut self, settings: Settings, result: &Preprocessed) {
+        let state = &mut self.state;
+        // As above.
+        if state.is_whole_ready() && method_of(&settings) != method_of(&state.settings) {
+            return;
+        }
+        let report = &result.report;
+        for (suspect, warning) in report.suspects() {
+            // That another reading fits better is told by itself.
+            let is_told = suspect == Suspect::Depth && report.conventions.is_some();
+            if is_told && state.why_no_readings().is_none() {
+                continue;
+            }
+            let title = format!("Check the capture: {}", suspect.name().to_lowercase());
+            state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Matrix));
+        }
+        let line = format!(
+            "Pruned the capture: {} of {} kept in {} s",
+            model::count(report.samples_kept),
+            model::count_of(report.samples_in, "sample"),
+            model::significant(report.seconds)
+        );
+        state.inspector.log(NoticeKind::Done, line);
+        state.accuracy = None;
+        let (samples, report) = (result.samples.clone(), Arc::new(report.clone()));
+        state.whole = Some(Whole { samples, report, settings });
+    }
+
+    fn measured(&mut self, settings: &Settings, accuracy: Option<Accuracy>) {
+        if *settings != self.state.settings {
+            return;
+        }
+        self.state.accuracy = accuracy;
+        self.play_once_ready();
+    }
+
+    /// Sets the scene of a start without a path in motion, once it is ready and nothing explains it any more: the introduction speaks of
+    /// pixels, whose verdicts are those of a frame.
+    pub(crate) fn play_once_ready(&mut self) {
+        if self.state.accuracy.is_none() || !self.state.inspector.introduced {
+            return;
+        }
+        let plays_once_ready = std::mem::take(&mut self.state.timeline.plays_once_ready);
+        self.state.timeline.playing |= plays_once_ready && self.state.frame_count() > 1;
+    }
+
+    fn settings_loaded(&mut self, path: &Path, settings: Settings) {
+        self.change_settings(settings);
+        let text = if self.state.has_thresholds() {
+            path.display().to_string()
+        } else {
+            "Rendering settings were applied; the others apply to captures opened from now on.".to_owned()
+        };
+        self.state.notify(NoticeKind::Done, "Settings loaded", text);
+    }
+
+    fn probed(&mut self, spot: Spot, probed: Option<Arc<Probed>>, is_hole: bool) {
+        let probe = &mut self.state.inspector.probe;
+        // An answer about a spot that the pointer has left is better than none while the next is on its way.
+        if probe.spot.is_none() {
+            return;
+        }
+        let is_kept = probe.pinned && probe.spot == Some(spot) && matches!(spot, Spot::Live { .. });
+        match &probed {
+            Some(probed) if is_kept => {
+                probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
+            }
+            // A hole cannot be pinned: what appears there later is another pixel.
+            None if is_kept && is_hole => (probe.pinned, probe.spot) = (false, None),
+            _ => {}
+        }
+        probe.shown = probed;
+    }
+
+    fn opened(&mut self, scene: &Arc<OpenScene>) {
+        self.state.remember_picture();
+        let state = &mut self.state;
+        if let Origin::Path(path) = &scene.origin {
+            remember_recent(&mut state.recent, path);
+        }
+        self.workers.follow.cancel();
+        if self.workers.open.is_idle() {
+            state.opening = None;
+        }
+        state.scan = None;
+        state.whole = None;
+        state.stopped = false;
+        state.failed_frame = None;
+        state.inspected = None;
+        state.accuracy = None;
+        if !scene.is_reread {
+            state.inspector.readings = Readings::default();
+        }
+        state.inspector.close_scene();
+        state.source_shown = None;
+        state.live_shown = None;
+        state.timeline.frame = 0;
+        state.timeline.playing = false;
+        state.timeline.range = None;
+        state.timeline.markers.clear();
+        state.live.cameras = ShownCameras::default();
+        state.live.ruler = Ruler::default();
+        state.live.unit = Unit::default();
+        state.live.up = None;
+        state.display = Display::default();
+        state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
+        state.live.orbit = OrbitCamera::home(scene, scene.up_in_world);
+        state.inspector.saved = scene.capture().map(|_| state.settings.clone());
+        state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
+        state.scene = Some(scene.clone());
+        self.show_source_where_there_is_one();
+        let state = &mut self.state;
+        for warning in scene.capture().iter().flat_map(|capture| &capture.warnings) {
+            state.warn_of_scene("While opening", warning.clone());
+        }
+        if let Some(playback) = scene.playback() {
+            for warning in &playback.store().info().warnings {
+                state.warn_of_scene("While opening", warning.clone());
+            }
+            state.report_damage(&playback.store().damage());
+        }
+        let changed = SettingPairs::new(&state.settings, &Settings::default()).differing().count();
+        if changed > 0 && scene.capture().is_some() {
+            let text = format!(
+                "{} {} from the defaults, as set before; Reset all in the Settings view takes the defaults.",
+                counted(changed, "setting"),
+                either(changed, "differs", "differ")
+            );
+            state.notify_with_link("Settings were kept", text, DockView::Thresholds);
+        }
+        state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
+        // Work for the closed scene stops, except for files that are being written.
+        self.workers.whole.cancel();
+        self.workers.measure.cancel();
+        self.workers.study.cancel();
+        self.workers.compare.cancel();
+        self.workers.readings.cancel();
+        self.scheduler = crate::app::work::Scheduler::default();
+    }
+
+    /// Updates whether something is being opened or measured: superseded work sends no message of its end.
+    pub(crate) fn refresh_busy(&mut self) {
+        if self.workers.open.is_idle() {
+            self.state.opening = None;
+        }
+        self.state.inspector.charts.studying = !self.workers.study.is_idle();
+    }
+
+    fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {
+        let place = path.display();
+        // Thresholds may have been changed while it was written, and another capture opened.
+        let scene = self.state.scene.as_ref().map(|scene| scene.id);
+        if let Some((_, settings)) = holds.filter(|(of, _)| Some(*of) == scene) {
+            self.state.inspector.saved = Some(settings);
+        }
+        let text = match bytes {
+            Some(bytes) => {
+                remember_recent(&mut self.state.recent, path);
+                format!("{place} ({})", model::bytes(bytes))
+            }
+            None => place.to_string(),
+        };
+        self.state.notify(NoticeKind::Done, "Saved", text);
+    }
+
+    fn exported(&mut self, path: &Path, exported: &Exported) {
+        let Exported { pictures, notice, damage } = exported;
+        let place = path.display();
+        self.state.notify(
+            NoticeKind::Done,
+            "Exported",
+            format!("{} in {place}", counted(*pictures, "picture")),
+        );
+        if let Some(notice) = notice {
+            let text = format!("Of {place}: {notice}");
+            self.state.notify(NoticeKind::Warning, "Exported without the GPU", text);
+        }
+        if let Some((first, others)) = damage.split_first() {
+            let text = format!(
+                "Pictures in {place} that needed it have holes there: {}",
+                and_others(first, others.len())
+            );
+            self.state.notify(NoticeKind::Warning, "Exported from a damaged store", text);
+        }
+    }
+
+    fn failed(&mut self, what: &'static str, error: &Error) {
+        if matches!(what, "Open" | "Study") {
+            self.refresh_busy();
+        }
+        if matches!(error, Error::Cancelled) {
+            if what == "Study" {
+                self.notify_stopped_study();
+            }
+            return;
+        }
+        if what == "Prune" && self.workers.whole.is_idle() {
+            self.state.stopped = true;
+        }
+        if what == "Inspect frame" && self.workers.inspect.is_idle() {
+            self.state.failed_frame = self.scheduler.inspect.as_ref().map(|key| key.frame);
+            // Nothing goes on from here by itself.
+            self.state.stopped |= self.state.inspected.is_none();
+        }
+        if what == "Follow parts" {
+            self.state.inspector.charts.follow_no_more();
+        }
+        let title = match what {
+            "Open" => "Could not open",
+            "Prune" => "Could not prune the capture",
+            "Inspect frame" => "Could not read this frame",
+            "Source picture" => "Could not show this frame",
+            "Live view" => "Could not render this view",
+            "File" => "Could not save or load",
+            "Study" => "Could not measure",
+            "Follow parts" => "Could not follow the parts",
+            "Export" => "Could not export the camera path",
+            other => other,
+        };
+        self.state.notify(NoticeKind::Error, title, error.to_string());
+        self.type_again(what, error);
+    }
+}

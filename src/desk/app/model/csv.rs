@@ -1,0 +1,200 @@
+//! What views show in numbers, as CSV (RFC 4180): for spreadsheets and scripts.
+
+use super::document::State;
+use super::table::Table;
+use super::verdict_text;
+use overlook_engine::preprocess::diagnostics::Report;
+use overlook_lab::sweep::Point;
+
+/// The table with what is known now; `None` while that is nothing.
+pub(crate) fn csv(table: Table, state: &State) -> Option<String> {
+    let charts = &state.inspector.charts;
+    let rows = match table {
+        Table::Sweep => charts.sweep.iter().map(sweep_row).collect(),
+        Table::StressTest => charts
+            .stress
+            .iter()
+            .map(|point| {
+                let mut row = vec![
+                    ("disturbance", point.disturbance.clone()),
+                    ("size", point.dial.to_string()),
+                    ("unit", point.unit.clone()),
+                    ("method", point.method.clone()),
+                    ("loss_db", point.loss_db.to_string()),
+                ];
+                row.extend(sweep_row(&point.point));
+                row
+            })
+            .collect(),
+        Table::Replacements => replacements(state.report()?),
+        Table::Agreement => agreement(state.report()?),
+        Table::Alignment => alignment(state.report()?),
+        Table::Pixel => pixel(state)?,
+        Table::Cameras => cameras(state.report()?),
+    };
+    (!rows.is_empty()).then(|| written(&rows))
+}
+
+/// A row: the name of each column, and what stands there.
+type Row = Vec<(&'static str, String)>;
+
+fn written(rows: &[Row]) -> String {
+    let mut text = String::new();
+    let mut line = |cells: &mut dyn Iterator<Item = &str>| {
+        let cells: Vec<String> = cells.map(quoted).collect();
+        text.push_str(&cells.join(","));
+        text.push_str("\r\n");
+    };
+    if let Some(first) = rows.first() {
+        line(&mut first.iter().map(|(name, _)| *name));
+    }
+    for row in rows {
+        line(&mut row.iter().map(|(_, cell)| cell.as_str()));
+    }
+    text
+}
+
+/// A cell in quotes where it needs them.
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.to_owned()
+    }
+}
+
+fn sweep_row(point: &Point) -> Row {
+    vec![
+        ("label", point.label.clone()),
+        ("series", point.series.name().to_owned()),
+        ("kernel", point.settings.render.kernel.name().to_owned()),
+        ("psnr_filled_db", point.psnr_filled_db.to_string()),
+        ("psnr_filled_db_se", point.psnr_filled_db_se.to_string()),
+        ("ssim", point.ssim.to_string()),
+        ("flip", point.flip.to_string()),
+        ("coverage", point.coverage.to_string()),
+        ("samples", point.samples.to_string()),
+        ("bytes", point.bytes.to_string()),
+        ("bytes_memory", point.bytes_memory.to_string()),
+        ("milliseconds", point.milliseconds.to_string()),
+        ("seconds_preprocess", point.seconds_preprocess.to_string()),
+        ("pareto", point.pareto.to_string()),
+    ]
+}
+
+fn replacements(report: &Report) -> Vec<Row> {
+    let name =
+        |index: usize| report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone());
+    let pairs = report.witnesses.iter().enumerate();
+    let pairs = pairs
+        .flat_map(|(loser, row)| row.iter().enumerate().map(move |(winner, count)| (loser, winner, count)));
+    pairs
+        .filter(|(loser, winner, _)| loser != winner)
+        .map(|(loser, winner, count)| {
+            vec![("camera", name(loser)), ("replaced_by", name(winner)), ("samples", count.to_string())]
+        })
+        .collect()
+}
+
+fn alignment(report: &Report) -> Vec<Row> {
+    let cameras = report.alignment.iter().flat_map(|alignment| &alignment.cameras);
+    cameras
+        .map(|camera| {
+            let (pose, exposure) = (camera.pose.unwrap_or_default(), camera.exposure.unwrap_or_default());
+            vec![
+                ("camera", camera.name.clone()),
+                ("degrees", pose.degrees.to_string()),
+                ("degrees_se", pose.degrees_se.to_string()),
+                ("distance", pose.distance.to_string()),
+                ("distance_se", pose.distance_se.to_string()),
+                ("footprints", pose.footprints.to_string()),
+                ("red_stops", exposure.stops[0].to_string()),
+                ("green_stops", exposure.stops[1].to_string()),
+                ("blue_stops", exposure.stops[2].to_string()),
+                ("frames_late", camera.clock.unwrap_or_default().frames.to_string()),
+                ("pose_is_weak", camera.pose_is_weak.to_string()),
+            ]
+        })
+        .collect()
+}
+
+fn agreement(report: &Report) -> Vec<Row> {
+    let name =
+        |index: usize| report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone());
+    let mut rows = Vec::new();
+    for (of, row) in report.residuals.iter().enumerate() {
+        for (against, pair) in row.iter().enumerate() {
+            for (what, residual) in [("static", pair.lasting), ("moving", pair.moving)] {
+                let Some(residual) = residual else { continue };
+                rows.push(vec![
+                    ("camera", name(of)),
+                    ("against", name(against)),
+                    ("what", what.to_owned()),
+                    ("samples", residual.samples.to_string()),
+                    ("median_footprints", residual.median_footprints.to_string()),
+                    ("most_footprints", residual.most_footprints.to_string()),
+                    ("median_color_steps", residual.median_color_steps.to_string()),
+                ]);
+            }
+        }
+    }
+    rows
+}
+
+fn pixel(state: &State) -> Option<Vec<Row>> {
+    let scene = state.scene.as_ref()?;
+    let explanation = state.inspector.probe.shown.as_ref()?.explanation.as_ref()?;
+    let number = |value: f64| if value.is_nan() { String::new() } else { value.to_string() };
+    let row = |row: &overlook_engine::preprocess::inspect::CameraEvidence| {
+        vec![
+            ("camera", scene.cameras.get(row.camera).map_or_else(String::new, |camera| camera.name.clone())),
+            ("visible", verdict_text::sees(row).0.to_owned()),
+            ("depth_expected", number(row.depth_expected)),
+            ("depth_found", number(row.depth_found)),
+            ("depth_error_footprints", number(row.plane_distance_footprints)),
+            ("incidence_degrees", number(row.incidence_degrees)),
+            ("paper_r", number(row.paper_r)),
+            ("footprint_r", number(row.footprint_r)),
+            ("color_difference_steps", number(row.color_difference_steps)),
+            ("own_sample", verdict_text::own_sample(row).unwrap_or_default().plain(&scene.cameras)),
+        ]
+    };
+    Some(explanation.evidence.iter().map(row).collect())
+}
+
+fn cameras(report: &Report) -> Vec<Row> {
+    let row = |camera: &overlook_engine::preprocess::diagnostics::CameraReport| {
+        vec![
+            ("camera", camera.name.clone()),
+            ("pixels", camera.pixels.to_string()),
+            ("kept", (camera.background_kept + camera.foreground_kept).to_string()),
+            ("static_pixels", camera.background_pixels.to_string()),
+            ("color_noise_steps", camera.color_noise_steps.to_string()),
+            ("depth_noise_relative", camera.depth_noise_relative.to_string()),
+        ]
+    };
+    report.cameras.iter().map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use overlook_engine::settings::Settings;
+    use overlook_lab::sweep::Series;
+    use overlook_lab::trial::{Trial, TrialResult};
+
+    #[test]
+    fn a_table_has_a_line_of_names_and_one_per_point_and_quotes_what_needs_it() {
+        let mut state = State::default();
+        assert_eq!(csv(Table::Sweep, &state), None);
+        let trial = Trial::new("spans.noise = 2, \"gather\"", Settings::default());
+        let point = Point::new(&trial, Series::Variation, &TrialResult::default());
+        state.inspector.charts.add(point, (1, 1));
+        let text = csv(Table::Sweep, &state).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(lines[0].starts_with("label,series,kernel,psnr_filled_db,"), "{text}");
+        assert!(lines[1].starts_with("\"spans.noise = 2, \"\"gather\"\"\","), "{text}");
+        assert_eq!(lines[0].split(',').count(), 14);
+    }
+}

@@ -1,0 +1,192 @@
+//! What workers send to the window. Heavy results travel as `Arc`.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::arriving::ArrivedParts;
+use super::camera_path::{CameraPath, Exported};
+use super::comparison::{CompareKey, PictureDifference};
+use super::histogram::ThresholdHistogram;
+use super::live_picture::{LiveKey, LivePicture};
+use super::picture_folder::PictureFolder;
+use super::pixel::{Probed, Spot};
+use super::purpose::{Destination, Purpose};
+use super::readings::ReadingImages;
+use super::results::{Accuracy, CameraMemory, Inspected};
+use super::scene::OpenScene;
+use super::source_picture::{SourceKey, SourcePicture};
+use overlook_engine::capture::conventions::Finding;
+use overlook_engine::capture::transforms::PathView;
+use overlook_engine::error::Error;
+use overlook_engine::preprocess::{PreparedScan, Preprocessed};
+use overlook_engine::settings::Settings;
+use overlook_lab::stress::StressPoint;
+use overlook_lab::sweep::Point;
+
+/// An answer of a worker.
+pub(crate) enum Message {
+    /// A capture, demo or store is open.
+    Opened(Arc<OpenScene>),
+    Scanned {
+        scene: u64,
+        scan: Arc<PreparedScan>,
+    },
+    /// The whole capture is pruned.
+    Pruned {
+        scene: u64,
+        settings: Settings,
+        result: Arc<Preprocessed>,
+    },
+    /// One frame is pruned, with reasons.
+    Inspected {
+        scene: u64,
+        inspected: Inspected,
+    },
+    /// One frame is ready for thresholds to be turned.
+    Prepared,
+    SourcePainted {
+        key: SourceKey,
+        picture: Arc<SourcePicture>,
+    },
+    LivePainted {
+        key: LiveKey,
+        picture: Arc<LivePicture>,
+    },
+    /// Accuracy at vantages with truth; `None` where there is none.
+    Measured {
+        scene: u64,
+        settings: Settings,
+        accuracy: Option<Accuracy>,
+    },
+    /// What is known of a pixel; `None` where nothing is, or for a hole.
+    Probed {
+        scene: u64,
+        spot: Spot,
+        probed: Option<Arc<Probed>>,
+        is_hole: bool,
+    },
+    Thumbnails {
+        scene: u64,
+        pictures: Vec<Arc<egui::ColorImage>>,
+    },
+    Histograms {
+        scene: u64,
+        histograms: Vec<ThresholdHistogram>,
+    },
+    /// Two pictures of one place, or why there are none.
+    Compared {
+        key: Box<CompareKey>,
+        outcome: Result<PictureDifference, String>,
+    },
+    MemoryMapped {
+        scene: u64,
+        cameras: Vec<CameraMemory>,
+    },
+    /// A file is written; `bytes` where it is a store, `holds` where that holds what was pruned of a scene, by which settings.
+    Saved {
+        path: PathBuf,
+        bytes: Option<u64>,
+        holds: Option<(u64, Settings)>,
+    },
+    /// A point of a sweep, and how many are known, of how many.
+    Swept {
+        scene: u64,
+        point: Box<Point>,
+        known: (usize, usize),
+    },
+    /// A point of a stress test, and how many are known, of how many.
+    Stressed {
+        scene: u64,
+        point: Box<StressPoint>,
+        known: (usize, usize),
+    },
+    /// Parts of work that others do have arrived.
+    PartsArrived {
+        scene: u64,
+        parts: Box<ArrivedParts>,
+    },
+    /// A sweep or a stress test is done.
+    Studied,
+    /// The pictures or the film of the camera path are written.
+    Exported {
+        path: PathBuf,
+        exported: Exported,
+    },
+    /// A camera path is written.
+    PathSaved {
+        path: PathBuf,
+        saved: CameraPath,
+    },
+    /// A camera path is read.
+    PathLoaded {
+        scene: u64,
+        path: PathBuf,
+        views: Vec<PathView>,
+    },
+    /// Pictures of another program are open.
+    PicturesOpened {
+        scene: u64,
+        folder: PictureFolder,
+    },
+    SettingsLoaded {
+        path: PathBuf,
+        settings: Settings,
+    },
+    /// A dialog was answered; `None` where it was closed.
+    PathChosen {
+        purpose: Purpose,
+        path: Option<PathBuf>,
+    },
+    /// Whether something stands where something is to be written.
+    DestinationChecked {
+        destination: Destination,
+        taken: bool,
+    },
+    /// Writing was stopped by the person.
+    Stopped {
+        title: &'static str,
+        text: String,
+    },
+    /// What the agreement between a capture's views says of its reading, or why nothing.
+    ReadingsChecked {
+        scene: u64,
+        finding: Result<Arc<Finding>, String>,
+    },
+    /// Two readings as pictures, or why there are none.
+    ReadingsShown {
+        scene: u64,
+        images: Result<ReadingImages, String>,
+    },
+    /// A job failed or was cancelled.
+    Failed {
+        what: &'static str,
+        error: Error,
+    },
+}
+
+impl Message {
+    /// The scene of the answer, where the answer is of no use once another scene is open.
+    pub(crate) fn scene(&self) -> Option<u64> {
+        match self {
+            Self::Scanned { scene, .. }
+            | Self::Pruned { scene, .. }
+            | Self::Inspected { scene, .. }
+            | Self::Measured { scene, .. }
+            | Self::Probed { scene, .. }
+            | Self::Thumbnails { scene, .. }
+            | Self::Histograms { scene, .. }
+            | Self::MemoryMapped { scene, .. }
+            | Self::Swept { scene, .. }
+            | Self::Stressed { scene, .. }
+            | Self::PartsArrived { scene, .. }
+            | Self::PicturesOpened { scene, .. }
+            | Self::ReadingsChecked { scene, .. }
+            | Self::ReadingsShown { scene, .. }
+            | Self::PathLoaded { scene, .. } => Some(*scene),
+            Self::SourcePainted { key, .. } => Some(key.scene),
+            Self::LivePainted { key, .. } => Some(key.scene),
+            Self::Compared { key, .. } => Some(key.scene.id),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! How poses and depth of the open capture are read, and how they would fit better.
+
+use std::sync::Arc;
+
+use egui::TextureHandle;
+
+use overlook_engine::capture::conventions::{Alternative, Finding};
+
+/// Two readings as pictures: what one camera recorded, and what the others show of it as read and under the other reading.
+#[derive(Clone)]
+pub(crate) struct ReadingImages {
+    /// Name of the camera.
+    pub camera: String,
+    pub images: [Arc<egui::ColorImage>; 3],
+    /// Shares of points that agree and that contradict under each reading.
+    pub votes: [[f64; 2]; 2],
+}
+
+/// The same as the window shows it.
+pub(crate) struct ShownReadings {
+    pub camera: String,
+    pub textures: [TextureHandle; 3],
+    pub votes: [[f64; 2]; 2],
+}
+
+/// What is known of the open capture's reading.
+#[derive(Default)]
+pub(crate) struct Readings {
+    /// What the agreement between its views says; `None` before it was looked at.
+    pub finding: Option<Arc<Finding>>,
+    /// Whether the dialog is open that compares two readings.
+    pub is_open: bool,
+    pub shown: Option<ShownReadings>,
+    /// Why nothing can be shown.
+    pub trouble: Option<String>,
+}
+
+impl Readings {
+    /// The reading that fits far better than the capture's own, where there is one.
+    pub(crate) fn alternative(&self) -> Option<&Alternative> {
+        self.finding.as_ref()?.alternative()
+    }
+
+    /// What to write into a manifest so that the capture opens under the other reading, one key a line.
+    pub(crate) fn keys(&self) -> String {
+        let lines = self.alternative().into_iter().flat_map(|other| &other.keys);
+        lines.map(|(key, value)| format!("\"{key}\": {value},")).collect::<Vec<_>>().join("\n")
+    }
+}

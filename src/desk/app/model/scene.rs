@@ -1,0 +1,212 @@
+//! What is open: a capture (with frames) or a store (without), and where its cameras stand.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::{DMat3, DVec2, DVec3};
+
+use overlook_engine::capture::{Camera, Capture, TruthView};
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::samples::SampleSet;
+use overlook_engine::store::playback::Playback;
+
+static NEXT_ID: AtomicU64 = AtomicU64::new(1);
+
+/// Where a scene came from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Origin {
+    Demo(String),
+    Path(PathBuf),
+}
+
+/// Where frames or samples come from.
+pub(crate) enum Content {
+    /// Source frames, to be pruned here.
+    Capture {
+        capture: Box<Capture>,
+        /// Vantages whose truth is known.
+        truth: Vec<TruthView>,
+    },
+    /// Samples that were pruned before; there are no source frames.
+    Store {
+        /// All but the samples.
+        samples: Arc<SampleSet>,
+        /// The samples, frame by frame from the file.
+        playback: Arc<Playback>,
+        /// How they came about.
+        report: Arc<Report>,
+        /// Size of the file.
+        bytes: u64,
+    },
+}
+
+/// What is open.
+pub(crate) struct OpenScene {
+    /// Differs between any two scenes that were ever open, so that late answers are recognized.
+    pub id: u64,
+    pub origin: Origin,
+    /// Name for titles.
+    pub name: String,
+    pub content: Content,
+    pub cameras: Vec<Camera>,
+    /// Number of each frame.
+    pub frame_numbers: Vec<i64>,
+    /// Up, unit length.
+    pub up_in_world: DVec3,
+    /// What the cameras look at.
+    pub pivot_in_world: DVec3,
+    /// The manifest that says how a capture is read; `None` where the layout of its folder does.
+    pub manifest: Option<PathBuf>,
+    /// Whether a capture is read otherwise than its files say.
+    pub is_reread: bool,
+}
+
+impl OpenScene {
+    /// A scene of a capture. `typical_depth` (planar z of camera 0's middle) serves where the lines of sight do not meet.
+    pub(crate) fn of_capture(
+        origin: Origin,
+        capture: Capture,
+        truth: Vec<TruthView>,
+        typical_depth: f64,
+    ) -> Self {
+        Self {
+            id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
+            origin,
+            name: capture.name.clone(),
+            cameras: capture.cameras.clone(),
+            frame_numbers: capture.frame_numbers.clone(),
+            up_in_world: capture.up_in_world,
+            pivot_in_world: pivot(&capture.cameras, typical_depth),
+            content: Content::Capture { capture: Box::new(capture), truth },
+            manifest: None,
+            is_reread: false,
+        }
+    }
+
+    /// A scene of a store, of which only the first frame is read.
+    ///
+    /// # Errors
+    /// `Io` and `Cancelled`, and where the store has no frame.
+    pub(crate) fn of_store(path: PathBuf, playback: Playback, job: &Job) -> Result<Self> {
+        let first = playback.at(0, job)?;
+        let first = first.images.iter().find(|image| !image.is_empty());
+        let typical_depth = first.map_or(1.0, |image| median_depth(&image.inverse_depths()));
+        let samples = playback.outline().clone();
+        let info = playback.store().info();
+        let (report, bytes) = (Report::from_json(&info.report, &path.display().to_string())?, info.bytes);
+        Ok(Self {
+            id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
+            origin: Origin::Path(path),
+            name: samples.name.clone(),
+            cameras: samples.cameras.clone(),
+            frame_numbers: samples.frame_numbers.clone(),
+            up_in_world: samples.up_in_world,
+            pivot_in_world: pivot(&samples.cameras, typical_depth),
+            content: Content::Store {
+                samples,
+                playback: Arc::new(playback),
+                report: Arc::new(report),
+                bytes,
+            },
+            manifest: None,
+            is_reread: false,
+        })
+    }
+
+    /// The capture, or `None` where a store is open.
+    pub(crate) fn capture(&self) -> Option<&Capture> {
+        match &self.content {
+            Content::Capture { capture, .. } => Some(capture),
+            Content::Store { .. } => None,
+        }
+    }
+
+    /// The capture; `Invalid` where a store is open.
+    pub(crate) fn source(&self) -> Result<&Capture> {
+        self.capture().ok_or_else(|| Error::invalid(&self.name, "a store holds no source frames"))
+    }
+
+    /// What reads samples from the file, where a store is open.
+    pub(crate) fn playback(&self) -> Option<&Arc<Playback>> {
+        match &self.content {
+            Content::Capture { .. } => None,
+            Content::Store { playback, .. } => Some(playback),
+        }
+    }
+
+    /// Frames per camera.
+    pub(crate) fn frame_count(&self) -> usize {
+        self.frame_numbers.len()
+    }
+}
+
+/// Median planar depth of samples with depth; 1 where there is none.
+pub(crate) fn median_depth(inverse_depth: &[f32]) -> f64 {
+    let mut finite: Vec<f32> = inverse_depth.iter().copied().filter(|w| *w > 0.0).collect();
+    if finite.is_empty() {
+        return 1.0;
+    }
+    let middle = finite.len() / 2;
+    let (_, median, _) = finite.select_nth_unstable_by(middle, f32::total_cmp);
+    1.0 / f64::from(*median)
+}
+
+/// The point closest to all lines of sight (least squares), or a point `typical_depth` before the first camera where
+/// the lines run side by side or meet behind it.
+fn pivot(cameras: &[Camera], typical_depth: f64) -> DVec3 {
+    let Some(first) = cameras.first() else { return DVec3::ZERO };
+    let mut normal_matrix = DMat3::ZERO;
+    let mut right_side = DVec3::ZERO;
+    for camera in cameras {
+        let forward = camera.forward_in_world();
+        let across =
+            DMat3::IDENTITY - DMat3::from_cols(forward * forward.x, forward * forward.y, forward * forward.z);
+        normal_matrix += across;
+        right_side += across * camera.position_in_world();
+    }
+    let center = first.intrinsics;
+    let fallback = first.unproject(DVec2::new(center.cx, center.cy), typical_depth);
+    // The determinant falls with the square of the angle between lines of sight; a degree apart gives about 1e-4 per camera.
+    if normal_matrix.determinant() < 1e-4 * cameras.len() as f64 {
+        return fallback;
+    }
+    let meeting = normal_matrix.inverse() * right_side;
+    let in_front = cameras.iter().all(|c| (meeting - c.position_in_world()).dot(c.forward_in_world()) > 0.0);
+    if meeting.is_finite() && in_front { meeting } else { fallback }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use overlook_engine::capture::Intrinsics;
+
+    fn looking_at(eye: DVec3, target: DVec3) -> Camera {
+        Camera::look_at("c", Intrinsics::from_horizontal_angle(64, 48, 1.0), eye, target, DVec3::Z)
+    }
+
+    #[test]
+    fn the_pivot_is_where_lines_of_sight_meet() {
+        let target = DVec3::new(1.0, 2.0, 0.5);
+        let cameras = [
+            looking_at(DVec3::new(5.0, 0.0, 1.0), target),
+            looking_at(DVec3::new(0.0, -6.0, 2.0), target),
+            looking_at(DVec3::new(-4.0, 3.0, 1.0), target),
+        ];
+        assert!((pivot(&cameras, 1.0) - target).length() < 1e-9);
+    }
+
+    #[test]
+    fn a_single_camera_turns_about_what_it_sees() {
+        let camera = looking_at(DVec3::ZERO, DVec3::X);
+        assert!((pivot(&[camera], 3.0) - DVec3::new(3.0, 0.0, 0.0)).length() < 1e-9);
+    }
+
+    #[test]
+    fn a_depth_is_found_among_sky_and_nothing() {
+        assert_eq!(median_depth(&[0.0, -1.0, 0.5, 0.5, 0.25]), 2.0);
+        assert_eq!(median_depth(&[0.0, -1.0]), 1.0);
+    }
+}

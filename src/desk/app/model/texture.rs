@@ -1,0 +1,90 @@
+//! Textures that views show: sent through egui, or written by the renderer on the window's own device.
+
+use std::sync::Arc;
+
+use eframe::egui_wgpu::RenderState;
+use egui::{ColorImage, TextureFilter, TextureHandle, TextureId, TextureOptions};
+
+use overlook_engine::render::gpu::ScreenTexture;
+
+/// A texture that a view shows. Its memory is given back when it is dropped.
+pub(crate) enum Texture {
+    /// Sent through egui.
+    Sent(TextureHandle),
+    /// Written by the renderer.
+    Painted(PaintedTexture),
+}
+
+impl Texture {
+    /// What egui knows it by.
+    pub(crate) fn id(&self) -> TextureId {
+        match self {
+            Self::Sent(handle) => handle.id(),
+            Self::Painted(painted) => painted.id,
+        }
+    }
+
+    /// Sends a picture: into the texture that it replaces, where that was sent too.
+    pub(crate) fn send(
+        ctx: &egui::Context,
+        (name, magnification): (&str, TextureFilter),
+        image: &Arc<ColorImage>,
+        replaced: Option<Self>,
+    ) -> Self {
+        let options =
+            TextureOptions { magnification, minification: TextureFilter::Linear, ..Default::default() };
+        match replaced {
+            Some(Self::Sent(mut texture)) => {
+                texture.set(image.clone(), options);
+                Self::Sent(texture)
+            }
+            Some(Self::Painted(_)) | None => Self::Sent(ctx.load_texture(name, image.clone(), options)),
+        }
+    }
+
+    /// Shows what the renderer wrote on the device of `window`, in place of what was shown before.
+    pub(crate) fn painted(window: &RenderState, texture: &ScreenTexture, replaced: Option<Self>) -> Self {
+        match replaced {
+            Some(Self::Painted(painted)) => {
+                painted.show(texture);
+                Self::Painted(painted)
+            }
+            Some(Self::Sent(_)) | None => Self::Painted(PaintedTexture::new(window, texture)),
+        }
+    }
+}
+
+/// A name that the window's device knows a texture of the renderer by; dropping it takes the name back.
+pub(crate) struct PaintedTexture {
+    window: RenderState,
+    id: TextureId,
+}
+
+impl PaintedTexture {
+    fn new(window: &RenderState, texture: &ScreenTexture) -> Self {
+        let id = window.renderer.write().register_native_texture(&window.device, &view_of(texture), FILTER);
+        Self { window: window.clone(), id }
+    }
+
+    fn show(&self, texture: &ScreenTexture) {
+        let mut renderer = self.window.renderer.write();
+        renderer.update_egui_texture_from_wgpu_texture(
+            &self.window.device,
+            &view_of(texture),
+            FILTER,
+            self.id,
+        );
+    }
+}
+
+impl Drop for PaintedTexture {
+    fn drop(&mut self) {
+        self.window.renderer.write().free_texture(&self.id);
+    }
+}
+
+const FILTER: wgpu::FilterMode = wgpu::FilterMode::Linear;
+
+fn view_of(texture: &ScreenTexture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}

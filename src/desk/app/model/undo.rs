@@ -1,0 +1,166 @@
+//! Settings as they were: undo and redo, and two settings side by side.
+
+use std::time::{Duration, Instant};
+
+use overlook_engine::settings::Settings;
+
+/// Numbers of one setting that follow each other faster than this are one change: a slider in motion.
+const ONE_CHANGE: Duration = Duration::from_millis(700);
+
+/// Changes that are remembered.
+const STEPS: usize = 200;
+
+/// Which of two settings is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) enum SettingsSlot {
+    /// The first.
+    #[default]
+    A,
+    /// The second.
+    B,
+}
+
+/// What became of the settings of a slot.
+#[derive(Default)]
+struct Past {
+    undo: Vec<Settings>,
+    redo: Vec<Settings>,
+    /// Which number was changed last and when; `None` if the last change was of another kind.
+    last: Option<(Instant, &'static str)>,
+}
+
+/// What settings were.
+#[derive(Default)]
+pub(crate) struct History {
+    /// Of the settings that are on, and of the others: what was changed in one is not taken back in the other.
+    past: Past,
+    other_past: Past,
+    /// Which of two settings is on.
+    pub slot: SettingsSlot,
+    /// The settings that are not on; `None` while both are the same.
+    pub other: Option<Settings>,
+}
+
+impl History {
+    /// `before` are about to change. `number` names the setting if it is a number, as a slider changes it; `None` if something is
+    /// chosen.
+    pub(crate) fn record(&mut self, before: &Settings, number: Option<&'static str>, now: Instant) {
+        let past = &mut self.past;
+        let goes_on =
+            past.last.is_some_and(|(at, last)| Some(last) == number && now.duration_since(at) < ONE_CHANGE);
+        past.last = number.map(|number| (now, number));
+        past.redo.clear();
+        if goes_on {
+            return;
+        }
+        if past.undo.len() == STEPS {
+            past.undo.remove(0);
+        }
+        past.undo.push(before.clone());
+    }
+
+    /// Whether there is something to go back to.
+    pub(crate) fn can_undo(&self) -> bool {
+        !self.past.undo.is_empty()
+    }
+
+    /// Whether there is something to go forward to.
+    pub(crate) fn can_redo(&self) -> bool {
+        !self.past.redo.is_empty()
+    }
+
+    /// The settings before the last change of those that are on.
+    pub(crate) fn undo(&mut self, now: &Settings) -> Option<Settings> {
+        let past = &mut self.past;
+        let before = past.undo.pop()?;
+        past.redo.push(now.clone());
+        past.last = None;
+        Some(before)
+    }
+
+    /// The settings that were undone last of those that are on.
+    pub(crate) fn redo(&mut self, now: &Settings) -> Option<Settings> {
+        let past = &mut self.past;
+        let after = past.redo.pop()?;
+        past.undo.push(now.clone());
+        past.last = None;
+        Some(after)
+    }
+
+    /// Puts the other settings on; `now` become the others.
+    pub(crate) fn switch(&mut self, now: &Settings) -> Settings {
+        self.past.last = None;
+        std::mem::swap(&mut self.past, &mut self.other_past);
+        self.slot = match self.slot {
+            SettingsSlot::A => SettingsSlot::B,
+            SettingsSlot::B => SettingsSlot::A,
+        };
+        self.other.replace(now.clone()).unwrap_or_else(|| now.clone())
+    }
+
+    /// The settings of a slot, given those that are on.
+    pub(crate) fn of<'a>(&'a self, slot: SettingsSlot, now: &'a Settings) -> &'a Settings {
+        if slot == self.slot { now } else { self.other.as_ref().unwrap_or(now) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(tolerance: f32) -> Settings {
+        let mut settings = Settings::default();
+        settings.pruning.depth_tolerance = tolerance;
+        settings
+    }
+
+    #[test]
+    fn a_slider_in_motion_is_undone_at_once_and_redone() {
+        let (mut history, start) = (History::default(), Instant::now());
+        for step in 0..10 {
+            let at = start + Duration::from_millis(50 * step);
+            history.record(&with(1.0 + step as f32), Some("pruning.depth_tolerance"), at);
+        }
+        let before = history.undo(&with(11.0)).unwrap();
+        assert_eq!(before, with(1.0));
+        assert!(!history.can_undo());
+        assert_eq!(history.redo(&before).unwrap(), with(11.0));
+    }
+
+    #[test]
+    fn what_is_chosen_is_undone_by_itself_however_soon_the_next_choice_follows() {
+        let (mut history, at) = (History::default(), Instant::now());
+        history.record(&with(1.0), None, at);
+        history.record(&with(2.0), None, at);
+        history.record(&with(3.0), Some("pruning.depth_tolerance"), at);
+        history.record(&with(4.0), None, at);
+        history.record(&with(5.0), Some("pruning.depth_tolerance"), at);
+        let undone = std::iter::successors(history.undo(&with(6.0)), |now| history.undo(now));
+        assert_eq!(undone.collect::<Vec<_>>(), [5.0, 4.0, 3.0, 2.0, 1.0].map(with));
+    }
+
+    #[test]
+    fn two_settings_take_turns() {
+        let mut history = History::default();
+        assert_eq!(history.switch(&with(1.0)), with(1.0), "B starts as A is");
+        assert_eq!(history.switch(&with(2.0)), with(1.0));
+        assert_eq!(
+            (history.of(SettingsSlot::A, &with(1.0)), history.of(SettingsSlot::B, &with(1.0))),
+            (&with(1.0), &with(2.0))
+        );
+    }
+
+    #[test]
+    fn what_was_changed_in_one_of_two_settings_is_not_taken_back_in_the_other() {
+        let (mut history, start) = (History::default(), Instant::now());
+        history.record(&with(1.0), Some("pruning.depth_tolerance"), start);
+        let b = history.switch(&with(2.0));
+        assert!(!history.can_undo(), "nothing of B was changed");
+        history.record(&b, Some("pruning.depth_tolerance"), start);
+        assert_eq!(history.undo(&with(3.0)).unwrap(), b);
+        assert_eq!(history.switch(&b), with(2.0));
+        assert!(!history.can_redo(), "nothing of A was taken back");
+        assert_eq!(history.undo(&with(2.0)).unwrap(), with(1.0));
+        assert_eq!(history.of(SettingsSlot::B, &with(1.0)), &b);
+    }
+}

@@ -1,0 +1,184 @@
+//! A square of cells, one for each ordered pair of cameras. Of many cameras only the cells in view are drawn, and names stay in view
+//! while the square is scrolled.
+
+use egui::{Align2, Color32, FontId, Painter, Rect, ScrollArea, Sense, Ui, pos2, vec2};
+
+use crate::app::theme::Tokens;
+use crate::app::{camera_cues, colormap};
+use overlook_engine::plural::counted;
+
+/// What is shown of a pair.
+pub(crate) struct PairCell {
+    /// 0 to 1: the lighter the larger; `None` leaves the cell dark.
+    pub(crate) strength: Option<f32>,
+    /// Shown where there is room for it, and where the cell is not dark.
+    pub(crate) text: String,
+    /// Shown where the pointer rests.
+    pub(crate) help: String,
+}
+
+const NAME_WIDTH: f32 = 78.0;
+const HEADER_HEIGHT: f32 = 18.0;
+
+/// Sides of a cell, points: from where its pairs can be told apart to where its number has room.
+const CELL: std::ops::RangeInclusive<f32> = 9.0..=44.0;
+
+/// Largest height of a row.
+const ROW: f32 = 24.0;
+
+/// Height beyond which the square is scrolled by itself.
+const TALLEST: f32 = 460.0;
+
+/// Cameras up to which the square keeps the capture's order.
+const FEW: usize = 8;
+
+/// Cameras in the order of the square: that of the capture while they are few, else by what matters, most first.
+pub(crate) fn by_weight(cameras: usize, weight: impl Fn(usize) -> f32) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..cameras).collect();
+    if cameras > FEW {
+        let weights: Vec<f32> = order.iter().map(|camera| weight(*camera)).collect();
+        order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
+    }
+    order
+}
+
+/// The cells of all pairs of cameras, `order` being their indices; `cell` is given those of row and column.
+pub(crate) fn pairs_ui(
+    ui: &mut Ui,
+    id: &str,
+    names: &[&str],
+    order: &[usize],
+    cell: impl Fn(usize, usize) -> Option<PairCell>,
+) {
+    let cameras = order.len();
+    if cameras == 0 {
+        return;
+    }
+    let width = ((ui.available_width() - NAME_WIDTH) / cameras as f32).clamp(*CELL.start(), *CELL.end());
+    let height = width.clamp(12.0, ROW);
+    let size = vec2(NAME_WIDTH + width * cameras as f32, HEADER_HEIGHT + height * cameras as f32);
+    let scroll = ScrollArea::both().id_salt(id).max_height(TALLEST).auto_shrink([false, true]);
+    scroll.show_viewport(ui, |ui, viewport| {
+        let (area, response) = ui.allocate_exact_size(size, Sense::hover());
+        let seen = Rect::from_min_size(area.min + viewport.min.to_vec2(), viewport.size()).intersect(area);
+        let cells = Rect::from_min_max(seen.min + vec2(NAME_WIDTH, HEADER_HEIGHT), seen.max);
+        let grid = PairGrid {
+            names,
+            order,
+            corner: area.min + vec2(NAME_WIDTH, HEADER_HEIGHT),
+            cell: vec2(width, height),
+        };
+        let painter = ui.painter().with_clip_rect(cells.intersect(ui.clip_rect()));
+        for row in grid.rows(cells) {
+            for column in grid.columns(cells) {
+                grid.cell(&painter, row, column, cell(order[row], order[column]), Tokens::in_ui(ui));
+            }
+        }
+        grid.names_ui(ui, seen, cells);
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(
+                egui::Role::Image,
+                true,
+                format!("Matrix of {}", counted(cameras, "camera")),
+            )
+        });
+        let pointed = response.hover_pos().filter(|at| cells.contains(*at)).and_then(|at| {
+            let place = (at - grid.corner) / grid.cell;
+            let [row, column] = [place.y, place.x].map(|place| (place as usize).min(cameras - 1));
+            cell(order[row], order[column])
+        });
+        if let Some(pointed) = pointed {
+            response.on_hover_text_at_pointer(pointed.help);
+        }
+    });
+}
+
+struct PairGrid<'a> {
+    names: &'a [&'a str],
+    order: &'a [usize],
+    /// Of the first cell.
+    corner: egui::Pos2,
+    cell: egui::Vec2,
+}
+
+impl PairGrid<'_> {
+    fn rows(&self, seen: Rect) -> std::ops::Range<usize> {
+        self.between(seen.top() - self.corner.y, seen.bottom() - self.corner.y, self.cell.y)
+    }
+
+    fn columns(&self, seen: Rect) -> std::ops::Range<usize> {
+        self.between(seen.left() - self.corner.x, seen.right() - self.corner.x, self.cell.x)
+    }
+
+    fn between(&self, from: f32, to: f32, step: f32) -> std::ops::Range<usize> {
+        let last = (to / step).ceil().max(0.0) as usize;
+        ((from / step).max(0.0) as usize)..last.min(self.order.len())
+    }
+
+    fn cell(&self, painter: &Painter, row: usize, column: usize, cell: Option<PairCell>, tokens: &Tokens) {
+        let corner = self.corner + vec2(self.cell.x * column as f32, self.cell.y * row as f32);
+        let gap = if self.cell.x > 14.0 { 1.0 } else { 0.5 };
+        let rect = Rect::from_min_size(corner, self.cell).shrink(gap);
+        let strength = cell.as_ref().and_then(|cell| cell.strength);
+        painter.rect_filled(rect, 2.0, strength.map_or(tokens.background, colormap::sequential));
+        if let (Some(cell), Some(strength)) = (cell, strength.filter(|_| self.cell.x >= 40.0)) {
+            // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
+            let color = if strength > 0.55 { Color32::BLACK } else { Color32::WHITE };
+            painter.text(rect.center(), Align2::CENTER_CENTER, cell.text, FontId::proportional(10.0), color);
+        }
+    }
+
+    /// Names at the left end and signs above, of what is in view.
+    fn names_ui(&self, ui: &Ui, seen: Rect, cells: Rect) {
+        let tokens = Tokens::in_ui(ui);
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let left = Rect::from_min_max(pos2(seen.left(), cells.top()), pos2(cells.left(), seen.bottom()));
+        let painter = ui.painter().with_clip_rect(left.intersect(ui.clip_rect()));
+        for row in self.rows(cells) {
+            let camera = self.order[row];
+            let at = pos2(seen.left(), self.corner.y + self.cell.y * (row as f32 + 0.5));
+            camera_cues::sign(&painter, Rect::from_center_size(at + vec2(5.0, 0.0), vec2(9.0, 9.0)), camera);
+            let name = short(self.names.get(camera).unwrap_or(&""), 11);
+            painter.text(at + vec2(14.0, 0.0), Align2::LEFT_CENTER, name, font.clone(), tokens.text);
+        }
+        let top = Rect::from_min_max(pos2(cells.left(), seen.top()), pos2(seen.right(), cells.top()));
+        let painter = ui.painter().with_clip_rect(top.intersect(ui.clip_rect()));
+        for column in self.columns(cells) {
+            let at = pos2(self.corner.x + self.cell.x * (column as f32 + 0.5), seen.top() + 8.0);
+            let side = vec2(9.0, 9.0).min(egui::Vec2::splat(self.cell.x - 1.0));
+            camera_cues::sign(&painter, Rect::from_center_size(at, side), self.order[column]);
+        }
+    }
+}
+
+/// The first characters of a name, and whether there are more.
+pub(crate) fn short(name: &str, length: usize) -> String {
+    if name.chars().count() <= length {
+        return name.to_owned();
+    }
+    let mut text: String = name.chars().take(length - 1).collect();
+    text.push('…');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_cameras_keep_their_order_and_many_are_sorted_by_what_matters() {
+        let weight = |camera: usize| camera as f32;
+        assert_eq!(by_weight(3, weight), [0, 1, 2]);
+        assert_eq!(by_weight(10, weight), [9, 8, 7, 6, 5, 4, 3, 2, 1, 0]);
+    }
+
+    #[test]
+    fn of_a_large_square_only_what_is_in_view_is_drawn() {
+        let order: Vec<usize> = (0..300).collect();
+        let grid = PairGrid { names: &[], order: &order, corner: pos2(0.0, 0.0), cell: vec2(10.0, 12.0) };
+        let seen = Rect::from_min_size(pos2(100.0, 240.0), vec2(200.0, 120.0));
+        assert_eq!((grid.columns(seen), grid.rows(seen)), (10..30, 20..30));
+        let beyond = Rect::from_min_size(pos2(2900.0, 3500.0), vec2(400.0, 400.0));
+        assert_eq!((grid.columns(beyond), grid.rows(beyond)), (290..300, 291..300));
+    }
+}

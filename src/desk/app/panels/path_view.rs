@@ -1,0 +1,176 @@
+//! The camera path: keys, playing, and pictures of it.
+
+use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
+use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
+
+use crate::app::model::{Command, Commands, Purpose, SIDES, State};
+use crate::app::widgets::{empty_ui, icon_button, weak};
+use overlook_engine::plural::counted;
+
+/// What the path can become.
+fn export_menu_ui(ui: &mut Ui, commands: &mut Commands) {
+    let menu = ui.menu_button("Export…", |ui| {
+        for (name, help, command) in [
+            ("Pictures…", PICTURES, Command::AskPath(Purpose::ExportPictures)),
+            ("Pictures to path…", PICTURES, Command::TypePath(Purpose::ExportPictures)),
+            ("EXR pictures…", EXR, Command::AskPath(Purpose::ExportExr)),
+            ("EXR pictures to path…", EXR, Command::TypePath(Purpose::ExportExr)),
+            ("Video…", VIDEO, Command::AskPath(Purpose::ExportFilm)),
+            ("Video to path…", VIDEO, Command::TypePath(Purpose::ExportFilm)),
+        ] {
+            if ui.button(name).on_hover_text(help).clicked() {
+                commands.push(command);
+            }
+        }
+    });
+    menu.response.on_disabled_hover_text("A path needs two keys at least.");
+}
+
+const EXR: &str = "A folder of numbered EXR pictures: linear color, coverage and depth.";
+const PICTURES: &str = "A folder of numbered PNG pictures.";
+const VIDEO: &str = "A video at the frame rate of the timeline, through the ffmpeg on this machine.";
+
+fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
+    let mut chosen = size;
+    let [width, height] = &mut chosen;
+    ui.label("Size");
+    for (name, separator, side) in [("Picture width", "×", width), ("Picture height", "", height)] {
+        let drag = DragValue::new(side).range(SIDES).speed(2.0).update_while_editing(false);
+        ui.add(drag).on_hover_text(SIZE).accessible_name(name);
+        ui.label(separator);
+    }
+    if chosen != size {
+        commands.push(Command::PictureSize(chosen));
+    }
+}
+
+const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
+
+pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let path = &state.inspector.path;
+    if path.keys.is_empty() {
+        let text = "Fly to where the path should begin and add a key; fly on and add the next. The path runs smoothly \
+                    through all of them, in space and in time.";
+        empty_ui(ui, ICON_MOVIE, "No camera path yet", text, |ui| {
+            if ui.button("Add key here (K)").clicked() {
+                commands.push(Command::AddKey);
+            }
+            path_file_ui(ui, false, commands);
+        });
+        return;
+    }
+    let rows: &[&[Part]] = match ui.available_width() {
+        width if width > ONE_ROW => &[&[Part::Keys, Part::Pace, Part::Size, Part::File]],
+        width if width > TWO_ROWS => &[&[Part::Keys, Part::Pace], &[Part::Size, Part::File]],
+        _ => &[&[Part::Keys], &[Part::Pace], &[Part::Size], &[Part::File]],
+    };
+    for row in rows {
+        ui.horizontal(|ui| {
+            for part in *row {
+                part_ui(ui, state, *part, commands);
+            }
+        });
+    }
+    keys_ui(ui, state, commands);
+}
+
+/// What is set above the keys, in rows as wide as the panel.
+#[derive(Clone, Copy)]
+enum Part {
+    Keys,
+    Pace,
+    Size,
+    File,
+}
+
+/// Widths from which on all parts fit into one row and into two.
+const ONE_ROW: f32 = 735.0;
+const TWO_ROWS: f32 = 430.0;
+
+fn part_ui(ui: &mut Ui, state: &State, part: Part, commands: &mut Commands) {
+    let path = &state.inspector.path;
+    let ready = path.pictures() > 0;
+    match part {
+        Part::Keys => {
+            if ui.button("Add key here (K)").clicked() {
+                commands.push(Command::AddKey);
+            }
+            let is_playing = path.playing.is_some();
+            let (icon, name) =
+                if is_playing { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
+            if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
+                commands.push(Command::PlayPath(!is_playing));
+            }
+            weak(ui, counted(path.pictures(), "picture"));
+        }
+        Part::Pace => {
+            ui.label("Frames per segment");
+            let mut pictures = path.pictures_per_leg;
+            let drag = DragValue::new(&mut pictures).range(1..=2000);
+            if ui.add(drag).accessible_name("Frames per segment").changed() {
+                commands.push(Command::PicturesPerLeg(pictures));
+            }
+        }
+        Part::Size => size_ui(ui, state.export_size(), commands),
+        Part::File => {
+            path_file_ui(ui, ready, commands);
+            ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
+        }
+    }
+}
+
+/// The path's file.
+fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
+    ui.menu_button("Path file…", |ui| {
+        for (name, needs_path, command) in [
+            ("Save camera path…", true, Command::AskPath(Purpose::SavePath)),
+            ("Save camera path to path…", true, Command::TypePath(Purpose::SavePath)),
+            ("Open camera path…", false, Command::AskPath(Purpose::LoadPath)),
+            ("Open camera path from path…", false, Command::TypePath(Purpose::LoadPath)),
+            ("Remove all keys", true, Command::ClearPath),
+        ] {
+            let button = ui.add_enabled(ready || !needs_path, egui::Button::new(name));
+            if button.on_hover_text(PATH_FILE).clicked() {
+                commands.push(command);
+            }
+        }
+    });
+}
+
+const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
+
+/// Width from which on there is room for where a key stands.
+const ROOMY: f32 = 390.0;
+
+fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let keys = &state.inspector.path.keys;
+    let is_roomy = ui.available_width() > ROOMY;
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
+            for (index, key) in keys.iter().enumerate() {
+                let number = index + 1;
+                let at = key.orbit.world_from_camera.translation;
+                let place = format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z);
+                let help = format!("Go to this key, at {place}");
+                if ui.button(format!("Key {number}")).on_hover_text(help).clicked() {
+                    commands.push(Command::GoToKey(index));
+                }
+                if is_roomy {
+                    ui.label(RichText::new(place).monospace());
+                }
+                weak(ui, format!("frame {}", key.frame + 1));
+                ui.horizontal(|ui| {
+                    let here = format!("Set key {number} to the current view");
+                    if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
+                        commands.push(Command::ReplaceKey(index));
+                    }
+                    let remove = format!("Remove key {number}");
+                    if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
+                        commands.push(Command::RemoveKey(index));
+                    }
+                });
+                ui.end_row();
+            }
+        });
+    });
+}

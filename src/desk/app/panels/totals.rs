@@ -1,0 +1,164 @@
+//! The strip that is always in view: what pruning saved, and what it cost.
+
+use egui::{Align, Layout, RichText, Ui};
+
+use crate::app::model::{self, Accuracy, Content, State};
+use crate::app::theme::{Tokens, figure_style};
+use crate::app::widgets::one_line;
+use overlook_engine::plural::counted;
+use overlook_engine::preprocess::diagnostics::Report;
+
+/// Height of a figure with its name.
+const FIGURE: f32 = 38.0;
+
+/// Between a figure and its note.
+const GAP: f32 = 6.0;
+
+/// Between a note and the next figure.
+const MARGIN: f32 = 14.0;
+
+struct Figure {
+    name: &'static str,
+    value: String,
+    note: String,
+    help: String,
+    /// Whether it changes with the whole-capture settings, so that it can be out of date.
+    of_whole: bool,
+}
+
+pub(crate) fn totals_ui(ui: &mut Ui, state: &State) {
+    let figures = figures(state);
+    let widths = widths(ui, &figures);
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for (figure, width) in figures.iter().zip(widths) {
+            ui.allocate_ui_with_layout(egui::vec2(width, FIGURE), Layout::top_down(Align::Min), |ui| {
+                figure_ui(ui, figure, state.is_stale());
+            });
+        }
+    });
+}
+
+/// Equal widths where everything fits into them; else each figure gets what it needs, and what is left is shared out.
+fn widths(ui: &Ui, figures: &[Figure]) -> Vec<f32> {
+    let styles = (figure_style().resolve(ui.style()), egui::TextStyle::Small.resolve(ui.style()));
+    let width_of = |text: &str, font: &egui::FontId| {
+        ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER).size().x
+    };
+    let needed: Vec<f32> = figures
+        .iter()
+        .map(|figure| {
+            let line = width_of(&figure.value, &styles.0) + GAP + width_of(&figure.note, &styles.1);
+            line.max(width_of(figure.name, &styles.1)) + MARGIN
+        })
+        .collect();
+    let equal = ui.available_width() / figures.len() as f32;
+    if needed.iter().all(|needed| *needed <= equal) {
+        return vec![equal; figures.len()];
+    }
+    let spare = (ui.available_width() - needed.iter().sum::<f32>()) / figures.len() as f32;
+    needed.into_iter().map(|needed| needed + spare).collect()
+}
+
+fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
+    let tokens = Tokens::in_ui(ui);
+    let stale = stale && figure.of_whole;
+    ui.set_min_width(ui.available_width());
+    ui.set_max_width(ui.available_width() - MARGIN);
+    ui.spacing_mut().item_spacing = egui::vec2(GAP, 1.0);
+    let name = RichText::new(figure.name).small().color(tokens.text_weak);
+    let note = if stale { "out of date" } else { &figure.note };
+    let color = if stale { tokens.text_weak } else { tokens.text };
+    let response = ui
+        .vertical(|ui| {
+            ui.label(name);
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(&figure.value).text_style(figure_style()).color(color));
+                let note_color = if stale { tokens.warning } else { tokens.text_weak };
+                one_line(ui, note, note_color);
+            });
+        })
+        .response;
+    let mut help = figure.help.clone();
+    if stale {
+        help.push_str(
+            " A setting was changed since; the number is out of date until the capture is pruned again.",
+        );
+    }
+    response.on_hover_text(help);
+}
+
+fn figures(state: &State) -> Vec<Figure> {
+    let report = state.report();
+    let figure = |name, of_whole, value_and_note: Option<[String; 2]>, help: &str| {
+        let [value, note] = value_and_note.unwrap_or_else(|| ["–".to_owned(), String::new()]);
+        Figure { name, value, note, help: help.to_owned(), of_whole }
+    };
+    let memory_note = |report: &Report| match state.content() {
+        Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
+        _ => format!("of {}", model::bytes(report.bytes_raw)),
+    };
+    let seconds = report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0);
+    let render = state.live_shown.as_ref().map(|shown| {
+        let stats = &shown.picture.stats;
+        let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
+        let covered = model::percent(pixels.saturating_sub(stats.holes), pixels);
+        [format!("{} ms", model::significant(stats.milliseconds)), format!("{covered} covered")]
+    });
+    vec![
+        figure(
+            "Samples kept",
+            true,
+            report.map(|r| [model::count(r.samples_kept), format!("of {}", model::count(r.samples_in))]),
+            "The samples kept, of all pixels of all frames of all cameras.",
+        ),
+        figure(
+            "Redundant",
+            true,
+            report.map(|r| {
+                let pruned = r.samples_in.saturating_sub(r.samples_kept);
+                [model::percent(pruned, r.samples_in), "pruned".to_owned()]
+            }),
+            "Share of all pixels that another, kept sample represents at least as well.",
+        ),
+        figure(
+            "Memory",
+            true,
+            report.map(|r| [model::bytes(r.bytes_memory), memory_note(r)]),
+            "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth; a saved store is smaller.",
+        ),
+        accuracy_figure(state.accuracy, figure),
+        figure(
+            "Preprocessing",
+            true,
+            seconds.map(|seconds| [format!("{} s", model::significant(seconds)), String::new()]),
+            "Seconds that pruning the whole capture took; a store does not record them, so that equal input gives equal \
+             files.",
+        ),
+        figure(
+            "Live view",
+            false,
+            render,
+            "Milliseconds that rendering the live view took, and the share of it that samples reached.",
+        ),
+    ]
+}
+
+fn accuracy_figure(
+    accuracy: Option<Accuracy>,
+    figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> Figure,
+) -> Figure {
+    let Some(accuracy) = accuracy else {
+        let help = "Accuracy is measured at viewpoints whose true picture is known: built-in captures have them, and captures with a \
+                    novel/transforms.json. There is none here, or it is not measured yet: it is not while the scene plays, nor after Esc.";
+        return figure("Accuracy", true, None, help);
+    };
+    let Accuracy { psnr_db, unpruned_psnr_db, views } = accuracy;
+    let help = format!(
+        "Mean PSNR at {} whose true picture is known, over the pixels that samples reached: charts fill holes first \
+         and count all. With nothing pruned it is {unpruned_psnr_db:.1} dB.",
+        counted(views, "viewpoint")
+    );
+    let change = format!("{:+.2} dB vs unpruned", psnr_db - unpruned_psnr_db);
+    figure("Accuracy", true, Some([format!("{psnr_db:.1} dB"), change]), &help)
+}

@@ -1,0 +1,348 @@
+//! What the window does between commands and answers, without a picture of it.
+
+mod paths;
+mod stopping;
+mod telling;
+
+use std::time::{Duration, Instant};
+
+use super::model::{Command, CompareSide, DockView, Exported, Message, NoticeKind, Purpose, Spot, Study};
+use super::overlook_app::{OverlookApp, Start};
+use overlook_engine::demo::DemoSpec;
+use overlook_engine::error::Error;
+use overlook_engine::render::NO_IMAGE;
+use overlook_engine::settings::PruningMethod;
+use overlook_engine::store::file::Store;
+
+/// Far longer than anything here takes.
+const PATIENCE: Duration = Duration::from_mins(3);
+
+fn orrery(cameras: usize, frames: usize) -> DemoSpec {
+    DemoSpec::new("orrery").cameras(cameras).frames(frames).size((48, 36))
+}
+
+/// The window's logic on a small scene.
+fn start(cameras: usize, frames: usize) -> OverlookApp {
+    let ctx = egui::Context::default();
+    let mut app = OverlookApp::new(&ctx, None, None, Start::Demo(orrery(cameras, frames))).unwrap();
+    app.state.live.size = [48, 36];
+    app
+}
+
+/// The same, once all work is done.
+fn ready(cameras: usize, frames: usize) -> OverlookApp {
+    let mut app = start(cameras, frames);
+    settle(&mut app);
+    app
+}
+
+/// What happens between two pictures of the window.
+fn step(app: &mut OverlookApp) {
+    let ctx = app.ctx.clone();
+    eframe::App::logic(app, &ctx, &mut eframe::Frame::_new_kittest());
+}
+
+fn wait(app: &mut OverlookApp, what: &str, mut condition: impl FnMut(&OverlookApp) -> bool) {
+    let started = Instant::now();
+    while !condition(app) {
+        assert!(started.elapsed() < PATIENCE, "waited too long for {what}; messages: {:?}", app.notices());
+        step(app);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn settle(app: &mut OverlookApp) {
+    step(app);
+    wait(app, "all work to be done", OverlookApp::is_idle);
+}
+
+fn set_method(app: &mut OverlookApp, method: PruningMethod) {
+    app.apply(Command::Set { path: "pruning.method", value: method.to_string().into() });
+}
+
+#[test]
+fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() {
+    let mut app = start(4, 60);
+    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
+    set_method(&mut app, PruningMethod::Off);
+    step(&mut app);
+    set_method(&mut app, PruningMethod::HighestRate);
+    settle(&mut app);
+    assert!(app.state.whole.is_some() && !app.state.is_stale());
+}
+
+#[test]
+fn a_store_records_how_it_was_painted_when_it_was_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.ovl");
+    let mut app = ready(2, 2);
+    app.apply(Command::Set { path: "render.kernel", value: "surfel".into() });
+    app.take_path(Purpose::SaveStore, path.clone());
+    settle(&mut app);
+    let settings = Store::open(&path).unwrap().info().settings.clone();
+    assert_eq!(settings.render, app.state.settings.render);
+}
+
+#[test]
+fn a_kernel_changed_while_time_passes_leaves_no_accuracy_of_the_one_before() {
+    let mut app = start(2, 4);
+    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    let gathered = app.state.accuracy.unwrap();
+    app.apply(Command::TogglePlay);
+    app.apply(Command::Set { path: "render.kernel", value: "point".into() });
+    step(&mut app);
+    assert!(app.state.accuracy.is_none());
+    // Back again, still in motion: what was asked for before is asked for again.
+    app.apply(Command::Reset("render.kernel"));
+    step(&mut app);
+    app.apply(Command::TogglePlay);
+    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    assert_eq!(app.state.accuracy.unwrap(), gathered);
+}
+
+#[test]
+fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
+    let mut app = start(2, 4);
+    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    let gathered = app.state.accuracy.unwrap();
+    app.apply(Command::Set { path: "render.kernel", value: "point".into() });
+    step(&mut app);
+    app.apply(Command::Cancel);
+    wait(&mut app, "the measuring to stop", |app| app.workers.measure.is_idle());
+    assert_ne!(app.state.accuracy, Some(gathered), "shown with another kernel");
+    app.apply(Command::Reset("render.kernel"));
+    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    // Measuring gives the same numbers each time.
+    assert_eq!(app.state.accuracy, Some(gathered));
+}
+
+#[test]
+fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
+    let mut app = ready(2, 2);
+    app.apply(Command::Study(Study::Sweep));
+    wait(&mut app, "the first point", |app| !app.state.inspector.charts.sweep.is_empty());
+    app.apply(Command::Study(Study::Sweep));
+    step(&mut app);
+    assert!(app.state.inspector.charts.studying && app.notices()[0].starts_with("Already measuring"));
+    app.open_demo(orrery(2, 3));
+    wait(&mut app, "the other capture", |app| app.state.frame_count() == 3);
+    wait(&mut app, "the sweep to stop", |app| app.workers.study.is_idle());
+    step(&mut app);
+    assert!(!app.state.inspector.charts.studying && app.state.inspector.charts.sweep.is_empty());
+}
+
+#[test]
+fn what_gave_way_to_newer_work_says_nothing_of_that() {
+    let mut app = ready(2, 2);
+    app.apply(Command::Study(Study::Sweep));
+    app.open_demo(orrery(2, 3));
+    let cancelled = |what| Message::Failed { what, error: Error::Cancelled };
+    app.receive(cancelled("Open"));
+    app.receive(cancelled("Study"));
+    assert!(app.state.opening.is_some() && app.state.inspector.charts.studying);
+    app.workers.study.cancel();
+    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+}
+
+#[test]
+fn of_two_captures_opened_at_once_the_latter_appears() {
+    let mut app = start(2, 2);
+    app.open_demo(orrery(2, 3));
+    app.open_demo(orrery(2, 5));
+    wait(&mut app, "a capture", |app| app.state.scene.is_some() && app.state.opening.is_none());
+    assert_eq!(app.state.frame_count(), 5);
+    app.open_demo(orrery(2, 3));
+    app.watch_work();
+    app.apply(Command::Cancel);
+    wait(&mut app, "the end of opening", |app| app.state.opening.is_none());
+    assert_eq!(app.state.frame_count(), 5);
+}
+
+#[test]
+fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
+    let mut app = ready(2, 2);
+    let before = app.state.settings.clone();
+    set_method(&mut app, PruningMethod::Off);
+    let scene = app.state.scene.as_ref().unwrap().id;
+    let saved = |scene, settings| Message::Saved {
+        path: "capture.ovl".into(),
+        bytes: Some(1),
+        holds: Some((scene, settings)),
+    };
+    app.receive(saved(scene, before));
+    assert!(app.state.is_unsaved());
+    let now = app.state.settings.clone();
+    app.receive(saved(scene + 1, now.clone()));
+    assert!(app.state.is_unsaved(), "another capture was saved");
+    app.receive(saved(scene, now));
+    assert!(!app.state.is_unsaved());
+}
+
+#[test]
+fn thresholds_that_were_taken_back_need_not_be_saved() {
+    let mut app = ready(2, 2);
+    set_method(&mut app, PruningMethod::Off);
+    assert!(app.state.is_unsaved());
+    app.apply(Command::Undo);
+    assert!(!app.state.is_unsaved());
+    app.apply(Command::SwitchSettings);
+    set_method(&mut app, PruningMethod::FirstCamera);
+    assert!(app.state.is_unsaved());
+    app.apply(Command::SwitchSettings);
+    assert!(!app.state.is_unsaved());
+}
+
+#[test]
+fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = ready(2, 2);
+    for _ in 0..2 {
+        app.apply(Command::AddKey);
+    }
+    set_method(&mut app, PruningMethod::Off);
+    for purpose in [Purpose::SaveStore, Purpose::ExportPictures, Purpose::ExportFilm] {
+        app.apply(Command::TypePath(purpose));
+        assert!(app.state.typed_path.is_none(), "no path is asked for in vain");
+        app.take_path(purpose, folder.path().join("out"));
+        let told = app.state.notices.pop().unwrap();
+        assert!(told.text.contains("not pruned with these settings yet"), "{}", told.text);
+    }
+    assert!(app.workers.file.is_idle() && app.workers.export.is_idle());
+    settle(&mut app);
+    app.apply(Command::TypePath(Purpose::SaveStore));
+    assert!(app.state.typed_path.is_some());
+}
+
+/// Opens a store of which nothing that is seen at its last frame alone can be read.
+fn open_damaged(folder: &std::path::Path) -> OverlookApp {
+    let path = folder.join("damaged.ovl");
+    let mut app = ready(2, FRAMES);
+    app.take_path(Purpose::SaveStore, path.clone());
+    settle(&mut app);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let store = Store::open(&path).unwrap();
+    let last = store.info().images.iter().filter(|image| image.span.start as usize == FRAMES - 1);
+    for image in last {
+        let payload = image.offset as usize + 8;
+        bytes[payload..payload + image.length as usize].fill(0xEE);
+    }
+    std::fs::write(&path, bytes).unwrap();
+    app.open_path(path);
+    wait(&mut app, "the store", |app| app.state.scene.is_some() && !app.state.has_capture());
+    settle(&mut app);
+    app
+}
+
+const FRAMES: usize = 8;
+
+#[test]
+fn damage_that_is_met_while_a_store_plays_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = open_damaged(folder.path());
+    let about_damage = |app: &OverlookApp| {
+        app.notices().into_iter().filter(|notice| notice.starts_with("The store is damaged")).count()
+    };
+    assert_eq!(about_damage(&app), 0, "what is shown first is whole");
+    app.apply(Command::Frame(FRAMES - 1));
+    settle(&mut app);
+    wait(&mut app, "the warning", |app| about_damage(app) > 0);
+    app.state.notices.clear();
+    for frame in [0, FRAMES - 1] {
+        app.apply(Command::Frame(frame));
+        settle(&mut app);
+    }
+    assert_eq!(about_damage(&app), 0);
+}
+
+#[test]
+fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = open_damaged(folder.path());
+    app.state.notices.clear();
+    app.apply(Command::Frame(FRAMES - 1));
+    wait(&mut app, "the warning", |app| !app.state.notices.is_empty());
+    let exported = Exported { pictures: 2, notice: None, damage: vec!["frame 8".into()] };
+    app.receive(Message::Exported { path: "pictures".into(), exported });
+    app.open_demo(orrery(2, 2));
+    wait(&mut app, "the capture", |app| app.state.has_capture());
+    let warnings = app.state.notices.iter().filter(|notice| notice.kind == NoticeKind::Warning);
+    let titles: Vec<&str> = warnings.map(|notice| notice.title.as_str()).collect();
+    assert_eq!(titles, ["Exported from a damaged store"]);
+}
+
+#[test]
+fn a_hole_that_is_clicked_is_not_kept() {
+    let mut app = ready(2, 2);
+    app.apply(Command::Dolly(4.0));
+    app.apply(Command::Orbit(glam::DVec2::new(2.0, 0.0)));
+    settle(&mut app);
+    let picture = app.state.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();
+    let width = picture.image.width();
+    let hole = picture.image.as_slice().iter().position(|image| *image == NO_IMAGE).expect("a hole");
+    let spot = Spot::Live { x: hole % width, y: hole / width };
+    // With and without having been pointed at before.
+    for before in [false, true] {
+        app.apply(Command::Probe(Some(spot)));
+        if before {
+            settle(&mut app);
+            step(&mut app);
+        }
+        app.apply(Command::Pin(true));
+        settle(&mut app);
+        // What the worker sent last is taken in.
+        step(&mut app);
+        let probe = &app.state.inspector.probe;
+        assert!(!probe.pinned && probe.spot.is_none() && probe.shown.is_none(), "before: {before}");
+    }
+    app.apply(Command::Home);
+    settle(&mut app);
+    assert!(app.state.inspector.probe.shown.is_none());
+}
+
+#[test]
+fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_there() {
+    let mut app = start(2, 2);
+    app.dock.open(DockView::Compare);
+    wait(&mut app, "the comparison", |app| app.state.inspector.compared.is_some());
+    let sides = |app: &OverlookApp| app.state.inspector.compared.as_ref().map(|compared| compared.sides);
+    let before = app.state.inspector.compare.clone();
+    let mut look = before.clone();
+    look.choice.sides = [CompareSide::Point, CompareSide::Kept];
+    app.state.inspector.compare_error = Some("of those before".into());
+    app.apply(Command::Compare(Box::new(look.clone())));
+    assert_eq!((sides(&app), &app.state.inspector.compare_error), (Some(before.choice.sides), &None));
+    wait(&mut app, "the other comparison", |app| sides(app) == Some(look.choice.sides));
+}
+
+#[test]
+fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = open_damaged(folder.path());
+    let pictures = folder.path().join("pictures");
+    app.apply(Command::PicturesPerLeg(1));
+    for frame in [0, FRAMES - 1] {
+        app.apply(Command::Frame(frame));
+        app.apply(Command::AddKey);
+    }
+    app.take_path(Purpose::ExportPictures, pictures.clone());
+    let warns = |app: &OverlookApp| {
+        app.notices().iter().any(|notice| notice.starts_with("Exported from a damaged store"))
+    };
+    wait(&mut app, "the warning", warns);
+    assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 2);
+}
+
+#[test]
+fn an_export_that_the_gpu_was_asked_for_and_did_not_paint_says_so() {
+    let mut app = ready(2, 2);
+    let exported =
+        Exported { pictures: 2, notice: Some("the CPU renders: no adapter".into()), damage: Vec::new() };
+    app.receive(Message::Exported { path: "film.mp4".into(), exported });
+    assert_eq!(
+        app.notices(),
+        [
+            "Exported: 2 pictures in film.mp4",
+            "Exported without the GPU: Of film.mp4: the CPU renders: no adapter"
+        ]
+    );
+}

@@ -1,0 +1,285 @@
+//! Paths that are chosen or typed, and what is asked before something is lost.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::{ready, set_method, settle, start, step, wait};
+use crate::app::model::{ColorBy, Command, DockView, Message, Purpose, Spot, Study, Table};
+use crate::app::overlook_app::OverlookApp;
+use overlook_engine::settings::{PruningMethod, Settings};
+
+fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {
+    app.apply(Command::TypePath(purpose));
+    app.apply(Command::TypedPath(path.display().to_string()));
+    app.apply(Command::TakeTypedPath);
+}
+
+fn asks_to_replace(app: &OverlookApp) -> bool {
+    app.state.typed_path.as_ref().is_some_and(|typed| typed.replaces)
+}
+
+/// A path of two pictures.
+fn add_path(app: &mut OverlookApp) {
+    app.apply(Command::PicturesPerLeg(1));
+    for _ in 0..2 {
+        app.apply(Command::AddKey);
+    }
+    app.state.notices.clear();
+}
+
+#[test]
+fn a_dialog_that_gives_no_path_is_never_silent() {
+    let mut app = ready(2, 2);
+    let mut answer = |after: u64| {
+        app.asked_at = Instant::now().checked_sub(Duration::from_millis(after));
+        app.receive(Message::PathChosen { purpose: Purpose::SaveStore, path: None });
+        (app.state.typed_path.take().map(|typed| typed.text), app.notices())
+    };
+    for soon in [0, 900] {
+        assert_eq!(answer(soon), (Some("orrery.ovl".to_owned()), Vec::new()));
+    }
+    let (typed, notices) = answer(60_000);
+    assert_eq!(typed, None);
+    assert!(notices[0].starts_with("No path was chosen") && notices[0].contains("Save store to path…"));
+}
+
+#[test]
+fn a_file_that_stands_at_a_typed_path_is_replaced_only_after_a_question() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("settings.toml");
+    std::fs::write(&path, "old").unwrap();
+    let mut app = ready(2, 2);
+    type_path(&mut app, Purpose::SaveSettings, &path);
+    wait(&mut app, "the question", asks_to_replace);
+    app.apply(Command::TypedPath("other.toml".into()));
+    assert!(!asks_to_replace(&app), "it was about another path");
+    app.apply(Command::TypedPath(path.display().to_string()));
+    app.apply(Command::TakeTypedPath);
+    wait(&mut app, "the question", asks_to_replace);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+    app.apply(Command::TakeTypedPath);
+    settle(&mut app);
+    assert!(app.state.typed_path.is_none());
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), app.state.settings.to_toml());
+    let new = folder.path().join("new.toml");
+    type_path(&mut app, Purpose::SaveSettings, &new);
+    wait(&mut app, "the new file", |app| app.state.typed_path.is_none() && new.is_file());
+}
+
+#[test]
+fn pictures_are_put_beside_other_files_only_after_a_question() {
+    let folder = tempfile::tempdir().unwrap();
+    let [used, empty, new] = ["used", "empty", "new"].map(|name| folder.path().join(name));
+    std::fs::create_dir(&used).unwrap();
+    std::fs::create_dir(&empty).unwrap();
+    std::fs::write(used.join("0001.png"), "old").unwrap();
+    let mut app = ready(2, 2);
+    add_path(&mut app);
+    type_path(&mut app, Purpose::ExportPictures, &used);
+    wait(&mut app, "the question", asks_to_replace);
+    app.apply(Command::CloseTypedPath);
+    app.receive(Message::PathChosen { purpose: Purpose::ExportPictures, path: Some(used.clone()) });
+    wait(&mut app, "the question after the dialog", asks_to_replace);
+    app.apply(Command::Escape);
+    assert_eq!(std::fs::read_to_string(used.join("0001.png")).unwrap(), "old");
+    for folder in [empty, new] {
+        type_path(&mut app, Purpose::ExportPictures, &folder);
+        wait(&mut app, "the pictures", |_| folder.join("0002.png").is_file());
+    }
+}
+
+#[test]
+fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("missing/small.ovl");
+    let mut app = ready(2, 2);
+    type_path(&mut app, Purpose::SaveStore, &path);
+    wait(&mut app, "the error", |app| !app.state.notices.is_empty());
+    let typed = app.state.typed_path.take().unwrap();
+    assert_eq!((typed.purpose, typed.text), (Purpose::SaveStore, path.display().to_string()));
+    let reason = typed.reason.unwrap();
+    assert!(reason.contains("check the path") && !reason.contains(".overlook-"), "{reason}");
+}
+
+#[test]
+fn no_path_is_asked_for_where_there_is_no_camera_path_to_export() {
+    let mut app = ready(2, 2);
+    app.apply(Command::AddKey);
+    for purpose in [Purpose::ExportPictures, Purpose::ExportFilm] {
+        app.apply(Command::TypePath(purpose));
+        assert!(app.state.typed_path.is_none());
+        let told = app.state.notices.pop().unwrap();
+        assert!(told.text.contains("two keys at least") && told.text.contains("Camera path view"));
+    }
+}
+
+#[test]
+fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = start(2, 2);
+    app.state.live.size = [31, 23];
+    settle(&mut app);
+    add_path(&mut app);
+    for (chosen, expected) in [(None, (48, 36)), (Some([65, 30]), (64, 30))] {
+        if let Some(size) = chosen {
+            app.apply(Command::PictureSize(size));
+        }
+        let pictures = folder.path().join(format!("{expected:?}"));
+        app.take_path(Purpose::ExportPictures, pictures.clone());
+        wait(&mut app, "the pictures", |app| app.notices().iter().any(|told| told.starts_with("Exported")));
+        app.state.notices.clear();
+        assert_eq!(image::image_dimensions(pictures.join("0001.png")).unwrap(), expected);
+    }
+}
+
+#[test]
+fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
+    let mut app = ready(2, 2);
+    app.apply(Command::AddKey);
+    assert!(app.notices()[0].starts_with("Key 1 added") && app.notices()[0].contains("Camera path"));
+    app.state.notices.clear();
+    app.dock.open(DockView::Path);
+    app.apply(Command::AddKey);
+    assert!(app.notices().is_empty());
+}
+
+#[test]
+fn the_pixel_that_is_looked_at_is_framed_and_without_one_nothing_moves() {
+    let mut app = ready(2, 2);
+    app.apply(Command::Orbit(glam::DVec2::new(0.3, 0.1)));
+    let before = app.state.live.orbit.clone();
+    app.apply(Command::FramePoint);
+    assert_eq!(app.state.live.orbit, before);
+    assert!(app.notices()[0].starts_with("Point at a pixel first"));
+    app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 20, y: 22 })));
+    wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
+    assert!(!app.state.inspector.probe.pinned);
+    app.apply(Command::FramePoint);
+    assert_ne!(app.state.live.orbit, before);
+}
+
+#[test]
+fn escape_stops_work_before_it_lets_go_of_a_pixel() {
+    let mut app = ready(2, 2);
+    app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 })));
+    app.apply(Command::Pin(true));
+    app.apply(Command::Study(Study::Sweep));
+    step(&mut app);
+    app.apply(Command::Escape);
+    assert!(app.state.inspector.probe.pinned);
+    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+    step(&mut app);
+    // Messages close before anything else.
+    app.state.notices.clear();
+    app.apply(Command::Escape);
+    assert!(!app.state.inspector.probe.pinned);
+}
+
+#[test]
+fn a_stress_test_keeps_the_points_of_the_one_before_until_it_has_its_own() {
+    let mut app = ready(2, 2);
+    app.apply(Command::Study(Study::Stress));
+    wait(&mut app, "three points", |app| app.state.inspector.charts.stress.len() > 2);
+    app.apply(Command::Escape);
+    wait(&mut app, "the test to stop", |app| !app.state.inspector.charts.studying);
+    let before = app.state.inspector.charts.stress.len();
+    // With the same settings it would go on.
+    set_method(&mut app, PruningMethod::FirstCamera);
+    settle(&mut app);
+    app.apply(Command::Study(Study::Stress));
+    assert_eq!(app.state.inspector.charts.stress.len(), before);
+    wait(&mut app, "the first new point", |app| app.state.inspector.charts.stress.len() < before);
+}
+
+#[test]
+fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.ovl");
+    let mut app = ready(2, 2);
+    set_method(&mut app, PruningMethod::Off);
+    settle(&mut app);
+    app.take_path(Purpose::SaveStore, path.clone());
+    settle(&mut app);
+    let loaded = || Message::SettingsLoaded { path: "kept.toml".into(), settings: Settings::default() };
+    app.state.notices.clear();
+    app.receive(loaded());
+    assert_eq!(app.notices(), ["Settings loaded: kept.toml"]);
+    app.open_path(path);
+    wait(&mut app, "the store", |app| !app.state.has_capture());
+    app.state.notices.clear();
+    app.receive(loaded());
+    assert!(app.notices()[0].contains("captures opened from now on"), "{:?}", app.notices());
+}
+
+#[test]
+fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
+    let mut app = ready(2, 2);
+    app.apply(Command::OpenPath("/no/such/capture".into()));
+    assert!(app.state.open_after_question.is_none() && app.state.opening.is_some());
+    settle(&mut app);
+    app.apply(Command::AddKey);
+    let demo = Command::OpenDemo("orrery".into());
+    app.apply(demo.clone());
+    assert!(app.state.open_after_question.as_ref() == Some(&demo) && app.state.opening.is_none());
+    app.apply(Command::Stay);
+    app.apply(Command::GoOnAnyway);
+    assert!(app.state.opening.is_none(), "nothing is asked any more");
+    app.apply(demo);
+    app.apply(Command::GoOnAnyway);
+    assert!(app.state.opening.is_some());
+}
+
+#[test]
+fn a_path_that_does_not_exist_asks_for_nothing_to_be_given_up() {
+    let mut app = ready(2, 2);
+    app.apply(Command::AddKey);
+    app.state.notices.clear();
+    app.apply(Command::OpenPath("/no/such/capture".into()));
+    wait(&mut app, "the error", |app| app.notices().iter().any(|told| told.contains("/no/such/capture")));
+    assert!(app.state.open_after_question.is_none());
+    assert_eq!(app.state.inspector.path.keys.len(), 1);
+}
+
+#[test]
+fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [bare, png, jpg] = ["view", "view.png", "view.jpg"].map(|name| folder.path().join(name));
+    let mut app = ready(2, 2);
+    app.apply(Command::ColorBy(ColorBy::Camera));
+    settle(&mut app);
+    for chosen in [false, true] {
+        if chosen {
+            app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(jpg.clone()) });
+        } else {
+            type_path(&mut app, Purpose::SavePicture, &jpg);
+        }
+        let typed = app.state.typed_path.take().unwrap();
+        assert_eq!(typed.reason.unwrap(), "A picture is written as PNG or EXR; name it .png or .exr.");
+    }
+    app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(bare.clone()) });
+    wait(&mut app, "the picture", |_| png.is_file());
+    type_path(&mut app, Purpose::SavePicture, &bare);
+    wait(&mut app, "the question", asks_to_replace);
+    assert!(!bare.exists() && !jpg.exists());
+    let saved = image::open(&png).unwrap().into_rgb8();
+    let shown = app.state.shown_picture().unwrap();
+    let rgb = shown.pixels.iter().map(|pixel| [pixel.r(), pixel.g(), pixel.b()]);
+    assert!(saved.pixels().map(|pixel| pixel.0).eq(rgb));
+}
+
+#[test]
+fn a_sweep_is_saved_as_csv_once_it_has_a_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("points.csv");
+    let mut app = ready(2, 2);
+    let save = Purpose::SaveTable(Table::Sweep);
+    app.apply(Command::TypePath(save));
+    assert!(app.state.typed_path.is_none() && app.notices()[0].starts_with("Nothing to save yet"));
+    app.apply(Command::Study(Study::Sweep));
+    wait(&mut app, "a point", |app| !app.state.inspector.charts.sweep.is_empty());
+    app.workers.study.cancel();
+    type_path(&mut app, save, &file);
+    wait(&mut app, "the file", |_| file.is_file());
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.starts_with("label,series,kernel,") && text.lines().count() > 1, "{text}");
+}

@@ -1,0 +1,158 @@
+//! Work that is stopped, taken back, lined up, or cannot be done.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::{orrery, ready, set_method, settle, step, wait};
+use crate::app::model::{Command, Purpose, Spot, StoppableWork, Study};
+use crate::app::overlook_app::{OverlookApp, Start};
+use overlook_engine::settings::{PruningMethod, Settings};
+
+fn has_notice(app: &OverlookApp, title: &str) -> bool {
+    app.notices().iter().any(|notice| notice.starts_with(title))
+}
+
+#[test]
+fn of_files_asked_for_one_after_the_other_each_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = ready(2, 2);
+    let store = folder.path().join("small.ovl");
+    app.take_path(Purpose::SaveStore, store.clone());
+    let settings: Vec<_> = (0..4).map(|nth| folder.path().join(format!("{nth}.toml"))).collect();
+    for path in &settings {
+        app.take_path(Purpose::SaveSettings, path.clone());
+    }
+    wait(&mut app, "the files", |app| app.workers.file.is_idle());
+    assert!(settings.iter().chain([&store]).all(|path| path.is_file()));
+}
+
+#[test]
+fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = ready(2, 4);
+    app.apply(Command::Study(Study::Sweep));
+    app.apply(Command::PicturesPerLeg(2000));
+    for _ in 0..2 {
+        app.apply(Command::AddKey);
+    }
+    app.take_path(Purpose::ExportPictures, folder.path().join("pictures"));
+    app.watch_work();
+    assert_eq!(app.state.busy[0].work, StoppableWork::Export);
+    app.apply(Command::Cancel);
+    assert!(app.state.inspector.charts.studying, "the sweep stands behind it in the line");
+    wait(&mut app, "a word about the export", |app| has_notice(app, "Export stopped: Only the pictures"));
+    assert!(app.workers.export.is_idle() && !app.workers.study.is_idle());
+    app.state.notices.clear();
+    app.watch_work();
+    app.apply(Command::Escape);
+    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+}
+
+#[test]
+fn a_change_taken_back_while_the_capture_is_pruned_leaves_what_was_there() {
+    let mut app = ready(4, 60);
+    let before = app.state.whole.as_ref().unwrap().samples.clone();
+    set_method(&mut app, PruningMethod::Off);
+    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
+    app.apply(Command::Undo);
+    step(&mut app);
+    app.apply(Command::Cancel);
+    assert!(!app.state.stopped, "what is there was made with these settings");
+    wait(&mut app, "the abandoned work to stop", |app| app.workers.whole.is_idle());
+    settle(&mut app);
+    assert!(Arc::ptr_eq(&before, &app.state.whole.as_ref().unwrap().samples));
+    set_method(&mut app, PruningMethod::Off);
+    settle(&mut app);
+    assert!(!app.state.is_stale() && !Arc::ptr_eq(&before, &app.state.whole.as_ref().unwrap().samples));
+}
+
+#[test]
+fn numbers_that_are_out_of_date_say_whether_they_will_be_brought_up_to_date() {
+    let mut app = ready(2, 2);
+    assert_eq!(app.state.stale_note(), None);
+    set_method(&mut app, PruningMethod::Off);
+    assert!(app.state.stale_note().unwrap().contains("being brought up to date"));
+    app.state.stopped = true;
+    assert!(app.state.stale_note().unwrap().contains("Recompute"));
+}
+
+/// Copies the small capture that comes along.
+fn copy_capture(to: &Path) {
+    fn copy(from: &Path, to: &Path) {
+        std::fs::create_dir(to).unwrap();
+        for entry in std::fs::read_dir(from).unwrap() {
+            let entry = entry.unwrap().path();
+            let target = to.join(entry.file_name().unwrap());
+            if entry.is_dir() {
+                copy(&entry, &target);
+            } else {
+                std::fs::copy(&entry, &target).unwrap();
+            }
+        }
+    }
+    copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture"), to);
+}
+
+#[test]
+fn a_first_frame_that_cannot_be_read_says_so_and_is_tried_again_on_demand() {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = folder.path().join("capture");
+    copy_capture(&capture);
+    // Opening looks at the first camera alone.
+    let picture = capture.join("cam1/0000.exr");
+    let whole = std::fs::read(&picture).unwrap();
+    std::fs::write(&picture, &whole[..whole.len() / 2]).unwrap();
+    let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Path(capture)).unwrap();
+    wait(&mut app, "the failure", |app| app.state.stopped);
+    assert!(has_notice(&app, "Could not read this frame") && app.state.is_frame_failed());
+    std::fs::write(&picture, &whole).unwrap();
+    app.apply(Command::Recompute);
+    assert!(!app.state.is_frame_failed());
+    settle(&mut app);
+    assert!(app.state.is_whole_ready() && app.state.live_shown.is_some());
+}
+
+#[test]
+fn the_live_view_is_painted_for_others_while_it_lies_behind_them() {
+    let ctx = egui::Context::default();
+    let mut app = OverlookApp::new(&ctx, None, None, Start::Demo(orrery(2, 2))).unwrap();
+    settle(&mut app);
+    assert!(app.state.live_shown.is_some());
+}
+
+#[test]
+fn of_a_pixel_that_is_let_go_of_nothing_more_is_said() {
+    let mut app = ready(2, 2);
+    app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 })));
+    app.apply(Command::Pin(true));
+    wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
+    app.apply(Command::Escape);
+    settle(&mut app);
+    assert!(app.state.inspector.probe.shown.is_none());
+}
+
+#[test]
+fn paths_are_remembered_so_that_they_hold_wherever_the_window_is_started() {
+    let here = std::env::current_dir().unwrap();
+    let mut app = ready(2, 2);
+    app.take_path(Purpose::SaveStore, "no such folder/small.ovl".into());
+    wait(&mut app, "the error", |app| !app.state.notices.is_empty());
+    assert!(app.state.notices[0].text.contains(&here.join("no such folder").display().to_string()));
+    app.open_path("missing.ovl".into());
+    assert_eq!(app.state.opening, Some(here.join("missing.ovl").display().to_string()));
+}
+
+#[test]
+fn settings_kept_beside_a_store_are_those_that_it_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.ovl");
+    let mut app = ready(2, 2);
+    app.take_path(Purpose::SaveStore, path.clone());
+    settle(&mut app);
+    set_method(&mut app, PruningMethod::Off);
+    app.open_path(path);
+    wait(&mut app, "the store", |app| !app.state.has_capture());
+    app.apply(Command::SavePreset("mine".into()));
+    let (_, kept) = &app.state.inspector.presets[0];
+    assert_eq!(kept.pruning, Settings::default().pruning);
+}

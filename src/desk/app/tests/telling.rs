@@ -1,0 +1,128 @@
+//! What the window says of its work and of what is measured.
+
+use std::time::Duration;
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use super::{ready, start, wait};
+use crate::app::dock::Dock;
+use crate::app::model::{self, Busy, Command, DockView, State, StoppableWork, Study, verdict_text};
+use crate::app::overlook_app::{OverlookApp, secs_left};
+use crate::app::{theme, window};
+use overlook_engine::job::Progress;
+use overlook_engine::settings::{Kernel, Settings};
+
+/// Whether a piece of the window says something.
+fn says(text: &str, mut contents: impl FnMut(&mut egui::Ui)) -> bool {
+    let mut is_themed = false;
+    let mut harness = Harness::builder().with_size([1280.0, 800.0]).build_ui(|ui| {
+        // From the next frame on.
+        if std::mem::replace(&mut is_themed, true) {
+            contents(ui);
+        } else {
+            theme::install(ui.ctx());
+        }
+    });
+    harness.run_steps(2);
+    harness.query_all_by_label_contains(text).next().is_some()
+}
+
+fn view_says(state: &State, view: DockView, text: &str) -> bool {
+    says(text, |ui| window::view_ui(ui, view, state, &mut Vec::new()))
+}
+
+fn scoring() -> Progress {
+    Progress {
+        context: "3 of 60, 2 min left".to_owned(),
+        stage: "Scoring views".to_owned(),
+        done: 14,
+        total: 15,
+    }
+}
+
+#[test]
+fn the_time_left_of_a_sweep_is_that_of_all_of_it() {
+    let long = Duration::from_secs(10);
+    assert!(secs_left(StoppableWork::Whole, &scoring(), long).is_some());
+    assert_eq!(secs_left(StoppableWork::Study, &scoring(), long), None);
+}
+
+#[test]
+fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() {
+    for (study, line) in
+        [(Study::Sweep, "Sweep: 3 of 60, 2 min left"), (Study::Stress, "Stress test: 3 of 60, 2 min left")]
+    {
+        let mut state = State::default();
+        state.inspector.charts.begin(study, &Settings::default());
+        state.busy = vec![Busy {
+            work: StoppableWork::Study,
+            progress: scoring(),
+            cancellable: true,
+            secs_left: None,
+        }];
+        let mut dock = Dock::new();
+        assert!(says(line, |ui| window::window_ui(ui, &state, &mut dock, &mut Vec::new())));
+    }
+}
+
+#[test]
+fn a_chart_whose_first_point_is_on_its_way_does_not_say_that_there_is_none() {
+    for (study, view, none) in [
+        (Study::Sweep, DockView::Tradeoff, "No sweep yet"),
+        (Study::Stress, DockView::Stability, "No stress test yet"),
+    ] {
+        let mut state = State::default();
+        assert!(view_says(&state, view, none));
+        state.inspector.charts.begin(study, &Settings::default());
+        assert!(view_says(&state, view, "Measuring the first setting") && !view_says(&state, view, none));
+    }
+}
+
+#[test]
+fn settings_put_on_from_a_chart_are_named_as_in_the_panel() {
+    let mut app = start(2, 2);
+    let mut settings = Settings::default();
+    settings.render.kernel = Kernel::Point;
+    app.apply(Command::TakeSettings(Box::new(settings.clone())));
+    let notices = app.notices();
+    let told = "Settings applied: Kernel: Gather (interpolate cameras) » Point (Ctrl+Z undoes)";
+    assert_eq!(notices, [told]);
+    assert!(view_says(&app.state, DockView::Thresholds, "1 setting differs from its default"));
+    app.apply(Command::TakeSettings(Box::new(settings)));
+    assert!(app.notices()[1].starts_with("Already applied"), "{:?}", app.notices());
+    app.apply(Command::Undo);
+    assert!(view_says(&app.state, DockView::Thresholds, "Every setting has its default"));
+}
+
+#[test]
+fn histograms_of_another_frame_than_the_one_shown_say_so() {
+    let mut app = start(2, 2);
+    let are_of = |app: &OverlookApp, frame| {
+        app.state.inspector.histograms.first().is_some_and(|histogram| histogram.frame == Some(frame))
+    };
+    wait(&mut app, "the histograms", |app| are_of(app, 0));
+    assert!(!view_says(&app.state, DockView::Thresholds, "at frame"));
+    app.state.timeline.frame = 1;
+    assert!(view_says(&app.state, DockView::Thresholds, "at frame 1"));
+    wait(&mut app, "the histograms", |app| are_of(app, 1));
+    assert!(!view_says(&app.state, DockView::Thresholds, "at frame"));
+}
+
+#[test]
+fn of_a_pixel_that_is_kept_in_motion_nobody_is_asked_to_click_it() {
+    let mut state = State::default();
+    state.timeline.playing = true;
+    assert!(verdict_text::pending_verdict(&state, false).contains("click"));
+    assert_eq!(verdict_text::pending_verdict(&state, true), "Playing: pause to read its verdict.");
+}
+
+#[test]
+fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
+    let app = ready(2, 4);
+    let counted = app.state.report().unwrap().foreground_per_frame[0];
+    let words = format!("{} time-varying samples", model::count(counted));
+    let mut dock = Dock::new();
+    assert!(says(&words, |ui| window::window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
+    assert!(view_says(&app.state, DockView::Report, "Repeated over time"));
+}

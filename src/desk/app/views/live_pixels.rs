@@ -1,0 +1,25 @@
+//! What the live picture shows at a place of the window.
+
+use egui::Rect;
+
+use crate::app::model::State;
+use overlook_engine::render::Picture;
+
+/// Whether the live picture shows nothing nearer than this depth at a place; `None` where that is not known.
+pub(super) fn is_seen(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> Option<bool> {
+    inverse_depth_at(state, canvas, at).map(|inverse_depth| inverse_depth * depth <= 1.0)
+}
+
+/// Inverse depth of the live picture at a place; negative in holes, `None` where its pixels cannot be read.
+pub(super) fn inverse_depth_at(state: &State, canvas: Rect, at: egui::Pos2) -> Option<f64> {
+    pixel_at(state, canvas, at).map(|(picture, place)| f64::from(picture.inverse_depth[place]))
+}
+
+/// The live picture, and its column and row at a place.
+pub(super) fn pixel_at(state: &State, canvas: Rect, at: egui::Pos2) -> Option<(&Picture, (usize, usize))> {
+    let picture = state.live_shown.as_ref()?.picture.rendered()?;
+    let share = (at - canvas.min) / canvas.size();
+    let (width, height) = picture.image.size();
+    let place = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
+    (share.min_elem() >= 0.0 && place.0 < width && place.1 < height).then_some((picture.as_ref(), place))
+}

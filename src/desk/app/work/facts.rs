@@ -1,0 +1,78 @@
+//! Facts about the open capture: what is known of a pixel, and of every camera its thumbnail and the memory of its samples.
+
+use std::sync::Arc;
+
+use egui::ColorImage;
+
+use crate::app::colormap::{dimmed, recorded};
+use crate::app::model::{CameraMemory, Content, ProbeKey, Probed, Spot};
+use overlook_engine::preprocess::inspect::{
+    CameraInspection, FrameInspection, explain_pixel, spans_of_pixel,
+};
+use overlook_engine::render::output::pick;
+use overlook_engine::samples::SampleSet;
+
+/// Largest side of a thumbnail, pixels: of many, smaller ones, as all are sent to the screen at once.
+fn side(cameras: usize) -> usize {
+    match cameras {
+        0..=16 => 256,
+        17..=64 => 128,
+        _ => 64,
+    }
+}
+
+/// How bright pruned pixels are.
+const DIMMED: f32 = 0.45;
+
+/// One picture per camera, in the capture's order.
+pub(crate) fn thumbnails(inspection: &FrameInspection) -> Vec<Arc<ColorImage>> {
+    let side = side(inspection.cameras.len());
+    inspection.cameras.iter().map(|camera| Arc::new(thumbnail(camera, side))).collect()
+}
+
+fn thumbnail(camera: &CameraInspection, side: usize) -> ColorImage {
+    let (width, height) = camera.verdict.size();
+    let step = width.max(height).div_ceil(side).max(1);
+    let size = [width.div_ceil(step), height.div_ceil(step)];
+    let mut pixels = Vec::with_capacity(size[0] * size[1]);
+    for y in (0..height).step_by(step) {
+        for x in (0..width).step_by(step) {
+            let own = recorded(camera.frame.color[(x, y)]);
+            pixels.push(if camera.verdict[(x, y)].is_kept() { own } else { dimmed(own, DIMMED) });
+        }
+    }
+    ColorImage::new(size, pixels)
+}
+
+/// The memory of each camera's samples, in the order of the cameras.
+pub(crate) fn memory(samples: &SampleSet) -> Vec<CameraMemory> {
+    let mut cameras = vec![CameraMemory::default(); samples.cameras.len()];
+    for image in &samples.images {
+        let Some(camera) = cameras.get_mut(image.camera as usize) else { continue };
+        camera.samples += image.len() as u64;
+        let bytes = if image.span.len() > 1 { &mut camera.lasting_bytes } else { &mut camera.frame_bytes };
+        *bytes += image.bytes() as u64;
+    }
+    cameras
+}
+
+/// Explains a spot; `None` where it shows nothing.
+pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
+    let (camera, x, y, seen) = match key.spot {
+        Spot::Source { camera, x, y } => (camera, x, y, None),
+        Spot::Live { x, y } => {
+            let (live, shown) = key.live.as_ref()?;
+            let picked = pick(&shown.samples, &live.vantage, shown.rendered()?, x, y)?;
+            (picked.camera, picked.x, picked.y, picked.point_in_world)
+        }
+    };
+    let explanation = key.inspection.as_ref().and_then(|inspection| explain_pixel(inspection, camera, x, y));
+    let point_in_world = explanation.as_ref().map_or(seen, |explanation| explanation.point_in_world.or(seen));
+    let samples = match &key.scene.content {
+        // Of a store played from disk only the frame shown is in memory.
+        Content::Store { .. } => None,
+        Content::Capture { .. } => key.whole.as_ref(),
+    };
+    let spans = samples.map(|samples| spans_of_pixel(samples, camera, x, y));
+    Some(Probed { spot: key.spot, camera, x, y, point_in_world, explanation, spans })
+}

@@ -1,0 +1,160 @@
+//! The requests that workers take.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::app::model::{CameraPath, Display, ExportTarget, OpenScene, Study};
+use overlook_engine::demo::DemoSpec;
+use overlook_engine::preprocess::PreparedScan;
+use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::preprocess::inspect::FrameInspection;
+use overlook_engine::render::Picture;
+use overlook_engine::render::film::FilmSource;
+use overlook_engine::samples::SampleSet;
+use overlook_engine::settings::{CaptureSettings, RenderSettings, Settings};
+use overlook_engine::store::playback::Playback;
+use overlook_lab::stress::StressPoint;
+use overlook_lab::sweep::Point;
+
+/// What to open.
+#[derive(Clone, Debug)]
+pub(crate) enum OpenRequest {
+    /// A built-in scene.
+    Demo { spec: DemoSpec, settings: CaptureSettings },
+    /// A file or folder; `keys` of a manifest, with their values as JSON, count whatever its files say.
+    Path { path: PathBuf, settings: CaptureSettings, keys: Vec<(String, String)> },
+}
+
+/// What to prune: the whole capture, or one frame.
+pub(crate) struct PruneRequest {
+    /// The scene, a capture.
+    pub scene: Arc<OpenScene>,
+    /// The pass over all frames, where it is done.
+    pub scan: Option<Arc<PreparedScan>>,
+    pub settings: Settings,
+    /// The frame; of no meaning for the whole capture.
+    pub frame: usize,
+}
+
+/// Samples to compare with the truth.
+pub(crate) struct MeasureRequest {
+    /// The scene, a capture.
+    pub scene: Arc<OpenScene>,
+    /// What was kept.
+    pub samples: Arc<SampleSet>,
+    /// The scan that knows what the rig got wrong; `None` while it is under way.
+    pub scan: Option<Arc<PreparedScan>>,
+    pub settings: Settings,
+}
+
+/// A file to read or write.
+pub(crate) enum FileRequest {
+    /// Write what was pruned of a scene as a store.
+    SaveStore {
+        path: PathBuf,
+        scene: Arc<OpenScene>,
+        samples: Arc<SampleSet>,
+        report: Arc<Report>,
+    },
+    /// The open store again, under another name.
+    SaveAgain {
+        path: PathBuf,
+        playback: Arc<Playback>,
+    },
+    SaveSettings {
+        path: PathBuf,
+        settings: Settings,
+    },
+    /// Write the picture of the live view, as PNG as it is shown or as EXR as it was rendered, by the path's ending.
+    SavePicture {
+        path: PathBuf,
+        picture: Arc<egui::ColorImage>,
+        rendered: Arc<Picture>,
+        display: Display,
+    },
+    /// Write a part of the window: left, top, columns and rows of its picture.
+    SaveShot {
+        path: PathBuf,
+        picture: Arc<egui::ColorImage>,
+        area: [usize; 4],
+    },
+    LoadSettings {
+        path: PathBuf,
+    },
+    /// Text as it is.
+    SaveText {
+        path: PathBuf,
+        text: String,
+    },
+    /// Write the pictures of a camera path, of this size, as a manifest.
+    SavePath {
+        path: PathBuf,
+        scene: Arc<OpenScene>,
+        camera_path: CameraPath,
+        size: [u32; 2],
+        up_in_world: DVec3,
+    },
+    LoadPath {
+        path: PathBuf,
+        scene: u64,
+    },
+    /// Read which pictures of another program are those of a scene's viewpoints.
+    OpenPictures {
+        path: PathBuf,
+        scene: Arc<OpenScene>,
+    },
+}
+
+impl FileRequest {
+    /// Title and text of the message once it was stopped.
+    pub(super) fn stopped(&self) -> (&'static str, String) {
+        match self {
+            Self::SaveStore { path, .. }
+            | Self::SaveAgain { path, .. }
+            | Self::SaveSettings { path, .. }
+            | Self::SaveText { path, .. }
+            | Self::SavePicture { path, .. }
+            | Self::SaveShot { path, .. }
+            | Self::SavePath { path, .. } => {
+                ("Saving stopped", format!("Nothing was written to {}.", path.display()))
+            }
+            Self::LoadSettings { path } | Self::LoadPath { path, .. } | Self::OpenPictures { path, .. } => {
+                ("Loading stopped", format!("Nothing was read from {}.", path.display()))
+            }
+        }
+    }
+}
+
+/// What histograms are made from.
+pub(crate) struct HistogramRequest {
+    pub scene: u64,
+    pub inspection: Arc<FrameInspection>,
+    pub scan: Option<Arc<PreparedScan>>,
+    pub settings: Settings,
+}
+
+/// What to measure.
+pub(crate) struct StudyRequest {
+    /// What is open, a capture.
+    pub scene: Arc<OpenScene>,
+    pub study: Study,
+    /// The settings to start from.
+    pub settings: Settings,
+    /// What is known of the sweep already.
+    pub known: Vec<Point>,
+    /// What is known of the stress test already.
+    pub known_stress: Vec<StressPoint>,
+}
+
+/// What is exported.
+pub(crate) struct ExportRequest {
+    pub path: CameraPath,
+    pub reel: FilmSource,
+    pub settings: RenderSettings,
+    pub display: Display,
+    /// Columns and rows of the pictures.
+    pub size: [u32; 2],
+    pub target: ExportTarget,
+}

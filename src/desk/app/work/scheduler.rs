@@ -1,0 +1,385 @@
+//! Requests what the state needs and does not have, after every change; nothing is requested twice.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::readings::ReadingRequest;
+use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
+use super::worker::Worker;
+use super::workers::Workers;
+use crate::app::model::{
+    ColorBy, CompareKey, DockView, LiveKey, OpenScene, Origin, ProbeKey, SettingsSlot, SourceKey, Spot,
+    State, method_of,
+};
+use overlook_engine::preprocess::inspect::FrameInspection;
+use overlook_engine::render::Vantage;
+use overlook_engine::samples::SampleSet;
+use overlook_engine::settings::{Backend, Coarse, RenderSettings, Settings};
+
+/// How long a slider must rest before the whole capture is pruned again.
+const DEBOUNCE: Duration = Duration::from_millis(400);
+
+/// The live view is at rest after this long at one vantage: then it is rendered in full resolution into memory, where its pixels
+/// can be read. After the same time the frame shown is prepared for interactive thresholds.
+const REST: Duration = Duration::from_millis(200);
+
+#[derive(Clone, PartialEq)]
+pub(crate) struct InspectKey {
+    scene: u64,
+    pub frame: usize,
+    method: Settings,
+    /// Whether there is a scan, and whether it serves the settings or is shown until one does.
+    scan_serves: Option<bool>,
+}
+
+/// Submits a request that differs from the last one.
+fn submit_new<K: Clone + PartialEq + Send + 'static>(worker: &Worker<K>, last: &mut Option<K>, key: K) {
+    if last.as_ref() != Some(&key) {
+        worker.submit(key.clone());
+        *last = Some(key);
+    }
+}
+
+/// What is pruned as the state is: the open capture, or its frame that is shown.
+fn prune_request(state: &State, scene: &Arc<OpenScene>) -> PruneRequest {
+    PruneRequest {
+        scene: scene.clone(),
+        scan: state.scan.clone(),
+        settings: state.settings.clone(),
+        frame: state.timeline.frame,
+    }
+}
+
+/// The last request to each worker; `None` requests again.
+#[derive(Default)]
+pub(crate) struct Scheduler {
+    pub inspect: Option<InspectKey>,
+    prepare: Option<InspectKey>,
+    /// When an inspection was last requested.
+    inspect_at: Option<Instant>,
+    pub source: Option<SourceKey>,
+    live: Option<LiveKey>,
+    /// Where the live view looks from and when, as it is painted in motion.
+    coarse_vantage: Option<Vantage>,
+    /// Whether it is painted otherwise once it rests.
+    live_will_change: bool,
+    pub whole: Option<(u64, Settings)>,
+    pub measure: Option<(Arc<SampleSet>, Settings)>,
+    pub probe: Option<ProbeKey>,
+    thumbs: Option<Arc<FrameInspection>>,
+    memory: Option<Arc<SampleSet>>,
+    histograms: Option<(Arc<FrameInspection>, bool)>,
+    compare: Option<Box<CompareKey>>,
+    /// The scene whose reading was checked last, and the one whose two readings were shown.
+    checked: Option<u64>,
+    shown_readings: Option<u64>,
+    /// When a setting was last changed.
+    pub changed_at: Option<Instant>,
+    /// When the live view last looked elsewhere, or at another frame.
+    moved_at: Option<Instant>,
+}
+
+impl Scheduler {
+    /// Whether everything that the state needs came back, except for whole-capture work that was stopped.
+    pub(crate) fn is_up_to_date(&self, state: &State) -> bool {
+        let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
+        let source = !state.has_capture()
+            || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
+        let live =
+            state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref() && !self.live_will_change;
+        whole && source && live && (self.is_inspected(state) || !state.has_capture())
+    }
+
+    /// Whether the last inspection that was requested came back.
+    fn is_inspected(&self, state: &State) -> bool {
+        state.inspected.as_ref().is_some_and(|inspected| {
+            self.inspect.as_ref().is_some_and(|key| {
+                key.frame == inspected.inspection.frame && key.method == method_of(&inspected.settings)
+            })
+        })
+    }
+
+    /// Asks the workers for whatever is missing. Gives how long to wait before it should be called again, if so.
+    pub(crate) fn request_missing(
+        &mut self,
+        state: &State,
+        visible: &[DockView],
+        workers: &Workers,
+    ) -> Option<Duration> {
+        self.request_inspection(state, workers);
+        let preparation = self.request_preparation(state, workers);
+        self.request_source(state, workers);
+        let rest = self.request_live(state, workers);
+        self.request_accuracy(state, workers);
+        self.request_probe(state, workers);
+        self.request_thumbs(state, visible, workers);
+        self.request_memory(state, visible, workers);
+        self.request_histograms(state, visible, workers);
+        self.request_comparison(state, visible, workers);
+        self.request_readings(state, workers);
+        self.request_whole(state, workers).into_iter().chain(rest).chain(preparation).min()
+    }
+
+    fn request_inspection(&mut self, state: &State, workers: &Workers) {
+        let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+        if state.skips_verdicts() {
+            return;
+        }
+        let key = InspectKey {
+            scene: scene.id,
+            frame: state.timeline.frame,
+            method: method_of(&state.settings),
+            scan_serves: state.scan.as_ref().map(|scan| scan.serves(&state.settings)),
+        };
+        if self.inspect.as_ref() != Some(&key) {
+            workers.inspect.submit(prune_request(state, scene));
+            self.inspect = Some(key);
+            self.inspect_at = Some(Instant::now());
+        }
+    }
+
+    /// Once a frame is shown and everything rests, makes it ready for the thresholds to be turned. Gives how long to wait for
+    /// that, if so.
+    fn request_preparation(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
+        let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
+        let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
+        if state.timeline.playing || !with_scan || self.prepare == self.inspect || !self.is_inspected(state) {
+            return None;
+        }
+        let rested = self.inspect_at.map_or(REST, |at| at.elapsed());
+        if rested < REST {
+            return Some(REST.saturating_sub(rested));
+        }
+        workers.prepare.submit(prune_request(state, scene));
+        self.prepare.clone_from(&self.inspect);
+        None
+    }
+
+    fn request_source(&mut self, state: &State, workers: &Workers) {
+        let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+        // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
+        let inspection = state
+            .inspected
+            .as_ref()
+            .filter(|_| state.source.overlay.needs_verdicts())
+            .map(|inspected| inspected.inspection.clone());
+        let key = SourceKey {
+            scene: scene.id,
+            camera: state.source.camera,
+            frame: inspection.as_ref().map_or(state.timeline.frame, |inspection| inspection.frame),
+            overlay: state.source.overlay,
+            against: state.source.against,
+            isolated: state.inspector.isolated.filter(|_| state.source.overlay.names_cameras()),
+            display: state.display,
+            dark: state.dark,
+            inspection,
+        };
+        if self.source.as_ref() != Some(&key) {
+            workers.source.submit((scene.clone(), key.clone()));
+            self.source = Some(key);
+        }
+    }
+
+    fn request_live(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
+        let (Some(scene), Some(samples), Some(orbit)) =
+            (state.scene.as_ref(), state.samples_here(), state.live.orbit.as_ref())
+        else {
+            return None;
+        };
+        let frame = state.timeline.frame;
+        let coarse = orbit.size_in_motion(state.live.size);
+        let coarse_vantage = Vantage { camera: state.live_camera(coarse)?, frame };
+        if self.coarse_vantage.as_ref() != Some(&coarse_vantage) {
+            self.moved_at = Some(Instant::now());
+            self.coarse_vantage = Some(coarse_vantage);
+        }
+        // While a threshold is dragged the next picture follows at once, too.
+        let changes = [self.moved_at, self.changed_at];
+        let rested = changes.into_iter().flatten().map(|at| at.elapsed()).min().unwrap_or(REST);
+        // Sampling colors compare samples with pixels, so that they depend on the resolution.
+        let fine = match state.live.color_by {
+            ColorBy::SamplingRate => coarse,
+            _ => orbit.size_at_rest(state.live.size),
+        };
+        let moves = rested < REST;
+        let size = if moves { coarse } else { fine };
+        let at_rest = &state.settings.render;
+        let from = if moves { Coarse::Pyramid } else { at_rest.coarse };
+        let settings = RenderSettings { coarse: from, ..at_rest.clone() };
+        let vantage = Vantage { camera: state.live_camera(size)?, frame };
+        let on_gpu =
+            state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
+        // The adapter shows colors as recorded.
+        let in_motion = state.live.shares_device && on_gpu && moves && state.display.is_neutral();
+        let key = LiveKey {
+            scene: scene.id,
+            samples: samples.clone(),
+            playback: scene.playback().cloned(),
+            vantage,
+            settings,
+            color_by: state.live.color_by,
+            inspection: state
+                .inspection_here()
+                .filter(|_| state.live.color_by == ColorBy::Agreement)
+                .cloned(),
+            holes: state.live.holes,
+            cameras: state.live.cameras.clone(),
+            display: state.display,
+            dark: state.dark,
+            in_motion,
+            per_coarse_pixel: f64::from(size[0]) / f64::from(coarse[0]),
+        };
+        submit_new(&workers.live, &mut self.live, key);
+        self.live_will_change = moves && (in_motion || coarse != fine || at_rest.coarse != Coarse::Pyramid);
+        self.live_will_change.then(|| REST.saturating_sub(rested))
+    }
+
+    fn request_whole(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
+        let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
+        let key = (scene.id, method_of(&state.settings));
+        if state.is_whole_ready() {
+            if self.whole.as_ref().is_some_and(|asked| *asked != key) {
+                // What runs works with settings that were taken back.
+                workers.whole.cancel();
+                self.whole = Some(key);
+            }
+            return None;
+        }
+        // The first look at the first frame goes before everything else.
+        if state.stopped || state.inspected.is_none() || self.whole.as_ref() == Some(&key) {
+            return None;
+        }
+        let rested = self.changed_at.map_or(DEBOUNCE, |at| at.elapsed());
+        if rested < DEBOUNCE {
+            // The running work is out of date; should its settings return, it is requested again.
+            workers.whole.cancel();
+            self.whole = None;
+            return Some(DEBOUNCE.saturating_sub(rested));
+        }
+        workers.whole.submit(prune_request(state, scene));
+        self.whole = Some(key);
+        None
+    }
+
+    fn request_accuracy(&mut self, state: &State, workers: &Workers) {
+        let (Some(scene), Some(whole)) = (&state.scene, &state.whole) else { return };
+        if state.is_stale() || state.timeline.playing {
+            return;
+        }
+        let asked = self.measure.as_ref().is_some_and(|(samples, settings)| {
+            Arc::ptr_eq(samples, &whole.samples) && *settings == state.settings
+        });
+        if !asked {
+            workers.measure.submit(MeasureRequest {
+                scene: scene.clone(),
+                samples: whole.samples.clone(),
+                scan: state.scan.clone(),
+                settings: state.settings.clone(),
+            });
+            self.measure = Some((whole.samples.clone(), state.settings.clone()));
+        }
+    }
+
+    /// Compares at the vantage, and with the samples, of the last live picture.
+    fn request_comparison(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let shown = state.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare));
+        let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
+        let history = &state.inspector.history;
+        let now = &state.settings;
+        let key = Box::new(CompareKey {
+            scene: scene.clone(),
+            choice: state.inspector.compare.choice,
+            vantage: shown.key.vantage.clone(),
+            // Of a store played from disk only the picture knows the samples.
+            samples: shown.picture.samples.clone(),
+            whole: state.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
+            scan: state.scan.clone(),
+            settings: [
+                now.clone(),
+                history.of(SettingsSlot::A, now).clone(),
+                history.of(SettingsSlot::B, now).clone(),
+            ],
+            pictures: state.inspector.pictures.clone(),
+            dark: state.dark,
+        });
+        submit_new(&workers.compare, &mut self.compare, key);
+    }
+
+    /// Once the first frame is shown: whether the capture's files are read as they are meant. A built-in scene is.
+    fn request_readings(&mut self, state: &State, workers: &Workers) {
+        let Some(scene) = state.scene.as_ref().filter(|_| state.inspected.is_some()) else { return };
+        let is_read = state.has_capture() && matches!(scene.origin, Origin::Path(_));
+        if !is_read {
+            return;
+        }
+        let readings = &state.inspector.readings;
+        if !scene.is_reread && self.checked != Some(scene.id) {
+            workers.readings.submit(ReadingRequest::Check(scene.clone()));
+            self.checked = Some(scene.id);
+        }
+        if let Some(finding) =
+            readings.finding.as_ref().filter(|_| readings.is_open && readings.shown.is_none())
+            && self.shown_readings != Some(scene.id)
+        {
+            workers.readings.submit(ReadingRequest::Show(scene.clone(), finding.clone()));
+            self.shown_readings = Some(scene.id);
+        }
+    }
+
+    fn request_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let wanted = visible.contains(&DockView::Thresholds) && !state.timeline.playing;
+        let Some(inspected) = state.inspected.as_ref().filter(|_| wanted) else { return };
+        let asked = self.histograms.as_ref().is_some_and(|(inspection, with_scan)| {
+            Arc::ptr_eq(inspection, &inspected.inspection) && *with_scan == state.scan.is_some()
+        });
+        if let (false, Some(scene)) = (asked, &state.scene) {
+            workers.histograms.submit(HistogramRequest {
+                scene: scene.id,
+                inspection: inspected.inspection.clone(),
+                scan: state.scan.clone(),
+                settings: inspected.settings.clone(),
+            });
+            self.histograms = Some((inspected.inspection.clone(), state.scan.is_some()));
+        }
+    }
+
+    fn request_memory(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        // A store plays from disk: its sample set is an outline.
+        let wanted = visible.contains(&DockView::Memory) && state.has_capture();
+        let samples = state.whole_samples().filter(|_| wanted);
+        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        if !self.memory.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, samples)) {
+            workers.memory.submit((scene.id, samples.clone()));
+            self.memory = Some(samples.clone());
+        }
+    }
+
+    fn request_probe(&mut self, state: &State, workers: &Workers) {
+        let key = state.scene.as_ref().zip(state.inspector.probe.spot).map(|(scene, spot)| ProbeKey {
+            scene: scene.clone(),
+            spot,
+            inspection: state.inspection_here().cloned(),
+            whole: state.current_whole().cloned(),
+            live: matches!(spot, Spot::Live { .. })
+                .then(|| state.live_shown.as_ref().map(|shown| (shown.key.clone(), shown.picture.clone())))
+                .flatten(),
+        });
+        match key {
+            Some(key) => submit_new(&workers.probe, &mut self.probe, key),
+            None => self.probe = None,
+        }
+    }
+
+    fn request_thumbs(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
+        let guides =
+            state.live.show_cameras && state.live.guides.pictures && visible.contains(&DockView::Live);
+        // In motion they would be made anew for every frame, for nobody to look at.
+        let wanted = visible.contains(&DockView::Cameras) || (guides && !state.timeline.playing);
+        let Some(inspection) = state.inspection_here().filter(|_| wanted) else { return };
+        let asked = self.thumbs.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, inspection));
+        if let (false, Some(scene)) = (asked, &state.scene) {
+            workers.thumbs.submit((scene.id, inspection.clone()));
+            self.thumbs = Some(inspection.clone());
+        }
+    }
+}

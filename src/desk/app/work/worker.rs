@@ -1,0 +1,389 @@
+//! Workers: one named thread each, one kind of work each. Of pictures the latest request wins; files wait in line.
+//!
+//! ```text
+//! UI ── submit(request) ──▶ slot (what waits: one, or a line) ──▶ thread ── Message ──▶ bounded channel ──▶ logic()
+//!                     └──▶ Job::cancel of the request it supersedes
+//! ```
+//!
+//! A panic in a job becomes an error message; the worker and the window live on.
+
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use crate::app::model::Message;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::{Job, Progress};
+
+/// What happens to the job that runs when a newer request of its kind arrives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Supersede {
+    /// It is cancelled.
+    Always,
+    /// It is cancelled unless the one before it was: under a stream of requests, as from a slider in motion or from time that
+    /// passes, every second job that is begun still arrives.
+    Alternate,
+    /// It finishes, as it takes no longer than a picture on the screen does.
+    Never,
+    /// It finishes, and so does all that waits: every file that was requested is written.
+    Queue,
+}
+
+struct LatestRequest<R> {
+    /// The next first; more than one only where requests queue.
+    waiting: VecDeque<(R, Arc<Job>)>,
+    running: Option<Arc<Job>>,
+    /// Whether what runs was cancelled for a newer request.
+    is_superseded: bool,
+    /// Whether what ran before was.
+    last_was_superseded: bool,
+    closed: bool,
+}
+
+impl<R> LatestRequest<R> {
+    /// What runs, or is next.
+    fn now(&self) -> Option<&Arc<Job>> {
+        self.running.as_ref().or_else(|| self.waiting.front().map(|(_, job)| job))
+    }
+}
+
+struct Shared<R> {
+    slot: Mutex<LatestRequest<R>>,
+    arrived: Condvar,
+}
+
+impl<R> Shared<R> {
+    fn lock(&self) -> MutexGuard<'_, LatestRequest<R>> {
+        // Nothing that changes the slot can panic halfway, so that it is whole even after a panic elsewhere.
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Where workers report to: the channel to the window, and the window's bell.
+#[derive(Clone)]
+pub(crate) struct Outbox {
+    sender: SyncSender<Message>,
+    ctx: egui::Context,
+}
+
+impl Outbox {
+    /// An outbox that rings `ctx` after every message.
+    pub(crate) fn new(sender: SyncSender<Message>, ctx: egui::Context) -> Self {
+        Self { sender, ctx }
+    }
+
+    /// Delivers a message; gives false once the window is gone.
+    pub(crate) fn send(&self, message: Message) -> bool {
+        let delivered = self.sender.send(message).is_ok();
+        self.ctx.request_repaint();
+        delivered
+    }
+}
+
+/// A named thread that does one kind of work, one request at a time.
+pub(crate) struct Worker<R> {
+    shared: Arc<Shared<R>>,
+    supersede: Supersede,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl<R: Send + 'static> Worker<R> {
+    /// Starts the thread. `work` turns a request into the message that answers it; `what` names the work in errors.
+    ///
+    /// # Errors
+    /// `Io` where the operating system gives no thread.
+    pub(crate) fn start(
+        what: &'static str,
+        supersede: Supersede,
+        outbox: &Outbox,
+        mut work: impl FnMut(R, &Job) -> Result<Message> + Send + 'static,
+    ) -> Result<Self> {
+        let slot = LatestRequest {
+            waiting: VecDeque::new(),
+            running: None,
+            is_superseded: false,
+            last_was_superseded: false,
+            closed: false,
+        };
+        let shared = Arc::new(Shared { slot: Mutex::new(slot), arrived: Condvar::new() });
+        let (inbox, outbox) = (shared.clone(), outbox.clone());
+        let thread = std::thread::Builder::new()
+            .name(what.to_owned())
+            .spawn(move || {
+                while let Some((request, job)) = next(&inbox) {
+                    let answer = run(what, &mut work, request, &job);
+                    inbox.lock().running = None;
+                    if !outbox.send(answer) {
+                        break;
+                    }
+                }
+            })
+            .map_err(|error| Error::io(format!("thread '{what}'"), error))?;
+        Ok(Self { shared, supersede, thread: Some(thread) })
+    }
+
+    /// Submits a request: behind those that wait where requests queue, else in their place.
+    pub(crate) fn submit(&self, request: R) {
+        let mut slot = self.shared.lock();
+        if let Some(job) = slot.running.clone() {
+            let cancels = match self.supersede {
+                Supersede::Always => true,
+                Supersede::Alternate => !slot.last_was_superseded,
+                Supersede::Never | Supersede::Queue => false,
+            };
+            slot.is_superseded |= cancels;
+            if cancels {
+                job.cancel();
+            }
+        }
+        if self.supersede != Supersede::Queue {
+            slot.waiting.clear();
+        }
+        slot.waiting.push_back((request, Arc::new(Job::new())));
+        drop(slot);
+        self.shared.arrived.notify_one();
+    }
+}
+
+impl<R> Worker<R> {
+    /// Cancels what runs, or is next. What waits behind it is dropped, but where requests queue.
+    pub(crate) fn cancel(&self) {
+        let mut slot = self.shared.lock();
+        if self.supersede != Supersede::Queue {
+            slot.waiting.clear();
+        }
+        if let Some(job) = slot.now() {
+            job.cancel();
+        }
+    }
+
+    /// How far the running work has come; `None` while there is none.
+    pub(crate) fn progress(&self) -> Option<Progress> {
+        self.shared.lock().now().map(|job| job.progress())
+    }
+
+    /// Whether nothing runs or waits.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.progress().is_none()
+    }
+}
+
+impl<R> Drop for Worker<R> {
+    fn drop(&mut self) {
+        self.cancel();
+        let mut slot = self.shared.lock();
+        slot.waiting.clear();
+        slot.closed = true;
+        drop(slot);
+        self.shared.arrived.notify_one();
+        // The thread ends at its job's next check; waiting for it here would hold the closing window open.
+        drop(self.thread.take());
+    }
+}
+
+fn next<R>(shared: &Shared<R>) -> Option<(R, Arc<Job>)> {
+    let mut slot = shared.lock();
+    loop {
+        if slot.closed {
+            return None;
+        }
+        if let Some((request, job)) = slot.waiting.pop_front() {
+            slot.running = Some(job.clone());
+            slot.last_was_superseded = std::mem::take(&mut slot.is_superseded);
+            return Some((request, job));
+        }
+        slot = shared.arrived.wait(slot).unwrap_or_else(PoisonError::into_inner);
+    }
+}
+
+fn run<R>(
+    what: &'static str,
+    work: &mut impl FnMut(R, &Job) -> Result<Message>,
+    request: R,
+    job: &Job,
+) -> Message {
+    // A job that panicked leaves at worst a stale cache behind, which the next request replaces.
+    let outcome = catch_unwind(AssertUnwindSafe(|| work(request, job)));
+    match outcome {
+        Ok(Ok(message)) => message,
+        // The error of a cancelled job is of no use.
+        Ok(Err(_)) if job.is_cancelled() => Message::Failed { what, error: Error::Cancelled },
+        Ok(Err(error)) => Message::Failed { what, error },
+        Err(panic) => {
+            let reason = panic
+                .downcast_ref::<String>()
+                .map(String::as_str)
+                .or_else(|| panic.downcast_ref::<&str>().copied())
+                .unwrap_or("no reason given");
+            let error = Error::invalid(
+                "a fault in Overlook",
+                format!("{reason}; your files are untouched, please report it"),
+            );
+            Message::Failed { what, error }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::sync::mpsc::{Receiver, sync_channel};
+    use std::time::Duration;
+
+    fn worker(
+        supersede: Supersede,
+        work: impl FnMut(u32, &Job) -> Result<Message> + Send + 'static,
+    ) -> (Worker<u32>, Receiver<Message>) {
+        let (sender, receiver) = sync_channel(16);
+        let outbox = Outbox::new(sender, egui::Context::default());
+        (Worker::start("test", supersede, &outbox, work).unwrap(), receiver)
+    }
+
+    fn saved(number: u32) -> Message {
+        Message::Saved { path: "x".into(), bytes: Some(u64::from(number)), holds: None }
+    }
+
+    fn received(receiver: &Receiver<Message>) -> Message {
+        receiver.recv_timeout(Duration::from_secs(20)).unwrap()
+    }
+
+    /// Work that only ends when it is cancelled.
+    fn endless(job: &Job) -> Result<Message> {
+        loop {
+            job.check()?;
+            std::thread::yield_now();
+        }
+    }
+
+    fn wait_for_start(worker: &Worker<u32>) {
+        while worker.shared.lock().running.is_none() {
+            std::thread::yield_now();
+        }
+    }
+
+    #[test]
+    fn the_latest_request_wins_and_the_running_one_is_cancelled() {
+        let (worker, receiver) =
+            worker(
+                Supersede::Always,
+                |number, job| {
+                    if number == 1 { endless(job) } else { Ok(saved(number)) }
+                },
+            );
+        worker.submit(1);
+        wait_for_start(&worker);
+        worker.submit(2);
+        assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
+        assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
+    }
+
+    #[test]
+    fn however_fast_requests_come_every_second_job_that_is_begun_arrives() {
+        let done = Arc::new(AtomicU32::new(0));
+        let may_end = done.clone();
+        let (worker, receiver) = worker(Supersede::Alternate, move |number, job| {
+            while may_end.load(Ordering::Relaxed) < number {
+                job.check()?;
+                std::thread::yield_now();
+            }
+            Ok(saved(number))
+        });
+        let wait_for_job = || {
+            while !worker.shared.lock().waiting.is_empty() {
+                std::thread::yield_now();
+            }
+        };
+        let mut number = 0;
+        for _ in 0..3 {
+            worker.submit(number + 1);
+            wait_for_job();
+            worker.submit(number + 2);
+            assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
+            wait_for_job();
+            (number + 3..number + 6).for_each(|number| worker.submit(number));
+            done.store(number + 2, Ordering::Relaxed);
+            let answer = received(&receiver);
+            assert!(
+                matches!(answer, Message::Saved { bytes: Some(bytes), .. } if bytes == u64::from(number + 2))
+            );
+            done.store(number + 5, Ordering::Relaxed);
+            assert!(matches!(received(&receiver), Message::Saved { .. }));
+            number += 5;
+        }
+    }
+
+    #[test]
+    fn of_a_dragged_sliders_requests_the_last_is_answered_last_and_none_before_it_comes_late() {
+        const REQUESTS: u32 = 40;
+        let (worker, receiver) = worker(Supersede::Alternate, |number, job| {
+            for _ in 0..10 {
+                job.check()?;
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            Ok(saved(number))
+        });
+        let mut answers = Vec::new();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                for number in 1..=REQUESTS {
+                    worker.submit(number);
+                    std::thread::sleep(Duration::from_millis(2));
+                }
+            });
+            while answers.last() != Some(&REQUESTS) {
+                match received(&receiver) {
+                    Message::Saved { bytes: Some(number), .. } => answers.push(number as u32),
+                    Message::Failed { error: Error::Cancelled, .. } => {}
+                    _ => panic!("neither an answer nor an abandoned request"),
+                }
+            }
+        });
+        assert!(answers.is_sorted_by(|a, b| a < b), "{answers:?}");
+        while !worker.is_idle() {
+            std::thread::yield_now();
+        }
+        assert!(receiver.try_recv().is_err(), "something came after the last answer");
+    }
+
+    #[test]
+    fn what_queues_is_all_done_in_turn_and_cancelling_ends_only_what_runs() {
+        let (worker, receiver) =
+            worker(
+                Supersede::Queue,
+                |number, job| {
+                    if number == 1 { endless(job) } else { Ok(saved(number)) }
+                },
+            );
+        (1..4).for_each(|number| worker.submit(number));
+        wait_for_start(&worker);
+        worker.cancel();
+        assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
+        assert!(matches!(received(&receiver), Message::Saved { bytes: Some(2), .. }));
+        assert!(matches!(received(&receiver), Message::Saved { bytes: Some(3), .. }));
+    }
+
+    #[test]
+    fn a_panic_becomes_a_message_and_the_lane_goes_on() {
+        let (worker, receiver) = worker(Supersede::Never, |number, _| {
+            assert!(number != 1, "on purpose");
+            Ok(saved(number))
+        });
+        worker.submit(1);
+        let Message::Failed { error, .. } = received(&receiver) else { panic!("no failure") };
+        assert!(error.to_string().contains("on purpose"), "{error}");
+        worker.submit(3);
+        assert!(matches!(received(&receiver), Message::Saved { bytes: Some(3), .. }));
+    }
+
+    #[test]
+    fn cancelling_ends_a_job_that_looks_at_its_flag() {
+        let (worker, receiver) = worker(Supersede::Never, |_, job| endless(job));
+        worker.submit(1);
+        wait_for_start(&worker);
+        worker.cancel();
+        assert!(matches!(received(&receiver), Message::Failed { error: Error::Cancelled, .. }));
+    }
+}

@@ -1,0 +1,212 @@
+//! Every kind of work that the window hands out, each on a worker of its own.
+
+use std::sync::Arc;
+
+use super::accuracy::measure;
+use super::arriving::{self, FollowRequest};
+use super::compare::Comparer;
+use super::readings::{self, ReadingRequest};
+use super::requests::{
+    ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
+};
+use super::worker::{Outbox, Supersede, Worker};
+use super::{facts, files, histograms, live_image, opening, pruning, source_image, study};
+use crate::app::model::{CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey};
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::preprocess::inspect::FrameInspection;
+use overlook_engine::render::Renderer;
+use overlook_engine::render::gpu::SharedDevice;
+use overlook_engine::samples::SampleSet;
+
+/// The workers.
+pub(crate) struct Workers {
+    pub open: Worker<OpenRequest>,
+    /// The whole capture: scan, then prune.
+    pub whole: Worker<PruneRequest>,
+    pub inspect: Worker<PruneRequest>,
+    /// The same frame, before a threshold is turned.
+    pub prepare: Worker<PruneRequest>,
+    pub source: Worker<(Arc<OpenScene>, SourceKey)>,
+    pub live: Worker<LiveKey>,
+    pub measure: Worker<MeasureRequest>,
+    pub file: Worker<FileRequest>,
+    /// The system's dialogs, and the name that they suggest.
+    pub dialog: Worker<(Purpose, String)>,
+    /// What stands where something is to be written.
+    pub check: Worker<Destination>,
+    pub probe: Worker<ProbeKey>,
+    pub thumbs: Worker<(u64, Arc<FrameInspection>)>,
+    pub memory: Worker<(u64, Arc<SampleSet>)>,
+    pub histograms: Worker<HistogramRequest>,
+    pub compare: Worker<Box<CompareKey>>,
+    pub export: Worker<ExportRequest>,
+    pub study: Worker<StudyRequest>,
+    /// A folder that other machines write parts to; it never ends by itself.
+    pub follow: Worker<FollowRequest>,
+    /// How the capture is read, and how it would fit better.
+    pub readings: Worker<ReadingRequest>,
+}
+
+impl Workers {
+    /// Starts all workers; on the `shared` device of a window the GPU paints the live view.
+    pub(crate) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
+        let background = pool("prune", rayon::current_num_threads(), true)?;
+        // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
+        let decoder = pool("decode", 1, false)?;
+        let studying = pool("study", rayon::current_num_threads(), true)?;
+        let (measuring, preparing) = (background.clone(), background.clone());
+        let comparing = studying.clone();
+        let (progress, points) = (outbox.clone(), outbox.clone());
+        let mut renderer = Renderer::sharing(shared);
+        let mut filter = live_image::CameraFilter::default();
+        let mut comparer = Comparer::new(studying.clone());
+        Ok(Self {
+            open: Worker::start("Open", Supersede::Always, outbox, opening::open)?,
+            whole: Worker::start("Prune", Supersede::Always, outbox, move |request, job| {
+                background.install(|| pruning::prune_whole(request, &progress, job))
+            })?,
+            inspect: Worker::start("Inspect frame", Supersede::Alternate, outbox, pruning::inspect)?,
+            // A frame made ready for settings just left still serves most of what comes after.
+            prepare: Worker::start("Prepare frame", Supersede::Never, outbox, move |request, job| {
+                preparing.install(|| pruning::prepare(&request, job))
+            })?,
+            source: Worker::start(
+                "Source picture",
+                Supersede::Never,
+                outbox,
+                move |(scene, key): (Arc<OpenScene>, _), _| source_image::paint_source(&scene, key, &decoder),
+            )?,
+            live: Worker::start("Live view", Supersede::Never, outbox, move |key, job| {
+                let picture = live_image::paint(&mut renderer, &mut filter, &key, job)?;
+                Ok(Message::LivePainted { key, picture: Arc::new(picture) })
+            })?,
+            measure: Worker::start("Measure accuracy", Supersede::Always, outbox, move |request, job| {
+                let accuracy = measuring.install(|| measure(&request, job))?;
+                Ok(Message::Measured { scene: request.scene.id, settings: request.settings, accuracy })
+            })?,
+            file: Worker::start("File", Supersede::Queue, outbox, |request: FileRequest, job| {
+                let (title, text) = request.stopped();
+                or_stopped(job, title, text, || files::file(request, job))
+            })?,
+            dialog: Worker::start("Dialog", Supersede::Never, outbox, |(purpose, name), _| {
+                Ok(Message::PathChosen { purpose, path: files::ask(purpose, name) })
+            })?,
+            check: Worker::start("Check path", Supersede::Never, outbox, |destination, _| {
+                Ok(files::check(destination))
+            })?,
+            probe: Worker::start("Pixel explanation", Supersede::Never, outbox, |key: ProbeKey, _| {
+                let probed = facts::probe(&key).map(Arc::new);
+                let is_hole = probed.is_none() && key.has_picture();
+                Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
+            })?,
+            thumbs: Worker::start(
+                "Thumbnails",
+                Supersede::Never,
+                outbox,
+                |(scene, inspection): (u64, Arc<FrameInspection>), _| {
+                    Ok(Message::Thumbnails { scene, pictures: facts::thumbnails(&inspection) })
+                },
+            )?,
+            memory: Worker::start(
+                "Memory by camera",
+                Supersede::Never,
+                outbox,
+                |(scene, samples): (u64, Arc<SampleSet>), _| {
+                    Ok(Message::MemoryMapped { scene, cameras: facts::memory(&samples) })
+                },
+            )?,
+            histograms: Worker::start("Histograms", Supersede::Never, outbox, |request, _| {
+                Ok(histograms::histograms(&request))
+            })?,
+            compare: Worker::start("Compare", Supersede::Alternate, outbox, move |key, job| {
+                comparer.answer(key, job)
+            })?,
+            export: Worker::start("Export", Supersede::Queue, outbox, |request: ExportRequest, job| {
+                or_stopped(job, "Export stopped", request.target.stopped(), || files::export(&request, job))
+            })?,
+            readings: Worker::start("Compare readings", Supersede::Queue, outbox, move |request, _| {
+                Ok(comparing.install(|| readings::answer(request)))
+            })?,
+            follow: arriving::follower(outbox)?,
+            study: Worker::start("Study", Supersede::Always, outbox, move |request, job| {
+                studying.install(|| study::study(request, &points, job))
+            })?,
+        })
+    }
+
+    /// Whether nothing runs or waits. An open dialog waits for the person, and a folder that is watched for others.
+    pub(crate) fn are_idle(&self) -> bool {
+        self.open.is_idle()
+            && self.whole.is_idle()
+            && self.inspect.is_idle()
+            && self.prepare.is_idle()
+            && self.source.is_idle()
+            && self.live.is_idle()
+            && self.measure.is_idle()
+            && self.file.is_idle()
+            && self.check.is_idle()
+            && self.probe.is_idle()
+            && self.thumbs.is_idle()
+            && self.memory.is_idle()
+            && self.histograms.is_idle()
+            && self.compare.is_idle()
+            && self.export.is_idle()
+            && self.study.is_idle()
+            && self.readings.is_idle()
+    }
+}
+
+/// Does work, and sends a message where it is stopped.
+fn or_stopped(
+    job: &Job,
+    title: &'static str,
+    text: String,
+    work: impl FnOnce() -> Result<Message>,
+) -> Result<Message> {
+    match job.check().and_then(|()| work()) {
+        Err(_) if job.is_cancelled() => Ok(Message::Stopped { title, text }),
+        outcome => outcome,
+    }
+}
+
+/// Threads apart from the pool that the views share, where a picture would wait behind minutes of pruning. Where `makes_way`, the
+/// window and its pictures go before them.
+pub(crate) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Result<Arc<rayon::ThreadPool>> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(move |index| format!("{name} {index}"))
+        .start_handler(move |_| {
+            if makes_way {
+                make_way();
+            }
+        })
+        .build()
+        .map(Arc::new)
+        .map_err(|error| Error::invalid("thread pool", error.to_string()))
+}
+
+/// Lets the thread that draws, and those whose pictures are waited for, go before the calling one, which works for minutes.
+/// Linux keeps a niceness per thread; other systems put the threads of the window in front first anyway. Best effort: where it
+/// is refused, the window is only less smooth.
+fn make_way() {
+    // A third of the share of others: more, and a window in steady motion would starve the work that it waits for.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::setpriority_process(None, 5);
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_thread_that_works_makes_way_and_no_other_does() {
+        let niceness = || rustix::process::getpriority_process(None).unwrap();
+        let own = niceness();
+        let worker = std::thread::Builder::new().name("worker".to_owned());
+        let theirs = worker.spawn(move || {
+            super::make_way();
+            niceness()
+        });
+        assert_eq!((theirs.unwrap().join().unwrap(), niceness()), (5, own));
+    }
+}

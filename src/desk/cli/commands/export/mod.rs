@@ -1,0 +1,47 @@
+//! `overlook export`: what a store holds, in forms that other programs read.
+
+mod film_parts;
+mod miv;
+mod path;
+mod pictures;
+mod ply;
+mod points;
+mod store;
+mod video;
+
+use clap::{Args, Subcommand};
+
+use crate::cli::output::CommandError;
+use overlook_engine::error::Result;
+
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    #[command(subcommand)]
+    what: ExportKind,
+}
+
+#[derive(Debug, Subcommand)]
+enum ExportKind {
+    /// Samples as binary PLY: points with normal, color and radius.
+    Points(points::PointsArgs),
+    /// Pictures along a camera path, as EXR and PNG.
+    Pictures(pictures::PicturesArgs),
+    /// A video along a camera path, through the ffmpeg on this machine.
+    Video(video::VideoArgs),
+    /// A capture as MPEG immersive video, which TMIV and RVS read: cameras as JSON, texture and depth as raw video.
+    Miv(miv::MivArgs),
+    /// The store again, with another precision or coding.
+    Store(store::StoreArgs),
+}
+
+impl ExportArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        match self.what {
+            ExportKind::Points(args) => args.run(),
+            ExportKind::Pictures(args) => args.run(),
+            ExportKind::Video(args) => args.run(),
+            ExportKind::Miv(args) => args.run(),
+            ExportKind::Store(args) => args.run(),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! `overlook export pictures`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::path::{self, Stops};
+use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::plural::counted;
+use overlook_engine::render::film::{self, FilmSource};
+use overlook_engine::render::{Picture, Renderer};
+use overlook_engine::settings::{RenderSettings, Settings};
+use overlook_engine::store::playback::Playback;
+
+/// Where a film is painted from, and how.
+#[derive(Debug, Args)]
+pub(crate) struct FilmArgs {
+    /// The store.
+    store: PathBuf,
+    /// The camera path: a manifest of views, one place at a time; between them the camera moves smoothly.
+    #[arg(long, value_name = "TRANSFORMS")]
+    path: PathBuf,
+    #[command(flatten)]
+    painting: PaintingArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+impl FilmArgs {
+    /// Refuses a file that the film is made from, and any other store.
+    pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<()> {
+        output::refuse_input(&self.store, out)?;
+        output::refuse_store(out)?;
+        self.settings.refuse_inputs(out)?;
+        output::refuse_view_files(&self.path, out)
+    }
+
+    /// The open store, the stops of the path, and the settings to paint with.
+    pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), CommandError> {
+        self.settings.only("render")?;
+        output::refuse_pipe(&self.path)?;
+        let playback = input::open_store(&self.store)?;
+        let info = playback.store().info();
+        let mut settings: Settings = self.settings.over(info.settings.clone())?;
+        self.painting.apply(&mut settings.render);
+        let stops = path::along(&self.path, info)?;
+        Ok((Arc::new(playback), stops, settings.render))
+    }
+}
+
+/// What the parts of a film have in common.
+pub(crate) fn film_inputs(playback: &Playback, stops: &Stops, settings: &RenderSettings) -> Inputs {
+    Inputs::default()
+        .with("store", &format!("{:?}", playback.store().info()))
+        .with("camera path", &format!("{stops:?}"))
+        .with("settings", &format!("{settings:?}"))
+}
+
+/// Renders every stop in order and passes each picture on with its index; returns a notice if another renderer than requested was
+/// used.
+pub(crate) fn paint(
+    playback: &Arc<Playback>,
+    stops: &Stops,
+    settings: &RenderSettings,
+    job: &Job,
+    take: impl FnMut(usize, &Picture) -> Result<()>,
+) -> Result<Option<String>> {
+    let mut renderer = Renderer::strict(settings.backend)?;
+    film::paint(&FilmSource::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)?;
+    Ok(renderer.notice().map(str::to_owned))
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PicturesArgs {
+    #[command(flatten)]
+    film: FilmArgs,
+    /// Folder for the pictures, named by their frame's number.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    parts: PartArgs,
+}
+
+impl PicturesArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        output::check_folder(&self.out)?;
+        let (playback, stops, settings) = self.film.plan()?;
+        let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
+        let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
+        output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
+        let files = PartFiles::new(&self.out, "pictures", film_inputs(&playback, &stops, &settings));
+        if let Some(part) = self.parts.part {
+            let file = files.complete(part, |journal| {
+                let range = part.range(paths.len());
+                let mut sums = whole_sums(&paths[range.clone()], &journal.points());
+                let known = range.start + sums.len();
+                let rest = stops.only(known..range.end);
+                let painted = output::recorded(Some(journal), |job, keep| {
+                    let mut sums = Vec::new();
+                    paint(&playback, &rest, &settings, job, |nth, picture| {
+                        let paths = &paths[known + nth];
+                        paths.write(picture)?;
+                        sums.push(paths.checksums()?);
+                        keep(&sums[nth]);
+                        Ok(())
+                    })?;
+                    Ok(sums)
+                });
+                sums.extend(painted?);
+                Ok(sums)
+            })?;
+            return output::print_parts(part, &[file], false);
+        }
+        let notice = if let Some(of) = self.parts.join {
+            let sums = files.join(of)?;
+            if let Some(changed) = paths.get(whole_sums(&paths, &sums).len()) {
+                return Err(changed.refused().into());
+            }
+            None
+        } else {
+            output::watched(|job| {
+                paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
+            })?
+        };
+        output::warn(notice.as_slice());
+        output::warn(&playback.store().damage());
+        let (pictures, out) = (counted(paths.len(), "picture"), self.out.display());
+        output::print(&format!("Wrote {pictures} (EXR and PNG) to {out}"))
+    }
+}
+
+/// As many of the sums as pictures have, from the first one on.
+fn whole_sums(paths: &[PicturePaths], sums: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    let pairs = paths.iter().zip(sums.iter().copied());
+    pairs
+        .take_while(|(paths, sums)| paths.checksums().is_ok_and(|found| found == *sums))
+        .map(|(_, sums)| sums)
+        .collect()
+}

@@ -1,0 +1,36 @@
+//! `overlook export store`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::input::SettingsArgs;
+use crate::cli::output::{self, CommandError};
+use overlook_engine::store;
+use overlook_engine::store::file::Store;
+
+#[derive(Debug, Args)]
+pub(crate) struct StoreArgs {
+    /// The store.
+    store: PathBuf,
+    /// The store to write. It may be the same file: that is replaced when the new one is whole.
+    #[arg(long, value_name = "F.ovl")]
+    out: PathBuf,
+    /// The settings of how it is stored, as in --set store.precision=bits10.
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+impl StoreArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        self.settings.only("store")?;
+        output::check_file(&self.out, "scene.ovl")?;
+        self.settings.refuse_inputs(&self.out)?;
+        let opened = Store::open(&self.store)?;
+        let settings = self.settings.over(opened.info().settings.clone())?;
+        let bytes =
+            output::watched(|job| store::write_again(&self.out, &opened, Some(&settings.store), job))?;
+        let [bytes, before] = [bytes, opened.info().bytes].map(output::bytes);
+        output::print(&format!("Wrote {bytes} to {}, {before} before", self.out.display()))
+    }
+}

@@ -1,0 +1,241 @@
+//! `overlook info`: what a capture or a store holds.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+
+use crate::cli::output::{self, CommandError, Sizes};
+use overlook_engine::capture::conventions::{self, Finding};
+use overlook_engine::capture::{Camera, Capture, Description, Source, ViewChoice};
+use overlook_engine::error::Error;
+use overlook_engine::plural::counted;
+use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::settings::{CaptureSettings, Settings};
+use overlook_engine::store::file::{Provenance, Store};
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// A capture (a folder, or a file in it that names its pictures) or a store.
+    path: PathBuf,
+    /// Write the manifest that the capture amounts to, to be corrected by hand [default file: transforms.json in its folder].
+    #[arg(long, value_name = "FILE")]
+    #[expect(clippy::option_option, reason = "without, with, and with a file")]
+    write_manifest: Option<Option<PathBuf>>,
+    /// Choose this many views of a moving camera that together show the most, and say what each adds.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    views: Option<u32>,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct CameraInfo {
+    name: String,
+    width: u32,
+    height: u32,
+}
+
+#[derive(Serialize)]
+struct Info {
+    kind: &'static str,
+    name: String,
+    cameras: Vec<CameraInfo>,
+    frames: usize,
+    #[serde(flatten)]
+    contents: Contents,
+}
+
+#[derive(Serialize)]
+struct ChosenView {
+    camera: String,
+    share_shown: f64,
+}
+
+#[derive(Serialize)]
+struct ConventionInfo {
+    /// In words.
+    sentence: String,
+    /// Whether another reading fits far better, or the views could not be read.
+    is_warning: bool,
+    finding: Option<Finding>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Contents {
+    Capture {
+        pixels: u64,
+        normals: bool,
+        reading: Box<Description>,
+        warnings: Vec<String>,
+        /// Views that were chosen, in that order, and the share of what all views show that is shown with each.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        chosen: Option<Vec<ChosenView>>,
+        /// What the agreement between views says about how poses and depth are read.
+        conventions: ConventionInfo,
+    },
+    Store {
+        samples: u64,
+        bytes: u64,
+        sizes: Box<Sizes>,
+        spans: usize,
+        version: String,
+        settings: Box<Settings>,
+        report: Box<Report>,
+        provenance: Box<Provenance>,
+        warnings: Vec<String>,
+    },
+}
+
+impl InfoArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        let info = if Store::is_store(&self.path)? {
+            if self.write_manifest.is_some() {
+                let what = "is a store; a manifest can be written of a capture";
+                return Err(Error::invalid(self.path.display(), what).into());
+            }
+            of_store(&self.path)?
+        } else {
+            self.of_capture()?
+        };
+        if self.json { output::print_json(&info) } else { output::print(&info.text(&self.path)) }
+    }
+}
+
+impl InfoArgs {
+    fn of_capture(&self) -> Result<Info, CommandError> {
+        let source = Source::find(&self.path)?;
+        let mut capture = source.open(&CaptureSettings::default())?;
+        let choice = self.views.map(|most| ViewChoice::of(&capture, most as usize)).transpose()?;
+        let chosen = choice.as_ref().map(|choice| chosen_views(choice, &capture));
+        if let Some(choice) = choice {
+            capture = capture.with_cameras(|index, _| choice.has(index));
+        }
+        if let Some(file) = &self.write_manifest {
+            let file = file.clone().unwrap_or_else(|| source.manifest_path());
+            source.write_manifest(&file)?;
+            eprintln!("wrote {}", file.display());
+        }
+        Ok(Info {
+            kind: "capture",
+            name: capture.name.clone(),
+            cameras: camera_infos(&capture.cameras),
+            frames: capture.frame_count(),
+            contents: Contents::Capture {
+                pixels: capture.pixel_count(),
+                normals: capture.has_normals,
+                reading: Box::new(source.description().clone()),
+                warnings: capture.warnings.clone(),
+                chosen,
+                conventions: ConventionInfo::of(&capture),
+            },
+        })
+    }
+}
+
+fn chosen_views(choice: &ViewChoice, capture: &Capture) -> Vec<ChosenView> {
+    let view = |&(index, share_shown): &(usize, f64)| {
+        let camera = capture.cameras[index].name.clone();
+        ChosenView { camera, share_shown }
+    };
+    choice.chosen.iter().map(view).collect()
+}
+
+fn camera_infos(cameras: &[Camera]) -> Vec<CameraInfo> {
+    let info = |camera: &Camera| {
+        let (name, intrinsics) = (camera.name.clone(), camera.intrinsics);
+        CameraInfo { name, width: intrinsics.width, height: intrinsics.height }
+    };
+    cameras.iter().map(info).collect()
+}
+
+fn of_store(path: &Path) -> Result<Info, CommandError> {
+    let store = Store::open(path)?;
+    let info = store.info();
+    let report = Report::from_json(&info.report, &path.display().to_string())?;
+    Ok(Info {
+        kind: "store",
+        name: info.name.clone(),
+        cameras: camera_infos(&info.cameras),
+        frames: info.frame_numbers.len(),
+        contents: Contents::Store {
+            samples: info.sample_count(),
+            bytes: info.bytes,
+            sizes: Box::new(Sizes::of(info, &report)),
+            spans: info.span_count(),
+            version: format!("{}.{}", info.version.0, info.version.1),
+            settings: Box::new(info.settings.clone()),
+            report: Box::new(report),
+            provenance: Box::new(info.provenance.clone()),
+            warnings: info.warnings.clone(),
+        },
+    })
+}
+
+impl ConventionInfo {
+    fn of(capture: &Capture) -> Self {
+        match conventions::check(capture) {
+            Ok(finding) => Self {
+                sentence: finding.sentence(),
+                is_warning: finding.warning().is_some(),
+                finding: Some(finding),
+            },
+            Err(error) => Self { sentence: format!("not checked: {error}"), is_warning: true, finding: None },
+        }
+    }
+}
+
+impl Info {
+    fn text(&self, path: &Path) -> String {
+        let mut text = format!("{} '{}': {}\n", self.kind, self.name, counted(self.frames, "frame"));
+        for camera in &self.cameras {
+            let _ = writeln!(text, "  camera {:<16} {}×{}", camera.name, camera.width, camera.height);
+        }
+        if let Contents::Capture { chosen: Some(chosen), .. } = &self.contents {
+            for ChosenView { camera, share_shown } in chosen {
+                let _ = writeln!(
+                    text,
+                    "  with view {camera}: {:.1} % of what all views show",
+                    100.0 * share_shown
+                );
+            }
+        }
+        if let Contents::Capture { reading, .. } = &self.contents {
+            for line in reading.lines() {
+                let _ = writeln!(text, "  {line}");
+            }
+        }
+        let (Contents::Capture { warnings, .. } | Contents::Store { warnings, .. }) = &self.contents;
+        for warning in warnings {
+            let _ = writeln!(text, "  warning: {warning}");
+        }
+        if let Contents::Capture { conventions, .. } = &self.contents {
+            let word = if conventions.is_warning { "warning" } else { "conventions" };
+            let _ = writeln!(text, "  {word}: {}", conventions.sentence);
+        }
+        let path = path.display();
+        let _ = match &self.contents {
+            Contents::Capture { pixels, normals, .. } => write!(
+                text,
+                "  {}, {}\nNext: overlook preprocess {path} --out scene.ovl",
+                output::count_of(*pixels, "pixel"),
+                if *normals { "with normals" } else { "normals to be estimated from depth" }
+            ),
+            Contents::Store { samples, bytes, sizes, spans, report, .. } => write!(
+                text,
+                "  {} ({} of {}) over {} in {}\n{}{}Next: overlook {path}",
+                output::count_of(*samples, "sample"),
+                output::percent(*samples, report.samples_in),
+                output::count_of(report.samples_in, "pixel"),
+                counted(*spans, "span"),
+                output::bytes(*bytes),
+                output::without_depth(report).unwrap_or_default(),
+                sizes.text()
+            ),
+        };
+        text
+    }
+}

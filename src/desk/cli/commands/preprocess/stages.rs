@@ -1,0 +1,228 @@
+//! Stages of preprocessing, each cut by runs of frames.
+//!
+//! ```text
+//! F.ovl.measured ─▶ F.ovl.scan.part-K-of-N ─▶ F.ovl.spans-of-N ─▶ F.ovl.prune.part-K-of-N ─▶ F.ovl
+//! ```
+//!
+//! A part of the scan begins with length and CRC-32 of the files that its frames are read from. Each file names those that it was made
+//! from, so that a picture that changes is found by the name of the part that has read it.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+
+use crate::cli::input;
+use crate::cli::output::{Inputs, OpenPart, PartFiles};
+use overlook_engine::capture::Capture;
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::part::Part;
+use overlook_engine::preprocess::BufferedResult;
+use overlook_engine::preprocess::parts::{
+    Measured, join_pruned, join_spans, prune_part, run_of_part, scan_part, scan_parts_read_by,
+};
+use overlook_engine::samples::{ReadSeek, RecordReader, RecordWriter};
+use overlook_engine::settings::{CaptureSettings, Settings};
+use overlook_engine::store::file::InputFiles;
+use overlook_engine::whole_file;
+
+/// A stage of preprocessing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Stage {
+    /// What the rig got wrong, and noise: measured once, for all parts.
+    Measure,
+    /// The pass over the frames of each run; joined, the spans that are longer than a run.
+    Scan,
+    /// What is redundant between cameras, in each run; joined, the store.
+    Prune,
+}
+
+/// The stages on the way to one store.
+pub(super) struct Stages<'a> {
+    pub(super) path: &'a Path,
+    pub(super) capture: &'a Capture,
+    pub(super) out: &'a Path,
+    pub(super) settings: &'a Settings,
+}
+
+/// A part that is read, and its name for errors.
+type NamedPart = (String, Box<dyn ReadSeek>);
+
+fn named(part: OpenPart) -> NamedPart {
+    (part.path.display().to_string(), Box::new(part.reader))
+}
+
+/// What was measured once, for all parts.
+struct Measurement {
+    measured: Measured,
+    /// Tells its file from any other.
+    identity: String,
+    /// The capture without what the rig got wrong.
+    corrected: Capture,
+}
+
+impl Stages<'_> {
+    fn folder(&self) -> &Path {
+        whole_file::folder_of(self.out)
+    }
+
+    fn name(&self, suffix: &str) -> String {
+        format!("{}.{suffix}", self.out.file_name().unwrap_or_default().to_string_lossy())
+    }
+
+    /// What all stages are made from. How much memory there is changes nothing.
+    fn inputs(&self) -> Result<Inputs> {
+        let capture = CaptureSettings { cache: 0, ..self.settings.capture.clone() };
+        let settings = Settings { capture, ..self.settings.clone() };
+        Ok(Inputs::default()
+            .with("list of cameras and frames", &input::capture_state(self.path, self.capture)?)
+            .with("settings", &format!("{settings:?}")))
+    }
+
+    fn measured_file(&self) -> Result<PartFiles> {
+        Ok(PartFiles::single(self.folder(), &self.name("measured"), self.inputs()?, "--stage measure"))
+    }
+
+    /// Measures what all parts need.
+    pub(super) fn measure(&self, job: &Job) -> Result<PathBuf> {
+        let (file, part) = (self.measured_file()?, Part::WHOLE);
+        if self.measured().is_err() {
+            let measured = Measured::of(self.capture, self.settings, job)?;
+            let state = input::pictures_state(&measured.files_read(self.capture))?;
+            file.write(part, |writer| {
+                let mut writer = RecordWriter::new(writer, file.path(part).display().to_string())?;
+                writer.json(&state)?;
+                writer.json(&measured)
+            })?;
+        }
+        Ok(file.path(part))
+    }
+
+    /// Reads what was measured.
+    fn measured(&self) -> Result<Measurement> {
+        let (file, part) = (self.measured_file()?, Part::WHOLE);
+        let opened = file.open(part)?;
+        let identity = opened.tail.clone();
+        let (place, reader) = named(opened);
+        let mut reader = RecordReader::new(reader, place);
+        let (state, measured): (String, Measured) = (reader.json()?, reader.json()?);
+        if input::pictures_state(&measured.files_read(self.capture))? != state {
+            return Err(
+                file.refused(part, "was made from another state of the pictures that it was measured on")
+            );
+        }
+        let corrected = measured.aligned(self.capture).capture;
+        Ok(Measurement { measured, identity, corrected })
+    }
+
+    /// The files of a part's frames, each once: those that are recorded as these frames, so that all parts together name every file of
+    /// the capture, and those that are read for them where a camera's frames are moved in time.
+    fn files_of(&self, measurement: &Measurement, part: Part) -> Vec<PathBuf> {
+        let run = run_of_part(self.capture.frame_count(), part);
+        let frames = run.start as usize..run.end as usize;
+        let mut files = BTreeSet::new();
+        for capture in [self.capture, &measurement.corrected] {
+            for camera in 0..capture.cameras.len() {
+                files.extend(frames.clone().flat_map(|frame| capture.files_of(camera, frame)));
+            }
+        }
+        files.into_iter().collect()
+    }
+
+    fn scan_files(&self, measurement: &Measurement, part: Part) -> Result<PartFiles> {
+        let pictures = self.files_of(measurement, part);
+        let inputs = self
+            .inputs()?
+            .with("file of what was measured", &measurement.identity)
+            .with("pictures of its frames", &input::pictures_state(&pictures)?);
+        Ok(PartFiles::new(self.folder(), &self.name("scan"), inputs).made_by("--stage scan"))
+    }
+
+    /// Passes over the frames of a part.
+    pub(super) fn scan(&self, part: Part, job: &Job) -> Result<PathBuf> {
+        let measurement = self.measured()?;
+        let files = self.scan_files(&measurement, part)?;
+        if !files.is_complete(part) {
+            let sums = input::sums_of(&self.files_of(&measurement, part), job)?;
+            files.write(part, |writer| {
+                RecordWriter::new(writer, files.path(part).display().to_string())?.json(&sums)?;
+                scan_part(self.capture, &measurement.measured, self.settings, part, writer, job)
+            })?;
+        }
+        Ok(files.path(part))
+    }
+
+    /// What tells each part of the scan from any other.
+    fn scans(&self, measurement: &Measurement, of: u32) -> Result<Vec<String>> {
+        Part::all(of).map(|part| self.scan_files(measurement, part)?.identity(part)).collect()
+    }
+
+    /// A part of the scan, and length and CRC-32 of the files that it was read from.
+    fn open_scan(&self, measurement: &Measurement, part: Part) -> Result<(NamedPart, Vec<(u64, u32)>)> {
+        let mut opened = self.scan_files(measurement, part)?.open(part)?;
+        let sums =
+            RecordReader::new(Box::new(&mut opened.reader), opened.path.display().to_string()).json()?;
+        Ok((named(opened), sums))
+    }
+
+    fn spans_file(&self, scans: &[String], of: u32) -> Result<PartFiles> {
+        let inputs = self.inputs()?.with("parts of the scan", &scans.concat());
+        let options = format!("--stage scan --join {of}");
+        Ok(PartFiles::single(self.folder(), &self.name(&format!("spans-of-{of}")), inputs, &options))
+    }
+
+    /// Joins the spans that are longer than a run.
+    pub(super) fn join_spans(&self, of: u32, job: &Job) -> Result<PathBuf> {
+        let measurement = self.measured()?;
+        let (file, part) = (self.spans_file(&self.scans(&measurement, of)?, of)?, Part::WHOLE);
+        if !file.is_complete(part) {
+            let opened = Part::all(of).map(|part| Ok(self.open_scan(&measurement, part)?.0));
+            let parts = opened.collect::<Result<Vec<_>>>()?;
+            file.write(part, |writer| {
+                join_spans(self.capture, &measurement.measured, self.settings, parts, writer, job)
+            })?;
+        }
+        Ok(file.path(part))
+    }
+
+    fn prune_files(&self, scans: &[String], spans: &str, part: Part) -> Result<PartFiles> {
+        let read = scan_parts_read_by(self.capture.frame_count(), part);
+        let read: String = read.iter().map(|part| scans[part.number() as usize - 1].as_str()).collect();
+        let inputs =
+            self.inputs()?.with("parts of the scan that it reads", &read).with("file of joined spans", spans);
+        Ok(PartFiles::new(self.folder(), &self.name("prune"), inputs).made_by("--stage prune"))
+    }
+
+    /// Prunes the frames of a part.
+    pub(super) fn prune(&self, part: Part, job: &Job) -> Result<PathBuf> {
+        let measurement = self.measured()?;
+        let scans = self.scans(&measurement, part.of())?;
+        let spans = self.spans_file(&scans, part.of())?.open(Part::WHOLE)?;
+        let files = self.prune_files(&scans, &spans.tail, part)?;
+        if !files.is_complete(part) {
+            let read = scan_parts_read_by(self.capture.frame_count(), part).into_iter();
+            let read =
+                read.map(|part| Ok(self.open_scan(&measurement, part)?.0)).collect::<Result<Vec<_>>>()?;
+            let from = (self.capture, &measurement.measured, self.settings);
+            files.write(part, |writer| prune_part(from, part, named(spans), read, writer, job))?;
+        }
+        Ok(files.path(part))
+    }
+
+    /// Joins what is kept of all parts; also gives what the capture was read from.
+    pub(super) fn join_pruned(&self, of: u32, job: &Job) -> Result<(BufferedResult, Option<InputFiles>)> {
+        let measurement = self.measured()?;
+        let scans = self.scans(&measurement, of)?;
+        let spans = self.spans_file(&scans, of)?.identity(Part::WHOLE)?;
+        let mut sums = Vec::new();
+        for part in Part::all(of) {
+            let files = self.files_of(&measurement, part).into_iter();
+            sums.extend(files.zip(self.open_scan(&measurement, part)?.1));
+        }
+        let opened = Part::all(of).map(|part| Ok(named(self.prune_files(&scans, &spans, part)?.open(part)?)));
+        let parts = opened.collect::<Result<Vec<_>>>()?;
+        let result = join_pruned((self.capture, &measurement.measured, self.settings), parts, job)?;
+        Ok((result, input::summed_up(sums.into_iter())))
+    }
+}

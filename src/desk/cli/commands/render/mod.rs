@@ -1,0 +1,152 @@
+//! `overlook render`: a store seen from any vantages.
+
+mod views;
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
+use overlook_engine::alignment::CorrectedViews;
+use overlook_engine::capture::{TruthView, transforms};
+use overlook_engine::error::{Error, Result};
+use overlook_engine::plural::counted;
+use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::store::file::StoreInfo;
+use views::{ViewPainting, ViewRecord};
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    /// The store.
+    store: PathBuf,
+    /// The viewpoints: a manifest of the same form as a capture's. Where its pictures exist, they are the truth.
+    #[arg(long, value_name = "TRANSFORMS")]
+    views: PathBuf,
+    /// Folder for the pictures, each under its view's own name.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Also score each view from where its own true picture says that it was taken, at its own exposure: poses of recordings are
+    /// wrong by some pixels, those of views as those of cameras. Pictures are written as the views say.
+    #[arg(long)]
+    align_views: bool,
+    /// Render views from exactly where they say, as the corrected cameras are exposed. Else views that were recorded with the capture
+    /// are corrected as the pictures beside them were, where those predict it.
+    #[arg(long, conflicts_with = "align_views")]
+    as_claimed: bool,
+    #[command(flatten)]
+    parts: PartArgs,
+    #[command(flatten)]
+    painting: PaintingArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Print one JSON document.
+    #[arg(long)]
+    json: bool,
+}
+
+impl RenderArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        self.settings.only("render")?;
+        output::check_folder(&self.out)?;
+        output::refuse_pipe(&self.views)?;
+        let playback = input::open_store(&self.store)?;
+        let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
+        self.painting.apply(&mut settings);
+        let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
+        let mut views = transforms::open_views_of(&self.views, frames_are_ranked)?;
+        let corrected = if self.as_claimed {
+            CorrectedViews::default()
+        } else {
+            let report = &playback.store().info().report;
+            let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
+            alignment.map_or_else(CorrectedViews::default, |alignment| alignment.correct_views(&mut views))
+        };
+        let paths = self.picture_paths(&views)?;
+        let painting = ViewPainting {
+            playback: &playback,
+            views: &views,
+            paths: &paths,
+            settings: &settings,
+            aligns: self.align_views,
+        };
+        let files = PartFiles::new(&self.out, "render", self.inputs(playback.store().info(), &painting)?);
+        if let Some(part) = self.parts.part {
+            let file = files.complete(part, |journal| {
+                let known: Vec<ViewRecord> = journal.points();
+                output::recorded(Some(journal), |job, keep| painting.paint_part(part, &known, job, keep))
+            })?;
+            output::warn(&playback.store().damage());
+            return output::print_parts(part, &[file], self.json);
+        }
+        let evaluation = if let Some(of) = self.parts.join {
+            let records: Vec<ViewRecord> = files.join(of)?;
+            painting.check_pictures(&records)?;
+            painting.evaluation(records)?
+        } else {
+            output::watched(|job| painting.paint_all(job))?
+        };
+        output::warn(&correction_notices(corrected, views.len()));
+        output::warn(evaluation.notice.as_slice());
+        output::warn(&playback.store().damage());
+        if self.json {
+            return output::print_json(&evaluation);
+        }
+        output::print(&format!(
+            "{}\n{}\nWrote {} (EXR and PNG) to {}",
+            output::view_table(&evaluation),
+            output::painter_line(&evaluation),
+            counted(paths.len(), "picture"),
+            self.out.display()
+        ))
+    }
+
+    /// What the parts have in common. A store names its own input, and the place and length of each of its images.
+    fn inputs(&self, store: &StoreInfo, painting: &ViewPainting<'_>) -> Result<Inputs> {
+        if self.parts.part.is_none() && self.parts.join.is_none() {
+            return Ok(Inputs::default());
+        }
+        let ViewPainting { settings, aligns, .. } = painting;
+        Ok(Inputs::default()
+            .with("store", &format!("{store:?}"))
+            .with("list of views or a true picture", &input::views_state(&self.views)?)
+            .with("settings", &format!("{settings:?} {aligns} {}", self.as_claimed)))
+    }
+
+    /// Where each picture goes; checked before any is painted.
+    fn picture_paths(&self, views: &[TruthView]) -> Result<Vec<PicturePaths>> {
+        let mut taken = BTreeSet::new();
+        let path_of = |view: &TruthView| {
+            let paths = PicturePaths::below(&self.out, &view.file_path)?;
+            if !taken.insert(paths.clone()) {
+                return Err(Error::invalid(
+                    format!("{}: view '{}'", self.views.display(), view.file_path),
+                    "another view has the same name; give each its own file_path",
+                ));
+            }
+            Ok(paths)
+        };
+        let paths = views.iter().map(path_of).collect::<Result<Vec<_>>>()?;
+        output::refuse_true_pictures(&self.views, &self.out, &paths)?;
+        Ok(paths)
+    }
+}
+
+/// What was changed about views, for people.
+fn correction_notices(corrected: CorrectedViews, all: usize) -> Vec<String> {
+    let CorrectedViews { lenses, poses, exposures } = corrected;
+    let notices = [
+        (
+            lenses,
+            "claim the capture's lens and are rendered through the color lens that was found in its place",
+        ),
+        (poses, "are moved as the pictures beside them were when poses were corrected"),
+        (exposures, "are exposed as the pictures beside them were"),
+    ];
+    let told = notices.into_iter().filter(|(count, _)| *count > 0);
+    told.map(|(count, what)| {
+        format!("{count} of {} {what} (--as-claimed renders them as they say)", counted(all, "view"))
+    })
+    .collect()
+}

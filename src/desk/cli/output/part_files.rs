@@ -1,0 +1,393 @@
+//! Files of parts: what one machine measured of a piece of work, to be put together with what others did.
+//!
+//! ```text
+//! DIR/NAME.part-2-of-6   { "overlook": "0.1.0", "of": "sweep", "part": "2/6", "inputs": { "capture": "…", "settings": "…" }, … }
+//!                        what was made: one record per line, as JSON, or bytes
+//!                        number of these bytes, 20 digits; their CRC-32, 8 hexadecimal digits
+//! ```
+//!
+//! The head names the inputs by hashes; a part is used only where they are those of the command that puts parts together.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::results::Journal;
+use super::{study, text};
+use overlook_engine::error::{Error, Result};
+use overlook_engine::part::Part;
+use overlook_engine::plural::counted;
+use overlook_engine::whole_file;
+
+/// Hashes of what a piece of work is made from, by what they are called in messages.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Inputs(BTreeMap<String, String>);
+
+impl Inputs {
+    /// With one more input, which has this state.
+    pub(crate) fn with(mut self, name: &str, state: &str) -> Self {
+        self.0.insert(name.to_owned(), hash(state.as_bytes()));
+        self
+    }
+
+    /// The first input that is another one in `other`.
+    fn difference<'a>(&'a self, other: &'a Self) -> Option<&'a str> {
+        let names = self.0.keys().chain(other.0.keys());
+        names.map(String::as_str).find(|name| self.0.get(*name) != other.0.get(*name))
+    }
+}
+
+/// 96 bits as hexadecimal digits: FNV-1a (Fowler, Noll and Vo, 1991) and CRC-32. It tells states apart; it does not stand up to
+/// an attacker.
+fn hash(bytes: &[u8]) -> String {
+    let fnv = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    format!("{fnv:016x}{:08x}", crc32fast::hash(bytes))
+}
+
+/// The first line of a part.
+#[derive(Debug, Serialize, Deserialize)]
+struct Head {
+    /// Version of the program.
+    overlook: String,
+    /// The kind of work.
+    of: String,
+    part: String,
+    inputs: Inputs,
+    /// Threads that worked on it.
+    threads: usize,
+}
+
+/// Bytes of the last line.
+const TAIL_BYTES: u64 = 20 + 1 + 8 + 1;
+
+fn tail(bytes: u64, crc32: u32) -> String {
+    format!("{bytes:020} {crc32:08x}\n")
+}
+
+/// Counts what is written, and sums it up.
+struct Summed<'a> {
+    writer: &'a mut dyn Write,
+    bytes: u64,
+    crc32: crc32fast::Hasher,
+}
+
+impl Write for Summed<'_> {
+    fn write(&mut self, data: &[u8]) -> std::io::Result<usize> {
+        let written = self.writer.write(data)?;
+        self.crc32.update(&data[..written]);
+        self.bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+/// A part that is complete and of the inputs that were asked for.
+#[derive(Debug)]
+pub(crate) struct OpenPart {
+    /// Where it is.
+    pub(crate) path: PathBuf,
+    head: Head,
+    /// Its last line, which tells it from any other that was made from the same inputs.
+    pub(crate) tail: String,
+    /// Positioned at the first byte of what was made.
+    pub(crate) reader: BufReader<std::io::Take<File>>,
+}
+
+/// All parts of one piece of work.
+#[derive(Debug)]
+pub(crate) struct PartFiles {
+    folder: PathBuf,
+    /// Name of the results, as in `sweep`.
+    name: String,
+    inputs: Inputs,
+    /// What makes a part, before its number; all of it where there is but one part, which has no number.
+    made_by: String,
+    is_single: bool,
+}
+
+impl PartFiles {
+    /// The parts in `folder` of the work called `name` on these inputs.
+    pub(crate) fn new(folder: &Path, name: &str, inputs: Inputs) -> Self {
+        let (folder, name) = (folder.to_path_buf(), name.to_owned());
+        Self { folder, name, inputs, made_by: String::new(), is_single: false }
+    }
+
+    /// The same parts, made by options before `--part`.
+    pub(crate) fn made_by(self, options: &str) -> Self {
+        Self { made_by: format!("{options} "), ..self }
+    }
+
+    /// A file of which there is one, made by these options.
+    pub(crate) fn single(folder: &Path, name: &str, inputs: Inputs, options: &str) -> Self {
+        Self { made_by: options.to_owned(), is_single: true, ..Self::new(folder, name, inputs) }
+    }
+
+    /// Name of the file of a part.
+    fn file_name(&self, part: Part) -> String {
+        if self.is_single {
+            return self.name.clone();
+        }
+        part.file_name(&self.name)
+    }
+
+    /// Where a part is, once it is complete.
+    pub(crate) fn path(&self, part: Part) -> PathBuf {
+        self.folder.join(self.file_name(part))
+    }
+
+    /// Does a part, unless it is complete: `work` goes on from the journal it is given, and gives all records of the part. Returns
+    /// the part's file.
+    ///
+    /// # Errors
+    /// Those of `work`, `Invalid` where another run does the same part, and `Io`.
+    pub(crate) fn complete<T: Serialize>(
+        &self,
+        part: Part,
+        work: impl FnOnce(&Journal) -> Result<Vec<T>>,
+    ) -> Result<PathBuf> {
+        let path = self.path(part);
+        if self.is_complete(part) {
+            return Ok(path);
+        }
+        let unfinished = self.file_name(part);
+        let state = serde_json::to_string(&self.inputs).unwrap_or_default();
+        let journal = Journal::open(&self.folder, &unfinished, &format!("{}; {state}", study::version()))?;
+        let records = work(&journal)?;
+        self.write(part, |writer| {
+            for record in &records {
+                let line = serde_json::to_string(record)
+                    .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
+                writeln!(writer, "{line}").map_err(|error| Error::io(&path, error))?;
+            }
+            Ok(())
+        })?;
+        journal.remove()?;
+        Ok(path)
+    }
+
+    /// Writes the file of a part, by what `body` writes.
+    ///
+    /// # Errors
+    /// Those of `body`, and `Io`; nothing is left behind then.
+    pub(crate) fn write(&self, part: Part, body: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+        let path = self.path(part);
+        let head = Head {
+            overlook: study::version(),
+            of: self.name.clone(),
+            part: part.to_string(),
+            inputs: self.inputs.clone(),
+            threads: rayon::current_num_threads(),
+        };
+        let head = serde_json::to_string(&head)
+            .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
+        let io = |error| Error::io(&path, error);
+        whole_file::write(&path, |writer| {
+            writeln!(writer, "{head}").map_err(io)?;
+            let mut summed = Summed { writer, bytes: 0, crc32: crc32fast::Hasher::new() };
+            body(&mut summed)?;
+            let tail = tail(summed.bytes, summed.crc32.clone().finalize());
+            summed.writer.write_all(tail.as_bytes()).map_err(io)
+        })
+    }
+
+    /// Whether a part is complete and of these inputs.
+    pub(crate) fn is_complete(&self, part: Part) -> bool {
+        self.open(part).is_ok()
+    }
+
+    /// The records of all of `of` parts, in their order.
+    ///
+    /// # Errors
+    /// As [`PartFiles::open_all`].
+    pub(crate) fn join<T: DeserializeOwned>(&self, of: u32) -> Result<Vec<T>> {
+        let mut records = Vec::new();
+        for (part, opened) in Part::all(of).zip(self.open_all(of)?) {
+            for line in opened.reader.lines() {
+                let line = line.map_err(|error| Error::io(&opened.path, error))?;
+                let record = serde_json::from_str(&line).map_err(|error| {
+                    self.refused(part, &format!("holds what this version cannot read ({error})"))
+                });
+                records.push(record?);
+            }
+        }
+        Ok(records)
+    }
+
+    /// All of `of` parts, in their order.
+    ///
+    /// # Errors
+    /// `Invalid` with the name of a part that is missing, damaged, or made from other inputs; `Io`.
+    pub(crate) fn open_all(&self, of: u32) -> Result<Vec<OpenPart>> {
+        let parts = Part::all(of).map(|part| self.open(part)).collect::<Result<Vec<_>>>()?;
+        let first = &parts[0];
+        if let Some(other) = parts.iter().find(|part| part.head.threads != first.head.threads) {
+            text::warn(&[format!(
+                "{} was made with {}, {} with {}: their times do not compare",
+                other.path.display(),
+                counted(other.head.threads, "thread"),
+                first.path.display(),
+                counted(first.head.threads, "thread")
+            )]);
+        }
+        Ok(parts)
+    }
+
+    /// A part, if it is complete and of these inputs.
+    ///
+    /// # Errors
+    /// As [`PartFiles::open_all`].
+    pub(crate) fn open(&self, part: Part) -> Result<OpenPart> {
+        let (opened, start, bytes) = self.look(part)?;
+        let io = |error| Error::io(&opened.path, error);
+        let mut file = opened.reader.into_inner().into_inner();
+        if sum_from(&mut file, start, bytes).map_err(io)? != opened.tail {
+            return Err(self.refused(part, CUT_SHORT));
+        }
+        file.seek(SeekFrom::Start(start)).map_err(io)?;
+        Ok(OpenPart { reader: BufReader::new(file.take(bytes)), ..opened })
+    }
+
+    /// What tells a part from any other, if it is of these inputs. All of it is not read.
+    ///
+    /// # Errors
+    /// As [`PartFiles::open_all`].
+    pub(crate) fn identity(&self, part: Part) -> Result<String> {
+        Ok(self.look(part)?.0.tail)
+    }
+
+    /// A part of these inputs, the first byte of what was made, and their number.
+    fn look(&self, part: Part) -> Result<(OpenPart, u64, u64)> {
+        let path = self.path(part);
+        let io = |error| Error::io(&path, error);
+        let mut file = match File::open(&path) {
+            Ok(file) => BufReader::new(file),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Err(self.refused(part, "is missing")),
+            Err(error) => return Err(io(error)),
+        };
+        let mut line = Vec::new();
+        (&mut file).take(MOST_HEAD_BYTES).read_until(b'\n', &mut line).map_err(io)?;
+        let Ok(head) = serde_json::from_slice::<Head>(&line) else {
+            return Err(self.refused(part, "is no part that this version wrote"));
+        };
+        if head.overlook != study::version() {
+            return Err(self.refused(part, &format!("was made by Overlook {}", head.overlook)));
+        }
+        if (head.of.as_str(), &head.part) != (self.name.as_str(), &part.to_string()) {
+            return Err(self.refused(part, "is another part under this name"));
+        }
+        if let Some(name) = self.inputs.difference(&head.inputs) {
+            return Err(self.refused(part, &format!("was made from another state of the {name}")));
+        }
+        let (start, mut file) = (line.len() as u64, file.into_inner());
+        let all = file.metadata().map_err(io)?.len();
+        let bytes = all.checked_sub(start + TAIL_BYTES).ok_or_else(|| self.refused(part, CUT_SHORT))?;
+        let tail = String::from_utf8(tail_of(&mut file, all).map_err(io)?).unwrap_or_default();
+        if !tail.starts_with(&format!("{bytes:020} ")) {
+            return Err(self.refused(part, CUT_SHORT));
+        }
+        let reader = BufReader::new(file.take(bytes));
+        Ok((OpenPart { path, head, tail, reader }, start, bytes))
+    }
+
+    /// That a part cannot be used, and how to make it.
+    pub(crate) fn refused(&self, part: Part, what: &str) -> Error {
+        let made_by = &self.made_by;
+        let how = if self.is_single { made_by.clone() } else { format!("{made_by}--part {part}") };
+        Error::invalid(self.path(part).display(), format!("{what}; make it with {how}"))
+    }
+}
+
+/// Longer first lines are none.
+const MOST_HEAD_BYTES: u64 = 1 << 16;
+
+const CUT_SHORT: &str = "is damaged or was not copied whole";
+
+/// The last line that `bytes` bytes from `start` on should have.
+fn sum_from(file: &mut File, start: u64, bytes: u64) -> std::io::Result<String> {
+    file.seek(SeekFrom::Start(start))?;
+    let mut reader = BufReader::with_capacity(1 << 18, file.take(bytes));
+    let mut crc32 = crc32fast::Hasher::new();
+    loop {
+        let piece = reader.fill_buf()?;
+        if piece.is_empty() {
+            return Ok(tail(bytes, crc32.finalize()));
+        }
+        crc32.update(piece);
+        let length = piece.len();
+        reader.consume(length);
+    }
+}
+
+/// The last line of a file of so many bytes.
+fn tail_of(file: &mut File, bytes: u64) -> std::io::Result<Vec<u8>> {
+    let mut tail = Vec::new();
+    file.seek(SeekFrom::Start(bytes - TAIL_BYTES))?;
+    file.read_to_end(&mut tail)?;
+    Ok(tail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(folder: &Path, capture: &str) -> PartFiles {
+        PartFiles::new(folder, "sweep", Inputs::default().with("capture", capture).with("settings", "s"))
+    }
+
+    fn done(parts: &PartFiles, part: &str, records: &[i32]) {
+        parts.complete(part.parse().unwrap(), |_| Ok(records.to_vec())).unwrap();
+    }
+
+    fn refused(parts: &PartFiles, of: u32) -> String {
+        parts.join::<i32>(of).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn parts_are_joined_in_order_and_one_that_is_missing_damaged_or_of_other_inputs_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let now = parts(folder.path(), "now");
+        done(&now, "2/2", &[3]);
+        let said = refused(&now, 2);
+        assert!(said.contains("sweep.part-1-of-2: is missing; make it with --part 1/2"), "{said}");
+        done(&now, "1/2", &[1, 2]);
+        assert_eq!(now.join::<i32>(2).unwrap(), [1, 2, 3]);
+
+        done(&parts(folder.path(), "before"), "2/2", &[4]);
+        let said = refused(&now, 2);
+        assert!(said.contains("sweep.part-2-of-2: was made from another state of the capture"), "{said}");
+        done(&now, "2/2", &[5]);
+        assert_eq!(now.join::<i32>(2).unwrap(), [1, 2, 5], "a part of other inputs is made anew");
+
+        let path = folder.path().join("sweep.part-1-of-2");
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, &text[..text.len() - 2]).unwrap();
+        assert!(refused(&now, 2).contains("sweep.part-1-of-2: is damaged"), "{}", refused(&now, 2));
+        std::fs::write(&path, "something else").unwrap();
+        assert!(refused(&now, 2).contains("is no part"), "{}", refused(&now, 2));
+    }
+
+    #[test]
+    fn a_complete_part_is_not_done_again_and_one_that_failed_goes_on_from_its_journal() {
+        let folder = tempfile::tempdir().unwrap();
+        let (parts, part) = (parts(folder.path(), "now"), Part::WHOLE);
+        let failed: Result<PathBuf> = parts.complete(part, |journal| {
+            journal.add(&7)?;
+            Err::<Vec<i32>, _>(Error::Cancelled)
+        });
+        assert!(failed.is_err() && !parts.path(part).exists());
+        parts.complete(part, |journal| Ok(journal.points::<i32>())).unwrap();
+        assert_eq!(parts.join::<i32>(1).unwrap(), [7]);
+        let again = parts.complete(part, |_| -> Result<Vec<i32>> { panic!("done twice") });
+        assert_eq!(again.unwrap(), parts.path(part));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "the journal is gone");
+    }
+}

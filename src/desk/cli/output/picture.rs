@@ -1,0 +1,94 @@
+//! Rendered pictures as files: linear EXR and, beside it, sRGB PNG.
+
+use std::path::{Component, Path, PathBuf};
+
+use overlook_engine::capture::exr;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::render::output::write_png;
+use overlook_engine::render::{NO_IMAGE, Picture};
+
+/// Paths of a view's picture: its own name below the output folder, once with each extension.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct PicturePaths {
+    pub(crate) exr: PathBuf,
+    pub(crate) png: PathBuf,
+}
+
+impl PicturePaths {
+    /// Refuses a `file_path` that would leave `folder`.
+    pub(crate) fn below(folder: &Path, file_path: &str) -> Result<Self> {
+        let relative = Path::new(file_path);
+        let stays_below =
+            relative.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        if !stays_below || relative.file_name().is_none() {
+            return Err(Error::invalid(
+                format!("view '{file_path}'"),
+                "file_path must be relative and without '..', so that the picture stays below the output folder",
+            ));
+        }
+        // Only the two extensions that are written are replaced: 'r_0.5' is a name, not an extension.
+        let is_picture = relative.extension().is_some_and(|extension| {
+            ["exr", "png"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+        });
+        let stem = if is_picture { relative.with_extension("") } else { relative.to_path_buf() };
+        let with = |extension: &str| {
+            let mut name = folder.join(&stem).into_os_string();
+            name.push(extension);
+            PathBuf::from(name)
+        };
+        Ok(Self { exr: with(".exr"), png: with(".png") })
+    }
+
+    /// Writes the picture as EXR with linear `R G B A Z` and as PNG for display. Alpha is 0 where there is no sample; in the EXR,
+    /// that includes filled holes.
+    pub(crate) fn write(&self, picture: &Picture) -> Result<()> {
+        if let Some(folder) = self.exr.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+        }
+        let coverage = picture.image.map(|image| if *image == NO_IMAGE { 0.0 } else { 1.0 });
+        exr::write_picture(&self.exr, &picture.color, &coverage, &picture.inverse_depth)?;
+        write_png(&self.png, picture)
+    }
+
+    /// CRC-32 of both files: EXR, PNG.
+    ///
+    /// # Errors
+    /// `Io`, also where one is missing.
+    pub(crate) fn checksums(&self) -> Result<[u32; 2]> {
+        let of = |path| {
+            std::fs::read(path).map(|bytes| crc32fast::hash(&bytes)).map_err(|error| Error::io(path, error))
+        };
+        Ok([of(&self.exr)?, of(&self.png)?])
+    }
+
+    /// That the files are not those that a part has written.
+    pub(crate) fn refused(&self) -> Error {
+        Error::invalid(
+            self.exr.display(),
+            "is missing or changed since its part was made, or the PNG beside it is; delete that part's file, and make it again with --part",
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_keeps_the_views_own_name() {
+        let out = Path::new("out");
+        let paths = PicturePaths::below(out, "novel0/0001.exr").unwrap();
+        assert_eq!(paths.exr, Path::new("out/novel0/0001.exr"));
+        assert_eq!(paths.png, Path::new("out/novel0/0001.png"));
+        assert_eq!(PicturePaths::below(out, "./r_0.5").unwrap().png, Path::new("out/./r_0.5.png"));
+        assert_eq!(PicturePaths::below(out, "a.PNG").unwrap().exr, Path::new("out/a.exr"));
+    }
+
+    #[test]
+    fn a_picture_never_leaves_the_output_folder() {
+        for path in ["/etc/passwd", "../x.exr", "a/../../x.exr", "..", ".", ""] {
+            let error = PicturePaths::below(Path::new("out"), path).unwrap_err().to_string();
+            assert!(error.contains("output folder"), "{error}");
+        }
+    }
+}

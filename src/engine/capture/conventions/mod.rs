@@ -1,0 +1,95 @@
+//! Whether poses and depth are read as they are meant.
+//!
+//! Purpose: files say little about the direction and axes of their poses, about what their depth measures, and in which unit. Read
+//! otherwise than meant, the views of a capture do not agree. This finds the reading under which they do.
+//!
+//! Source: the outlier test of MPEG's TMIV (see `agreement`); consistency checks of multi-view stereo. What differs: the test is made
+//! under every reading (48 signed orders of axes, both directions, the common units and measures), and one is believed only
+//! where it fits twice as well as the claimed one. Nothing is ever changed by itself: a finding names the key to write.
+//!
+//! What it cannot see: half a pixel of the principal point, a few percent of the focal length, weak distortion; units, where cameras
+//! only turn; anything with one camera, or with cameras that see nothing in common; what is wrong alike in all of the world.
+
+mod agreement;
+mod chosen_views;
+mod pictures;
+mod reading;
+mod search;
+mod verdict;
+mod views;
+
+pub use super::depth_claim::{DepthClaim, DepthMeasure};
+pub use super::pose_convention::MIRROR;
+pub use super::pose_convention::{AxisDirection, CameraAxes, PoseConvention, PoseDirection, upright};
+pub use pictures::{ReadingPictures, RegisteredViews, pictures};
+pub use reading::Reading;
+pub use verdict::{Alternative, Finding, Part, Undecided, Verdict};
+
+use rayon::prelude::*;
+
+use super::camera::Camera;
+use super::parts::Capture;
+use crate::error::Result;
+use agreement::Comparison;
+use chosen_views::ChosenViews;
+use views::View;
+
+/// Checks how a capture's poses and depth are read, by the agreement between its views at one instant, in the middle of the recording.
+///
+/// # Errors
+/// Those of reading the frames that are looked at.
+pub fn check(capture: &Capture) -> Result<Finding> {
+    let (claim, pose) = (capture.source.depth_claim(), capture.source.pose_convention());
+    let chosen = ChosenViews::of(capture);
+    let views = chosen.frames(capture)?;
+    let views = views.iter().zip(&chosen.cameras).map(|(picture, &camera)| {
+        let inverse = picture.inverse_depth.as_slice();
+        View::new(&capture.cameras[camera], |index| inverse[index], &claim)
+    });
+    Ok(check_views(views.collect(), chosen.pairs, &claim, pose))
+}
+
+/// The same of pictures of depth at hand: `inverse_depth` gives 1/z of a camera's pixel, by their indices, 0 or less for none.
+pub(crate) fn check_pictures(
+    cameras: &[Camera],
+    (claim, pose): (DepthClaim, PoseConvention),
+    inverse_depths: impl Fn(usize) -> Result<Vec<f32>> + Sync,
+) -> Result<Finding> {
+    let pairs = views::pairs(cameras.len());
+    let is_compared = |index: usize| pairs.iter().any(|&(from, to)| from == index || to == index);
+    let views = cameras.par_iter().enumerate().map(|(index, camera)| {
+        let inverse = inverse_depths(index)?;
+        let mut view = View::new(camera, |pixel| inverse[pixel], &claim);
+        // Of many cameras, the pictures of most say no more than their points do.
+        if !is_compared(index) {
+            view.values = Vec::new();
+        }
+        Ok(view)
+    });
+    Ok(check_views(views.collect::<Result<_>>()?, pairs, &claim, pose))
+}
+
+fn check_views(
+    views: Vec<View>,
+    pairs: Vec<(usize, usize)>,
+    claim: &DepthClaim,
+    pose: PoseConvention,
+) -> Finding {
+    /// With fewer points a score is chance.
+    const MIN_POINTS: usize = 64;
+    let claimed = Reading { pose, measure: claim.measure, unit: claim.unit };
+    let points: usize = pairs.iter().map(|&(from, _)| views[from].points.len()).sum();
+    let unknown = |why: &str| Finding {
+        verdict: Verdict::Unknown { why: why.to_owned() },
+        claimed,
+        claimed_score: 0.0,
+    };
+    if pairs.is_empty() {
+        return unknown("there is one view only, which agrees with itself however it is read");
+    }
+    if points < MIN_POINTS {
+        return unknown("hardly any pixel has depth");
+    }
+    let comparison = Comparison { views, pairs, near_clip: claim.near_clip, claimed };
+    verdict::decide(&comparison, &search::search(&comparison))
+}

@@ -1,0 +1,32 @@
+//! Reading OpenEXR frames as renderers write them.
+//!
+//! ```text
+//! bytes ── file, zip ── planes ─┐
+//!            │                  ├─ depth (inverse depth), color_planes, assemble (frame)
+//!        channels (who is who) ─┘
+//! ```
+//!
+//! `channel_finder` looks for the channels that `channels` describes. Nothing is decoded before the header has been checked,
+//! and only the parts that hold a wanted channel are.
+
+mod assemble;
+mod channel_finder;
+mod channels;
+mod color_planes;
+mod decoder_guard;
+mod depth;
+mod file;
+mod header;
+mod plane;
+mod write;
+mod zip;
+
+pub(crate) use assemble::{DepthTrouble, Layers, NormalSpace};
+pub(crate) use channels::{ChannelNames, ChannelWishes};
+pub(crate) use color_planes::ColorPlanes;
+pub(crate) use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, median};
+pub use file::{ChannelInfo, DataWindow, ExrFile};
+pub(crate) use header::HeaderAttributes;
+pub use plane::ChannelPlane;
+pub(crate) use write::write_frame;
+pub use write::write_picture;

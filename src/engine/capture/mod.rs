@@ -1,0 +1,41 @@
+//! What was recorded: static cameras and their frames of color, depth and normals.
+//!
+//! ```text
+//! any path ─ open ─ readers ─ manifest ─┐
+//! *.exr ───────────────────── exr ──────┼─ Capture ─ frame(camera, frame) ─ preprocess
+//! demo scene ──────────────── demo ─────┘     (lazy, decoded in parallel, bounded cache)
+//! ```
+//!
+//! [`open()`] is the one door: it says what a folder or file is. A reader for each source makes a manifest of it (`readers`), and
+//! `transforms` makes cameras and frames of that.
+//! Importers convert to the program's conventions (see the crate page); nothing behind this module does.
+
+mod camera;
+pub mod colmap;
+pub mod conventions;
+mod depth_claim;
+mod derived_frames;
+pub mod exr;
+mod frame;
+mod frame_cache;
+pub mod miv;
+mod open;
+mod parts;
+pub mod pictures;
+mod pose_convention;
+mod readers;
+mod recording;
+pub mod transforms;
+mod yuv;
+
+pub(crate) use camera::is_believable_size;
+pub use camera::{Camera, Intrinsics};
+pub use derived_frames::with_changed_frames;
+pub(crate) use derived_frames::with_frames_made_of;
+pub use derived_frames::with_reindexed_frames;
+pub use frame::{Frame, INVALID_INVERSE_DEPTH};
+pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
+pub use open::{Source, open};
+pub use parts::{Capture, CaptureParts, FrameSource, TruthLoader, TruthView};
+pub use readers::{Description, Skipped};
+pub use recording::ViewChoice;

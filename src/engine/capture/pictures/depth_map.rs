@@ -1,0 +1,132 @@
+//! Depth in files that hold one value a pixel.
+
+use std::path::Path;
+
+use image::DynamicImage;
+
+use super::format::{PictureFormat, format_of};
+use super::raster::{damaged_tiff, decode_any, open_tiff, size};
+use super::{colmap_map, npy, pgm};
+use crate::capture::camera::is_believable_size;
+use crate::error::{Error, Result};
+
+/// Raw values of depth.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct DepthMap {
+    /// Columns and rows.
+    pub size: (usize, usize),
+    /// Row by row, in the file's unit.
+    pub values: Vec<f32>,
+    /// The largest value of whole numbers, or `None` for floats.
+    pub whole_up_to: Option<f32>,
+    /// Relative rounding of the values: 2⁻¹¹ for half floats.
+    pub step_relative: f32,
+}
+
+impl DepthMap {
+    /// Reads depth from any format but `OpenEXR`. Of PNG, 8 bits of gray (or of three equal channels) are enough where values are
+    /// `levels` between two planes.
+    ///
+    /// # Errors
+    /// `Io`, `Invalid`, `Unsupported`: a file that is missing, damaged, or holds something else.
+    pub(crate) fn read(path: &Path, levels: bool, place: &str) -> Result<Self> {
+        let bytes = || std::fs::read(path).map_err(|error| Error::io(path, error));
+        let whole =
+            |size, values| Self { size, values, whole_up_to: Some(f32::from(u16::MAX)), step_relative: 0.0 };
+        match format_of(path, place)? {
+            PictureFormat::Pgm => {
+                let (size, values) = pgm::parse(&bytes()?, place)?;
+                Ok(whole(size, values))
+            }
+            PictureFormat::Npy => {
+                let npy::NpyArray { size, values, is_whole, is_half } = npy::parse(&bytes()?, place)?;
+                let step_relative = if is_half { 0.5_f32.powi(11) } else { 0.0 };
+                Ok(Self { size, values, whole_up_to: is_whole.then_some(f32::from(u16::MAX)), step_relative })
+            }
+            PictureFormat::ColmapMap => {
+                let (size, mut planes) = colmap_map::read(path, 1, place)?;
+                Ok(Self { size, values: planes.remove(0), whole_up_to: None, step_relative: 0.0 })
+            }
+            PictureFormat::Tiff => tiff(path, place),
+            _ => match decode_any(path, place)? {
+                DynamicImage::ImageLuma16(gray) => {
+                    let size = (gray.width() as usize, gray.height() as usize);
+                    Ok(whole(size, gray.pixels().map(|pixel| f32::from(pixel.0[0])).collect()))
+                }
+                picture if levels && has_eight_bits(&picture) => {
+                    let gray = picture.into_luma8();
+                    let size = (gray.width() as usize, gray.height() as usize);
+                    let values = gray.pixels().map(|pixel| f32::from(pixel.0[0])).collect();
+                    Ok(Self { size, values, whole_up_to: Some(f32::from(u8::MAX)), step_relative: 0.0 })
+                }
+                _ => Err(not_depth(place)),
+            },
+        }
+    }
+}
+
+/// Whether a picture is gray of 8 bits, also where three channels say the same.
+fn has_eight_bits(picture: &DynamicImage) -> bool {
+    match picture {
+        DynamicImage::ImageLuma8(_) => true,
+        DynamicImage::ImageRgb8(rgb) => rgb.pixels().all(|pixel| pixel.0 == [pixel.0[0]; 3]),
+        _ => false,
+    }
+}
+
+fn not_depth(place: &str) -> Error {
+    Error::unsupported(place, "depth in PNG must be 16-bit gray; save it so, or as EXR")
+}
+
+/// Columns and rows of depth in any format but `OpenEXR`, from the header where it is apart; `levels` as in
+/// [`DepthMap::read`].
+///
+/// # Errors
+///
+/// `Io` or `Unsupported`, with `place`, where the file cannot be read as depth.
+pub fn depth_size(path: &Path, levels: bool, place: &str) -> Result<(usize, usize)> {
+    match format_of(path, place)? {
+        PictureFormat::Png if levels => size(path, place),
+        PictureFormat::Png => {
+            super::raster::check_gray16(path, place)
+                .map_err(|error| error.unwrap_or_else(|| not_depth(place)))?;
+            size(path, place)
+        }
+        _ => Ok(DepthMap::read(path, levels, place)?.size),
+    }
+}
+
+fn tiff(path: &Path, place: &str) -> Result<DepthMap> {
+    use tiff::decoder::DecodingResult;
+    let mut decoder = open_tiff(path, place)?;
+    let (width, height) = decoder.dimensions().map_err(|error| damaged_tiff(place, &error))?;
+    let size = (width as usize, height as usize);
+    if !is_believable_size(size.0, size.1) {
+        return Err(Error::unsupported(place, format!("{width}×{height} pixels are too many")));
+    }
+    let image = decoder.read_image().map_err(|error| damaged_tiff(place, &error))?;
+    let (values, whole_up_to): (Vec<f32>, _) = match image {
+        DecodingResult::F32(values) => (values, None),
+        DecodingResult::F64(values) => (values.into_iter().map(|value| value as f32).collect(), None),
+        DecodingResult::U16(values) => {
+            (values.into_iter().map(f32::from).collect(), Some(f32::from(u16::MAX)))
+        }
+        DecodingResult::U32(values) => {
+            (values.into_iter().map(|value| value as f32).collect(), Some(u32::MAX as f32))
+        }
+        _ => {
+            return Err(Error::unsupported(
+                place,
+                "depth in TIFF must have 16 bits or floats; save it so, or as EXR",
+            ));
+        }
+    };
+    if values.len() != size.0 * size.1 {
+        let what = format!(
+            "the number of values for {width}×{height} pixels is {}; depth has one channel",
+            values.len()
+        );
+        return Err(Error::unsupported(place, what));
+    }
+    Ok(DepthMap { size, values, whole_up_to, step_relative: 0.0 })
+}

@@ -1,0 +1,233 @@
+//! The report of preprocessing: counts, timings, warnings.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::calibration_warnings::{calibration_warnings, shared_warning};
+use super::depth_reading::DepthReading;
+use super::pair_residuals::PairResiduals;
+use super::suspect::Suspect;
+use crate::alignment::Alignment;
+use crate::capture::conventions::Finding;
+use crate::error::{Error, Result};
+use crate::preprocess::normals::{self, NormalErrors};
+use crate::preprocess::temporal::RangeFacts;
+use crate::samples::Span;
+
+/// One camera's part of a [`Report`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CameraReport {
+    /// The camera's name.
+    pub name: String,
+    /// Pixels of all its frames.
+    pub pixels: u64,
+    /// Pixels without depth, over all frames.
+    pub invalid: u64,
+    /// Pixels that are static over the whole sequence.
+    pub background_pixels: u64,
+    /// Samples kept for all frames together.
+    pub background_kept: u64,
+    /// Samples that hold for fewer than all frames, before pruning.
+    pub foreground_pixels: u64,
+    /// Those of them that are kept.
+    pub foreground_kept: u64,
+    /// Measured color noise: standard deviation over time of static pixels, 8-bit sRGB steps, median over the picture.
+    pub color_noise_steps: f32,
+    /// Measured depth noise: relative standard deviation over time of static pixels.
+    pub depth_noise_relative: f32,
+    /// Measured depth noise between cameras, relative standard deviation, from the nearest depth to the farthest; empty where it is
+    /// too small to matter, or not measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub depth_noise_between: Vec<DepthNoise>,
+    /// Measured color noise between cameras: standard deviation, 8-bit sRGB steps, median over brightness; 0 where depth is not
+    /// noisy between cameras, or it is not measured.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub color_noise_between_steps: f32,
+    /// Quantization step of depth as recorded, relative; 0 where it is exact to `f32`.
+    pub depth_step_relative: f32,
+    /// How far pixels range over all frames, and where the tolerances lie among them.
+    pub ranges: RangeFacts,
+    /// Estimated against given normals on the first frame; empty where none are given.
+    pub normal_errors: Vec<NormalErrors>,
+    /// How far half of the given normals are off those of the depth on the first frame, degrees, where that is so far that they
+    /// must be in another space, and they are used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normals_off_degrees: Option<f32>,
+}
+
+impl CameraReport {
+    /// What was measured of its noise between cameras, as a sentence; `None` where that is nothing.
+    #[must_use]
+    pub fn noise_between(&self) -> Option<String> {
+        let [near, far] = [self.depth_noise_between.first()?, self.depth_noise_between.last()?];
+        Some(format!(
+            "Beside other cameras depth noise {:.1e} at {:.3} to {:.1e} at {:.3}, relative; color noise {:.1} steps.",
+            near.relative, near.depth, far.relative, far.depth, self.color_noise_between_steps
+        ))
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &f32) -> bool {
+    *number == 0.0
+}
+
+/// Noise at one depth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DepthNoise {
+    /// Planar z, in the capture's unit.
+    pub depth: f32,
+    /// Relative standard deviation of depths about as large.
+    pub relative: f32,
+}
+
+/// Samples kept in one span.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SpanReport {
+    /// The frames.
+    pub span: Span,
+    /// Samples kept, all cameras.
+    pub samples: u64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_no_number(number: &u64) -> bool {
+    *number == 0
+}
+
+/// What preprocessing counted and measured. Written into the store and printed by `preprocess --json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Report {
+    /// Per camera, in the capture's order.
+    pub cameras: Vec<CameraReport>,
+    /// Per span that holds samples, longest first.
+    pub spans: Vec<SpanReport>,
+    /// Samples kept that hold at each frame but not at all, all cameras.
+    pub foreground_per_frame: Vec<u64>,
+    /// Pixels of all frames of all cameras.
+    pub samples_in: u64,
+    /// Samples kept.
+    pub samples_kept: u64,
+    /// How many of them are doubtful; left out of JSON where none is.
+    #[serde(skip_serializing_if = "is_no_number")]
+    pub samples_doubtful: u64,
+    /// Samples dropped, per rule; `static` counts the repetitions that a sample of several frames
+    /// represents.
+    pub pruned: BTreeMap<String, u64>,
+    /// `witnesses[loser][winner]`: samples of camera `loser` that were dropped for a sample of camera `winner`.
+    pub witnesses: Vec<Vec<u64>>,
+    /// `rate_disputes[a][b]`: samples of whose point the paper's rate names camera `a` as the best-sampled and the footprint
+    /// (its longest side where that decides, else its area) another camera, `b`.
+    pub rate_disputes: Vec<Vec<u64>>,
+    /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
+    pub residuals: Vec<Vec<PairResiduals>>,
+    /// What the rig got wrong and was mended; `None` where nothing was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment: Option<Alignment>,
+    /// How poses and depth would fit far better between cameras than as the capture says, where they would.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub conventions: Option<Finding>,
+    /// How depth would fit far better by how far samples are apart, where agreement does not tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub better_reading: Option<DepthReading>,
+    /// Mixed pixels, whose color is blended across a silhouette or whose depth lies between its sides, and what became of them: of
+    /// those `found` some `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or
+    /// `kept`. They are not looked for where mixed pixels are kept or the first camera wins, blended ones only where the capture's
+    /// color is filtered, flying ones only where other cameras are asked, and those whose neighbors live in shorter spans go unseen.
+    pub mixed_pixels: BTreeMap<String, u64>,
+    /// All input pixels as 8-bit color and 32-bit depth.
+    pub bytes_raw: u64,
+    /// The kept samples in memory.
+    pub bytes_memory: u64,
+    /// Wall-clock seconds of the whole preprocessing.
+    pub seconds: f64,
+}
+
+impl Report {
+    /// This report as a store keeps it: JSON, with [`Report::seconds`] as 0, so that the same input gives the same bytes.
+    ///
+    /// # Errors
+    /// `Invalid` where a number is not finite: JSON has no such numbers, so that the report would not come back as it is.
+    pub fn to_json(&self) -> Result<String> {
+        let invalid = |what: &str| Error::invalid("report", what);
+        let timeless = Self { seconds: 0.0, ..self.clone() };
+        let json = serde_json::to_string(&timeless).map_err(|error| invalid(&error.to_string()))?;
+        if Self::from_json(&json, "report")? == timeless {
+            Ok(json)
+        } else {
+            Err(invalid("it holds a number that is not finite"))
+        }
+    }
+
+    /// Reads what [`Report::to_json`] wrote; `place` is named in errors.
+    ///
+    /// # Errors
+    /// `Invalid` where it is no such report.
+    pub fn from_json(json: &str, place: &str) -> Result<Self> {
+        serde_json::from_str(json).map_err(|error| Error::invalid(place, format!("report: {error}")))
+    }
+
+    /// Pixels of all frames of all cameras that have no depth: they are neither kept nor dropped.
+    #[must_use]
+    pub fn without_depth(&self) -> u64 {
+        self.cameras.iter().fold(0, |sum, camera| sum.saturating_add(camera.invalid))
+    }
+
+    /// Warnings about cameras that do not fit the others, and about normals that do not fit the depth.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        self.suspects().into_iter().map(|(_, sentence)| sentence).collect()
+    }
+
+    /// Whether depth is noisy between cameras.
+    #[must_use]
+    pub fn is_noisy(&self) -> bool {
+        self.cameras.iter().any(|camera| !camera.depth_noise_between.is_empty())
+    }
+
+    /// The warnings, each with what is suspect.
+    #[must_use]
+    pub fn suspects(&self) -> Vec<(Suspect, String)> {
+        let off = self
+            .cameras
+            .iter()
+            .filter_map(|camera| Some((camera.name.as_str(), camera.normals_off_degrees?)));
+        let normals = normals::normal_space_warning(&off.collect::<Vec<_>>());
+        let normals = normals.map(|sentence| (Suspect::Normals, sentence));
+        if let Some(shared) = shared_warning(&self.residuals, self.noise_footprints()) {
+            // Cameras that are noisy beside each other disagree whatever their depth is taken for.
+            let found = self.conventions.as_ref().and_then(Finding::warning);
+            let found = found.or(self.better_reading.map(DepthReading::sentence));
+            let reading = found.map(|found| format!("; {found}"));
+            if reading.is_some() || !self.is_noisy() {
+                let sentence = shared.sentence() + &reading.unwrap_or_default();
+                return normals.into_iter().chain([(Suspect::Depth, sentence)]).collect();
+            }
+        }
+        let warnings = calibration_warnings(&self.residuals).into_iter();
+        let sentences = warnings.filter_map(|warning| {
+            let suspect = if warning.over_time { Suspect::Clock } else { Suspect::Pose };
+            Some((suspect, warning.sentence(&self.cameras.get(warning.camera)?.name)))
+        });
+        normals.into_iter().chain(sentences).collect()
+    }
+
+    /// How far noise and rounding of depth put most samples off each other, about, in footprints: with a lens of some sixty degrees
+    /// a footprint is a share of the depth that a picture as wide as high has columns.
+    fn noise_footprints(&self) -> f32 {
+        /// Two samples of which each is off, and a plane through neighbors that are.
+        const MOST: f32 = 4.0;
+        let frames = self.foreground_per_frame.len().max(1) as f32;
+        let of_camera = |camera: &CameraReport| {
+            let relative = camera.depth_noise_relative.max(camera.depth_step_relative);
+            MOST * relative * (camera.pixels as f32 / frames).sqrt()
+        };
+        self.cameras.iter().map(of_camera).fold(0.0, f32::max)
+    }
+}
+
+/// Name under which [`Report::pruned`] counts repetitions in time.
+pub const STATIC_RULE: &str = "static";

@@ -1,0 +1,252 @@
+//! Preprocessing (the paper, §3.2): removes what is recorded twice, over time and between cameras.
+//!
+//! ```text
+//! frames ─ temporal::scan ─▶ noise ─▶ split ─▶ samples of every span ─▶ background (once) ─▶ pruning ─┐
+//!                                                      └─▶ shorter spans, down to each frame ─▶ pruning ─┴▶ pack ─▶ SampleSet + Report
+//!
+//! a layer = colors, depths ─▶ normals ─▶ sampling rate ─▶ rank;  pruning compares by registration who shows the same point
+//! ```
+//!
+//! The steps, in the paper's order: [`normals`] are given or estimated; [`temporal`] redundancy is split off, over a tree of
+//! spans; `layers` hold every sample with its sampling rate; [`registration`] carries samples between cameras and tests whether
+//! they show the same surface point; and [`pruning`] keeps the better one. [`noise`] deals with what real renderers add. Where
+//! thresholds of one frame change again and again, [`prepare_frame`] lists the candidates of every sample, so that none has to
+//! be searched for. [`inspect`] explains the verdicts, [`diagnostics`] counts them.
+
+pub mod agreement;
+pub mod diagnostics;
+pub mod inspect;
+pub mod interactive;
+mod layers;
+pub mod noise;
+pub mod normals;
+pub mod parts;
+mod prepared_scan;
+pub mod pruning;
+pub mod registration;
+pub mod temporal;
+mod traversal;
+mod views;
+
+pub use prepared_scan::PreparedScan;
+pub(crate) use traversal::prune_run;
+
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::alignment::Alignment;
+use crate::capture::Capture;
+use crate::error::{Error, Result};
+use crate::grid::Grid;
+use crate::job::Job;
+use crate::samples::{ImageBuffer, SampleImage, SampleSet, samples_in_memory};
+use crate::settings::{AlignSettings, Settings};
+use agreement::Consensus;
+use diagnostics::Report;
+use inspect::{CameraInspection, FrameInspection};
+use interactive::{CameraPlanes, FrameLayers, FrameVerdicts};
+use pruning::load_frame;
+use registration::CameraPairs;
+use temporal::all_frames;
+
+/// What preprocessing gives: the kept samples, and the report of what was dropped and why.
+#[derive(Clone, Debug)]
+pub struct Preprocessed {
+    /// The kept samples.
+    pub samples: Arc<SampleSet>,
+    /// What was dropped and why.
+    pub report: Report,
+}
+
+/// As [`Preprocessed`], where more was kept than memory may hold.
+#[derive(Debug)]
+pub struct BufferedResult {
+    /// All but the samples: a set without images.
+    pub outline: SampleSet,
+    /// The kept samples, ordered as [`SampleSet::images`].
+    pub images: ImageBuffer,
+    /// What was dropped and why.
+    pub report: Report,
+}
+
+impl BufferedResult {
+    fn into_memory(self) -> Result<Preprocessed> {
+        let Self { outline, images, report } = self;
+        let samples = Arc::new(SampleSet { images: images.into_images()?, ..outline });
+        Ok(Preprocessed { samples, report })
+    }
+}
+
+/// The whole method: scan over time, split into spans, prune between cameras.
+///
+/// # Errors
+/// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be used, and `Cancelled`.
+pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<Preprocessed> {
+    preprocess_into(ImageBuffer::new(usize::MAX), capture, settings, job)?.into_memory()
+}
+
+/// The same for a sequence of any length: what is kept waits in a temporary file where it takes more than a share of the memory
+/// setting.
+///
+/// # Errors
+/// As [`preprocess`].
+pub fn preprocess_buffered(capture: &Capture, settings: &Settings, job: &Job) -> Result<BufferedResult> {
+    preprocess_into(ImageBuffer::new(samples_in_memory(settings)), capture, settings, job)
+}
+
+fn preprocess_into(
+    images: ImageBuffer,
+    capture: &Capture,
+    settings: &Settings,
+    job: &Job,
+) -> Result<BufferedResult> {
+    let started = Instant::now();
+    let scan = scan(capture, settings, job)?;
+    let mut spooled = prune_into(images, (capture, &scan), settings, job)?;
+    spooled.report.seconds = started.elapsed().as_secs_f64();
+    Ok(spooled)
+}
+
+/// The pass over all frames: the samples of every span, before any pruning. No pruning threshold touches it.
+///
+/// # Errors
+/// As [`preprocess`].
+pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<PreparedScan>> {
+    settings.validate("settings")?;
+    Ok(Arc::new(PreparedScan::new(capture, settings, job)?))
+}
+
+/// Everything after [`scan`]: cheap enough to be repeated whenever a threshold of pruning changes. Where the scan does not
+/// serve the settings of the spans, the frames are scanned again.
+///
+/// # Errors
+/// As [`preprocess`].
+pub fn prune(capture: &Capture, scan: &PreparedScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
+    prune_into(ImageBuffer::new(usize::MAX), (capture, scan), settings, job)?.into_memory()
+}
+
+fn prune_into(
+    images: ImageBuffer,
+    (capture, scan): (&Capture, &PreparedScan),
+    settings: &Settings,
+    job: &Job,
+) -> Result<BufferedResult> {
+    settings.validate("settings")?;
+    let started = Instant::now();
+    let other;
+    let scan = if scan.serves(settings) {
+        scan
+    } else {
+        other = PreparedScan::new(capture, settings, job)?;
+        &other
+    };
+    let capture = scan.capture();
+    let (mut images, counts) = prune_run(images, scan, settings, all_frames(scan.frames), job)?;
+    images.sort();
+    let mut report = counts.finish(capture.cameras.len(), images.facts());
+    report.alignment = scan.alignment().cloned();
+    report.seconds = started.elapsed().as_secs_f64();
+    let settings = aligned_settings(settings, scan.alignment());
+    Ok(BufferedResult { outline: sample_set(capture, &settings, Vec::new()), images, report })
+}
+
+/// Settings as a result names them: what changed nothing leaves no trace, so that a capture that is right gives the same store
+/// whatever is looked for.
+pub(crate) fn aligned_settings(settings: &Settings, alignment: Option<&Alignment>) -> Settings {
+    let align = if alignment.is_some() { settings.align.clone() } else { AlignSettings::default() };
+    Settings { align, ..settings.clone() }
+}
+
+/// All verdicts of one frame, for display: what [`prune`] decides there, with reasons and witnesses.
+///
+/// Without a `scan` (still under way) every pixel counts as one of this frame alone. Where the scan does not serve the
+/// settings of the spans, the frame is shown with those it was made with.
+///
+/// # Errors
+/// As [`preprocess`], and `Invalid` where there is no such frame.
+pub fn inspect_frame(
+    capture: &Capture,
+    scan: Option<&PreparedScan>,
+    settings: &Settings,
+    frame: usize,
+    job: &Job,
+) -> Result<FrameInspection> {
+    settings.validate("settings")?;
+    if frame >= capture.frame_count() {
+        return Err(Error::invalid(
+            &capture.name,
+            format!("there is no frame {frame}; there are {}", capture.frame_count()),
+        ));
+    }
+    let settings = &scan.map_or_else(|| settings.clone(), |scan| scan.served(settings));
+    let capture = scan.map_or(capture, PreparedScan::capture);
+    let pairs = CameraPairs::new(&capture.cameras);
+    let frames = load_frame(capture, frame, job)?;
+    let complete = match scan {
+        Some(scan) => scan.frame_layers(&pairs, settings, frame, job)?,
+        None => Arc::new(FrameLayers::unscanned(capture, &pairs, settings, frame, job)?),
+    };
+    let all = complete.prune(&pairs, settings, job)?;
+    let levels = complete.path.iter().zip(0..);
+    let packed = levels.flat_map(|(&span, level)| {
+        let consensus = Consensus::new(&pairs, &complete.layers, level, settings);
+        let cameras = complete.layers.par_iter().enumerate();
+        let packed = cameras.filter_map(|(camera, layer)| {
+            let masks = all.masks(camera, layer, level);
+            pruning::pack(camera, span, layer, masks, consensus.as_ref(), settings.store.normals)
+        });
+        packed.collect::<Vec<_>>()
+    });
+    let images = packed.collect();
+    let FrameVerdicts { verdicts, disputes, .. } = all;
+    let cameras = complete.planes.iter().zip(frames).zip(verdicts.into_iter().zip(disputes));
+    let cameras = cameras.map(|((planes, frame), (verdicts, disputes))| {
+        let CameraPlanes { class, level, normal_in_world } = planes.clone();
+        let (width, height) = level.size();
+        let verdict = Grid::from_vec(width, height, verdicts);
+        CameraInspection { frame, class, level, verdict, disputes, normal_in_world }
+    });
+    Ok(FrameInspection {
+        frame,
+        path: complete.path.clone(),
+        cameras: cameras.collect(),
+        samples: Arc::new(sample_set(capture, settings, images)),
+        layers: complete.layers.clone(),
+        settings: settings.clone(),
+        agreement: Arc::new(vec![OnceLock::new(); capture.cameras.len()]),
+    })
+}
+
+/// Prepares a frame for changing thresholds of pruning: [`inspect_frame`] is then several times as fast there, for
+/// tolerances up to four times as large or small. Gives the bytes that this takes in memory; `None` where it takes more than
+/// half of the memory setting, or where the scan does not serve the settings, and all stays as it is.
+///
+/// # Errors
+/// As [`inspect_frame`].
+pub fn prepare_frame(
+    capture: &Capture,
+    scan: &PreparedScan,
+    settings: &Settings,
+    frame: usize,
+    job: &Job,
+) -> Result<Option<usize>> {
+    settings.validate("settings")?;
+    if frame >= capture.frame_count() || !scan.serves(settings) {
+        return Ok(None);
+    }
+    let pairs = CameraPairs::new(&scan.capture().cameras);
+    scan.frame_layers(&pairs, settings, frame, job)?.prepare(&pairs, settings, job)
+}
+
+pub(crate) fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {
+    SampleSet {
+        name: capture.name.clone(),
+        cameras: capture.cameras.clone(),
+        frame_numbers: capture.frame_numbers.clone(),
+        up_in_world: capture.up_in_world,
+        settings: settings.clone(),
+        images: images.into_iter().map(Arc::new).collect(),
+    }
+}

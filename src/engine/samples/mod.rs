@@ -1,0 +1,21 @@
+//! The data model: samples of all cameras over spans of frames, in tiles, as preprocessing makes them, stores keep them and renderers paint them.
+
+mod coarser;
+mod depth_plane;
+mod image_buffer;
+mod oct_normal;
+mod record_stream;
+mod sample_set;
+mod spill_file;
+mod tile;
+
+pub(crate) use coarser::halved_camera;
+pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
+pub use image_buffer::{ImageBuffer, ImageFacts};
+pub use oct_normal::OctNormal;
+pub use record_stream::ReadSeek;
+pub use record_stream::RecordReader;
+pub use record_stream::RecordWriter;
+pub use sample_set::{Sample, SampleImage, SampleSet, Span};
+pub(crate) use spill_file::{Record, RecordPlace, SpillFile, samples_in_memory};
+pub use tile::{SampleTile, TILE, TileMask};

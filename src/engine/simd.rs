@@ -1,0 +1,190 @@
+//! Runs hot loops with the widest vector instructions that the processor has.
+//!
+//! Work is plain Rust that the compiler vectorizes. It is compiled once per level of instructions; the level is chosen at run
+//! time. No level contracts or reorders sums, so all give the same bits: a test compares them.
+#![expect(
+    unsafe_code,
+    reason = "a function compiled for more instructions may only be called where they exist; so may one instruction"
+)]
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use crate::error::{Error, Result};
+use crate::settings::Instructions;
+
+/// A loop that profits from wide vectors. `run` and what it calls must be `#[inline(always)]`.
+pub(crate) trait VectorLoop {
+    /// Its result.
+    type Output;
+
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+/// Sets of instructions, the narrowest first; a level is an index of them.
+const LEVELS: [Instructions; 3] = [Instructions::Portable, Instructions::Avx2, Instructions::Avx512];
+
+/// The level that hot loops may use at most. A loop that is running while it changes gives the same either way.
+static LIMIT: AtomicUsize = AtomicUsize::new(2);
+
+/// The widest level that this processor has.
+fn best_level() -> usize {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let has_avx2 = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        let has_avx512 = has_avx2
+            && is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl");
+        usize::from(has_avx2) + usize::from(has_avx512)
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    0
+}
+
+/// The level that hot loops use.
+fn level() -> usize {
+    LIMIT.load(Ordering::Relaxed).min(best_level())
+}
+
+/// Does `work` while hot loops use no wider instructions than these. Callers wait for each other.
+///
+/// # Errors
+/// `Unsupported` where the processor lacks them.
+pub fn limited<T>(instructions: Instructions, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+    struct Reset;
+    impl Drop for Reset {
+        fn drop(&mut self) {
+            LIMIT.store(2, Ordering::Relaxed);
+        }
+    }
+    // `Auto` is none of the levels.
+    let limit = LEVELS.iter().position(|level| *level == instructions).unwrap_or_else(best_level);
+    if limit > best_level() {
+        return Err(Error::unsupported(
+            format!("instructions '{instructions}'"),
+            format!("this CPU goes up to '{}'", widest()),
+        ));
+    }
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    LIMIT.store(limit, Ordering::Relaxed);
+    let _reset = Reset;
+    work()
+}
+
+/// The instructions that hot loops use; never `Auto`.
+#[must_use]
+pub fn widest() -> Instructions {
+    LEVELS[level()]
+}
+
+/// Does the work with the widest instructions that may be used.
+#[inline]
+pub(crate) fn run<W: VectorLoop>(work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    match level() {
+        // SAFETY: `level` is no higher than `best_level`, which has just found every feature that `avx512` is compiled for.
+        2 => return unsafe { avx512(work) },
+        // SAFETY: the same of `avx2`.
+        1 => return unsafe { avx2(work) },
+        _ => {}
+    }
+    work.run()
+}
+
+/// The union of masks.
+#[inline(always)]
+pub(crate) fn joined<const N: usize>(bits: &[u32; N]) -> u32 {
+    let mut all = 0;
+    for i in 0..N {
+        all |= bits[i];
+    }
+    all
+}
+
+/// A mask of the indices below sixteen for which `holds`.
+#[inline(always)]
+pub(crate) fn mask(holds: impl Fn(usize) -> bool) -> u32 {
+    let mut bits = [0; 16];
+    for i in 0..16 {
+        bits[i] = u32::from(holds(i)) << i;
+    }
+    joined(&bits)
+}
+
+/// Converts a whole number from 0 to 2²³ − 1. (A cast would compile to sixteen scalar instructions, each with checks.)
+#[inline(always)]
+pub(crate) fn whole(number: f32) -> u32 {
+    (number + 8_388_608.0).to_bits() & 0x7f_ffff
+}
+
+/// √(a² + b²), worked out in double precision and rounded once. The C library's `hypotf` would be a call in the middle of a loop.
+#[inline(always)]
+pub(crate) fn root_of_squares(a: f32, b: f32) -> f32 {
+    let (a, b) = (f64::from(a), f64::from(b));
+    (a * a + b * b).sqrt() as f32
+}
+
+/// Prefetches an element into the cache. Changes no result; does nothing beyond the end or without such an instruction.
+#[inline(always)]
+pub(crate) fn prefetch<T>(plane: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(element) = plane.get(index) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: every x86-64 processor has the instruction, it reads nothing that the program can see, and the address is
+        // that of a live reference.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(element).cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (plane, index);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn avx2<W: VectorLoop>(work: W) -> W::Output {
+    work.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
+fn avx512<W: VectorLoop>(work: W) -> W::Output {
+    work.run()
+}
+
+/// The results of `work` with each set of instructions that the processor has, for tests that compare them.
+#[cfg(test)]
+pub(crate) fn at_every_level<T>(mut work: impl FnMut() -> T) -> Vec<T> {
+    let given: Vec<T> = LEVELS.into_iter().filter_map(|level| limited(level, || Ok(work())).ok()).collect();
+    if given.len() == 1 {
+        skip::skip(None, "no instruction sets were compared: this processor has one only");
+    }
+    given
+}
+
+/// Shared with the tests that are crates of their own.
+#[cfg(test)]
+#[path = "../../tests/common/skip.rs"]
+pub(crate) mod skip;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loops_use_no_wider_instructions_than_asked_for_and_the_widest_again_afterwards() {
+        for instructions in LEVELS {
+            match limited(instructions, || Ok(widest())) {
+                Ok(used) => assert_eq!(used, instructions),
+                Err(Error::Unsupported { .. }) => assert!(best_level() < 2),
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Files that are seen under their names only when they are complete: whatever stood there stays until then.
+//!
+//! A link is written through: what it leads to is replaced, and the link stays. Pipes and devices are never replaced.
+
+use std::fs::File;
+use std::io::{BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::error::{Error, Result};
+
+/// As many links as operating systems follow.
+const MOST_LINKS: usize = 40;
+
+/// Where a file of this name lies: the name itself or, where it is a link, what that leads to, which need not be there.
+pub(crate) fn place_of(path: &Path) -> PathBuf {
+    let mut place = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = std::fs::read_link(&place) else { break };
+        place = folder_of(&place).join(next);
+    }
+    place
+}
+
+/// The folder of a file.
+#[must_use]
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Makes a file beside `path`, in the folder and so on the disk where that lies, which is removed unless [`persist`] gives it that
+/// name. Temporary files are private by default; this one is for everybody the umask allows, as any new file is.
+///
+/// # Errors
+/// `Invalid` where something else than a file has that name, `Io`; both naming `path`.
+pub fn beside(path: &Path, suffix: &str) -> Result<NamedTempFile> {
+    match std::fs::metadata(path) {
+        Ok(there) if !there.is_file() => {
+            return Err(Error::invalid(
+                path.display(),
+                "is a folder, a pipe or a device, which no file may replace; name a file",
+            ));
+        }
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(Error::io(path, error)),
+        _ => {}
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".overlook-").suffix(suffix);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    // The message of tempfile names the temporary file, which is of no use to a reader.
+    builder.tempfile_in(folder_of(&place_of(path))).map_err(|error| Error::io(path, error.kind().into()))
+}
+
+/// Gives a file that was made [`beside`] `path` that name.
+pub(crate) fn persist(unfinished: TempPath, path: &Path) -> Result<()> {
+    unfinished.persist(place_of(path)).map_err(|error| Error::io(path, error.error))
+}
+
+/// Writes a file by `write`, and gives what that gave.
+///
+/// # Errors
+/// As [`beside`], and whatever `write` gives; nothing is left behind then.
+pub fn write<T>(path: &Path, write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<T>) -> Result<T> {
+    let mut file = beside(path, ".part")?;
+    let mut writer = BufWriter::new(file.as_file_mut());
+    let result = write(&mut writer)?;
+    writer.flush().map_err(|error| Error::io(path, error))?;
+    drop(writer);
+    persist(file.into_temp_path(), path)?;
+    Ok(result)
+}
+
+/// Writes a file of this content.
+///
+/// # Errors
+/// As [`beside`]; nothing is left behind then.
+pub fn write_all(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    write(path, |writer| writer.write_all(content.as_ref()).map_err(|error| Error::io(path, error)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("kept");
+        std::fs::write(&path, "old").unwrap();
+        let result: Result<()> = write(&path, |writer| {
+            writer.write_all(b"new").map_err(|error| Error::io("kept", error))?;
+            Err(Error::Cancelled)
+        });
+        assert!(result.is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn links_are_written_through_and_stay_whether_or_not_they_lead_to_a_file() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("far")).unwrap();
+        std::fs::write(at("far/there"), "old").unwrap();
+        for (to, link) in
+            [("far/there", "link"), ("link", "second"), ("far/new", "to_nothing"), ("none/x", "lost")]
+        {
+            symlink(to, at(link)).unwrap();
+        }
+        for (link, to) in [("link", "far/there"), ("second", "far/there"), ("to_nothing", "far/new")] {
+            write_all(&at(link), link).unwrap();
+            assert!(at(link).is_symlink(), "{link}");
+            assert_eq!(std::fs::read_to_string(at(to)).unwrap(), link);
+        }
+        assert_eq!(std::fs::read_dir(at("far")).unwrap().count(), 2);
+        symlink("round", at("round")).unwrap();
+        for link in ["lost", "round"] {
+            let said = write_all(&at(link), "").unwrap_err().to_string();
+            assert!(said.contains(link) && at(link).is_symlink(), "{said}");
+        }
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn no_file_takes_the_place_of_a_folder_or_of_a_device() {
+        let folder = tempfile::tempdir().unwrap();
+        for place in [folder.path(), Path::new("/dev/null")] {
+            let said = beside(place, "").unwrap_err().to_string();
+            assert!(said.starts_with(&place.display().to_string()) && said.contains("name a file"), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_said_without_the_name_of_a_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("missing/kept.ovl");
+        let error = write_all(&path, "new").unwrap_err().to_string();
+        let expected = format!("{}: there is no such file or folder; check the path", path.display());
+        assert_eq!(error, expected);
+    }
+}

@@ -1,0 +1,96 @@
+//! Pixels carried forward one by one, each as a square as wide as it appears, nearest first.
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+use overlook_engine::capture::Camera;
+use overlook_engine::grid::Grid;
+use overlook_engine::render::{NO_IMAGE, Picture};
+
+/// Widest square, pixels: as wide as the largest splat of the layered depth images.
+const MAX_WIDTH: f64 = 7.0;
+
+/// A picture that pixels of one camera, or several, are carried to.
+pub(super) struct Splatter {
+    target: Camera,
+    target_from_world: DAffine3,
+    nearest: Grid<f32>,
+    color: Grid<[f32; 3]>,
+}
+
+/// The map from the pixels of a camera to those of the target.
+pub(super) struct PixelMap {
+    source: Camera,
+    target_from_source: DMat3,
+    /// In the target's space, what a pixel moves by for each unit of inverse depth.
+    shift: DVec3,
+    /// A pixel's width in the target for equal depths.
+    focal_ratio: f64,
+}
+
+impl Splatter {
+    pub(super) fn new(target: &Camera) -> Self {
+        let (width, height) = target.intrinsics.size();
+        Self {
+            target: target.clone(),
+            target_from_world: target.camera_from_world(),
+            nearest: Grid::filled(width, height, -1.0),
+            color: Grid::filled(width, height, [0.0; 3]),
+        }
+    }
+
+    pub(super) fn map_from(&self, source: &Camera) -> PixelMap {
+        let target_from_world = self.target_from_world;
+        let (from, to) = (source.intrinsics, self.target.intrinsics);
+        PixelMap {
+            source: source.clone(),
+            target_from_source: target_from_world.matrix3 * source.world_from_camera.matrix3,
+            shift: target_from_world.transform_point3(source.position_in_world()),
+            focal_ratio: ((to.fx * to.fy) / (from.fx * from.fy)).sqrt(),
+        }
+    }
+
+    /// Carries the pixel at `position` of the map's camera here. An inverse depth of 0 is at infinity.
+    pub(super) fn add(&mut self, map: &PixelMap, position: DVec2, inverse_depth: f32, color: [f32; 3]) {
+        let ray = map.source.intrinsics.ray_in_camera(position);
+        // The point times its inverse depth, so that infinity needs no case of its own.
+        let point = map.target_from_source * ray + f64::from(inverse_depth) * map.shift;
+        let inverse_here = (f64::from(inverse_depth) / point.z) as f32;
+        self.draw(point, inverse_here, map.focal_ratio / point.z, color);
+    }
+
+    /// Carries a point of the world here, as wide as `width` there.
+    pub(super) fn add_point(&mut self, point_in_world: DVec3, width: f64, color: [f32; 3]) {
+        let point = self.target_from_world.transform_point3(point_in_world);
+        let k = self.target.intrinsics;
+        self.draw(point, (1.0 / point.z) as f32, width * (k.fx * k.fy).sqrt() / point.z, color);
+    }
+
+    /// Draws the square of a point in the target's space, up to scale, where nothing nearer is.
+    fn draw(&mut self, point: DVec3, inverse_here: f32, width: f64, color: [f32; 3]) {
+        let Some(at) = self.target.intrinsics.project(point) else { return };
+        let width = width.clamp(1.0, MAX_WIDTH);
+        let (columns, rows) = self.color.size();
+        let covered = |center: f64, end: usize| {
+            let first = (center - 0.5 * width + 0.5).floor().max(0.0) as usize;
+            let last = (center + 0.5 * width + 0.5).floor().clamp(0.0, end as f64) as usize;
+            first..last
+        };
+        if !(at.x > -MAX_WIDTH && at.y > -MAX_WIDTH) {
+            return;
+        }
+        for y in covered(at.y, rows) {
+            for x in covered(at.x, columns) {
+                if inverse_here > self.nearest[(x, y)] {
+                    self.nearest[(x, y)] = inverse_here;
+                    self.color[(x, y)] = color;
+                }
+            }
+        }
+    }
+
+    pub(super) fn finish(self) -> Picture {
+        let image = self.nearest.map(|nearest| if *nearest >= 0.0 { 0 } else { NO_IMAGE });
+        let (width, height) = self.color.size();
+        Picture { color: self.color, inverse_depth: self.nearest, image, ..Picture::empty(width, height) }
+    }
+}

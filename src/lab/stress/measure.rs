@@ -1,0 +1,178 @@
+//! Every disturbance of a plan at every value of its dial, measured with every method.
+
+use super::plan::{Method, StressPlan, StressPoint, StressStep};
+use crate::scoring::nothing_to_compare;
+use crate::sweep::{self, Point, Series};
+use crate::trial::{TimeLeft, Trial, Workbench};
+use crate::truth::{self, Recorded, Truth};
+use overlook_engine::capture::Capture;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+
+/// Measures every disturbance of the plan as [`measure`] does, and compares the methods at each value of its dial.
+///
+/// # Errors
+/// As [`measure`].
+pub fn run(
+    capture: &Capture,
+    plan: &StressPlan,
+    truth: &Truth,
+    job: &Job,
+    on_point: impl FnMut(&StressPoint, (usize, usize)),
+) -> Result<Vec<StressPoint>> {
+    let mut points = measure(capture, plan, truth, job, on_point)?;
+    for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
+        sweep::mark_behind_best(methods.iter_mut().map(|method| &mut method.point));
+        sweep::mark_pareto_of_stores(methods.iter_mut().map(|method| &mut method.point));
+    }
+    Ok(points)
+}
+
+/// Measures every disturbance of the plan at every value of its dial with every method. `on_point` receives each new point, the
+/// number of known points and their total. Disturbances that cannot change the capture, and values that leave no true pixel, are
+/// skipped with a warning. No method is compared with another. Losses of a part are relative to the first value in it.
+///
+/// # Errors
+/// Those of preprocessing, rendering and truth; `Invalid` if nothing can be disturbed or compared, which of a part is no error;
+/// `Cancelled`: put the points received so far into [`StressPlan::done`] to continue.
+pub fn measure(
+    capture: &Capture,
+    plan: &StressPlan,
+    truth: &Truth,
+    job: &Job,
+    mut on_point: impl FnMut(&StressPoint, (usize, usize)),
+) -> Result<Vec<StressPoint>> {
+    let steps = steps(capture, plan, truth, job)?;
+    let mut total = steps.len() * plan.methods.len();
+    let open_at = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
+    let mut open: usize = steps.iter().map(|step| open_at(*step)).sum();
+    let (mut time_left, mut points, mut passed_over) =
+        (TimeLeft::start(), Vec::with_capacity(total), Vec::new());
+    for step in steps {
+        let mut disturbed = None;
+        for method in &plan.methods {
+            if let Some(known) = plan.known(step, method) {
+                points.push(known.clone().with_loss(&points));
+                continue;
+            }
+            time_left.next(job, (points.len() + 1, total), open - time_left.measured());
+            if disturbed.is_none() {
+                disturbed = Disturbed::new(capture, plan, truth, step, job)?;
+            }
+            let Some(disturbed) = &mut disturbed else {
+                // `time_left` counts one point as begun.
+                (total, open) = (total - open_at(step), open + 1 - open_at(step));
+                passed_over.push(step);
+                break;
+            };
+            let point = disturbed.measure(method, job)?.with_loss(&points);
+            on_point(&point, (points.len() + 1, total));
+            points.push(point);
+        }
+    }
+    job.set_context("");
+    if points.is_empty() && !passed_over.is_empty() && plan.part.is_none() {
+        return Err(nothing_to_compare(&capture.name));
+    }
+    for step in passed_over {
+        job.warn(no_points_warning(step));
+    }
+    Ok(points)
+}
+
+/// Every value of the dial of every disturbance that can change the capture, or what the plan takes of them.
+fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Result<Vec<StressStep>> {
+    let mut steps = Vec::new();
+    for &disturbance in &plan.disturbances {
+        match disturbance.lacks(capture) {
+            None => {
+                let dial = disturbance.dial(capture, truth).into_iter();
+                steps.extend(dial.map(|dial| (disturbance, dial)));
+            }
+            Some(lacks) => {
+                let name = disturbance.name();
+                job.warn(format!("'{name}' is left out: it changes nothing, as there {lacks}"));
+            }
+        }
+    }
+    if steps.is_empty() && !plan.disturbances.is_empty() {
+        return Err(Error::invalid(
+            &capture.name,
+            "is changed by no disturbance that was asked for; ask for others",
+        ));
+    }
+    if let Some(part) = plan.part {
+        steps = steps.drain(part.range(steps.len())).collect();
+    }
+    if plan.only_known {
+        steps.retain(|step| plan.methods.iter().all(|method| plan.known(*step, method).is_some()));
+    }
+    Ok(steps)
+}
+
+/// The warning that a step has no points.
+fn no_points_warning((disturbance, dial): StressStep) -> String {
+    let (name, unit) = (disturbance.name(), disturbance.unit());
+    format!("'{name}' at {dial} {unit} is left out: no camera sees anything of the true pictures then")
+}
+
+/// The disturbed capture ready to be measured, and the pixels it has.
+pub(super) struct Disturbed {
+    step: StressStep,
+    pub(super) workbench: Workbench,
+    pixels: u64,
+}
+
+impl Disturbed {
+    /// `None` where nothing of the truth is left.
+    pub(super) fn new(
+        capture: &Capture,
+        plan: &StressPlan,
+        truth: &Truth,
+        step: StressStep,
+        job: &Job,
+    ) -> Result<Option<Self>> {
+        let mut recorded = step.0.apply(capture, step.1)?;
+        let mut truth = truth.clone();
+        if let Some(count) = plan.frames {
+            let frames = truth::choose(capture, &truth, count)?;
+            truth = truth::truth_at(capture, truth, &frames);
+            recorded = Recorded {
+                capture: truth::only(&recorded.capture, &frames),
+                clean: truth::only(&recorded.clean, &frames),
+                all_cameras: truth::only(&recorded.all_cameras, &frames),
+                edit_truth: recorded.edit_truth,
+            };
+        }
+        let pixels = recorded.capture.pixel_count();
+        let (folds, unseen) = truth.folds_left(&recorded, job)?;
+        if folds.is_empty() {
+            return Ok(None);
+        }
+        for view in unseen {
+            job.warn(format!("'{}' at {} {}: {view}", step.0.name(), step.1, step.0.unit()));
+        }
+        let workbench = Workbench::on(folds, &plan.methods[0].settings);
+        Ok(Some(Self { step, workbench, pixels }))
+    }
+
+    /// Measures a method; the loss is still 0.
+    fn measure(&mut self, method: &Method, job: &Job) -> Result<StressPoint> {
+        let (disturbance, dial) = self.step;
+        let (name, unit) = (disturbance.name(), disturbance.unit());
+        let label = format!("{name} {dial} {unit}, {}", method.name);
+        let trial = Trial { rival: method.rival, ..Trial::new(label, method.settings.clone()) };
+        let measured = self.workbench.measure(&trial, job)?;
+        let series = method.rival.map_or(Series::Variation, Series::of);
+        let point = Point::new(&trial, series, &measured);
+        Ok(StressPoint {
+            disturbance: name.to_owned(),
+            dial,
+            unit: unit.to_owned(),
+            method: method.name.clone(),
+            kept_share: point.samples as f64 / self.pixels as f64,
+            loss_db: 0.0,
+            point,
+        })
+    }
+}

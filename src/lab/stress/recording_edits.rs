@@ -1,0 +1,179 @@
+//! Disturbances of the recording: each changes a frame as it is loaded.
+
+use half::f16;
+
+use overlook_engine::capture::{Frame, INVALID_INVERSE_DEPTH};
+use overlook_engine::grid::Grid;
+use overlook_engine::random::mix;
+
+/// Camera and index of a frame.
+#[derive(Clone, Copy)]
+pub(super) struct FrameKey {
+    pub(super) camera: usize,
+    pub(super) frame: usize,
+}
+
+/// Random numbers that depend on camera, frame and pixel alone: noise is the same in every run.
+pub(super) struct PixelRandom {
+    stream: u64,
+}
+
+impl PixelRandom {
+    pub(super) fn of(at: FrameKey) -> Self {
+        Self { stream: mix(mix(at.camera as u64) ^ at.frame as u64) }
+    }
+
+    /// Two independent numbers between 0 and 1, the ends left out. Numbers of another `salt` are independent of these.
+    pub(super) fn uniform_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
+        let bits = mix(self.stream ^ mix(pixel as u64 ^ (salt << 48)));
+        [bits, bits >> 32].map(|bits| ((bits & 0xff_ffff) as f32 + 0.5) / (1 << 24) as f32)
+    }
+
+    /// Two independent standard normal numbers (George Box and Mervin Muller, 1958).
+    pub(super) fn gaussian_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
+        let [share, turn] = self.uniform_pair(pixel, salt);
+        let radius = (-2.0 * share.ln()).sqrt();
+        let (sin, cos) = (std::f32::consts::TAU * turn).sin_cos();
+        [radius * cos, radius * sin]
+    }
+}
+
+pub(super) fn depth_noise(frame: &mut Frame, share: f32, at: FrameKey) {
+    let noise = PixelRandom::of(at);
+    for (pixel, inverse_depth) in frame.inverse_depth.as_mut_slice().iter_mut().enumerate() {
+        if *inverse_depth > 0.0 {
+            let factor = 1.0 + share * noise.gaussian_pair(pixel, 0)[0];
+            *inverse_depth /= factor.max(0.1);
+        }
+    }
+}
+
+/// From this many bits on, whole numbers are as fine as the floats that depth comes in.
+const EXACT_BITS: f64 = 24.0;
+
+pub(super) fn depth_steps(frame: &mut Frame, bits: f64, (near, far): (f32, f32)) {
+    if bits >= EXACT_BITS {
+        return;
+    }
+    let step = f64::from(far - near) / (bits.exp2() - 1.0);
+    for inverse_depth in frame.inverse_depth.as_mut_slice() {
+        if *inverse_depth > 0.0 {
+            let steps = ((1.0 / f64::from(*inverse_depth) - f64::from(near)) / step).round();
+            *inverse_depth = (1.0 / (f64::from(near) + steps.max(0.0) * step)) as f32;
+        }
+    }
+}
+
+pub(super) fn depth_float(frame: &mut Frame, bits: u32) {
+    let dropped = 23_u32.saturating_sub(bits);
+    if dropped == 0 {
+        return;
+    }
+    for inverse_depth in frame.inverse_depth.as_mut_slice() {
+        if *inverse_depth > 0.0 {
+            let depth = (1.0 / *inverse_depth).to_bits() + (1 << (dropped - 1));
+            *inverse_depth = 1.0 / f32::from_bits(depth >> dropped << dropped);
+        }
+    }
+    frame.depth_step_relative = frame.depth_step_relative.max((-(bits as f32) - 1.0).exp2());
+}
+
+/// As the demo's cameras: a deviation of `share · √(L (L + 0.02))`, two thirds of it common to all channels.
+pub(super) fn color_noise(frame: &mut Frame, share: f32, at: FrameKey) {
+    let noise = PixelRandom::of(at);
+    for (pixel, color) in frame.color.as_mut_slice().iter_mut().enumerate() {
+        let [common, r] = noise.gaussian_pair(pixel, 1);
+        let [g, b] = noise.gaussian_pair(pixel, 2);
+        let own = [r, g, b];
+        for channel in 0..3 {
+            let value = color[channel].to_f32().max(0.0);
+            let sigma = share * (value * (value + 0.02)).sqrt();
+            let strayed = value + sigma * (0.816_5 * common + 0.577_35 * own[channel]);
+            color[channel] = f16::from_f32(strayed.max(0.0));
+        }
+    }
+}
+
+/// Exposes even cameras half as many stops less, odd ones half as many more.
+pub(super) fn expose(frame: &mut Frame, stops: f32, camera: usize) {
+    let half = if camera.is_multiple_of(2) { -0.5 } else { 0.5 };
+    let gain = (half * stops).exp2();
+    for color in frame.color.as_mut_slice() {
+        *color = color.map(|value| f16::from_f32(value.to_f32() * gain));
+    }
+}
+
+/// Neighbors whose depths differ by more than this share have a silhouette between them.
+pub(super) const SILHOUETTE: f32 = 0.03;
+
+/// Mixes the colors of pixels near a silhouette with a Gaussian of the given radius; depth stays as it is.
+pub(super) fn antialias(frame: &mut Frame, radius_px: f32) {
+    if radius_px <= 0.0 {
+        return;
+    }
+    let reach = (2.0 * radius_px).ceil() as i64;
+    let (width, height) = frame.size();
+    let (colors, depths) = (frame.color.clone(), &frame.inverse_depth);
+    let around = |x: usize, y: usize, reach: i64| {
+        let columns = (x as i64 - reach).max(0)..=(x as i64 + reach).min(width as i64 - 1);
+        let rows = (y as i64 - reach).max(0)..=(y as i64 + reach).min(height as i64 - 1);
+        rows.flat_map(move |row| columns.clone().map(move |column| (column as usize, row as usize)))
+    };
+    for y in 0..height {
+        for x in 0..width {
+            let here = depths[(x, y)];
+            let is_edge = here >= 0.0
+                && around(x, y, 1).any(|at| (depths[at] - here).abs() > SILHOUETTE * depths[at].max(here));
+            if !is_edge {
+                continue;
+            }
+            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            for at in around(x, y, reach) {
+                let distance = (at.0 as f32 - x as f32).hypot(at.1 as f32 - y as f32) / radius_px;
+                let weight = (-2.0 * distance * distance).exp();
+                total += weight;
+                for (sum, value) in sum.iter_mut().zip(colors[at]) {
+                    *sum += weight * value.to_f32();
+                }
+            }
+            frame.color[(x, y)] = sum.map(|value| f16::from_f32(value / total));
+        }
+    }
+}
+
+pub(super) fn normals_missing(frame: &mut Frame, share: f32, at: FrameKey) {
+    let width = frame.size().0;
+    if let Some(normals) = &mut frame.normal_in_world {
+        for (pixel, normal) in normals.as_mut_slice().iter_mut().enumerate() {
+            let square = (pixel % width / 8, pixel / width / 8);
+            let chance = mix(mix(at.camera as u64) ^ mix(square.0 as u64 ^ (square.1 as u64) << 32));
+            if ((chance >> 40) as f32) < share * (1 << 24) as f32 {
+                *normal = [0.0; 3];
+            }
+        }
+    }
+}
+
+pub(super) fn normals_noisy(frame: &mut Frame, radians: f32, at: FrameKey) {
+    let noise = PixelRandom::of(at);
+    let Some(normals) = frame.normal_in_world.as_mut().filter(|_| radians > 0.0) else { return };
+    for (pixel, normal) in normals.as_mut_slice().iter_mut().enumerate() {
+        let exact = glam::Vec3::from(*normal);
+        if exact == glam::Vec3::ZERO {
+            continue;
+        }
+        let [a, b] = noise.gaussian_pair(pixel, 3);
+        let [c, _] = noise.gaussian_pair(pixel, 4);
+        let off = exact + radians * glam::Vec3::new(a, b, c);
+        *normal = off.normalize_or_zero().to_array();
+    }
+}
+
+pub(super) fn narrow(frame: &mut Frame, share: f64) {
+    let (width, height) = frame.size();
+    let inside = |at: usize, length: usize| ((at as f64 + 0.5) / length as f64 - 0.5).abs() <= 0.5 * share;
+    let depths = &frame.inverse_depth;
+    frame.inverse_depth = Grid::from_fn(width, height, |x, y| {
+        if inside(x, width) && inside(y, height) { depths[(x, y)] } else { INVALID_INVERSE_DEPTH }
+    });
+}

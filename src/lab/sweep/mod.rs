@@ -1,0 +1,84 @@
+//! Accuracy against time and bytes: many settings and all baselines on one capture, and the Pareto front among them.
+//!
+//! Points are delivered one by one, so that a run can be shown and resumed.
+
+mod external;
+mod plan;
+mod point;
+mod worst;
+
+pub use external::ExternalPoint;
+pub use plan::{Planned, SweepPlan, paper, variations};
+pub use point::{Point, Series, mark_behind_best, mark_pareto, mark_pareto_of_stores};
+pub use worst::worst_views;
+
+use super::trial::{TimeLeft, Workbench};
+use super::truth::{Recorded, Truth};
+use overlook_engine::capture::Capture;
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+
+/// Measures every unknown point of the plan as [`measure`] does, and compares all points with each other.
+///
+/// # Errors
+/// As [`measure`].
+pub fn run(
+    capture: &Capture,
+    plan: &SweepPlan,
+    truth: &Truth,
+    job: &Job,
+    on_point: impl FnMut(&Point, usize),
+) -> Result<Vec<Point>> {
+    let mut points = measure(capture, plan, truth, job, on_point)?;
+    only_the_best_single_camera(&mut points);
+    let vantages = points.iter().map(|point| point.vantages).max().unwrap_or_default();
+    points.extend(plan.external.iter().map(|external| external.point(&plan.reference, vantages)));
+    mark_behind_best(&mut points);
+    mark_pareto_of_stores(&mut points);
+    Ok(points)
+}
+
+/// Measures every unknown point of the plan, in order; a single camera is skipped if no view can be scored for it. `on_point`
+/// receives each new point and the number of known ones. No point is compared with another.
+///
+/// # Errors
+/// Those of preprocessing, rendering and truth; `Cancelled`: put the points received so far into [`SweepPlan::done`] to continue.
+pub fn measure(
+    capture: &Capture,
+    plan: &SweepPlan,
+    truth: &Truth,
+    job: &Job,
+    mut on_point: impl FnMut(&Point, usize),
+) -> Result<Vec<Point>> {
+    let mut points: Vec<Option<Point>> = plan.trials.iter().map(|planned| plan.known(planned)).collect();
+    let open = points.iter().filter(|point| point.is_none()).count();
+    if open > 0 {
+        let mut workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.reference, job)?;
+        let to_measure = plan.trials.iter().zip(&points).filter(|(_, point)| point.is_none());
+        workbench.open(to_measure.map(|(planned, _)| &planned.trial))?;
+        let (known, mut time_left) = (plan.trials.len() - open, TimeLeft::start());
+        for (planned, slot) in plan.trials.iter().zip(&mut points) {
+            if slot.is_some() || !workbench.can_measure(&planned.trial) {
+                continue;
+            }
+            let number = known + time_left.measured() + 1;
+            time_left.next(job, (number, plan.trials.len()), open - time_left.measured());
+            let point = Point::new(&planned.trial, planned.series, &workbench.measure(&planned.trial, job)?);
+            on_point(&point, number);
+            *slot = Some(point);
+        }
+        job.set_context("");
+    }
+    Ok(points.into_iter().flatten().collect())
+}
+
+/// Keeps only the most accurate of the single cameras.
+fn only_the_best_single_camera(points: &mut Vec<Point>) {
+    let is_single = |point: &Point| point.series == Series::SingleCamera;
+    let best = points
+        .iter()
+        .filter(|point| is_single(point))
+        .max_by(|a, b| a.psnr_filled_db.total_cmp(&b.psnr_filled_db))
+        .map(|point| point.label.clone());
+    points.retain(|point| !is_single(point) || Some(&point.label) == best.as_ref());
+}

@@ -1,0 +1,224 @@
+//! The fewest views that show everything, chosen by what each adds.
+//!
+//! ```text
+//! capture ─ align ─▶ points of what each view saw ─▶ which views show each ─▶ order by what each adds ─▶ as many as are needed
+//!                                                                               └─ some numbers of them: preprocess, render, score
+//! ```
+//!
+//! Purpose: a recording by a camera that walks sees most surfaces in dozens of views. *Everything* is every surface that any view saw, at
+//! half of the sharpness at which it was seen; a surface counts once, however many views saw it. What [`overlook_engine::capture::ViewChoice`] does before
+//! a recording is read is quicker: it takes the best of at most 256 views at a few points each, and measures no accuracy.
+
+mod accuracy;
+mod greedy;
+mod surface_points;
+mod visibility;
+
+use serde::{Deserialize, Serialize};
+
+use crate::truth::{self, Truth};
+use accuracy::AccuracyTest;
+use greedy::{Addition, Coverage};
+use overlook_engine::alignment::{self, Alignment};
+use overlook_engine::capture::Capture;
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::plural::{counted, either};
+use overlook_engine::settings::{AlignSettings, Settings};
+use surface_points::seen_points;
+use visibility::shown_by_each;
+
+/// The share of what all views saw that is shown by default.
+pub const SHOWN_AT_LEAST: f64 = 0.99;
+
+/// Frames that are looked at, at most.
+const FRAMES: usize = 5;
+
+/// A view, and what it adds to those before it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AddedView {
+    /// Its name.
+    pub name: String,
+    /// The share of what all views saw that it adds.
+    pub adds: f64,
+    /// The share that is shown with it.
+    pub shown: f64,
+}
+
+/// What a number of views gives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ViewCount {
+    /// How many.
+    pub views: usize,
+    /// The share of what all views saw that they show.
+    pub shown: f64,
+    /// PSNR over pixels that some view saw, holes filled, dB.
+    pub psnr_filled_db: f64,
+    /// Its standard error over vantages.
+    pub psnr_filled_db_se: f64,
+    /// Samples that are kept.
+    pub samples: u64,
+    /// Bytes of their store.
+    pub bytes: u64,
+}
+
+/// The views that were chosen, and how coverage and accuracy grow with their number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChosenViews {
+    /// Views that add anything, in the order of what they add: first those that are needed, then the others.
+    pub order: Vec<AddedView>,
+    /// How many of them are needed.
+    pub needed: usize,
+    /// How many there are.
+    pub of: usize,
+    /// The share that was to be shown.
+    pub shown_at_least: f64,
+    /// Points of surfaces that were looked at.
+    pub points: usize,
+    /// Names of views that took no part and are the truth; none where the truth is given.
+    pub left_out: Vec<String>,
+    /// Accuracy against the number of views; the last is of all that took part. Empty where there is no truth.
+    pub accuracy: Vec<ViewCount>,
+    /// What was chosen, one sentence each.
+    pub words: Vec<String>,
+}
+
+impl ChosenViews {
+    /// Names of the views that are needed, what adds most first.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.order[..self.needed].iter().map(|view| view.name.as_str())
+    }
+}
+
+/// Chooses the fewest views that show a share of what all saw, and measures how accurate they and some fewer are.
+///
+/// # Errors
+/// Those of loading frames and truth, of preprocessing and rendering; `Cancelled`.
+pub fn choose_views(
+    capture: &Capture,
+    (settings, shown_at_least): (&Settings, f64),
+    truth: &Truth,
+    job: &Job,
+) -> Result<ChosenViews> {
+    let aligned = alignment::align(capture, &settings.align, job)?;
+    let truth = match truth {
+        Truth::Views(views) => Truth::Views(Alignment::views_as_taken(aligned.alignment.as_ref(), views)),
+        Truth::HoldOut => Truth::HoldOut,
+    };
+    // What the rig got wrong is known from all views.
+    let settings = Settings { align: AlignSettings::OFF, ..settings.clone() };
+    let capture = aligned.capture;
+    let frames: Vec<usize> = truth::evenly_spaced(capture.frame_count(), FRAMES).collect();
+    job.start("Looking at views", capture.cameras.len() * (frames.len() + 1));
+    let seen = seen_points(&capture, &frames, job)?;
+    let shown = shown_by_each(&capture, &seen, job)?;
+    let counts: Vec<usize> = seen.iter().map(|seen| seen.points.len()).collect();
+    drop(seen);
+    let coverage = Coverage::new(shown, &counts);
+    let (order, count) = coverage.order((shown_at_least * coverage.total as f64).ceil() as u64);
+    let needed: Vec<usize> = order[..count].iter().map(|addition| addition.view).collect();
+    let mut chosen = ChosenViews {
+        order: added_views(&capture, &order, coverage.total),
+        needed: count,
+        of: capture.cameras.len(),
+        shown_at_least,
+        points: counts.iter().sum(),
+        left_out: Vec::new(),
+        accuracy: Vec::new(),
+        words: Vec::new(),
+    };
+    drop(coverage);
+    if let Some(test) = AccuracyTest::new(&capture, &truth, &needed, &settings, job)? {
+        chosen.accuracy = accuracy(&test, &chosen, job)?;
+        chosen.left_out = test.left_out;
+    }
+    job.set_context("");
+    chosen.words = words(&chosen);
+    Ok(chosen)
+}
+
+fn added_views(capture: &Capture, order: &[Addition], total: u64) -> Vec<AddedView> {
+    let share = |weight: u64| weight as f64 / total.max(1) as f64;
+    let mut so_far = 0;
+    let view = |addition: &Addition| {
+        so_far += addition.added;
+        let name = capture.cameras[addition.view].name.clone();
+        AddedView { name, adds: share(addition.added), shown: share(so_far) }
+    };
+    order.iter().map(view).collect()
+}
+
+/// Numbers of views at which accuracy is measured: each half as large again as the one before.
+fn numbers(needed: usize) -> Vec<usize> {
+    let next = |number: &usize| Some((number + 1).max(number * 3 / 2));
+    let mut numbers: Vec<usize> =
+        std::iter::successors(Some(1), next).take_while(|number| *number < needed).collect();
+    numbers.extend((needed > 0).then_some(needed));
+    numbers
+}
+
+fn accuracy(test: &AccuracyTest, chosen: &ChosenViews, job: &Job) -> Result<Vec<ViewCount>> {
+    let numbers = numbers(chosen.needed);
+    let all = test.views();
+    let mut counts = Vec::new();
+    for number in numbers.iter().copied().chain((all > chosen.needed).then_some(all)) {
+        job.set_context(format!("{} of {}", counted(number, "view"), chosen.of));
+        let first = chosen.order.get(..number).filter(|_| number <= chosen.needed);
+        let names = first.map(|views| views.iter().map(|view| view.name.clone()).collect());
+        let found = test.of(names, job)?;
+        counts.push(ViewCount {
+            views: number,
+            // Those that are left out may alone have shown something.
+            shown: first.and_then(<[AddedView]>::last).map_or(1.0, |view| view.shown),
+            psnr_filled_db: found.psnr_filled_db.mean,
+            psnr_filled_db_se: found.psnr_filled_db.standard_error,
+            samples: found.samples,
+            bytes: found.bytes,
+        });
+    }
+    Ok(counts)
+}
+
+fn words(chosen: &ChosenViews) -> Vec<String> {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let (needed, of) = (chosen.needed, chosen.of);
+    let shown = chosen.order[..needed].last().map_or(0.0, |view| view.shown);
+    let mut words = vec![format!(
+        "{} of {of} {} {} of what all of them saw, at half of the sharpness at least.",
+        counted(needed, "view"),
+        either(needed, "shows", "show"),
+        percent(shown),
+    )];
+    if let Some(first) = chosen.order.first().filter(|_| needed > 1) {
+        let last = &chosen.order[needed - 1];
+        words.push(format!(
+            "'{}' adds {}, '{}' as the last one {}.",
+            first.name,
+            percent(first.adds),
+            last.name,
+            percent(last.adds)
+        ));
+    }
+    let at = |number: usize| chosen.accuracy.iter().find(|count| count.views == number);
+    match (at(needed), chosen.accuracy.last()) {
+        (Some(few), Some(all)) if all.views > few.views => words.push(format!(
+            "Pictures made of them have {:.2} dB in {:.2} MB; of {}, {:.2} dB in {:.2} MB.",
+            few.psnr_filled_db,
+            few.bytes as f64 / 1e6,
+            counted(all.views, "view"),
+            all.psnr_filled_db,
+            all.bytes as f64 / 1e6,
+        )),
+        (Some(few), _) => {
+            words.push(format!("Pictures made of them have {:.2} dB.", few.psnr_filled_db));
+        }
+        _ => words.push("No view is left out that accuracy could be measured at.".to_owned()),
+    }
+    if !chosen.left_out.is_empty() {
+        words.push(format!("Accuracy is measured at {}, which took no part.", chosen.left_out.join(", ")));
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,82 @@
+//! Points of what every view saw, spread over its pictures: what is to be shown.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use overlook_engine::capture::{Camera, Capture, Frame};
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+
+/// Points of all views together, at most about; of a view at least and at most.
+const POINTS: usize = 1 << 20;
+const OF_VIEW: [usize; 2] = [64, 4096];
+
+/// Where depth changes by more than this share to a neighbor, no surface is taken for the one that the view shows.
+const STEP: f32 = 0.05;
+
+/// A point of a surface that a view saw.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfacePoint {
+    pub(super) in_world: DVec3,
+    /// Width of the pixel that saw it, in units of the world.
+    pub(super) pixel_width: f64,
+}
+
+/// The points of one view at one frame, row by row.
+#[derive(Clone, Debug)]
+pub(super) struct SeenPoints {
+    pub(super) view: usize,
+    pub(super) frame: usize,
+    pub(super) points: Vec<SurfacePoint>,
+    /// The corners of a box around them.
+    pub(super) corners: [DVec3; 2],
+}
+
+/// What all views saw at some frames, view by view.
+///
+/// # Errors
+/// Those of loading frames, and `Cancelled`.
+pub(super) fn seen_points(capture: &Capture, frames: &[usize], job: &Job) -> Result<Vec<SeenPoints>> {
+    let pictures: Vec<(usize, usize)> =
+        (0..capture.cameras.len()).flat_map(|view| frames.iter().map(move |frame| (view, *frame))).collect();
+    let of_view = (POINTS / capture.cameras.len().max(1)).clamp(OF_VIEW[0], OF_VIEW[1]);
+    let of_picture = of_view.div_ceil(frames.len().max(1));
+    let seen = pictures.into_par_iter().map(|(view, frame)| {
+        job.check()?;
+        let points = points_of(&capture.cameras[view], &*capture.frame(view, frame)?, of_picture);
+        job.advance(1);
+        let corners = points.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| {
+            [low.min(point.in_world), high.max(point.in_world)]
+        });
+        Ok(SeenPoints { view, frame, points, corners })
+    });
+    seen.collect()
+}
+
+/// About so many points of one picture, on a lattice.
+fn points_of(camera: &Camera, frame: &Frame, count: usize) -> Vec<SurfacePoint> {
+    let (width, height) = frame.size();
+    let step = (width * height / count.max(1)).isqrt().max(1);
+    let depths = &frame.inverse_depth;
+    let is_alike = |here: f32, there: Option<&f32>| {
+        there.is_none_or(|there| *there < 0.0 || (there / here - 1.0).abs() <= STEP)
+    };
+    let focal = (camera.intrinsics.fx * camera.intrinsics.fy).sqrt();
+    let mut points = Vec::new();
+    for y in (step / 2..height).step_by(step) {
+        for x in (step / 2..width).step_by(step) {
+            let here = depths[(x, y)];
+            let beside = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)]
+                .map(|(x, y)| depths.get(x, y));
+            if here > 0.0 && beside.into_iter().all(|there| is_alike(here, there)) {
+                let depth = 1.0 / f64::from(here);
+                let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                points.push(SurfacePoint {
+                    in_world: camera.unproject(center, depth),
+                    pixel_width: depth / focal,
+                });
+            }
+        }
+    }
+    points
+}

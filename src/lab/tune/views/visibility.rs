@@ -1,0 +1,146 @@
+//! Which points each view shows: one bit for each, so that a thousand views take a hundred megabytes at most.
+
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+
+use super::surface_points::{SeenPoints, SurfacePoint};
+use crate::truth::is_surface_at;
+use overlook_engine::capture::{Camera, Capture, Frame};
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+
+/// A view shows a point only if its pixels are at most so many times as wide there as those of the view that saw it: what was recorded
+/// from near is not shown from far away.
+const WIDER: f64 = 2.0;
+
+const BITS: usize = u64::BITS as usize;
+
+/// Some of the points of one [`SeenPoints`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct ShownOf {
+    /// Which one.
+    pub(super) seen: usize,
+    /// Bit by bit.
+    pub(super) bits: Vec<u64>,
+}
+
+/// What one view shows; of which it shows nothing is left out.
+pub(super) type ShownPoints = Vec<ShownOf>;
+
+/// The places of the bits that are set in both.
+pub(super) fn common_bits(a: &[u64], b: &[u64]) -> impl Iterator<Item = usize> {
+    a.iter().zip(b).enumerate().flat_map(|(word, (a, b))| {
+        let mut left = a & b;
+        std::iter::from_fn(move || {
+            let bit = (left != 0).then(|| left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(word * BITS + bit)
+        })
+    })
+}
+
+/// As many bits, all set.
+pub(super) fn all_bits(count: usize) -> Vec<u64> {
+    let mut bits = vec![u64::MAX; count.div_ceil(BITS)];
+    if let Some(last) = bits.last_mut().filter(|_| !count.is_multiple_of(BITS)) {
+        *last = (1 << (count % BITS)) - 1;
+    }
+    bits
+}
+
+/// What every view shows. Of the pictures, only those that are looked at are held.
+///
+/// # Errors
+/// Those of loading frames, and `Cancelled`.
+pub(super) fn shown_by_each(capture: &Capture, seen: &[SeenPoints], job: &Job) -> Result<Vec<ShownPoints>> {
+    let of_view = |view: usize| {
+        job.check()?;
+        let mut shown = ShownPoints::new();
+        let looker = Looker::new(&capture.cameras[view]);
+        let mut frames: Vec<usize> = seen.iter().map(|seen| seen.frame).collect();
+        frames.sort_unstable();
+        frames.dedup();
+        for frame in frames {
+            let picture = capture.frame(view, frame)?;
+            let of_frame = seen.iter().enumerate().filter(|(_, seen)| seen.frame == frame);
+            shown.extend(of_frame.filter_map(|(at, seen)| looker.shown(view, &picture, (at, seen))));
+        }
+        job.advance(1);
+        Ok(shown)
+    };
+    (0..capture.cameras.len()).into_par_iter().map(of_view).collect()
+}
+
+/// A view that looks at points.
+struct Looker {
+    camera: Camera,
+    camera_from_world: DAffine3,
+}
+
+impl Looker {
+    fn new(camera: &Camera) -> Self {
+        Self { camera_from_world: camera.camera_from_world(), camera: camera.clone() }
+    }
+
+    /// What it shows of what a view saw; `None` if nothing.
+    fn shown(&self, view: usize, picture: &Frame, (at, seen): (usize, &SeenPoints)) -> Option<ShownOf> {
+        if seen.points.is_empty() {
+            return None;
+        }
+        if seen.view == view {
+            return Some(ShownOf { seen: at, bits: all_bits(seen.points.len()) });
+        }
+        if self.is_outside(seen.corners) {
+            return None;
+        }
+        let mut bits = vec![0; seen.points.len().div_ceil(BITS)];
+        for (nth, point) in seen.points.iter().enumerate() {
+            if self.shows(picture, point) {
+                bits[nth / BITS] |= 1 << (nth % BITS);
+            }
+        }
+        bits.iter().any(|word| *word != 0).then_some(ShownOf { seen: at, bits })
+    }
+
+    /// Whether a box lies beyond one side of what is in the picture.
+    fn is_outside(&self, [low, high]: [DVec3; 2]) -> bool {
+        let lens = &self.camera.intrinsics;
+        let (width, height) = (f64::from(lens.width), f64::from(lens.height));
+        let corner = |nth: usize| {
+            let pick = |bit: usize, low: f64, high: f64| if nth >> bit & 1 == 0 { low } else { high };
+            let corner = DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
+            self.camera_from_world.transform_point3(corner)
+        };
+        let corners: [DVec3; 8] = std::array::from_fn(corner);
+        let beyond: [&dyn Fn(&DVec3) -> bool; 5] = [
+            &|p| p.z <= 0.0,
+            &|p| lens.fx * p.x + lens.cx * p.z < 0.0,
+            &|p| lens.fx * p.x + (lens.cx - width) * p.z > 0.0,
+            &|p| lens.fy * p.y + lens.cy * p.z < 0.0,
+            &|p| lens.fy * p.y + (lens.cy - height) * p.z > 0.0,
+        ];
+        beyond.iter().any(|is_beyond| corners.iter().all(is_beyond))
+    }
+
+    fn shows(&self, picture: &Frame, point: &SurfacePoint) -> bool {
+        let in_camera = self.camera_from_world.transform_point3(point.in_world);
+        let lens = &self.camera.intrinsics;
+        let Some(position) = lens.project(in_camera) else { return false };
+        let pixel_width = in_camera.z / (lens.fx * lens.fy).sqrt();
+        pixel_width <= WIDER * point.pixel_width && is_surface_at(picture, position, in_camera.z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_come_back_in_their_order_and_none_beyond_the_last() {
+        for count in [1, 63, 64, 65, 130] {
+            let all = all_bits(count);
+            assert_eq!(common_bits(&all, &all).collect::<Vec<_>>(), (0..count).collect::<Vec<_>>());
+        }
+        assert_eq!(common_bits(&[0b1011, 1], &[0b1110, 1]).collect::<Vec<_>>(), [1, 3, 64]);
+    }
+}

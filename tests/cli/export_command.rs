@@ -1,0 +1,237 @@
+//! `overlook export`: points, pictures and films that other programs read.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use overlook_engine::job::Job;
+
+use crate::builder::{moving_set, small_report, small_set};
+
+fn overlook(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_overlook")).arg("export").args(arguments).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A folder with a store and a camera path of two keys, frames 1 to 3 of its first four.
+fn scene() -> (tempfile::TempDir, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let [store, path] = ["scene.ovl", "path.json"].map(|name| folder.path().join(name).display().to_string());
+    let mut set = moving_set();
+    set.frame_numbers = (0..10).collect();
+    overlook_engine::store::file::write(Path::new(&store), &set, &small_report(), &Job::new()).unwrap();
+    let pose = |x: f64| format!("[[1,0,0,{x}],[0,-1,0,-2.0],[0,0,-1,0.3],[0,0,0,1]]");
+    let views = [(1, 0.1), (3, 0.2)].map(|(time, x)| {
+        format!(r#"{{"file_path":"{time}.exr","time":{time},"transform_matrix":{}}}"#, pose(x))
+    });
+    let manifest =
+        format!(r#"{{"w":31,"h":20,"fl_x":30,"fl_y":30,"cx":15.5,"cy":10,"frames":[{}]}}"#, views.join(","));
+    std::fs::write(&path, manifest).unwrap();
+    (folder, store, path)
+}
+
+/// Header lines and bytes of a PLY file.
+fn ply(path: &Path) -> (Vec<String>, Vec<u8>) {
+    let bytes = std::fs::read(path).unwrap();
+    let end = bytes.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
+    let header = String::from_utf8(bytes[..end].to_vec()).unwrap();
+    (header.lines().map(str::to_owned).collect(), bytes[end..].to_vec())
+}
+
+#[test]
+fn points_lie_where_the_samples_were_seen() {
+    let (folder, store, _) = scene();
+    let out = folder.path().join("points.ply");
+    let output = overlook(&["points", &store, "--frame", "2", "--out", out.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", said(&output));
+    let (header, points) = ply(&out);
+    let set = moving_set();
+    let image = &set.images[2];
+    assert_eq!(header[0..2], ["ply", "format binary_little_endian 1.0"]);
+    assert!(header.contains(&format!("element vertex {}", image.len())));
+    let properties = header.iter().filter(|line| line.starts_with("property")).count();
+    assert_eq!((properties, points.len()), (10, image.len() * 31));
+    let camera = &set.cameras[0];
+    for (sample, point) in image.samples().zip(points.chunks(31)).step_by(17) {
+        let float = |nth: usize| f32::from_le_bytes(point[4 * nth..4 * nth + 4].try_into().unwrap());
+        let seen = camera.world_from_camera.inverse().transform_point3(glam::DVec3::new(
+            float(0).into(),
+            float(1).into(),
+            float(2).into(),
+        ));
+        let z = 1.0 / f64::from(image.inverse_depths()[sample.index]);
+        let intrinsics = &camera.intrinsics;
+        assert!((seen.z - z).abs() < 1e-5);
+        assert!((seen.x / seen.z * intrinsics.fx + intrinsics.cx - sample.x as f64 - 0.5).abs() < 1e-3);
+        assert!((seen.y / seen.z * intrinsics.fy + intrinsics.cy - sample.y as f64 - 0.5).abs() < 1e-3);
+        assert_eq!([float(3), float(4), float(5)], [0.0; 3]);
+        // A disk as large as a pixel: half its width over the square root of π.
+        let expected = z / intrinsics.fx / std::f64::consts::PI.sqrt();
+        assert!((0.8..1.01).contains(&(f64::from(float(6)) / expected)), "{} {expected}", float(6));
+    }
+}
+
+#[test]
+fn every_frame_gets_a_file_and_static_points_one() {
+    let (folder, store, _) = scene();
+    let out = folder.path().join("frames");
+    assert!(overlook(&["points", &store, "--out", out.to_str().unwrap()]).status.success());
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 10);
+    let (header, _) = ply(&out.join("0009.ply"));
+    assert!(header.contains(&format!("element vertex {}", moving_set().images[9].len())));
+
+    let small = folder.path().join("small.ovl");
+    overlook_engine::store::file::write(&small, &small_set(), &small_report(), &Job::new()).unwrap();
+    let out = folder.path().join("static.ply");
+    let output = overlook(&["points", small.to_str().unwrap(), "--static", "--out", out.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", said(&output));
+    let near = small_set().images[0].inverse_depths().iter().filter(|depth| **depth > 0.0).count();
+    assert!(ply(&out).0.contains(&format!("element vertex {near}")));
+
+    let output = overlook(&["points", &store, "--frame", "77", "--out", "nowhere.ply"]);
+    assert!(output.status.code() == Some(1) && said(&output).contains("no frame 77"));
+}
+
+#[test]
+fn no_export_replaces_what_it_is_made_from_or_another_store() {
+    let (folder, store, path) = scene();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let (other, picture, settings) = (at("other.ovl"), at("1.exr"), at("settings.toml"));
+    std::fs::copy(&store, &other).unwrap();
+    std::fs::write(&picture, "a picture of the path").unwrap();
+    std::fs::write(&settings, "[render]\nkernel = \"block\"\n").unwrap();
+    let files = [&store, &path, &other, &picture, &settings];
+    let before = files.map(|name| std::fs::read(name).unwrap());
+    for (export, out, why) in [
+        (["points", &store, "--frame", "2"].as_slice(), &other, "is a store"),
+        (&["points", &store, "--static"], &store, "is what is read"),
+        (&["video", &store, "--path", &path], &store, "is what is read"),
+        (&["video", &store, "--path", &path], &path, "is what is read"),
+        (&["video", &store, "--path", &path], &picture, "is what is read"),
+        (&["video", &store, "--path", &path], &other, "is a store"),
+        (&["video", &store, "--path", &path, "--settings", &settings], &settings, "is what is read"),
+    ] {
+        let output = overlook(&[export, &["--out", out]].concat());
+        assert_eq!(output.status.code(), Some(1), "{export:?} to {out}");
+        assert!(said(&output).contains(why) && said(&output).contains(out.as_str()), "{}", said(&output));
+    }
+    assert_eq!(before, files.map(|name| std::fs::read(name).unwrap()));
+}
+
+#[test]
+fn pictures_follow_the_path_frame_by_frame() {
+    let (folder, store, path) = scene();
+    let out = folder.path().join("pictures");
+    let arguments = ["pictures", &store, "--path", &path, "--backend", "cpu", "--out", out.to_str().unwrap()];
+    let output = overlook(&arguments);
+    assert!(output.status.success(), "{}", said(&output));
+    let mut names: Vec<String> = std::fs::read_dir(&out)
+        .unwrap()
+        .map(|file| file.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["0001.exr", "0001.png", "0002.exr", "0002.png", "0003.exr", "0003.png"]);
+    let png = image::open(out.join("0002.png")).unwrap().into_rgba8();
+    assert_eq!(png.dimensions(), (31, 20));
+    assert!(png.pixels().any(|pixel| pixel.0[3] == 255));
+}
+
+/// A stand-in for ffmpeg that keeps what it is given; the PATH with it alone.
+#[cfg(unix)]
+fn stand_in(folder: &Path, script: &str) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let bin = folder.join("bin");
+    std::fs::create_dir_all(&bin).unwrap();
+    let program = bin.join("ffmpeg");
+    std::fs::write(&program, format!("#!/bin/sh\nPATH=/usr/bin:/bin\n{script}\n")).unwrap();
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    bin
+}
+
+#[cfg(unix)]
+fn film(store: &str, path: &str, out: &Path, programs: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_overlook"))
+        .args(["export", "video", store, "--path", path, "--backend", "cpu", "--fps", "30", "--out"])
+        .arg(out)
+        .env("PATH", programs)
+        .output()
+        .unwrap()
+}
+
+#[test]
+#[cfg(unix)]
+fn a_film_is_handed_to_ffmpeg_picture_by_picture() {
+    let (folder, store, path) = scene();
+    let out = folder.path().join("film.mp4");
+    let told = folder.path().join("arguments");
+    let script = format!("for last; do :; done; printf '%s ' \"$@\" > {}; cat > \"$last\"", told.display());
+    let output = film(&store, &path, &out, &stand_in(folder.path(), &script));
+    assert!(output.status.success(), "{}", said(&output));
+    assert_eq!(std::fs::metadata(&out).unwrap().len(), 3 * 31 * 20 * 3);
+    let arguments = std::fs::read_to_string(told).unwrap();
+    assert!(arguments.contains("-s 31x20 -r 30 -i -") && arguments.contains("libx264"), "{arguments}");
+    let colors = ["scale=out_color_matrix=bt709:out_range=tv ", "-colorspace bt709 -color_primaries bt709"];
+    for told in colors.into_iter().chain(["-color_trc iec61966-2-1 -color_range tv "]) {
+        assert!(arguments.contains(told), "a player is told which colors it shows: {arguments}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn without_ffmpeg_or_with_one_that_fails_one_line_says_so() {
+    let (folder, store, path) = scene();
+    let out = folder.path().join("film.mp4");
+    let empty = folder.path().join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    let output = film(&store, &path, &out, &empty);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("there is no ffmpeg") && said(&output).trim().lines().count() == 1);
+
+    let output = film(&store, &path, &out, &stand_in(folder.path(), "echo no such codec >&2; exit 3"));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("no such codec") && said(&output).trim().lines().count() == 1);
+    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    let left: Vec<_> = left.filter(|name| name.to_string_lossy().ends_with(".mp4")).collect();
+    assert!(left.is_empty(), "of a film that failed nothing is left: {left:?}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_film_that_is_stopped_is_cancelled_and_no_failure_of_ffmpeg() {
+    use rustix::process::{Pid, Signal, kill_process_group};
+    use std::os::unix::process::CommandExt;
+    use std::time::{Duration, Instant};
+
+    let (folder, store, path) = scene();
+    let (out, given, told) =
+        (folder.path().join("film.mp4"), folder.path().join("given"), folder.path().join("told"));
+    // One that is still at work when it has all pictures.
+    let script = format!(
+        "trap 'echo > {}' INT; cat > /dev/null; echo > {}; while :; do sleep 0.05; done",
+        told.display(),
+        given.display()
+    );
+    let child = Command::new(env!("CARGO_BIN_EXE_overlook"))
+        .args(["export", "video", &store, "--path", &path, "--backend", "cpu", "--out"])
+        .arg(&out)
+        .env("PATH", stand_in(folder.path(), &script))
+        .stderr(std::process::Stdio::piped())
+        .process_group(0)
+        .spawn()
+        .unwrap();
+    let asked = Instant::now();
+    while !given.exists() {
+        assert!(asked.elapsed() < Duration::from_mins(1), "nothing happens");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // As a terminal does.
+    kill_process_group(Pid::from_child(&child), Signal::INT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), said(&output).as_str()), (Some(130), "overlook: cancelled\n"));
+    assert!(!told.exists(), "ffmpeg was told to stop by others");
+    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    let left: Vec<_> = left.filter(|name| name.to_string_lossy().ends_with(".mp4")).collect();
+    assert!(left.is_empty(), "{left:?}");
+}

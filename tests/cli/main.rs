@@ -1,0 +1,21 @@
+//! The command line: what each command prints, writes and refuses.
+
+#[expect(dead_code, reason = "the builder serves other tests too")]
+#[path = "../common/builder.rs"]
+mod builder;
+#[path = "../common/command.rs"]
+mod command;
+#[path = "../common/said.rs"]
+mod said;
+#[path = "../common/skip.rs"]
+mod skip;
+
+mod bench_command;
+mod commands;
+mod export_command;
+mod gpu_command;
+mod parts;
+mod preprocess_command;
+mod preprocess_parts;
+mod result_places;
+mod study_commands;

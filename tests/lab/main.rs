@@ -1,0 +1,13 @@
+//! Metrics, truth, sweeps, stress tests and tuning.
+
+#[path = "../common/small_capture.rs"]
+mod small_capture;
+
+mod accuracy;
+mod metrics;
+mod results;
+mod scenes;
+mod stress;
+mod sweep;
+mod truth;
+mod tune;

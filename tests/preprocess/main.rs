@@ -1,0 +1,18 @@
+//! What is redundant in space and time, why, and the promises that hold for every capture.
+
+#[path = "../common/coverage.rs"]
+mod coverage;
+#[path = "../common/draws.rs"]
+mod draws;
+#[path = "../common/scene.rs"]
+mod scene;
+
+mod agreement;
+mod paper_levels;
+mod pixel_argument;
+mod preprocessing_promises;
+mod pruning_properties;
+mod random_captures;
+mod repeated_frames;
+mod span_tree;
+mod view_dependence;
