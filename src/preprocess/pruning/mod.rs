@@ -22,7 +22,7 @@ pub(crate) use decision::Decided;
 pub(crate) use decision::{
     Candidate, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
 };
-pub use decision::{Dispute, Rule, Verdict};
+pub use decision::{Rule, Verdict};
 pub(crate) use pack::{Masks, pack};
 pub(crate) use pass::{ABSENT, BAND_ROWS, DROPPED, KEPT, PruningPass, Statuses, UNDECIDED, no_statuses};
 pub(crate) use search::{find, pass_over_views, prune};
