@@ -200,13 +200,13 @@ pub fn inspect_frame(
         packed.collect::<Vec<_>>()
     });
     let images = packed.collect();
-    let FrameVerdicts { verdicts, disputes, .. } = all;
-    let cameras = complete.planes.iter().zip(frames).zip(verdicts.into_iter().zip(disputes));
-    let cameras = cameras.map(|((planes, frame), (verdicts, disputes))| {
+    let FrameVerdicts { verdicts, .. } = all;
+    let cameras = complete.planes.iter().zip(frames).zip(verdicts);
+    let cameras = cameras.map(|((planes, frame), verdicts)| {
         let CameraPlanes { class, level, normal_in_world } = planes.clone();
         let (width, height) = level.size();
         let verdict = Grid::from_vec(width, height, verdicts);
-        CameraInspection { frame, class, level, verdict, disputes, normal_in_world }
+        CameraInspection { frame, class, level, verdict, normal_in_world }
     });
     Ok(FrameInspection {
         frame,

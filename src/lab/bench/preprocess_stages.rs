@@ -36,7 +36,7 @@ const SPLIT_FRAMES: usize = 32;
 
 /// Views of the recording, and bytes of a pixel in the layer of one; layers take up to half of the memory setting.
 const VIEWS: usize = 24;
-const LAYER_BYTES: u64 = 47;
+const LAYER_BYTES: u64 = 43;
 
 /// Repeats of a stage, the samples that it works on, and the bytes that it reads or writes at least.
 type StageResult = (Times, u64, u64);

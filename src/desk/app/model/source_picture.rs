@@ -19,7 +19,6 @@ pub(crate) enum Overlay {
     WhoWon,
     Agreement,
     ViewDependence,
-    RateDisputes,
     Split,
     Tiles,
 }
@@ -32,11 +31,11 @@ impl Overlay {
 
     /// Whether its colors are those of cameras.
     pub(crate) fn names_cameras(self) -> bool {
-        matches!(self, Self::WhoWon | Self::RateDisputes)
+        self == Self::WhoWon
     }
 
     /// Every choice in the order of the menu: its name, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 10] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 9] = [
         (Self::Color, "Picture", "The picture as the camera recorded it."),
         (
             Self::WhoWon,
@@ -53,11 +52,6 @@ impl Overlay {
             Self::ViewDependence,
             "View dependence",
             "By how much the color of each point differs from what the other cameras show of it: highlights, mirrors, and exposures that differ.",
-        ),
-        (
-            Self::RateDisputes,
-            "Rates",
-            "Where the paper's rate and the footprint name different cameras as the best: in the color of the one that the rate not in use names.",
         ),
         (Self::Split, "Motion", MOTION),
         (
@@ -122,15 +116,6 @@ pub(crate) enum Legend {
         lost_to: Vec<u64>,
         /// Pixels dropped without a witness.
         dropped: u64,
-        /// Pixels without depth.
-        invalid: u64,
-    },
-    /// Pixels on whose best-sampled camera both rate models agree, and those that each camera would win by the other model.
-    RateDisputes {
-        /// Pixels on which both agree.
-        agreed: u64,
-        /// Pixels that each camera would win.
-        won_by: Vec<u64>,
         /// Pixels without depth.
         invalid: u64,
     },

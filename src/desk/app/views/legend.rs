@@ -91,13 +91,6 @@ pub(crate) fn source_legend_ui(
             }
             winners_ui(ui, state, lost_to, total, commands);
         }
-        Legend::RateDisputes { agreed, won_by, invalid } => {
-            let total = agreed + invalid + won_by.iter().sum::<u64>();
-            let label = RichText::new(format!("rates agree {}", model::percent(*agreed, total)));
-            ui.label(label.small()).on_hover_text("Both rate models name the same camera; shown dimmed.");
-            no_depth_ui(ui, *invalid, total);
-            winners_ui(ui, state, won_by, total, commands);
-        }
     });
 }
 

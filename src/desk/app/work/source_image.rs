@@ -52,7 +52,6 @@ fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
         (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens, key.isolated),
         (Overlay::Agreement, Some(_)) => agreement(key, &picture, tokens),
         (Overlay::ViewDependence, Some(_)) => view_dependence(key, &picture),
-        (Overlay::RateDisputes, Some(camera)) => rate_disputes(camera, &picture, tokens, key.isolated),
         (Overlay::Split, Some(camera)) => split(camera, &picture, tokens),
         (Overlay::Tiles, Some(camera)) => tiles(camera, &picture),
         _ => (picture, Legend::Plain),
@@ -209,36 +208,6 @@ fn count(pixels: &mut Vec<u64>, camera: usize) {
     pixels[camera] += 1;
 }
 
-fn rate_disputes(
-    camera: &CameraInspection,
-    picture: &Grid<Color32>,
-    tokens: &Tokens,
-    isolated: Option<usize>,
-) -> (Grid<Color32>, Legend) {
-    let (mut agreed, mut invalid) = (0, 0);
-    let mut won_by = Vec::new();
-    let all = Grid::from_fn(picture.width(), picture.height(), |x, y| {
-        let winner = camera.other_winner(y * picture.width() + x);
-        winner.filter(|_| camera.class[(x, y)] != PixelClass::Invalid)
-    });
-    for winner in all.as_slice().iter().flatten() {
-        count(&mut won_by, *winner);
-    }
-    let colors = CameraColors::new(&won_by, isolated, tokens);
-    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
-        if camera.class[(x, y)] == PixelClass::Invalid {
-            invalid += 1;
-            return tokens.invalid;
-        }
-        let Some(winner) = all[(x, y)] else {
-            agreed += 1;
-            return dimmed(picture[(x, y)], 0.35);
-        };
-        colors.at(winner, (x, y), picture[(x, y)])
-    });
-    (pixels, Legend::RateDisputes { agreed, won_by, invalid })
-}
-
 fn split(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
     let (mut background, mut lasting, mut foreground, mut invalid) = (0, 0, 0, 0);
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
@@ -293,7 +262,7 @@ fn tiles(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use overlook_engine::preprocess::pruning::{Dispute, Rule};
+    use overlook_engine::preprocess::pruning::Rule;
 
     fn camera() -> (CameraInspection, Grid<Color32>) {
         let (width, height) = (32, 16);
@@ -315,10 +284,6 @@ mod tests {
             verdict: Grid::from_fn(width, height, |x, _| {
                 if x < 16 { Verdict::without_witness(Rule::BestRate) } else { lost }
             }),
-            disputes: (0..(width * height) as u32)
-                .filter(|pixel| pixel % 32 < 8)
-                .map(|pixel| Dispute { pixel, camera: 0, other_camera: 1 })
-                .collect(),
             normal_in_world: Arc::new(Grid::filled(width, height, [0.0, 0.0, 1.0])),
         };
         (camera, Grid::filled(width, height, Color32::WHITE))
@@ -331,14 +296,6 @@ mod tests {
         assert_eq!(legend, Legend::Winners { kept: 256, lost_to: vec![0, 0, 256], dropped: 0, invalid: 0 });
         assert_eq!(pixels[(0, 0)], Color32::WHITE);
         assert_ne!(pixels[(20, 0)], Color32::WHITE);
-    }
-
-    #[test]
-    fn pixels_on_which_the_rates_disagree_are_counted_for_the_other_winner() {
-        let (camera, picture) = camera();
-        let (pixels, legend) = rate_disputes(&camera, &picture, Tokens::of(true), None);
-        assert_eq!(legend, Legend::RateDisputes { agreed: 384, won_by: vec![0, 128], invalid: 0 });
-        assert_ne!(pixels[(0, 0)], pixels[(20, 0)]);
     }
 
     #[test]

@@ -25,7 +25,6 @@ impl RunCounts {
         add_named(&mut all.pruned, &more.pruned);
         add_named(&mut all.mixed_pixels, &more.mixed_pixels);
         all.witnesses.iter_mut().zip(&more.witnesses).for_each(|(all, more)| add_each(all, more));
-        all.rate_disputes.iter_mut().zip(&more.rate_disputes).for_each(|(all, more)| add_each(all, more));
         for (all, more) in all.cameras.iter_mut().zip(&more.cameras) {
             all.background_pixels += more.background_pixels;
             all.background_kept += more.background_kept;

@@ -7,10 +7,10 @@ use super::report::{CameraReport, DepthNoise, Report, STATIC_RULE};
 use crate::capture::conventions::{self, DepthClaim, PoseConvention};
 use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
 use crate::error::Result;
-use crate::preprocess::layers::{CameraLayer, Rate};
+use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
-use crate::preprocess::pruning::{Decided, Dispute, Rule, Verdict};
+use crate::preprocess::pruning::{Decided, Rule, Verdict};
 use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, SpanLevel, TemporalScan};
 use crate::samples::Span;
 use crate::settings::{NormalSource, Settings};
@@ -31,7 +31,6 @@ fn range_facts(scan: &TemporalScan, settings: &Settings) -> Vec<RangeFacts> {
 pub(crate) struct Tally {
     report: Report,
     frames: u64,
-    rate: Rate,
     depth_claim: DepthClaim,
     pose_convention: PoseConvention,
     /// Whether nothing was counted yet: the span of all frames comes first, also where a frame is as long.
@@ -67,16 +66,14 @@ impl Tally {
         let samples_in = capture.pixel_count();
         let report = Report {
             witnesses: vec![vec![0; cameras.len()]; cameras.len()],
-            rate_disputes: vec![vec![0; cameras.len()]; cameras.len()],
             cameras,
             samples_in,
             bytes_raw: samples_in * RAW_BYTES_PER_PIXEL,
             foreground_per_frame: vec![0; scan.frames],
             ..Report::default()
         };
-        let rate = Rate::resolve(settings.pruning.rate, &capture.cameras);
         let (depth_claim, pose_convention) = (capture.source.depth_claim(), capture.source.pose_convention());
-        Self { report, frames, rate, depth_claim, pose_convention, is_first: true }
+        Self { report, frames, depth_claim, pose_convention, is_first: true }
     }
 
     /// Notes how noisy cameras are beside each other, and, where they are, whether depth fits better if it is read otherwise.
@@ -181,7 +178,6 @@ impl Tally {
                 self.report.witnesses[camera][verdict.witness_camera as usize] += 1;
             }
         }
-        self.add_disputes(&decided.disputes);
         let [yielded, dropped] = [Rule::MixedYields, Rule::MixedDropped].map(|rule| by_rule[rule as usize]);
         let mixed = [
             ("found", decided.mixed),
@@ -202,15 +198,6 @@ impl Tally {
             }
         }
         kept
-    }
-
-    /// Counts where the two rate models name different cameras.
-    pub(crate) fn add_disputes(&mut self, disputes: &[Dispute]) {
-        for dispute in disputes {
-            let (used, other) = (dispute.camera as usize, dispute.other_camera as usize);
-            let (paper, footprint) = if self.rate == Rate::Paper { (used, other) } else { (other, used) };
-            self.report.rate_disputes[paper][footprint] += 1;
-        }
     }
 
     /// That the samples of all frames are counted elsewhere.

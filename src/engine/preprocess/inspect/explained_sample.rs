@@ -159,7 +159,7 @@ impl<'a> ExplainedSample<'a> {
             return evidence;
         }
         evidence.depth_found = 1.0 / f64::from(inverse_depth);
-        let rank = layer.ranks[pixel].rank;
+        let rank = layer.ranks[pixel];
         (evidence.is_mixed, evidence.is_unsure) = (is_mixed(rank), has_unknown_normal(rank));
         if let Some((distance, footprint)) = self.plane_distance(target, layer, &found, (x, y, pixel)) {
             evidence.plane_distance_footprints = distance;

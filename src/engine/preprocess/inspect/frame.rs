@@ -8,7 +8,7 @@ use crate::capture::Frame;
 use crate::grid::Grid;
 use crate::preprocess::agreement::{SampleAgreement, VoteTest, VotedRun};
 use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::pruning::{Dispute, Verdict, lanes_at};
+use crate::preprocess::pruning::{Verdict, lanes_at};
 use crate::preprocess::registration::{CameraPairs, LANES, Outcome, PixelRun, SameSurface};
 use crate::preprocess::temporal::{PixelClass, ROOT, SpanLevel};
 use crate::samples::{SampleSet, Span};
@@ -25,20 +25,8 @@ pub struct CameraInspection {
     pub level: Arc<Grid<SpanLevel>>,
     /// Why each pixel was kept or dropped.
     pub verdict: Grid<Verdict>,
-    /// Where the rate model not in use names another camera as the best-sampled than the model in use, by pixel.
-    pub disputes: Vec<Dispute>,
     /// World-space normals that were used, given or estimated; zero where there is none.
     pub normal_in_world: Arc<Grid<[f32; 3]>>,
-}
-
-impl CameraInspection {
-    /// The camera that the rate model not in use names as the best-sampled at `pixel`, `y * width + x`; `None` where both name
-    /// the same.
-    #[must_use]
-    pub fn other_winner(&self, pixel: usize) -> Option<usize> {
-        let found = self.disputes.binary_search_by_key(&(pixel as u32), |dispute| dispute.pixel);
-        found.ok().map(|index| usize::from(self.disputes[index].other_camera))
-    }
 }
 
 /// How each pixel of a camera stands among the others; `None` where it has no depth.

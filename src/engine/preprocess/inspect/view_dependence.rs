@@ -73,7 +73,7 @@ fn around(layer: &CameraLayer, pixel: usize) -> impl Iterator<Item = usize> {
 fn is_beside_step(layer: &CameraLayer, pixel: usize) -> bool {
     let own = layer.inverse_depth[pixel];
     let is_other = |at: usize| (layer.inverse_depth[at] - own).abs() > ONE_SURFACE * own;
-    is_mixed(layer.ranks[pixel].rank) || around(layer, pixel).any(is_other)
+    is_mixed(layer.ranks[pixel]) || around(layer, pixel).any(is_other)
 }
 
 /// By how many 8-bit sRGB steps a color lies outside the range of the 3×3 pixels around one of another camera, beyond what noise

@@ -6,15 +6,14 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::candidate::{Codes, ListedCandidate, NOT_AHEAD, codes, codes_of};
+use super::candidate::{Codes, ListedCandidate, codes, codes_of};
 use super::candidate_lists::{
-    BandCandidates, COUNT, CandidateLists, DISPUTABLE, IS_MIXED, ToleranceRange, least_tolerant,
-    most_tolerant,
+    BandCandidates, COUNT, CandidateLists, IS_MIXED, ToleranceRange, least_tolerant, most_tolerant,
 };
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::{VoteCounts, VoteTest};
-use crate::preprocess::layers::{CameraLayer, Ranks, is_mixed};
+use crate::preprocess::layers::{CameraLayer, Rank, is_mixed};
 use crate::preprocess::pruning::{
     BAND_ROWS, OtherCamera, Rule, Verdict, is_better, is_dropped_as_mixed, lanes_at, other_cameras,
     rule_of_dropped,
@@ -27,7 +26,7 @@ use crate::settings::Settings;
 use crate::simd::{self, VectorLoop};
 
 /// The candidate lists of a frame of so many `levels`, for tolerances around those of `settings`; `None` where they would take
-/// more than `bytes`.
+/// more than `bytes`, or a sample could have more candidates than are counted.
 pub(crate) fn build_lists(
     pairs: &CameraPairs<'_>,
     layers: &[CameraLayer],
@@ -36,7 +35,7 @@ pub(crate) fn build_lists(
     bytes: usize,
     job: &Job,
 ) -> Result<Option<CandidateLists>> {
-    if layers.len() >= usize::from(NOT_AHEAD) {
+    if layers.len() > usize::from(COUNT) {
         return Ok(None);
     }
     let range = ToleranceRange::around(&settings.pruning);
@@ -108,7 +107,7 @@ struct BandBuilder<'a> {
 #[derive(Clone, Copy)]
 struct FoundCandidate {
     x: u32,
-    ranks: Ranks,
+    rank: Rank,
     candidate: ListedCandidate,
 }
 
@@ -235,8 +234,8 @@ impl ListBuilder<'_> {
         );
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1 && matches.is_same(*lane)) {
             let pixel = matches.pixel[lane];
-            let ranks = target.ranks[pixel as usize];
-            if is_dropped_as_mixed(self.settings.pruning.mixed_pixels, ranks.rank) {
+            let rank = target.ranks[pixel as usize];
+            if is_dropped_as_mixed(self.settings.pruning.mixed_pixels, rank) {
                 continue;
             }
             let verdict = Verdict {
@@ -245,13 +244,9 @@ impl ListBuilder<'_> {
                 witness_camera: other.camera as u16,
                 witness_pixel: pixel,
             };
-            let candidate = ListedCandidate {
-                verdict,
-                required: codes_of(&required, lane),
-                other_order: NOT_AHEAD,
-                is_sure: false,
-            };
-            found.push(FoundCandidate { x: (left + lane) as u32, ranks, candidate });
+            let required = codes_of(&required, lane);
+            let candidate = ListedCandidate { verdict, required, is_sure: false };
+            found.push(FoundCandidate { x: (left + lane) as u32, rank, candidate });
         }
     }
 
@@ -260,23 +255,14 @@ impl ListBuilder<'_> {
     #[inline(always)]
     fn compare_ranks(&self, (camera, pixel): (usize, usize), candidates: &mut [FoundCandidate]) -> u16 {
         let own = self.layers[camera].ranks[pixel];
-        let flags =
-            if self.layers[camera].level[pixel] != NO_SAMPLE && is_mixed(own.rank) { IS_MIXED } else { 0 };
+        let flags = if self.layers[camera].level[pixel] != NO_SAMPLE && is_mixed(own) { IS_MIXED } else { 0 };
         let of = |found: &FoundCandidate| found.candidate.verdict.witness_camera;
-        candidates.sort_unstable_by_key(|found| (found.ranks.rank, of(found)));
+        candidates.sort_unstable_by_key(|found| (found.rank, of(found)));
         let mut any_better = false;
-        for index in 0..candidates.len() {
-            let this = candidates[index];
-            let otherwise = (this.ranks.other_rank, of(&this));
-            let this_camera = u32::from(of(&this));
-            if is_better(this.ranks.rank, this_camera, own.rank, camera as u32) {
-                candidates[index].candidate.verdict.rule =
-                    rule_of_dropped(self.settings.pruning.method, own.rank, this.ranks.rank);
+        for this in candidates {
+            if is_better(this.rank, u32::from(of(this)), own, camera as u32) {
+                this.candidate.verdict.rule = rule_of_dropped(self.settings.pruning.method, own, this.rank);
                 any_better = true;
-            }
-            if is_better(this.ranks.other_rank, this_camera, own.other_rank, camera as u32) {
-                let ahead = candidates.iter().filter(|other| (other.ranks.other_rank, of(other)) < otherwise);
-                candidates[index].candidate.other_order = ahead.count() as u8;
             }
         }
         let may_be_dropped = any_better || self.may_be_contradicted(camera, pixel);
@@ -284,7 +270,7 @@ impl ListBuilder<'_> {
         flags
     }
 
-    /// Drops the candidates that better ones dominate, and notes where the rate models may disagree.
+    /// Drops the candidates that better ones dominate.
     fn drop_covered(&self, lists: &mut BandCandidates, layer: &CameraLayer, first_row: usize, least: Codes) {
         let all = std::mem::take(&mut lists.candidates);
         let mut kept: Vec<ListedCandidate> = Vec::with_capacity(all.len());
@@ -300,19 +286,15 @@ impl ListBuilder<'_> {
             let own_level = layer.level[first_row * layer.width + index];
             let from = kept.len();
             for candidate in listed {
-                let covered = kept[from..].iter().any(|better| {
-                    better.is_sure
-                        && better.other_order.min(NOT_AHEAD - 1) < candidate.other_order
-                        && better.covers(candidate, least)
-                });
+                let covered =
+                    kept[from..].iter().any(|better| better.is_sure && better.covers(candidate, least));
                 if !covered {
                     let is_sure =
                         candidate.verdict.witness_level == own_level && !self.is_beatable(candidate.verdict);
                     kept.push(ListedCandidate { is_sure, ..*candidate });
                 }
             }
-            let left = &kept[from..];
-            *count = *count & IS_MIXED | left.len() as u16 | if is_disputable(left) { DISPUTABLE } else { 0 };
+            *count = *count & IS_MIXED | (kept.len() - from) as u16;
         }
         kept.shrink_to_fit();
         lists.candidates = kept;
@@ -334,14 +316,6 @@ impl ListBuilder<'_> {
         self.may_be_beaten[usize::from(candidate.witness_camera)][candidate.witness_pixel as usize]
             .load(Ordering::Relaxed)
     }
-}
-
-/// Whether, of the candidates of a sample in their order, another may be ahead by the other rate model.
-fn is_disputable(candidates: &[ListedCandidate]) -> bool {
-    let in_order = candidates.windows(2).all(|pair| pair[0].other_order <= pair[1].other_order);
-    let alike =
-        candidates.iter().all(|candidate| candidate.is_better() == (candidate.other_order != NOT_AHEAD));
-    !(in_order && alike)
 }
 
 /// Sorts by column, keeping the order within each, and counts.

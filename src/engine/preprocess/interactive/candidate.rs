@@ -56,9 +56,6 @@ pub(crate) enum CandidateValidity {
     NearLimit,
 }
 
-/// In place of [`ListedCandidate::other_order`] where the sample itself is ahead by the other rate model.
-pub(crate) const NOT_AHEAD: u8 = u8::MAX;
-
 /// A sample of another camera that shows the point of a sample, at least at the largest tolerances.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ListedCandidate {
@@ -66,8 +63,6 @@ pub(crate) struct ListedCandidate {
     pub(crate) verdict: Verdict,
     /// From which tolerances on both show the same point.
     pub(crate) required: Codes,
-    /// Its position among those ahead of the sample by the other rate model; [`NOT_AHEAD`] where it is not.
-    pub(crate) other_order: u8,
     /// Whether it is surely kept, as no other is better.
     pub(crate) is_sure: bool,
 }
@@ -124,7 +119,6 @@ mod tests {
         let candidate = |required| ListedCandidate {
             verdict: Verdict::without_witness(Rule::Tie),
             required,
-            other_order: 0,
             is_sure: true,
         };
         let least = [40, 40, 40];

@@ -89,15 +89,13 @@ pub(crate) fn least_tolerant(settings: &Settings) -> Settings {
 pub(crate) struct BandCandidates {
     /// Where the candidates of each sixteen pixels of a row begin, row by row.
     pub(crate) first: Vec<u32>,
-    /// Per pixel, how many candidates it has, with flags.
+    /// Per pixel, how many candidates it has, and [`IS_MIXED`].
     pub(crate) counts: Vec<u16>,
     pub(crate) candidates: Vec<ListedCandidate>,
 }
 
-/// Set in a count where the two rate models may name different winners.
-pub(crate) const DISPUTABLE: u16 = 1 << 15;
 /// Set in a count where the sample's own color is mixed.
-pub(crate) const IS_MIXED: u16 = 1 << 14;
+pub(crate) const IS_MIXED: u16 = 1 << 15;
 /// The bits of the count itself.
 pub(crate) const COUNT: u16 = IS_MIXED - 1;
 

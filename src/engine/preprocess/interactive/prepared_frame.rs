@@ -15,7 +15,7 @@ use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{
-    self, Dispute, Masks, PrunedBackground, Rule, SpanStack, Statuses, Verdict, no_statuses,
+    self, Masks, PrunedBackground, Rule, SpanStack, Statuses, Verdict, no_statuses,
 };
 use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{PixelClass, SpanLevel};
@@ -125,10 +125,8 @@ impl FrameLayers {
     ) -> Result<FrameVerdicts> {
         let mut all = FrameVerdicts::none(&self.layers);
         for level in 0..self.path.len() as SpanLevel {
-            let FrameVerdicts { verdicts, statuses, .. } = &mut all;
-            let disputes =
-                replay::prune((lists, pairs), &self.layers, statuses, level, settings, verdicts, job)?;
-            all.add_disputes(disputes);
+            let FrameVerdicts { verdicts, statuses } = &mut all;
+            replay::prune((lists, pairs), &self.layers, statuses, level, settings, verdicts, job)?;
         }
         Ok(all)
     }
@@ -142,7 +140,6 @@ impl FrameLayers {
                     verdicts[pixel as usize] = verdict;
                 }
             });
-            all.add_disputes(decided.into_iter().map(|decided| decided.disputes));
         }
         Ok(all)
     }
@@ -174,8 +171,6 @@ impl CachedLists {
 pub struct FrameVerdicts {
     /// Per camera, row by row.
     pub(crate) verdicts: Vec<Vec<Verdict>>,
-    /// Per camera, where the other rate model would have named another winner, by pixel.
-    pub(crate) disputes: Vec<Vec<Dispute>>,
     statuses: Statuses,
 }
 
@@ -184,15 +179,7 @@ impl FrameVerdicts {
         let no_sample = Verdict::without_witness(Rule::NoSample);
         Self {
             verdicts: layers.par_iter().map(|layer| vec![no_sample; layer.level.len()]).collect(),
-            disputes: vec![Vec::new(); layers.len()],
             statuses: no_statuses(layers),
-        }
-    }
-
-    fn add_disputes(&mut self, disputes: impl IntoIterator<Item = Vec<Dispute>>) {
-        for (all, of_level) in self.disputes.iter_mut().zip(disputes) {
-            all.extend(of_level);
-            all.sort_unstable_by_key(|dispute| dispute.pixel);
         }
     }
 
@@ -258,7 +245,6 @@ mod tests {
                     for (pixel, (a, b)) in a.iter().zip(b).enumerate() {
                         assert_eq!(a, b, "{scene} {factor}, camera {camera}, pixel {pixel}");
                     }
-                    assert!(searched.disputes == walked.disputes, "{scene} {factor}");
                     rules.extend(a.iter().map(|verdict| verdict.rule));
                     changed += a.iter().zip(first).filter(|(a, b)| a != b).count();
                 }

@@ -4,22 +4,22 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::candidate::{CandidateValidity, Codes, ListedCandidate, NOT_AHEAD, codes, tolerances};
-use super::candidate_lists::{BandCandidates, COUNT, CandidateLists, DISPUTABLE, IS_MIXED};
+use super::candidate::{CandidateValidity, Codes, ListedCandidate, codes, tolerances};
+use super::candidate_lists::{BandCandidates, COUNT, CandidateLists, IS_MIXED};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{
-    BAND_ROWS, DROPPED, Dispute, KEPT, Rule, Statuses, UNDECIDED, Verdict, is_dropped_as_mixed,
-    may_be_witness, rule_of_kept,
+    BAND_ROWS, DROPPED, KEPT, Rule, Statuses, UNDECIDED, Verdict, is_dropped_as_mixed, may_be_witness,
+    rule_of_kept,
 };
 use crate::preprocess::registration::{CameraPairs, LANES, Outcome, SameSurface};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
 
 /// Decides every sample of `level` of a frame whose lists serve the settings. `verdicts` has one for each pixel of
-/// each camera; those of other levels stay as they are. Gives each camera's disputes.
+/// each camera; those of other levels stay as they are.
 pub(crate) fn prune(
     (lists, pairs): (&CandidateLists, &CameraPairs<'_>),
     layers: &[CameraLayer],
@@ -28,7 +28,7 @@ pub(crate) fn prune(
     settings: &Settings,
     verdicts: &mut [Vec<Verdict>],
     job: &Job,
-) -> Result<Vec<Vec<Dispute>>> {
+) -> Result<()> {
     let limits = SameSurface::new(settings).at_level(level);
     let codes = codes(tolerances(&settings.pruning));
     let votes = VoteTest::new(settings, level);
@@ -41,7 +41,6 @@ pub(crate) fn prune(
             index,
             first: index * size,
             verdicts,
-            disputes: Vec::new(),
             pending: Vec::new(),
         }));
     }
@@ -50,16 +49,12 @@ pub(crate) fn prune(
         context.find_best(band);
         Ok(())
     })?;
-    bands.retain(|band| !(band.pending.is_empty() && band.disputes.is_empty()));
+    bands.retain(|band| !band.pending.is_empty());
     while bands.iter().any(|band| !band.pending.is_empty()) {
         job.check()?;
         bands.par_iter_mut().for_each(|band| context.resolve(band));
     }
-    let mut disputes = vec![Vec::new(); layers.len()];
-    for band in bands {
-        disputes[band.camera].extend(band.disputes);
-    }
-    Ok(disputes)
+    Ok(())
 }
 
 /// What all bands share.
@@ -83,7 +78,6 @@ struct ReplayBand<'a> {
     first: usize,
     /// Of all its pixels.
     verdicts: &'a mut [Verdict],
-    disputes: Vec<Dispute>,
     /// Indices of samples whose candidate may be dropped itself.
     pending: Vec<u32>,
 }
@@ -146,15 +140,12 @@ impl ReplayContext<'_> {
         candidates: &[ListedCandidate],
     ) -> (Verdict, u8) {
         let mixed_pixels = self.settings.pruning.mixed_pixels;
-        let rank = || self.layers[band.camera].ranks[band.first + index].rank;
+        let rank = || self.layers[band.camera].ranks[band.first + index];
         if count & IS_MIXED != 0 && is_dropped_as_mixed(mixed_pixels, rank()) {
             return (Verdict::without_witness(Rule::MixedDropped), DROPPED);
         }
         let best = candidates.iter().find(|candidate| self.may_be_witness(band, index, candidate));
         let better = best.filter(|best| best.is_better());
-        if count & DISPUTABLE != 0 {
-            self.dispute(band, index, better, candidates);
-        }
         if let Some(better) = better {
             // Samples of longer spans are candidates only where they are kept already.
             if better.is_sure || better.verdict.witness_level != self.level {
@@ -171,27 +162,6 @@ impl ReplayContext<'_> {
         let has_better = ahead.any(|candidate| self.shows(band, index, candidate));
         let rule = rule_of_kept(has_better, best.is_some());
         (Verdict::without_witness(rule), KEPT)
-    }
-
-    /// Notes where the other rate model names another winner.
-    fn dispute(
-        &self,
-        band: &mut ReplayBand<'_>,
-        index: usize,
-        better: Option<&ListedCandidate>,
-        candidates: &[ListedCandidate],
-    ) {
-        let ahead = candidates.iter().filter(|candidate| candidate.other_order != NOT_AHEAD);
-        let other = ahead
-            .filter(|candidate| self.may_be_witness(band, index, candidate))
-            .min_by_key(|candidate| candidate.other_order);
-        let name = |winner: Option<&ListedCandidate>| {
-            winner.map_or(band.camera as u16, |w| w.verdict.witness_camera)
-        };
-        let (camera, other_camera) = (name(better), name(other));
-        if camera != other_camera {
-            band.disputes.push(Dispute { pixel: (band.first + index) as u32, camera, other_camera });
-        }
     }
 
     /// Whether a candidate shows the sample's point and may be its witness.

@@ -7,7 +7,7 @@ use super::blended_pixels::BlendedTest;
 use super::flying_pixels::FlyingTest;
 use super::known_mixed::KnownMixed;
 use super::layer::CameraLayer;
-use super::packed_sample::{BLENDED_SKY, MIXED, PackedColor, PackedGeometry, Ranks, UNKNOWN_NORMAL};
+use super::packed_sample::{BLENDED_SKY, MIXED, PackedColor, PackedGeometry, Rank, UNKNOWN_NORMAL};
 use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
 use crate::capture::Camera;
 use crate::preprocess::normals::{DepthView, MIN_CONFIDENCE, estimate_at};
@@ -89,8 +89,7 @@ impl<'a> LayerBuilder<'a> {
             let (x, y) = (pixel % width, pixel / width);
             let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
             let ray = rays.at(x, y);
-            let of = |rate| footprint(rate, &rays, ray, inverse_depth, normal, pruning);
-            let own = of(self.rate);
+            let footprint = footprint(self.rate, &rays, ray, inverse_depth, normal, pruning);
             let (is_flying, mixed) = known.map_or_else(
                 || {
                     let is_flying = flying.as_ref().is_some_and(|test| test.is_flying(x, y));
@@ -98,29 +97,26 @@ impl<'a> LayerBuilder<'a> {
                 },
                 |known| known.at(pixel),
             );
-            let ranks = [own, of(self.rate.other())].map(|footprint| {
-                let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
-                let unsure = if unsure { UNKNOWN_NORMAL } else { 0 };
-                let rank = if is_first_camera { 0 } else { rank(footprint) | unsure };
-                let blended_sky = if compares && inverse_depth == 0.0 { BLENDED_SKY } else { 0 };
-                if mixed { rank | MIXED | blended_sky } else { rank }
-            });
+            let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
+            let unsure = if unsure { UNKNOWN_NORMAL } else { 0 };
+            let rank = if is_first_camera { 0 } else { rank(footprint) | unsure };
+            let blended_sky = if compares && inverse_depth == 0.0 { BLENDED_SKY } else { 0 };
+            let rank = if mixed { rank | MIXED | blended_sky } else { rank };
             let normal_in_camera = camera_from_world * normal;
-            let ranks = Ranks { rank: ranks[0], other_rank: ranks[1] };
             let facet = PackedGeometry::new(inverse_depth, normal_in_camera);
             (
-                own,
-                ranks,
+                footprint,
+                rank,
                 facet,
                 PackedColor::new(layer.level[pixel], layer.color[pixel], normal != Vec3::ZERO)
                     .flying(is_flying),
             )
         };
-        let rated: Vec<(f32, Ranks, PackedGeometry, PackedColor)> =
+        let rated: Vec<(f32, Rank, PackedGeometry, PackedColor)> =
             pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
-        for (&pixel, (footprint, ranks, facet, look)) in pixels.iter().zip(rated) {
+        for (&pixel, (footprint, rank, facet, look)) in pixels.iter().zip(rated) {
             layer.footprint[pixel as usize] = footprint;
-            layer.ranks[pixel as usize] = ranks;
+            layer.ranks[pixel as usize] = rank;
             layer.geometry[pixel as usize] = facet;
             layer.packed_colors[pixel as usize] = look;
         }
@@ -148,7 +144,6 @@ mod tests {
         }
         let settings = Settings::default();
         LayerBuilder::new(&settings, std::slice::from_ref(&camera), false).rate(&mut layer, &camera, &[0, 1]);
-        assert!(layer.ranks[0].rank > layer.ranks[1].rank, "however near the first is");
-        assert!(layer.ranks[0].other_rank > layer.ranks[1].other_rank);
+        assert!(layer.ranks[0] > layer.ranks[1], "however near the first is");
     }
 }

@@ -17,9 +17,9 @@ impl KnownMixed {
     pub(crate) fn of(layer: &CameraLayer) -> Self {
         let mut bits = vec![0; layer.ranks.len().div_ceil(PER_BYTE)];
         let samples = layer.ranks.iter().zip(&layer.packed_colors).zip(&layer.inverse_depth);
-        for (pixel, ((ranks, color), inverse_depth)) in samples.enumerate() {
+        for (pixel, ((rank, color), inverse_depth)) in samples.enumerate() {
             let flying = if color.is_flying() { FLYING } else { 0 };
-            let mixed = if *inverse_depth >= 0.0 && is_mixed(ranks.rank) { MIXED } else { 0 };
+            let mixed = if *inverse_depth >= 0.0 && is_mixed(*rank) { MIXED } else { 0 };
             bits[pixel / PER_BYTE] |= (flying | mixed) << (2 * (pixel % PER_BYTE));
         }
         Self(bits)

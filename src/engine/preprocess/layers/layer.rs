@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use half::f16;
 
-use super::packed_sample::{PackedColor, PackedGeometry, Ranks};
+use super::packed_sample::{ABSENT_RANK, PackedColor, PackedGeometry, Rank};
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
 use crate::preprocess::noise::{CameraNoise, NoiseBetween};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel, SpanSamples};
@@ -24,7 +24,7 @@ pub struct CameraLayer {
     /// See [`footprint`](super::sampling_rate::footprint); infinite where there is no sample.
     pub(crate) footprint: Vec<f32>,
     /// How well each was sampled; read first when cameras are compared.
-    pub(crate) ranks: Vec<Ranks>,
+    pub(crate) ranks: Vec<Rank>,
     /// Where each lies; read second.
     pub(crate) geometry: Vec<PackedGeometry>,
     /// How each looks; read last.
@@ -51,7 +51,7 @@ impl CameraLayer {
             inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
             normal: vec![Vec3::ZERO; pixels],
             footprint: vec![f32::INFINITY; pixels],
-            ranks: vec![Ranks::ABSENT; pixels],
+            ranks: vec![ABSENT_RANK; pixels],
             geometry: vec![PackedGeometry::ABSENT; pixels],
             packed_colors: vec![PackedColor::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
@@ -97,7 +97,7 @@ impl CameraLayer {
         self.inverse_depth[pixel] = INVALID_INVERSE_DEPTH;
         self.normal[pixel] = Vec3::ZERO;
         self.footprint[pixel] = f32::INFINITY;
-        self.ranks[pixel] = Ranks::ABSENT;
+        self.ranks[pixel] = ABSENT_RANK;
         self.geometry[pixel] = PackedGeometry::ABSENT;
         self.packed_colors[pixel] = PackedColor::ABSENT;
         self.level[pixel] = NO_SAMPLE;

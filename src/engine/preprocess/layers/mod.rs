@@ -12,6 +12,6 @@ pub(crate) use builder::LayerBuilder;
 pub(crate) use known_mixed::KnownMixed;
 pub(crate) use layer::CameraLayer;
 pub(crate) use packed_sample::{
-    COLOR_STEPS, PackedColor, PackedGeometry, Ranks, has_unknown_normal, is_blended_sky, is_mixed,
+    ABSENT_RANK, COLOR_STEPS, PackedColor, PackedGeometry, Rank, has_unknown_normal, is_blended_sky, is_mixed,
 };
 pub(crate) use sampling_rate::{Rate, ViewingRays, footprint};

@@ -50,24 +50,15 @@ const FLYING: u32 = 1 << 30;
 /// Where the level begins.
 const LEVEL_SHIFT: u32 = 16;
 
-/// How well a sample was sampled: smaller wins.
+/// How well a sample was sampled, by the rate model of the settings: smaller wins.
 ///
 /// ```text
 /// [ mixed pixel: 1 bit | unknown normal: 1 bit | blended sky: 1 bit | footprint: 29 bits ]     u32::MAX where there is no sample
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C, align(8))]
-pub(crate) struct Ranks {
-    /// By the rate model that decides.
-    pub(crate) rank: u32,
-    /// By the rate model that does not decide, to see where the two disagree.
-    pub(crate) other_rank: u32,
-}
+pub(crate) type Rank = u32;
 
-impl Ranks {
-    /// No sample.
-    pub(crate) const ABSENT: Self = Self { rank: u32::MAX, other_rank: u32::MAX };
-}
+/// No sample: it loses to all others.
+pub(crate) const ABSENT_RANK: Rank = Rank::MAX;
 
 /// Where a sample's surface is and which way it faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,7 +147,7 @@ mod tests {
 
     #[test]
     fn a_sample_keeps_its_color_to_a_fraction_of_a_step_and_four_share_a_cache_line() {
-        assert_eq!((size_of::<Ranks>(), size_of::<PackedGeometry>(), size_of::<PackedColor>()), (8, 16, 8));
+        assert_eq!((size_of::<Rank>(), size_of::<PackedGeometry>(), size_of::<PackedColor>()), (4, 16, 8));
         for linear in [0.0, 0.003, 0.2, 0.99, 3.0, 100.0] {
             let linear = f16::from_f32(linear);
             let look = PackedColor::new(3, [linear, f16::ZERO, linear], true);

@@ -49,14 +49,6 @@ impl Rate {
         }
     }
 
-    /// The model that this is compared with.
-    pub(crate) fn other(self) -> Self {
-        match self {
-            Self::Paper => Self::Footprint,
-            Self::Footprint | Self::Stretch => Self::Paper,
-        }
-    }
-
     /// This one where it knows focal length and resolution, else the area of a pixel: what the paper's `r` is shown beside.
     pub(crate) fn with_focal_length(self) -> Self {
         if self == Self::Paper { Self::Footprint } else { self }
@@ -97,7 +89,7 @@ impl ViewingRays {
 
 /// The cosine of incidence θ between a ray and a surface normal, both in world orientation, no less than `floor`.
 /// An unknown (zero) normal counts as the floor. That it loses to every known one is up to the sample's
-/// [`Ranks`](super::packed_sample::Ranks).
+/// [`Rank`](super::packed_sample::Rank).
 fn cosine_of_incidence(ray: Vec3, normal: Vec3, floor: f32) -> f32 {
     (-normal.dot(ray) / ray.length()).max(floor)
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::decision::{Candidate, is_better};
 use super::pass::PruningPass;
 use crate::capture::INVALID_INVERSE_DEPTH;
-use crate::preprocess::layers::{CameraLayer, Ranks};
+use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, Rank};
 use crate::preprocess::registration::{
     CameraPairs, IN_VIEW, LANES, PixelRun, Registration, ReprojectedRun, SameSurface, lanes_of,
 };
@@ -148,20 +148,18 @@ fn any(lanes: &[u32; LANES]) -> bool {
     simd::joined(lanes) != 0
 }
 
-/// The best sample of each sample's point so far, at first its own, by both rate models.
+/// The best sample of each sample's point so far, at first its own.
 pub(crate) struct BestCandidates {
     own_camera: u32,
-    rank: [u32; LANES],
+    rank: [Rank; LANES],
     camera: [u32; LANES],
     level: [u32; LANES],
     pixel: [u32; LANES],
-    other_rank: [u32; LANES],
-    other_camera: [u32; LANES],
     /// Whether any other camera shows the point with a sample that may be a witness.
     pub(super) seen: [u32; LANES],
     /// Whether there is a better sample of the point that may not be a witness.
     pub(super) passed_over: [u32; LANES],
-    pub(super) own_rank: [u32; LANES],
+    pub(super) own_rank: [Rank; LANES],
 }
 
 impl BestCandidates {
@@ -174,8 +172,6 @@ impl BestCandidates {
             camera: [camera as u32; LANES],
             level: [0; LANES],
             pixel: [0; LANES],
-            other_rank: block.other_rank,
-            other_camera: [camera as u32; LANES],
             seen: [0; LANES],
             passed_over: [0; LANES],
             own_rank: block.rank,
@@ -183,23 +179,19 @@ impl BestCandidates {
     }
 
     /// For which samples it matters what the target saw: where no other camera saw the point yet, or the target's sample would
-    /// be the best by either model.
+    /// be the best.
     #[inline(always)]
     fn relevant(&self, target: &CameraLayer, camera: usize, reprojected: &ReprojectedRun) -> [u32; LANES] {
         if !any(&reprojected.bits) {
             return [0; LANES];
         }
-        let mut ranks = [Ranks::ABSENT; LANES];
-        for i in 0..LANES {
-            ranks[i] = target.ranks[reprojected.pixel[i] as usize];
-        }
+        let ranks = ranks_at(target, reprojected);
         let camera = camera as u32;
         let mut relevant = [0; LANES];
         for i in 0..LANES {
-            let better = is_better(ranks[i].rank, camera, self.rank[i], self.camera[i]);
-            let otherwise = is_better(ranks[i].other_rank, camera, self.other_rank[i], self.other_camera[i]);
+            let better = is_better(ranks[i], camera, self.rank[i], self.camera[i]);
             let in_view = reprojected.bits[i] & IN_VIEW != 0;
-            relevant[i] = u32::from(in_view & (better | otherwise | (self.seen[i] == 0)));
+            relevant[i] = u32::from(in_view & (better | (self.seen[i] == 0)));
         }
         relevant
     }
@@ -225,28 +217,21 @@ impl BestCandidates {
                 may_be_witness[lane] = u32::from(pass.may_be_witness(other.camera, matches.pixel[lane]));
             }
         }
-        let mut ranks = [Ranks::ABSENT; LANES];
-        for i in 0..LANES {
-            ranks[i] = target.ranks[reprojected.pixel[i] as usize];
-        }
+        let ranks = ranks_at(target, reprojected);
         let name = other.camera as u32;
         let mut improved = 0;
         for i in 0..LANES {
             let shows = matches.is_same(i);
             let same = shows & (may_be_witness[i] != 0);
-            let beats_own = is_better(ranks[i].rank, name, self.own_rank[i], self.own_camera);
+            let beats_own = is_better(ranks[i], name, self.own_rank[i], self.own_camera);
             self.passed_over[i] |= u32::from(shows & !same & beats_own);
-            let better = same & is_better(ranks[i].rank, name, self.rank[i], self.camera[i]);
-            let otherwise =
-                same & is_better(ranks[i].other_rank, name, self.other_rank[i], self.other_camera[i]);
+            let better = same & is_better(ranks[i], name, self.rank[i], self.camera[i]);
             improved += u32::from(better | (same & (self.seen[i] == 0)));
             self.seen[i] |= u32::from(same);
-            self.rank[i] = if better { ranks[i].rank } else { self.rank[i] };
+            self.rank[i] = if better { ranks[i] } else { self.rank[i] };
             self.camera[i] = if better { name } else { self.camera[i] };
             self.level[i] = if better { matches.level[i] } else { self.level[i] };
             self.pixel[i] = if better { matches.pixel[i] } else { self.pixel[i] };
-            self.other_rank[i] = if otherwise { ranks[i].other_rank } else { self.other_rank[i] };
-            self.other_camera[i] = if otherwise { name } else { self.other_camera[i] };
         }
         improved
     }
@@ -261,12 +246,16 @@ impl BestCandidates {
             pixel: self.pixel[lane],
         })
     }
+}
 
-    /// The camera that has the best sample of the point in `lane` by the model in use, and by the other one.
-    #[inline(always)]
-    pub(crate) fn winners(&self, lane: usize) -> [u16; 2] {
-        [self.camera[lane] as u16, self.other_camera[lane] as u16]
+/// The ranks of what the target saw where samples lie.
+#[inline(always)]
+fn ranks_at(target: &CameraLayer, reprojected: &ReprojectedRun) -> [Rank; LANES] {
+    let mut ranks = [ABSENT_RANK; LANES];
+    for i in 0..LANES {
+        ranks[i] = target.ranks[reprojected.pixel[i] as usize];
     }
+    ranks
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ pub(crate) fn resolve(pass: &PruningPass<'_>, band: &mut SearchBand<'_>) {
         if pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == KEPT {
             pass.set_status(band.camera, band.pixels[index], DROPPED);
         } else {
-            let rank = pass.layers[band.camera].ranks[band.pixels[index] as usize].rank;
+            let rank = pass.layers[band.camera].ranks[band.pixels[index] as usize];
             let index = index as u32;
             band.pending.push(PendingSample { index, rank, others: None, is_contradicted: None });
         }
@@ -118,7 +118,7 @@ pub(crate) fn settle(
     }
     let chunks = decided.pixels.par_chunks_mut(CHUNK).zip(decided.verdicts.par_chunks_mut(CHUNK));
     let of_chunk = |((pixels, verdicts), pending)| {
-        let mut band = SearchBand { camera, rows: 0..0, pixels, verdicts, disputes: Vec::new(), pending };
+        let mut band = SearchBand { camera, rows: 0..0, pixels, verdicts, pending };
         if is_first {
             resolve(pass, &mut band);
         }

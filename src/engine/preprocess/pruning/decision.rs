@@ -113,7 +113,7 @@ impl Candidate {
     /// The sample of `camera` at `pixel` of its layer.
     pub(crate) fn new(layer: &CameraLayer, camera: usize, pixel: u32) -> Self {
         let index = pixel as usize;
-        Self { rank: layer.ranks[index].rank, camera: camera as u16, pixel, level: layer.level[index] }
+        Self { rank: layer.ranks[index], camera: camera as u16, pixel, level: layer.level[index] }
     }
 
     /// See [`is_better`].
@@ -289,23 +289,10 @@ pub struct Decided {
     pub(crate) pixels: Vec<u32>,
     /// One verdict per pixel.
     pub(crate) verdicts: Vec<Verdict>,
-    /// Where the other rate model names another camera as the best-sampled, by pixel.
-    pub(crate) disputes: Vec<Dispute>,
     /// Mixed pixels that were found.
     pub(crate) mixed: u64,
     /// How many of them are kept.
     pub(crate) mixed_kept: u64,
-}
-
-/// A sample for which the two rate models name different cameras as the one that samples its point best.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dispute {
-    /// The pixel, `y * width + x`.
-    pub pixel: u32,
-    /// The camera that the model in use names.
-    pub camera: u16,
-    /// The camera that the other model names.
-    pub other_camera: u16,
 }
 
 impl Decided {
@@ -313,7 +300,6 @@ impl Decided {
         Self {
             pixels: vec![0; count],
             verdicts: vec![Verdict::without_witness(Rule::NoSample); count],
-            disputes: Vec::new(),
             mixed: 0,
             mixed_kept: 0,
         }
@@ -321,7 +307,7 @@ impl Decided {
 
     pub(crate) fn count_mixed(&mut self, layer: &CameraLayer) {
         for (pixel, verdict) in self.pixels.iter().zip(&self.verdicts) {
-            let is_mixed = is_mixed(layer.ranks[*pixel as usize].rank);
+            let is_mixed = is_mixed(layer.ranks[*pixel as usize]);
             self.mixed += u64::from(is_mixed);
             self.mixed_kept += u64::from(is_mixed & verdict.is_kept());
         }

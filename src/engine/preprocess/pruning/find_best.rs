@@ -7,7 +7,7 @@ use std::cmp::Reverse;
 use super::best_candidate::{
     BestCandidates, ComparedRun, OtherCamera, UndecidedRun, compare_runs, lanes_at, other_cameras,
 };
-use super::decision::{Dispute, Rule, Verdict, rule_of_kept};
+use super::decision::{Rule, Verdict, rule_of_kept};
 use super::pass::{DROPPED, KEPT, PruningPass, SearchBand};
 use crate::preprocess::agreement::VotedRun;
 use crate::preprocess::layers::CameraLayer;
@@ -63,7 +63,7 @@ impl VectorLoop for FindBest<'_, '_> {
                     let verdict = if contradicted >> lane & 1 == 1 {
                         Verdict::without_witness(Rule::Contradicted)
                     } else if pruning {
-                        first_verdict(pass, band.camera, pixel, best, lane, &mut band.disputes)
+                        first_verdict(pass, band.camera, pixel, best, lane)
                     } else {
                         verdict_without_pruning(pass, band.camera, pixel)
                     };
@@ -155,14 +155,9 @@ fn first_verdict(
     pixel: usize,
     best: &BestCandidates,
     lane: usize,
-    disputes: &mut Vec<Dispute>,
 ) -> Verdict {
     if pass.status(camera, pixel as u32) == DROPPED {
         return Verdict::without_witness(Rule::MixedDropped);
-    }
-    let winners = best.winners(lane);
-    if winners[0] != winners[1] {
-        disputes.push(Dispute { pixel: pixel as u32, camera: winners[0], other_camera: winners[1] });
     }
     if let Some(candidate) = best.candidate(lane) {
         return Verdict::dropped_for(pass.settings.pruning.method, best.own_rank[lane], candidate);

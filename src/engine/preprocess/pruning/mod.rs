@@ -22,9 +22,9 @@ pub(crate) use decision::Decided;
 pub(crate) use decision::{
     Candidate, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
 };
-pub use decision::{Dispute, Rule, Verdict};
-pub(crate) use pack::Masks;
+pub use decision::{Rule, Verdict};
 pub use pack::pack;
+pub(crate) use pack::Masks;
 pub use pass::no_statuses;
 pub(crate) use pass::{ABSENT, BAND_ROWS, DROPPED, KEPT, PruningPass, Statuses, UNDECIDED};
 pub use search::prune;

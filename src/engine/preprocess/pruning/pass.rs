@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use super::decision::{Candidate, Dispute, Verdict, is_dropped_as_mixed, may_be_witness};
+use super::decision::{Candidate, Verdict, is_dropped_as_mixed, may_be_witness};
 use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::registration::{CameraPairs, SameSurface};
@@ -57,7 +57,6 @@ pub(crate) struct SearchBand<'a> {
     pub(crate) rows: Range<usize>,
     pub(crate) pixels: &'a mut [u32],
     pub(crate) verdicts: &'a mut [Verdict],
-    pub(crate) disputes: Vec<Dispute>,
     pub(crate) pending: Vec<PendingSample>,
 }
 
@@ -87,7 +86,7 @@ impl PruningPass<'_> {
     #[inline(always)]
     pub(crate) fn may_be_witness(&self, camera: usize, pixel: u32) -> bool {
         if self.is_only_level {
-            let rank = self.layers[camera].ranks[pixel as usize].rank;
+            let rank = self.layers[camera].ranks[pixel as usize];
             return !is_dropped_as_mixed(self.settings.pruning.mixed_pixels, rank);
         }
         let status = self.status(camera, pixel);

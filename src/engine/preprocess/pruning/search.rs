@@ -83,10 +83,6 @@ pub fn prune(
         job.check()?;
         bands.par_iter_mut().for_each(|band| simd::run(ResolvePending { pass: &pass, band }));
     }
-    let disputes: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
-    for (camera, disputes) in disputes {
-        decided[camera].disputes.extend(disputes);
-    }
     if settings.pruning.mixed_pixels != MixedPixels::Keep {
         decided.par_iter_mut().zip(layers).for_each(|(decided, layer)| decided.count_mixed(layer));
     }
@@ -140,12 +136,6 @@ pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Resu
     let mut bands: Vec<_> =
         each.flat_map(|(&camera, (counts, decided))| bands(pass.layers, camera, counts, decided)).collect();
     find_best(pass, &mut bands, job)?;
-    let disputes: Vec<_> = bands.into_iter().map(|band| (band.camera, band.disputes)).collect();
-    let mut at = 0;
-    for (camera, disputes) in disputes {
-        at += cameras[at..].iter().position(|other| *other == camera).unwrap_or(0);
-        decided[at].disputes.extend(disputes);
-    }
     Ok(decided)
 }
 
@@ -174,7 +164,7 @@ fn mark_undecided(
             for (i, (&found, status)) in levels.iter().zip(statuses).enumerate() {
                 if found == level {
                     count += 1;
-                    let is_dropped = is_dropped_as_mixed(mixed_pixels, layer.ranks[first + i].rank);
+                    let is_dropped = is_dropped_as_mixed(mixed_pixels, layer.ranks[first + i]);
                     status.store(if is_dropped { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
                 }
             }
@@ -228,7 +218,6 @@ fn bands<'a>(
             rows: first_row..(first_row + BAND_ROWS).min(layers[camera].height()),
             pixels: own_pixels,
             verdicts: own_verdicts,
-            disputes: Vec::new(),
             pending: Vec::new(),
         });
     }

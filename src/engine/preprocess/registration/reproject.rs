@@ -10,7 +10,7 @@ use glam::{DVec2, Vec3};
 
 use super::matches::{IN_FRONT, IN_VIEW, LANES};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
-use crate::preprocess::layers::{CameraLayer, PackedColor, PackedGeometry, Ranks};
+use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, PackedColor, PackedGeometry, Rank};
 use crate::simd::{self, whole};
 
 /// Carries samples of one camera into another.
@@ -62,9 +62,7 @@ pub(crate) struct PixelRun<const N: usize = LANES> {
     pub(crate) color: [[i32; N]; 3],
     pub(crate) known: [u32; N],
     /// Ranks of the samples.
-    pub(crate) rank: [u32; N],
-    /// Ranks by the other rate model.
-    pub(crate) other_rank: [u32; N],
+    pub(crate) rank: [Rank; N],
 }
 
 /// Pixels of a row from `(column, row)` on; `nothing` beyond its end.
@@ -97,7 +95,7 @@ impl<const N: usize> ReprojectedRun<N> {
     /// Asks for the ranks of what the target saw there to be fetched.
     #[inline(always)]
     pub(crate) fn prefetch_ranks(&self, target: &CameraLayer) {
-        // Eight share a cache line, and neighboring lanes lie beside each other more often than not.
+        // Neighboring lanes lie beside each other more often than not. Sixteen ranks fill a cache line, and most runs touch two.
         for lane in (0..N).step_by(8) {
             simd::prefetch(&target.ranks, self.pixel[lane] as usize);
         }
@@ -126,7 +124,6 @@ impl<const N: usize> PixelRun<N> {
         let geometry = lanes_of::<_, N>(&layer.geometry, layer.width, (column, row), PackedGeometry::ABSENT);
         let packed_colors =
             lanes_of::<_, N>(&layer.packed_colors, layer.width, (column, row), PackedColor::ABSENT);
-        let ranks = lanes_of::<_, N>(&layer.ranks, layer.width, (column, row), Ranks::ABSENT);
         let mut block = Self {
             column,
             row,
@@ -134,8 +131,7 @@ impl<const N: usize> PixelRun<N> {
             normal: [[0.0; N]; 3],
             color: [[0; N]; 3],
             known: [0; N],
-            rank: [0; N],
-            other_rank: [0; N],
+            rank: lanes_of::<_, N>(&layer.ranks, layer.width, (column, row), ABSENT_RANK),
         };
         for i in 0..N {
             let relevant = lanes >> i & 1 == 1;
@@ -146,8 +142,6 @@ impl<const N: usize> PixelRun<N> {
                 block.color[axis][i] = color[axis];
             }
             block.known[i] = u32::from(packed_colors[i].has_normal());
-            block.rank[i] = ranks[i].rank;
-            block.other_rank[i] = ranks[i].other_rank;
         }
         block
     }

@@ -366,7 +366,7 @@ fn yields<const N: usize>(
     let mut yields = [0_u32; N];
     if is_mixed(block.rank.iter().fold(0, |all, rank| all | rank)) {
         for i in 0..N {
-            let is_clean = !is_mixed(target.ranks[reprojected.pixel[i] as usize].rank);
+            let is_clean = !is_mixed(target.ranks[reprojected.pixel[i] as usize]);
             yields[i] = u32::from(is_mixed(block.rank[i]) & is_clean);
         }
     }

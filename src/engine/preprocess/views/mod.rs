@@ -148,7 +148,7 @@ mod tests {
             settings.pruning.mixed_pixels = mixed;
             let capture = capture(scene, noise);
             let scan: Arc<PreparedScan> = crate::preprocess::scan(&capture, &settings, &job).unwrap();
-            let (layer, count) = (80 * 60 * 47, capture.cameras.len());
+            let (layer, count) = (80 * 60 * 43, capture.cameras.len());
             let sights = Views::new(&capture, &scan, &settings).sights(&job).unwrap();
             let others: Vec<usize> =
                 CameraPairs::of_sights(&capture.cameras, &sights).others(0).map(|(other, _)| other).collect();

@@ -64,7 +64,6 @@ impl<'a> Pruning<'a> {
                 let found = find(&self.pass(), cameras, self.job)?;
                 for (&camera, decided) in cameras.iter().zip(found) {
                     tally.add_noise_of(camera, &self.window.layers[camera]);
-                    tally.add_disputes(&decided.disputes);
                     residuals.add_lasting_of(camera, &self.window.layers);
                     self.verdicts.put(camera, &decided)?;
                     self.job.advance(1);

@@ -15,9 +15,9 @@ use crate::preprocess::pruning::static_layer;
 use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::ROOT;
 
-/// Bytes of a pixel in a layer of this window, without its normal: color, inverse depth, ranks, geometry, packed color, level, and
+/// Bytes of a pixel in a layer of this window, without its normal: color, inverse depth, rank, geometry, packed color, level, and
 /// the smoothed depth.
-const PIXEL_BYTES: usize = 6 + 4 + 8 + 16 + 8 + 1 + 4;
+const PIXEL_BYTES: usize = 6 + 4 + 4 + 16 + 8 + 1 + 4;
 const NORMAL_BYTES: usize = 12;
 
 /// Layers of some views; those of all others are empty, and take part in nothing.

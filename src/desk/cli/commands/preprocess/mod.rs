@@ -232,12 +232,6 @@ impl PreprocessArgs {
             );
         }
         text += &output::without_depth(&result.report).unwrap_or_default();
-        let disputes: u64 = result.report.rate_disputes.iter().flatten().sum();
-        let _ = writeln!(
-            text,
-            "  of the points of {} the paper's rate and the footprint name different cameras as the best-sampled",
-            output::count_of(disputes, "sample")
-        );
         for (outcome, samples) in result.report.mixed_pixels.iter().filter(|(_, samples)| **samples > 0) {
             let _ = writeln!(text, "  mixed across a silhouette, {outcome}: {}", output::count(*samples));
         }
