@@ -148,8 +148,6 @@ choice! {
         None = "none",
         /// Holes are filled smoothly from the farther of the surfaces around them; they still count as holes.
         PushPull = "pushpull",
-        /// As `pushpull`, and the texture of that surface is carried on in its own plane, fading away from it.
-        Texture = "texture",
     }
 }
 
