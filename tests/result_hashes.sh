@@ -154,7 +154,7 @@ truth() { if [ -e "$capture/novel/transforms.json" ]; then echo "$capture/novel"
 pictures_by_kernel() {
     local kernel fill
     for kernel in point block surfel gather; do
-        for fill in none pushpull texture; do
+        for fill in none pushpull; do
             pictures "$kernel, fill $fill" default views --kernel "$kernel" --fill "$fill"
         done
     done

@@ -40,13 +40,9 @@ fn settings(fill: Fill) -> RenderSettings {
     RenderSettings { fill, ..RenderSettings::default() }
 }
 
-fn filled(picture: Picture) -> Picture {
-    filled_by(Fill::PushPull, picture)
-}
-
-fn filled_by(method: Fill, mut picture: Picture) -> Picture {
+fn filled(mut picture: Picture) -> Picture {
     let (width, height) = picture.image.size();
-    fill(&mut picture, &target(width, height), &settings(method));
+    fill(&mut picture, &target(width, height), &settings(Fill::PushPull));
     picture
 }
 
@@ -89,9 +85,7 @@ fn ragged(width: usize, height: usize) -> Picture {
 fn painted_pixels_and_the_mask_stay_as_they_were() {
     for (width, height) in [(97, 71), (64, 64), (5, 200), (200, 3)] {
         let before = ragged(width, height);
-        for method in [Fill::PushPull, Fill::Texture] {
-            assert_only_holes_changed(&before, &filled_by(method, before.clone()));
-        }
+        assert_only_holes_changed(&before, &filled(before.clone()));
         let mut off = before.clone();
         fill(&mut off, &target(width, height), &settings(Fill::None));
         assert_eq!(off, before);
@@ -232,112 +226,9 @@ fn the_picture_is_the_same_with_one_thread_and_with_four() {
     let before = ragged(301, 200);
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| [Fill::PushPull, Fill::Texture].map(|method| filled_by(method, before.clone())))
+        pool.install(|| filled(before.clone()))
     };
     assert_eq!(with(1), with(4));
-}
-
-/// The inverse depth of a wall that recedes to the right by 0.7 % a column or less.
-fn receding(x: f32) -> f32 {
-    0.9 - 0.0045 * x
-}
-
-/// A wave of stripes on the wall, upright in the picture, some 8 columns long at column 62, symmetric about it.
-fn stripes(x: f32) -> f32 {
-    let on_wall = |x: f32| (x - 62.0) / receding(x);
-    0.5 + 0.3 * (std::f32::consts::TAU / 13.0 * on_wall(x)).cos()
-}
-
-/// A near thing that ends at column 50, what it uncovered, and the wall from column 62 on.
-fn uncovered_stripes() -> Picture {
-    picture(128, 40, |x, _| match x {
-        ..50 => Some((RED, 2.0)),
-        50..62 => None,
-        _ => Some(([stripes(x as f32); 3], receding(x as f32))),
-    })
-}
-
-/// The correlation of two rows of numbers.
-fn correlation(a: &[f32], b: &[f32]) -> f32 {
-    let mean = |numbers: &[f32]| numbers.iter().sum::<f32>() / numbers.len() as f32;
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let product = |of: &dyn Fn(usize) -> f32| (0..a.len()).map(of).sum::<f32>();
-    let together = product(&|i| (a[i] - mean_a) * (b[i] - mean_b));
-    let (of_a, of_b) = (product(&|i| (a[i] - mean_a).powi(2)), product(&|i| (b[i] - mean_b).powi(2)));
-    together / (of_a * of_b).sqrt()
-}
-
-#[test]
-fn texture_is_carried_on_in_perspective() {
-    let columns: Vec<usize> = (50..62).collect();
-    let truth: Vec<f32> = columns.iter().map(|x| stripes(*x as f32)).collect();
-    let shown = |method| {
-        let picture = filled_by(method, uncovered_stripes());
-        columns.iter().map(|x| picture.color[(*x, 20)][0]).collect::<Vec<_>>()
-    };
-    let (texture, smooth) = (shown(Fill::Texture), shown(Fill::PushPull));
-    let in_picture: Vec<f32> = columns.iter().map(|x| stripes(124.0 - *x as f32)).collect();
-    let (carried, mirrored) = (correlation(&texture, &truth), correlation(&in_picture, &truth));
-    assert!(carried > 0.9, "{carried}");
-    assert!(carried > mirrored + 0.1, "{carried}, and mirrored in the picture {mirrored}");
-    let range = |shown: &[f32]| {
-        shown.iter().copied().fold(f32::MIN, f32::max) - shown.iter().copied().fold(f32::MAX, f32::min)
-    };
-    assert!(range(&texture) > 2.0 * range(&smooth), "{} of {}", range(&texture), range(&smooth));
-}
-
-#[test]
-fn what_is_too_narrow_for_a_texture_carries_none() {
-    // Stems six pixels wide, each of its own color, with gaps between them.
-    let before = picture(90, 60, |x, y| (x % 12 < 6).then(|| ([0.1 + 0.8 * noise(x, y), 0.5, 0.25], FAR)));
-    let [smooth, texture] = [Fill::PushPull, Fill::Texture].map(|method| filled_by(method, before.clone()));
-    let across = |picture: &Picture| (0..90).map(|x| picture.color[(x, 30)]).collect::<Vec<_>>();
-    // Along a stem there is room, across it there is none.
-    assert_eq!(across(&smooth), across(&texture));
-}
-
-#[test]
-fn carried_texture_moves_with_the_surface_and_does_not_boil() {
-    // A slanted rim and waves 8 pixels long that move by a tenth of a pixel from picture to picture.
-    let wave =
-        |x: f32, y: f32| (std::f32::consts::TAU / 8.0 * x).sin() * (std::f32::consts::TAU / 11.0 * y).cos();
-    let at = |shift: f32| {
-        picture(96, 72, |x, y| {
-            let (x, y) = (x as f32 - shift, y as f32);
-            let over = x - 30.0 - 0.3 * y;
-            match over {
-                over if over < 0.0 => Some((RED, NEAR)),
-                over if over < 14.0 => None,
-                _ => Some(([0.5 + 0.3 * wave(x, y); 3], FAR)),
-            }
-        })
-    };
-    let pictures: Vec<_> = (0..20).map(|nth| at(0.1 * nth as f32)).collect();
-    let mut changes = [0.0_f32; 3];
-    let mut counts = [0.0_f32; 3];
-    for pair in pictures.windows(2) {
-        let [smooth, texture] = [Fill::PushPull, Fill::Texture]
-            .map(|method| [0, 1].map(|nth| filled_by(method, pair[nth].clone())));
-        for y in 0..72 {
-            for x in 0..96 {
-                let is_hole = [0, 1].map(|nth: usize| pair[nth].image[(x, y)] == NO_IMAGE);
-                let is_far = [0, 1].map(|nth: usize| pair[nth].inverse_depth[(x, y)] == FAR);
-                let change = |of: &[Picture; 2]| (of[0].color[(x, y)][0] - of[1].color[(x, y)][0]).abs();
-                let mut add = |kind: usize, change: f32| {
-                    changes[kind] += change;
-                    counts[kind] += 1.0;
-                };
-                if is_hole == [true; 2] {
-                    add(1, change(&smooth));
-                    add(2, change(&texture));
-                } else if is_far == [true; 2] {
-                    add(0, change(pair.first_chunk().unwrap_or(&texture)));
-                }
-            }
-        }
-    }
-    let [painted, smooth, texture] = [0, 1, 2].map(|kind: usize| changes[kind] / counts[kind]);
-    assert!(texture > 0.0 && texture < 1.5 * painted, "{texture}, painted {painted}, smooth {smooth}");
 }
 
 /// A surface whose color rises by [`SLOPE`] a pixel in both directions.

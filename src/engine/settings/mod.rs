@@ -13,6 +13,7 @@
 
 mod choice;
 mod choices;
+mod other_version;
 mod section;
 
 pub use choices::{

@@ -39,7 +39,7 @@ fn marker(series: Series) -> Marker {
         Series::FirstCameraAtCount | Series::LayeredDepthImage => Marker::Diamond,
         Series::Random => Marker::Cross,
         Series::VoxelGrid | Series::Tsdf => Marker::Square,
-        Series::SingleCamera | Series::LdiTree => Marker::Plus,
+        Series::SingleCamera => Marker::Plus,
         Series::Paper | Series::External => Marker::Star,
     }
 }

@@ -8,8 +8,6 @@
 //! as they were recorded, with nothing pruned. Holes are left, so that whoever compares fills those of all methods alike.
 
 mod layered_depth_image;
-mod ldi_tree;
-mod ldi_tree_cells;
 mod model;
 mod nearest_camera;
 mod sky;
@@ -36,20 +34,17 @@ pub enum Rival {
     Tsdf(u8),
     /// One picture with several samples along each ray.
     LayeredDepthImage,
-    /// An octree with a layered depth image in each cell.
-    LdiTree,
 }
 
 impl Rival {
     /// Every method; the volume at three sizes of voxels.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 6] = [
         Self::TriangleMesh,
         Self::Tsdf(2),
         Self::Tsdf(4),
         Self::Tsdf(8),
         Self::NearestCamera,
         Self::LayeredDepthImage,
-        Self::LdiTree,
     ];
 
     /// The method, without its size.
@@ -60,7 +55,6 @@ impl Rival {
             Self::NearestCamera => "nearest camera",
             Self::Tsdf(_) => "TSDF volume",
             Self::LayeredDepthImage => "layered depth image",
-            Self::LdiTree => "LDI tree",
         }
     }
 
@@ -79,9 +73,6 @@ impl Rival {
             Self::LayeredDepthImage => {
                 "J. Shade, S. Gortler, L. He, R. Szeliski: Layered Depth Images, SIGGRAPH 1998"
             }
-            Self::LdiTree => {
-                "C.-F. Chang, G. Bishop, A. Lastra: LDI Tree: A Hierarchical Representation for Image-Based Rendering, SIGGRAPH 1999"
-            }
         }
     }
 
@@ -98,7 +89,6 @@ impl Rival {
             Self::NearestCamera => Box::new(nearest_camera::NearestCamera::new(views)),
             Self::Tsdf(footprints) => Box::new(tsdf::Tsdf::of_footprints(views, f64::from(footprints))?),
             Self::LayeredDepthImage => Box::new(layered_depth_image::LayeredDepthImage::new(views)),
-            Self::LdiTree => Box::new(ldi_tree::LdiTree::new(views)?),
         })
     }
 }

@@ -49,26 +49,15 @@ impl Splatter {
         }
     }
 
-    /// Carries the pixel at `position` of the map's camera here. An inverse depth of 0 is at infinity.
+    /// Carries the pixel at `position` of the map's camera here, as a square that covers what is not nearer. An inverse depth of 0 is
+    /// at infinity.
     pub(super) fn add(&mut self, map: &PixelMap, position: DVec2, inverse_depth: f32, color: [f32; 3]) {
         let ray = map.source.intrinsics.ray_in_camera(position);
         // The point times its inverse depth, so that infinity needs no case of its own.
         let point = map.target_from_source * ray + f64::from(inverse_depth) * map.shift;
         let inverse_here = (f64::from(inverse_depth) / point.z) as f32;
-        self.draw(point, inverse_here, map.focal_ratio / point.z, color);
-    }
-
-    /// Carries a point of the world here, as wide as `width` there.
-    pub(super) fn add_point(&mut self, point_in_world: DVec3, width: f64, color: [f32; 3]) {
-        let point = self.target_from_world.transform_point3(point_in_world);
-        let k = self.target.intrinsics;
-        self.draw(point, (1.0 / point.z) as f32, width * (k.fx * k.fy).sqrt() / point.z, color);
-    }
-
-    /// Draws the square of a point in the target's space, up to scale, where nothing nearer is.
-    fn draw(&mut self, point: DVec3, inverse_here: f32, width: f64, color: [f32; 3]) {
         let Some(at) = self.target.intrinsics.project(point) else { return };
-        let width = width.clamp(1.0, MAX_WIDTH);
+        let width = (map.focal_ratio / point.z).clamp(1.0, MAX_WIDTH);
         let (columns, rows) = self.color.size();
         let covered = |center: f64, end: usize| {
             let first = (center - 0.5 * width + 0.5).floor().max(0.0) as usize;

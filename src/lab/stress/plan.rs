@@ -60,17 +60,10 @@ impl StressPlan {
         }
     }
 
-    /// The plan with methods of others beside ours: meshes, a volume, the nearest camera, a layered depth image and an
-    /// LDI tree.
+    /// The plan with methods of others beside ours: meshes, a volume, the nearest camera and a layered depth image.
     #[must_use]
     pub fn with_rivals(mut self, settings: &Settings) -> Self {
-        let rivals = [
-            Rival::TriangleMesh,
-            Rival::Tsdf(4),
-            Rival::NearestCamera,
-            Rival::LayeredDepthImage,
-            Rival::LdiTree,
-        ];
+        let rivals = [Rival::TriangleMesh, Rival::Tsdf(4), Rival::NearestCamera, Rival::LayeredDepthImage];
         self.methods.extend(rivals.map(|rival| Method {
             name: rival.name().to_owned(),
             settings: settings.clone(),

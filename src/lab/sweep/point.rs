@@ -37,15 +37,13 @@ pub enum Series {
     NearestCamera,
     /// See [`Rival::LayeredDepthImage`].
     LayeredDepthImage,
-    /// See [`Rival::LdiTree`].
-    LdiTree,
     /// Figures of another program, which were given.
     External,
 }
 
 impl Series {
     /// Every series, the reference first.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 14] = [
         Self::Reference,
         Self::Variation,
         Self::NoPruning,
@@ -59,7 +57,6 @@ impl Series {
         Self::Tsdf,
         Self::NearestCamera,
         Self::LayeredDepthImage,
-        Self::LdiTree,
         Self::External,
     ];
 
@@ -80,7 +77,6 @@ impl Series {
             Self::Tsdf => Rival::Tsdf(1).name(),
             Self::NearestCamera => Rival::NearestCamera.name(),
             Self::LayeredDepthImage => Rival::LayeredDepthImage.name(),
-            Self::LdiTree => Rival::LdiTree.name(),
             Self::External => "another program",
         }
     }
@@ -93,7 +89,6 @@ impl Series {
             Rival::Tsdf(_) => Self::Tsdf,
             Rival::NearestCamera => Self::NearestCamera,
             Rival::LayeredDepthImage => Self::LayeredDepthImage,
-            Rival::LdiTree => Self::LdiTree,
         }
     }
 
@@ -102,12 +97,7 @@ impl Series {
     pub fn is_rival(self) -> bool {
         matches!(
             self,
-            Self::TriangleMesh
-                | Self::Tsdf
-                | Self::NearestCamera
-                | Self::LayeredDepthImage
-                | Self::LdiTree
-                | Self::External
+            Self::TriangleMesh | Self::Tsdf | Self::NearestCamera | Self::LayeredDepthImage | Self::External
         )
     }
 

@@ -295,6 +295,19 @@ fn a_setting_that_is_no_more_is_told_and_the_samples_are_read() {
 }
 
 #[test]
+fn a_value_that_a_setting_takes_no_more_is_told_and_the_default_stands_for_it() {
+    let (_folder, path, bytes) = small_store();
+    let textured = tampered(&bytes, *b"SETT", |settings| {
+        let text = String::from_utf8(settings.to_vec()).unwrap();
+        let position = text.find("pushpull\"").unwrap();
+        settings[position..position + 9].copy_from_slice(b"texture\" ");
+    });
+    assert_same(&read_bytes(&path, &textured).unwrap(), &small_set(), &small_report());
+    let warnings = Store::open(&path).unwrap().info().warnings.clone();
+    assert!(warnings.len() == 1 && warnings[0].contains("render.fill = \"texture\""), "{warnings:?}");
+}
+
+#[test]
 fn unknown_chunks_are_skipped() {
     let (_folder, path, bytes) = small_store();
     let comment = b"ANNO\0\0\0\x05hello\0";

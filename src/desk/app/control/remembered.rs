@@ -13,8 +13,8 @@ const KEY: &str = "overlook";
 /// Recent files kept.
 const RECENT: usize = 8;
 
-/// What is remembered. Settings travel as TOML, so that one that no longer exists falls back to defaults instead of
-/// taking everything else with it.
+/// What is remembered. Settings travel as TOML, so that one that another version wrote and this one does not know falls back to its
+/// default, and all others stay.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that the window has, each by its name")]
@@ -83,7 +83,7 @@ impl Memory {
         state.recent_pictures = (self.recent_pictures.into_iter())
             .filter_map(|(path, text)| RecentPicture::from_text(path, &text))
             .collect();
-        let settings = |text: &str| Settings::from_toml(text, "remembered settings").ok();
+        let settings = |text: &str| Settings::known_from_toml(text).map(|(settings, _)| settings);
         state.settings = settings(&self.settings).unwrap_or_default();
         let other = (!self.other_settings.is_empty()).then(|| settings(&self.other_settings)).flatten();
         state.inspector.history.other = other;
@@ -92,9 +92,8 @@ impl Memory {
         state.live.show_cameras = self.show_cameras;
         state.live.guides = self.guides;
         state.inspector.introduced = self.introduced;
-        state.inspector.presets = (self.presets.into_iter())
-            .filter_map(|(name, text)| Some((name, Settings::from_toml(&text, "preset").ok()?)))
-            .collect();
+        state.inspector.presets =
+            (self.presets.into_iter()).filter_map(|(name, text)| Some((name, settings(&text)?))).collect();
         Dock::from_json(&self.layout)
     }
 }
@@ -124,6 +123,18 @@ mod tests {
         let mut first = State::default();
         Memory::default().restore(&mut first);
         assert_eq!((first.inspector.history.slot, &first.inspector.history.other), (SettingsSlot::A, &None));
+    }
+
+    #[test]
+    fn a_remembered_value_that_is_not_known_takes_no_other_setting_and_no_preset_with_it() {
+        let text = "[render]\nfill = \"texture\"\nviews = 3\n".to_owned();
+        let presets = vec![("mine".to_owned(), text.clone())];
+        let mut state = State::default();
+        Memory { settings: text, presets, ..Memory::default() }.restore(&mut state);
+        let mut expected = Settings::default();
+        expected.render.views = 3;
+        assert_eq!(state.settings, expected);
+        assert_eq!(state.inspector.presets, [("mine".to_owned(), expected)]);
     }
 
     #[test]

@@ -34,14 +34,13 @@ pub(crate) enum CompareSide {
     Tsdf,
     NearestCamera,
     LayeredDepthImage,
-    LdiTree,
     /// What another program made: a [`PictureFolder`] by its number.
     Pictures(u64),
 }
 
 impl CompareSide {
     /// Every side that is always there, in the order of the list: name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 17] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 16] = [
         (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
         (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
         (
@@ -82,11 +81,6 @@ impl CompareSide {
             "Layered depth image",
             "All pixels as others show them: one picture with several samples along each ray (Shade et al., 1998).",
         ),
-        (
-            Self::LdiTree,
-            "LDI tree",
-            "All pixels as others show them: an octree with a layered depth image in each cell (Chang et al., 1999).",
-        ),
     ];
 }
 
@@ -98,7 +92,6 @@ impl CompareSide {
             Self::Tsdf => Some(Rival::Tsdf(4)),
             Self::NearestCamera => Some(Rival::NearestCamera),
             Self::LayeredDepthImage => Some(Rival::LayeredDepthImage),
-            Self::LdiTree => Some(Rival::LdiTree),
             _ => None,
         }
     }

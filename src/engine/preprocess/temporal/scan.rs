@@ -5,7 +5,7 @@
 //! from which the background follows.
 //!
 //! Thresholds multiply the noise, which the tree therefore has to know before: it is measured on three pairs of successive
-//! frames (`noise_frames.rs`). These frames are kept until their turn comes, so that every frame is decoded
+//! frames (`noise/frame_pairs.rs`). These frames are kept until their turn comes, so that every frame is decoded
 //! once, unless pictures are repeated.
 
 use std::collections::BTreeMap;

@@ -19,7 +19,6 @@
 //!
 //! The mask is kept: [`Picture::image`] stays [`NO_IMAGE`] in filled pixels, and painted pixels are not touched.
 
-mod carried_texture;
 mod pyramid;
 mod rays;
 mod surface;
@@ -31,7 +30,6 @@ use super::free_space::{HOLE, OPEN_HOLE, SKY_HOLE, hidden_surface_limit};
 use super::vantage::{NO_IMAGE, Picture};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
-use carried_texture::CarriedTexture;
 use pyramid::Pyramid;
 use rays::HoleRays;
 use surface::{SurfaceTolerance, WeightedMean, surface_behind};
@@ -89,17 +87,7 @@ pub(super) fn fill_from(
             let limit = hidden_surface_limit(row[x]);
             let seen = sources.rays.neighbors((x, y));
             let surface = surface_behind(picture, &seen, limit, tolerance);
-            let mut levels = [0.0; 32];
-            let mut filling = sources.pyramid.push((x, y), surface.as_ref(), tolerance, &mut levels)?;
-            if let Some(surface) = surface.filter(|_| settings.fill == Fill::Texture) {
-                let (pyramid, sources) = (&sources.pyramid, &sources.sources);
-                let texture = CarriedTexture { picture, sources, pyramid, tolerance };
-                let detail = texture.detail((x, y), &seen, &surface, &levels);
-                for channel in 0..3 {
-                    filling.color[channel] = (filling.color[channel] + detail[channel]).max(0.0);
-                }
-            }
-            Some((x, filling))
+            Some((x, sources.pyramid.push((x, y), surface.as_ref(), tolerance)?))
         };
         (0..width).filter(|x| is_unfilled(&row[*x])).filter_map(fill_pixel).collect()
     };
@@ -117,8 +105,6 @@ pub(super) fn fill_from(
 struct FillSources {
     pyramid: Pyramid,
     rays: HoleRays,
-    /// [`NO_IMAGE`] for all others.
-    sources: Vec<u32>,
 }
 
 impl FillSources {
@@ -141,7 +127,7 @@ impl FillSources {
             || Pyramid::pull(picture, &sources, tolerance),
             || HoleRays::cast(&sources, picture.image.size()),
         );
-        Self { pyramid, rays, sources }
+        Self { pyramid, rays }
     }
 }
 

@@ -21,9 +21,6 @@ struct PyramidLevel {
     first_painted: Vec<u8>,
 }
 
-/// How much each level counts, the finest first.
-pub(super) type LevelWeights = [f32; 32];
-
 /// All levels above the picture itself, finest first.
 pub(super) struct Pyramid {
     levels: Vec<PyramidLevel>,
@@ -74,7 +71,6 @@ impl Pyramid {
         (x, y): (usize, usize),
         surface: Option<&HoleSurface>,
         tolerance: SurfaceTolerance,
-        levels: &mut LevelWeights,
     ) -> Option<WeightedMean> {
         let largest_px = surface.map_or(f32::INFINITY, |surface| MAX_BLOCK_RATIO * surface.reach_px);
         let mut sum = WeightedMean::EMPTY;
@@ -88,47 +84,18 @@ impl Pyramid {
             let [farthest, nearest] = surface.map_or([0.0, f32::INFINITY], |surface| {
                 [surface.range[0] / factor, surface.range[1] * factor]
             });
-            let before = sum.weight;
-            let open = 1.0 - before;
+            let open = 1.0 - sum.weight;
             level.around((x, y), index + 1, |cell, share| {
                 if cell.weight > 0.0 && (farthest..=nearest).contains(&cell.inverse_depth) {
                     let weight = open * share * (cell.weight / FULL_SHARE).min(1.0);
                     sum.add(weight, cell.color, cell.inverse_depth);
                 }
             });
-            levels[index] = sum.weight - before;
         }
         if sum.weight > 0.0 {
             return Some(sum.normalized());
         }
         surface.map(|surface| surface.mean)
-    }
-
-    /// The mean color of the surface at inverse depth `w` around a painted pixel, over blocks that count by `levels`; `None` where no
-    /// such block shows it.
-    pub(super) fn mean_at(
-        &self,
-        pixel: (usize, usize),
-        levels: &LevelWeights,
-        w: f32,
-        tolerance: SurfaceTolerance,
-    ) -> Option<[f32; 3]> {
-        let mut sum = WeightedMean::EMPTY;
-        for (index, level) in self.levels.iter().enumerate().filter(|(index, _)| levels[*index] > 0.0) {
-            let factor = tolerance.factor((2 << index) as f32);
-            let mut mean = WeightedMean::EMPTY;
-            level.around(pixel, index + 1, |cell, share| {
-                let is_same = cell.inverse_depth.max(w) <= cell.inverse_depth.min(w) * factor;
-                if cell.weight > 0.0 && is_same {
-                    mean.add(share * (cell.weight / FULL_SHARE).min(1.0), cell.color, cell.inverse_depth);
-                }
-            });
-            if mean.weight > 0.0 {
-                let mean = mean.normalized();
-                sum.add(levels[index], mean.color, mean.inverse_depth);
-            }
-        }
-        (sum.weight > 0.0).then(|| sum.normalized().color)
     }
 }
 

@@ -28,10 +28,6 @@ type Steps = [u16; 4];
 /// Columns that one step in each direction goes to the right.
 const COLUMNS: [isize; 4] = [-1, -1, 0, 1];
 
-/// Columns and rows of one step in each direction.
-pub(super) const STEPS: [(isize, isize); 8] =
-    [(-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1)];
-
 /// What a hole pixel sees, direction by direction; direction `i + 4` is opposite of `i`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HoleNeighbors {

@@ -40,8 +40,6 @@ pub(super) struct HoleSurface {
     pub(super) mean: WeightedMean,
     /// Distance to the remotest pixel that it sees of it.
     pub(super) reach_px: f32,
-    /// The directions in which it sees it, as bits.
-    pub(super) directions: u8,
 }
 
 /// A mean color and inverse depth with their weight.
@@ -99,14 +97,12 @@ pub(super) fn surface_behind(
         }
     }
     let (far, far_px) = behind.or_else(|| nearest_of(&inverse_depth, &distance_px))?;
-    let mut surface =
-        HoleSurface { range: [far; 2], mean: WeightedMean::EMPTY, reach_px: 0.0, directions: 0 };
+    let mut surface = HoleSurface { range: [far; 2], mean: WeightedMean::EMPTY, reach_px: 0.0 };
     for direction in 0..8 {
         let (near, near_px) = (inverse_depth[direction], distance_px[direction]);
         if near_px.is_finite() && near.max(far) <= near.min(far) * tolerance.factor(near_px + far_px) {
             surface.range = [surface.range[0].min(near), surface.range[1].max(near)];
             surface.reach_px = surface.reach_px.max(near_px);
-            surface.directions |= 1 << direction;
             let color = picture.color.as_slice()[pixel[direction]];
             surface.mean.add(1.0 / (near_px * near_px), color, near);
         }

@@ -79,18 +79,9 @@ impl InfoChunks {
 /// Settings come and go between versions, which does the samples no harm: unknown ones are left out with a warning.
 pub(crate) fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), String> {
     let text = std::str::from_utf8(toml).map_err(|error| error.to_string())?;
-    let table: toml::Table = text.parse().map_err(|_| "it is not TOML".to_owned())?;
-    let mut settings = Settings::default();
-    let mut warnings = Vec::new();
-    for (section, values) in table {
-        for (name, value) in values.as_table().cloned().unwrap_or_default() {
-            let stated = format!("{section}.{name} = {value}");
-            if settings.set(&format!("{section}.{name}"), value).is_err() {
-                warnings.push(format!("made with {stated}, which this Overlook does not know"));
-            }
-        }
-    }
-    Ok((settings, warnings))
+    let (settings, unknown) = Settings::known_from_toml(text).ok_or("it is not TOML")?;
+    let warn = |stated: String| format!("made with {stated}, which this Overlook does not know");
+    Ok((settings, unknown.into_iter().map(warn).collect()))
 }
 
 fn checked_version(head: &[u8], path: &Path) -> Result<(u16, u16)> {
