@@ -22,8 +22,6 @@ pub mod tune;
 
 pub use scoring::{AlignedScore, Evaluation, MeanScore, ViewScore, evaluate, vantage_order};
 pub use scoring::{PictureScore, PictureScores};
-pub(crate) use scoring::{
-    Scoreboard, aligned_score, average_aligned, frame_of, picture_of_frame, render_view, score_pictures,
-};
+pub(crate) use scoring::{Scoreboard, add_aligned, frame_of, picture_of_frame, render_view, score_pictures};
 pub(crate) use trial::compare_each;
 pub use trial::{MethodComparison, MethodScore, compare};

@@ -9,7 +9,7 @@ mod pictures;
 mod scoreboard;
 mod view;
 
-pub(crate) use aligned_view::{add_aligned, aligned_score, average_aligned};
+pub(crate) use aligned_view::add_aligned;
 pub use pictures::{PictureScore, PictureScores};
 pub(crate) use pictures::{picture_of_frame, score_pictures};
 pub(crate) use scoreboard::{OnPicture, Scoreboard, evaluate_each, nothing_to_compare, with_truth};

@@ -20,5 +20,5 @@ mod shapes;
 pub use breaking::{BreakingPoint, LOST_DB, failures};
 pub(crate) use breaking::{breaking_views, distinct};
 pub use disturbance::Disturbance;
-pub use measure::{measure, run};
+pub use measure::run;
 pub use plan::{Method, StressPlan, StressPoint};

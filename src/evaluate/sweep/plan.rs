@@ -5,7 +5,6 @@ use super::point::{Point, Series};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::evaluate::trial::{Thinning, Trial};
-use crate::part::Part;
 use crate::rivals::Rival;
 use crate::settings::{
     AgreementRule, Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels,
@@ -150,19 +149,6 @@ impl SweepPlan {
                     || reference().is_some_and(|reference| reference.samples == point.samples))
         };
         self.done.iter().find(is_same).cloned()
-    }
-
-    /// Keeps one part of the trials. Those that share samples lie side by side, so that few samples are made in two parts.
-    pub fn keep_part(&mut self, part: Part) {
-        let range = part.range(self.trials.len());
-        self.trials = self.trials.drain(range).collect();
-    }
-
-    /// Keeps the trials whose points are known: a trial that no view can be scored for has none.
-    pub fn keep_known(&mut self) {
-        let is_known: Vec<bool> = self.trials.iter().map(|planned| self.known(planned).is_some()).collect();
-        let mut is_known = is_known.into_iter();
-        self.trials.retain(|_| is_known.next() == Some(true));
     }
 
     /// Adds settings, unless they are there already.

@@ -9,7 +9,6 @@ use crate::evaluate::sweep::{Point, Series, variations};
 use crate::evaluate::trial::{TimeLeft, Trial, Workbench};
 use crate::evaluate::truth::{Recorded, Truth};
 use crate::job::Job;
-use crate::part::Part;
 use crate::plural::counted;
 use crate::settings::{Kernel, PruningMethod, Settings};
 
@@ -112,14 +111,6 @@ impl<'a> Search<'a> {
     /// Everything measured, in order.
     pub(super) fn finish(self) -> Vec<Point> {
         self.points
-    }
-
-    /// Measures one part of the trials that are known before anything is measured.
-    pub(super) fn measure_part(&mut self, part: Part) -> Result<()> {
-        let trials = first_trials(&self.plan.settings);
-        let range = part.range(trials.len());
-        self.expected = range.len();
-        trials[range].iter().try_for_each(|trial| self.measure(trial).map(|_| ()))
     }
 
     /// Finds the setting.
