@@ -1,6 +1,7 @@
 #!/bin/bash
-# Runs assets/cluster with Snakemake and holds what it makes against the same work done in one piece: preprocessing in 6 parts, a sweep in
-# 4, a film in 3. Then a job is killed in the middle, and at last a picture is changed under finished parts.
+# Runs assets/cluster with Snakemake and holds what it makes against the same work done in one piece: preprocessing in 6 parts, a sweep of
+# 3 values and a stress test of 2 disturbances, each by a job, and a film. Then a job is killed in the middle, and at last a picture is
+# changed under finished parts.
 #
 #     tests/cluster.sh PROGRAM local
 #     assets/cluster/one_machine_slurm.sh tests/cluster.sh PROGRAM slurm
@@ -15,8 +16,9 @@ assets=$(realpath "$(dirname "$0")/../assets/cluster")
 folder=$(mktemp -d /tmp/overlook-cluster.XXXXXX)
 trap '[ -z "${KEEP:-}" ] || { mkdir -p "$KEEP"; cp "$folder"/*.log "$KEEP"; }; rm -rf "$folder"' EXIT
 cd "$folder"
-vary="--vary pruning.depth_tolerance=0.5,1,2 --frames 2 --set render.backend=cpu"
+vary=pruning.depth_tolerance=0.5,1,2
 painted="--set render.backend=cpu"
+measured="--frames 2 $painted"
 # Jobs that are done are asked for at once, of the controller: there is no accounting.
 more=
 [ "$profile" != slurm ] || more="--slurm-status-command squeue --slurm-init-seconds-before-status-checks 3 --seconds-between-status-checks 3"
@@ -48,13 +50,27 @@ print(json.dumps(strip(json.load(open(sys.argv[1])))))
 PYTHON
 }
 
+# Whether nothing was measured again when journals were put together.
+is_joined() {
+    local lines=1 journal
+    for journal in "$1"/job-*/*.journal; do lines=$((lines + $(wc -l < "$journal") - 1)); done
+    [ "$lines" = "$(wc -l < "$2")" ] || fail "$2 has points that no job measured"
+}
+
 is_as_in_one_piece() {
+    local picture
     cmp one.ovl "$1/scene.ovl" || fail "$1/scene.ovl is not the store of one piece"
     cmp one.mp4 "$1/film.mp4" || fail "$1/film.mp4 is not the film of one piece"
     for picture in one-sweep/worst*.png; do
         cmp "$picture" "$1/sweep/$(basename "$picture")" || fail "$picture is not that of one piece"
     done
+    for picture in one-stress/breaking/*.png; do
+        cmp "$picture" "$1/stress/breaking/$(basename "$picture")" || fail "$picture is not that of one piece"
+    done
     [ "$(timeless one-sweep/sweep.json)" = "$(timeless "$1/sweep/sweep.json")" ] || fail "$1 has another sweep"
+    [ "$(timeless one-stress/stress.json)" = "$(timeless "$1/stress/stress.json")" ] || fail "$1 has another stress test"
+    is_joined "$1/sweep" "$1/sweep/sweep.journal"
+    is_joined "$1/stress" "$1/stress/stress.journal"
 }
 
 "$program" demo nine-cameras --out scene --frames 48 --size 240x180 > /dev/null
@@ -71,20 +87,27 @@ capture: scene
 out: out
 options: ""
 preprocess: {parts: 6}
-sweep: {parts: 4, options: "$vary"}
-film: {parts: 3, path: path.json, options: "$painted"}
+sweep: {vary: "$vary", options: "$measured"}
+stress: {only: [camera pose, depth noise], options: "$measured"}
+views: {manifests: [scene/novel/transforms.json], options: "$painted"}
+film: {path: path.json, options: "$painted"}
 YAML
-sed 's/^sweep:.*/sweep: null/; /^film:/d' all.yaml > preprocess.yaml
+sed 's/^sweep:.*/sweep: null/; /^stress:/d; /^views:/d; /^film:/d' all.yaml > preprocess.yaml
 "$program" preprocess scene --out one.ovl > /dev/null
 # Options are words of their own.
 # shellcheck disable=SC2086
-"$program" sweep scene --out one-sweep $vary > /dev/null
+"$program" sweep scene --out one-sweep --vary $vary $measured > /dev/null
+# shellcheck disable=SC2086
+"$program" stress scene --out one-stress --only "camera pose" --only "depth noise" $measured > /dev/null
+# shellcheck disable=SC2086
+"$program" render one.ovl --views scene/novel/transforms.json --out one-views $painted > /dev/null
 # shellcheck disable=SC2086
 "$program" export video one.ovl --path path.json --out one.mp4 $painted > /dev/null
 
 workflow whole || { tail -n 60 whole.log >&2; fail "the workflow"; }
 is_as_in_one_piece whole
-echo "$profile: a store from 6 parts, a sweep from 4 and a film from 3 are those of one piece"
+diff -r --exclude=views.json one-views whole/views/1 || fail "the views are not those of one piece"
+echo "$profile: a store from 6 parts, a sweep of 3 jobs, a stress test of 2, views and a film are those of one piece"
 
 cp preprocess.yaml all.yaml
 workflow killed &

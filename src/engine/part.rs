@@ -43,18 +43,10 @@ impl Part {
         self.of
     }
 
-    /// Name of the file that holds this part of a piece of work with a name, as in `sweep.part-2-of-6`.
+    /// Name of the file that holds this part of a piece of work with a name, as in `scan.part-2-of-6`.
     #[must_use]
     pub fn file_name(self, name: &str) -> String {
         format!("{name}.part-{}-of-{}", self.number, self.of)
-    }
-
-    /// The name of the work and its part, back from [`Part::file_name`]; `None` of any other name.
-    #[must_use]
-    pub fn of_file_name(file_name: &str) -> Option<(&str, Self)> {
-        let (name, numbers) = file_name.rsplit_once(".part-")?;
-        let (number, of) = numbers.split_once("-of-")?;
-        Some((name, Self::new(number.parse().ok()?, of.parse().ok()?)?))
     }
 
     /// Which of `total` units of work belong to the part: units that follow one another. All parts together hold each unit once;

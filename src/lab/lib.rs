@@ -24,8 +24,7 @@ pub mod truth;
 pub mod tune;
 
 pub use scoring::Scoreboard;
-pub use scoring::aligned_score;
-pub use scoring::average_aligned;
+pub use scoring::add_aligned;
 pub use scoring::frame_of;
 pub use scoring::picture_of_frame;
 pub use scoring::render_view;

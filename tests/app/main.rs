@@ -16,7 +16,6 @@ mod figures;
 mod film;
 #[cfg(target_os = "linux")]
 mod first_minute;
-mod following;
 mod guides;
 mod help_and_recent;
 mod inspector;

@@ -4,7 +4,7 @@ use super::gpu::GpuRenderer;
 use crate::settings::Backend;
 
 /// What painted a picture.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 pub struct Painter {
     /// `Cpu` or `Gpu`.
     pub backend: Backend,

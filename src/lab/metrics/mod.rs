@@ -18,7 +18,6 @@ mod ssim;
 pub(crate) use error_class::ClassErrors;
 pub use error_class::{ClassMap, ClassScore, ErrorByClass, ErrorClass};
 pub(crate) use flicker::FlickerMeter;
-pub use flicker::FlickerSum;
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 pub use ms_ssim::ms_ssim;
 pub(crate) use pair::Pair;

@@ -14,7 +14,7 @@ use overlook_engine::grid::Grid;
 use overlook_engine::render::{NO_IMAGE, Picture};
 
 /// How close one picture is to the truth.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Scores {
     /// Peak signal-to-noise ratio over the true pixels that got a sample, dB; read it together with `coverage`. Where no
     /// pixel got one, the same as `psnr_all_db`. Filling holes changes it only where pictures are supersampled: a pixel that is

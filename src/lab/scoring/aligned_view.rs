@@ -26,7 +26,7 @@ const ROUNDS: usize = 2;
 ///
 /// # Errors
 /// Those of rendering and of `samples_for`, and `Cancelled`.
-pub(crate) fn add_aligned(
+pub fn add_aligned(
     evaluation: &mut Evaluation,
     renderer: &mut Renderer,
     views: &[&TruthView],
@@ -35,29 +35,21 @@ pub(crate) fn add_aligned(
     job: &Job,
 ) -> Result<()> {
     job.start("Aligning views", views.len());
+    let mut all = Vec::new();
     for (score, view) in evaluation.views.iter_mut().zip(views) {
         job.check()?;
         if score.scores.is_some() {
             score.aligned = aligned_score(renderer, view, settings, &mut samples_for, job)?;
+            all.extend(score.aligned.map(|aligned| aligned.psnr_db));
         }
         job.advance(1);
     }
-    average_aligned(evaluation);
+    evaluation.mean.psnr_aligned_db = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
     Ok(())
 }
 
-/// Sets the mean of what [`aligned_score`] gave for each view.
-pub fn average_aligned(evaluation: &mut Evaluation) {
-    let aligned = evaluation.views.iter().filter_map(|view| view.aligned.as_ref());
-    let all: Vec<f64> = aligned.map(|aligned| aligned.psnr_db).collect();
-    evaluation.mean.psnr_aligned_db = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
-}
-
 /// The score of a view with a true picture once it is aligned; `None` where it has none.
-///
-/// # Errors
-/// As [`add_aligned`].
-pub fn aligned_score(
+fn aligned_score(
     renderer: &mut Renderer,
     view: &TruthView,
     settings: &RenderSettings,

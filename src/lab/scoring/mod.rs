@@ -9,9 +9,7 @@ mod pictures;
 mod scoreboard;
 mod view;
 
-pub(crate) use aligned_view::add_aligned;
-pub use aligned_view::aligned_score;
-pub use aligned_view::average_aligned;
+pub use aligned_view::add_aligned;
 pub use pictures::picture_of_frame;
 pub use pictures::score_pictures;
 pub use pictures::{PictureScore, PictureScores};

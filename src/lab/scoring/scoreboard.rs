@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::view::{Evaluation, MeanScore, PaintedView, ViewScore, painted, render_view};
-use crate::metrics::{ClassErrors, ClassMap, FlickerMeter, FlickerSum, Scores};
 use overlook_engine::capture::{Camera, TruthView};
 use overlook_engine::error::{Error, Result};
+use crate::metrics::{ClassErrors, ClassMap, FlickerMeter, Scores};
 use overlook_engine::job::Job;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::render::{Picture, Renderer};
@@ -23,29 +23,16 @@ pub struct Scoreboard {
 }
 
 impl Scoreboard {
-    /// Adds a view, and gives the change of error from the view before. Flicker is measured between consecutive views of one
-    /// vantage; see [`vantage_order`].
-    pub fn add(&mut self, view: &TruthView, painted: PaintedView) -> FlickerSum {
-        let change = painted.pair.as_ref().map(|pair| self.flicker.add(&view.camera, pair));
+    /// Adds a view. Flicker is measured between consecutive views of one vantage; see [`vantage_order`].
+    pub(crate) fn add(&mut self, view: &TruthView, painted: PaintedView) {
+        if let Some(pair) = &painted.pair {
+            self.flicker.add(&view.camera, pair);
+        }
         if let Some(errors) = &painted.class_errors {
             self.class_errors.add(errors);
         }
         self.views.push(painted.score);
         self.notice = self.notice.take().or(painted.notice);
-        change.unwrap_or_default()
-    }
-
-    /// Notes a view that comes before those that are added, without scoring it: the next one may flicker against it.
-    pub fn precede(&mut self, view: &TruthView, painted: &PaintedView) {
-        if let Some(pair) = &painted.pair {
-            self.flicker.change_to(&view.camera, pair);
-        }
-    }
-
-    /// Adds a view that was scored elsewhere, with what [`Scoreboard::add`] gave there. Classes of error are not added up.
-    pub fn add_known(&mut self, score: ViewScore, change: FlickerSum) {
-        self.views.push(score);
-        self.flicker.add_known(change);
     }
 
     /// Scores and means of what was painted, and the first notice.

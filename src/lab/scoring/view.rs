@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::metrics::{ClassErrors, ClassMap, ErrorByClass, Pair, Scores};
 use overlook_engine::capture::{Frame, TruthView};
@@ -14,7 +14,7 @@ use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::RenderSettings;
 
 /// How close a picture comes to the truth once the view is aligned.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AlignedScore {
     /// See [`Scores::psnr_db`](crate::metrics::Scores::psnr_db).
     pub psnr_db: f64,
@@ -31,7 +31,7 @@ pub struct AlignedScore {
 }
 
 /// What one view cost and, where its truth is known, how close to it the picture came.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ViewScore {
     /// The view's own name.
     pub file_path: String,

@@ -9,10 +9,13 @@ use overlook_engine::capture::Capture;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 
-/// Measures every disturbance of the plan as [`measure`] does, and compares the methods at each value of its dial.
+/// Measures every disturbance of the plan at every value of its dial with every method, and compares the methods at each value.
+/// `on_point` receives each new point, the number of known points and their total. Disturbances that cannot change the capture,
+/// and values that leave no true pixel, are skipped with a warning.
 ///
 /// # Errors
-/// As [`measure`].
+/// Those of preprocessing, rendering and truth; `Invalid` if nothing can be disturbed or compared; `Cancelled`: put the points
+/// received so far into [`StressPlan::done`] to continue.
 pub fn run(
     capture: &Capture,
     plan: &StressPlan,
@@ -28,14 +31,8 @@ pub fn run(
     Ok(points)
 }
 
-/// Measures every disturbance of the plan at every value of its dial with every method. `on_point` receives each new point, the
-/// number of known points and their total. Disturbances that cannot change the capture, and values that leave no true pixel, are
-/// skipped with a warning. No method is compared with another. Losses of a part are relative to the first value in it.
-///
-/// # Errors
-/// Those of preprocessing, rendering and truth; `Invalid` if nothing can be disturbed or compared, which of a part is no error;
-/// `Cancelled`: put the points received so far into [`StressPlan::done`] to continue.
-pub fn measure(
+/// All points of the plan, known and new; no method is compared with another yet.
+fn measure(
     capture: &Capture,
     plan: &StressPlan,
     truth: &Truth,
@@ -71,7 +68,7 @@ pub fn measure(
         }
     }
     job.set_context("");
-    if points.is_empty() && !passed_over.is_empty() && plan.part.is_none() {
+    if points.is_empty() && !passed_over.is_empty() {
         return Err(nothing_to_compare(&capture.name));
     }
     for step in passed_over {
@@ -80,7 +77,7 @@ pub fn measure(
     Ok(points)
 }
 
-/// Every value of the dial of every disturbance that can change the capture, or what the plan takes of them.
+/// Every value of the dial of every disturbance that can change the capture.
 fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Result<Vec<StressStep>> {
     let mut steps = Vec::new();
     for &disturbance in &plan.disturbances {
@@ -100,12 +97,6 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
             &capture.name,
             "is changed by no disturbance that was asked for; ask for others",
         ));
-    }
-    if let Some(part) = plan.part {
-        steps = steps.drain(part.range(steps.len())).collect();
-    }
-    if plan.only_known {
-        steps.retain(|step| plan.methods.iter().all(|method| plan.known(*step, method).is_some()));
     }
     Ok(steps)
 }

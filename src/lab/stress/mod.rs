@@ -21,5 +21,5 @@ pub use breaking::breaking_views;
 pub use breaking::distinct;
 pub use breaking::{BreakingPoint, LOST_DB, failures};
 pub use disturbance::Disturbance;
-pub use measure::{measure, run};
+pub use measure::run;
 pub use plan::{Method, StressPlan, StressPoint};

@@ -31,10 +31,6 @@ pub struct StressPlan {
     pub frames: Option<usize>,
     /// Points of an earlier run on the same capture and truth.
     pub done: Vec<StressPoint>,
-    /// The part of the values of all dials that is measured; all if `None`.
-    pub part: Option<Part>,
-    /// Whether values without a known point are left out, instead of measured.
-    pub only_known: bool,
 }
 
 impl StressPlan {
@@ -55,8 +51,6 @@ impl StressPlan {
             ],
             frames: None,
             done: Vec::new(),
-            part: None,
-            only_known: false,
         }
     }
 

@@ -18,10 +18,11 @@ use overlook_engine::capture::Capture;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 
-/// Measures every unknown point of the plan as [`measure`] does, and compares all points with each other.
+/// Measures every unknown point of the plan, in order, and compares all points with each other; a single camera is skipped if no
+/// view can be scored for it. `on_point` receives each new point and the number of known ones.
 ///
 /// # Errors
-/// As [`measure`].
+/// Those of preprocessing, rendering and truth; `Cancelled`: put the points received so far into [`SweepPlan::done`] to continue.
 pub fn run(
     capture: &Capture,
     plan: &SweepPlan,
@@ -38,12 +39,8 @@ pub fn run(
     Ok(points)
 }
 
-/// Measures every unknown point of the plan, in order; a single camera is skipped if no view can be scored for it. `on_point`
-/// receives each new point and the number of known ones. No point is compared with another.
-///
-/// # Errors
-/// Those of preprocessing, rendering and truth; `Cancelled`: put the points received so far into [`SweepPlan::done`] to continue.
-pub fn measure(
+/// All points of the plan, known and new, not compared with each other yet.
+fn measure(
     capture: &Capture,
     plan: &SweepPlan,
     truth: &Truth,

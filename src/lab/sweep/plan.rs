@@ -152,19 +152,6 @@ impl SweepPlan {
         self.done.iter().find(is_same).cloned()
     }
 
-    /// Keeps one part of the trials. Those that share samples lie side by side, so that few samples are made in two parts.
-    pub fn keep_part(&mut self, part: Part) {
-        let range = part.range(self.trials.len());
-        self.trials = self.trials.drain(range).collect();
-    }
-
-    /// Keeps the trials whose points are known: a trial that no view can be scored for has none.
-    pub fn keep_known(&mut self) {
-        let is_known: Vec<bool> = self.trials.iter().map(|planned| self.known(planned).is_some()).collect();
-        let mut is_known = is_known.into_iter();
-        self.trials.retain(|_| is_known.next() == Some(true));
-    }
-
     /// Adds settings, unless they are there already.
     fn add(&mut self, label: impl Into<String>, settings: Settings) {
         if !self.trials.iter().any(|planned| planned.trial.settings == settings) {

@@ -26,27 +26,7 @@ use super::truth::Truth;
 use overlook_engine::capture::Capture;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use overlook_engine::part::Part;
 use search::Search;
-
-/// Measures one part of the settings that every search begins with; what follows depends on all of them. `on_point` receives each
-/// new point.
-///
-/// # Errors
-/// Those of preprocessing, rendering and truth; `Cancelled`: put the points received so far into [`TunePlan::done`] to continue.
-pub fn measure_part(
-    capture: &Capture,
-    plan: &TunePlan,
-    truth: &Truth,
-    part: Part,
-    job: &Job,
-    on_point: impl FnMut(&Point),
-) -> Result<Vec<Point>> {
-    let mut search = Search::new(capture, plan, truth, job, Box::new(on_point))?;
-    search.measure_part(part)?;
-    job.set_context("");
-    Ok(search.finish())
-}
 
 /// Tunes; `on_point` receives each new point.
 ///

@@ -3,13 +3,12 @@
 use super::choice::{Candidate, LossRule, Reason, most_accurate};
 use super::plan::{TuneBudget, TunePlan};
 use super::whole::WholeStores;
+use overlook_engine::capture::Capture;
+use overlook_engine::error::{Error, Result};
 use crate::sweep::{Point, Series, variations};
 use crate::trial::{TimeLeft, Trial, Workbench};
 use crate::truth::{Recorded, Truth};
-use overlook_engine::capture::Capture;
-use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
-use overlook_engine::part::Part;
 use overlook_engine::plural::counted;
 use overlook_engine::settings::{Kernel, PruningMethod, Settings};
 
@@ -112,14 +111,6 @@ impl<'a> Search<'a> {
     /// Everything measured, in order.
     pub(super) fn finish(self) -> Vec<Point> {
         self.points
-    }
-
-    /// Measures one part of the trials that are known before anything is measured.
-    pub(super) fn measure_part(&mut self, part: Part) -> Result<()> {
-        let trials = first_trials(&self.plan.settings);
-        let range = part.range(trials.len());
-        self.expected = range.len();
-        trials[range].iter().try_for_each(|trial| self.measure(trial).map(|_| ()))
     }
 
     /// Finds the setting.

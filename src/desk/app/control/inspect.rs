@@ -74,10 +74,6 @@ impl OverlookApp {
             }
             Command::GoOnAnyway => self.go_on_anyway(),
             Command::Study(study) => self.study(study),
-            Command::FollowNoMore => {
-                self.workers.follow.cancel();
-                self.state.inspector.charts.follow_no_more();
-            }
             Command::ChartAxes(axes) => state.inspector.charts.set_axes(axes),
             Command::Disturbance(name) => state.inspector.charts.disturbance = name,
             Command::TakeSettings(settings) => self.take_point(*settings),

@@ -9,7 +9,7 @@ use crate::app::model::{
     csv,
 };
 use crate::app::overlook_app::OverlookApp;
-use crate::app::work::{FileRequest, FollowRequest, with_ending};
+use crate::app::work::{FileRequest, with_ending};
 use overlook_engine::error::Error;
 
 /// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
@@ -162,12 +162,6 @@ impl OverlookApp {
                     self.workers.file.submit(FileRequest::OpenPictures { path, scene });
                 }
             }
-            Purpose::FollowParts => {
-                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
-                    self.state.inspector.charts.follow(path.clone());
-                    self.workers.follow.submit(FollowRequest { scene, folder: path });
-                }
-            }
             Purpose::ExportPictures => {
                 self.export_path(ExportTarget { path, film_rate: None, linear: false });
             }
@@ -260,7 +254,6 @@ impl OverlookApp {
             Purpose::SavePath => "No camera path to save",
             Purpose::LoadPath => "No scene for a camera path",
             Purpose::OpenPictures => "Nothing to compare pictures with",
-            Purpose::FollowParts => "No capture that work is done on",
             _ => return false,
         };
         let exports = matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm);
@@ -269,11 +262,6 @@ impl OverlookApp {
                 return false;
             }
             "Open a capture first: a store has no viewpoints with true pictures."
-        } else if purpose == Purpose::FollowParts {
-            if self.state.has_capture() {
-                return false;
-            }
-            "Open the capture first that others work on."
         } else if self.state.scene.is_none() {
             "Open a capture or a store first."
         } else if purpose == Purpose::LoadPath {
@@ -312,8 +300,7 @@ fn suggested_name(state: &State, purpose: Purpose) -> String {
         | Purpose::OpenFolder
         | Purpose::LoadSettings
         | Purpose::LoadPath
-        | Purpose::OpenPictures
-        | Purpose::FollowParts => String::new(),
+        | Purpose::OpenPictures => String::new(),
     }
 }
 

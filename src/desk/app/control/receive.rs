@@ -73,7 +73,6 @@ impl OverlookApp {
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
             Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
-            Message::PartsArrived { parts, .. } => state.inspector.charts.arrive(*parts),
             Message::Studied => {
                 state.inspector.charts.complete();
                 self.refresh_busy();
@@ -186,7 +185,6 @@ impl OverlookApp {
         if let Origin::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
         }
-        self.workers.follow.cancel();
         if self.workers.open.is_idle() {
             state.opening = None;
         }
@@ -310,9 +308,6 @@ impl OverlookApp {
             // Nothing goes on from here by itself.
             self.state.stopped |= self.state.inspected.is_none();
         }
-        if what == "Follow parts" {
-            self.state.inspector.charts.follow_no_more();
-        }
         let title = match what {
             "Open" => "Could not open",
             "Prune" => "Could not prune the capture",
@@ -321,7 +316,6 @@ impl OverlookApp {
             "Live view" => "Could not render this view",
             "File" => "Could not save or load",
             "Study" => "Could not measure",
-            "Follow parts" => "Could not follow the parts",
             "Export" => "Could not export the camera path",
             other => other,
         };

@@ -29,7 +29,6 @@ pub(crate) struct Dock {
 struct RememberedLayouts {
     workspace: Workspace,
     layouts: BTreeMap<Workspace, serde_json::Value>,
-    #[serde(default)]
     fitted: BTreeSet<Workspace>,
 }
 
@@ -41,8 +40,7 @@ impl Dock {
         Self { workspace, trees, fitted: [workspace].into(), pointed_at: None }
     }
 
-    /// Layouts as [`Dock::to_json`] gave them; that of a first run for each that cannot be read or shows nothing. The single
-    /// layout that earlier versions remembered is taken for the first workspace's.
+    /// Layouts as [`Dock::to_json`] gave them; that of a first run for each that cannot be read or shows nothing.
     pub(crate) fn from_json(text: &str) -> Self {
         let mut dock = Self::new();
         let readable = |layout: serde_json::Value| {
@@ -57,9 +55,6 @@ impl Dock {
                     dock.set_fitted(workspace, remembered.fitted.contains(&workspace));
                 }
             }
-        } else if let Some(tree) = serde_json::from_str(text).ok().and_then(readable) {
-            dock.trees.insert(dock.workspace, tree);
-            dock.set_fitted(dock.workspace, false);
         }
         dock
     }
@@ -244,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn each_workspace_keeps_its_layout_and_the_single_one_of_earlier_versions_is_taken() {
+    fn each_workspace_keeps_its_layout() {
         let mut dock = Dock::new();
         for (workspace, ..) in Workspace::ALL {
             dock.show_workspace(workspace);
@@ -257,10 +252,6 @@ mod tests {
         assert!(again.holds(DockView::Log));
         again.show_workspace(Workspace::Explore);
         assert!(!again.holds(DockView::Log));
-        let mut old = Dock::new();
-        old.open(DockView::Stability);
-        let old = Dock::from_json(&serde_json::to_string(old.tree_mut()).unwrap());
-        assert!(old.holds(DockView::Stability) && old.workspace() == Workspace::Inspect);
     }
 
     #[test]

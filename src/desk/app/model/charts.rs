@@ -1,8 +1,5 @@
 //! What sweeps and stress tests have measured so far, how far they came, and how it is shown.
 
-use std::path::PathBuf;
-
-use super::arriving::ArrivedParts;
 use super::chart_axis::Quantity;
 use super::results::method_of;
 use overlook_engine::plural::counted;
@@ -54,8 +51,6 @@ pub(crate) struct Charts {
     runs: [Option<StudyRun>; 2],
     /// Whether the points of the stress test are those of the one before, until the first new one takes their place.
     is_of_previous_test: bool,
-    /// What has arrived of work that others do, while it is followed.
-    pub followed: Option<ArrivedParts>,
 }
 
 impl Default for Charts {
@@ -69,7 +64,6 @@ impl Default for Charts {
             study: None,
             runs: [None, None],
             is_of_previous_test: false,
-            followed: None,
         }
     }
 }
@@ -89,40 +83,6 @@ impl Charts {
         }
         self.stress.push(point);
         self.note(Study::Stress, known);
-    }
-
-    /// Parts that appear in a folder are to be shown from now on.
-    pub(crate) fn follow(&mut self, folder: PathBuf) {
-        self.followed = Some(ArrivedParts { folder, ..ArrivedParts::default() });
-    }
-
-    /// Takes in what has arrived of work that others do, if it is followed: points that are not there yet join those that are.
-    pub(crate) fn arrive(&mut self, parts: ArrivedParts) {
-        if self.followed.as_ref().is_none_or(|followed| followed.folder != parts.folder) {
-            return;
-        }
-        for point in &parts.sweep {
-            let is_same = |known: &Point| known.label == point.label && known.settings == point.settings;
-            if !self.sweep.iter().any(is_same) {
-                self.sweep.push(point.clone());
-            }
-        }
-        for point in &parts.stress {
-            let is_same = |known: &StressPoint| {
-                (&known.disturbance, &known.method) == (&point.disturbance, &point.method)
-                    && known.dial == point.dial
-            };
-            if !self.stress.iter().any(is_same) {
-                self.stress.push(point.clone());
-            }
-        }
-        self.followed = Some(parts);
-        self.mark_front();
-    }
-
-    /// Parts are not looked at any more; what has arrived stays.
-    pub(crate) fn follow_no_more(&mut self) {
-        self.followed = None;
     }
 
     fn note(&mut self, study: Study, known: (usize, usize)) {

@@ -161,8 +161,6 @@ pub(crate) enum Command {
     /// Play the camera path from its beginning, or stop.
     PlayPath(bool),
     Study(Study),
-    /// Look no more at the folder that others write parts to.
-    FollowNoMore,
     ChartAxes([Quantity; 2]),
     Disturbance(String),
     /// Put these settings on.

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::arriving::ArrivedParts;
 use super::camera_path::{CameraPath, Exported};
 use super::comparison::{CompareKey, PictureDifference};
 use super::histogram::ThresholdHistogram;
@@ -100,11 +99,6 @@ pub(crate) enum Message {
         point: Box<StressPoint>,
         known: (usize, usize),
     },
-    /// Parts of work that others do have arrived.
-    PartsArrived {
-        scene: u64,
-        parts: Box<ArrivedParts>,
-    },
     /// A sweep or a stress test is done.
     Studied,
     /// The pictures or the film of the camera path are written.
@@ -178,7 +172,6 @@ impl Message {
             | Self::MemoryMapped { scene, .. }
             | Self::Swept { scene, .. }
             | Self::Stressed { scene, .. }
-            | Self::PartsArrived { scene, .. }
             | Self::PicturesOpened { scene, .. }
             | Self::ReadingsChecked { scene, .. }
             | Self::ReadingsShown { scene, .. }

@@ -5,7 +5,6 @@
 //!   └──── keys of what is missing ──▶ work ──▶ Message ── taken in by control ──▶ State
 //! ```
 
-mod arriving;
 mod camera_path;
 mod camera_text;
 mod chart_axis;
@@ -47,7 +46,6 @@ mod view;
 mod view_look;
 mod workspace;
 
-pub(crate) use arriving::{ArrivedParts, WorkInParts};
 pub(crate) use camera_path::{CameraPath, ExportTarget, Exported, NO_KEYS, SavedPathKey};
 pub(crate) use camera_text::{CameraText, TextPart};
 pub(crate) use chart_axis::{Quantity, label, marks};

@@ -34,8 +34,6 @@ pub(crate) enum Purpose {
     LoadPath,
     /// Read pictures that another program made.
     OpenPictures,
-    /// Watch a folder that other machines write parts to.
-    FollowParts,
 }
 
 impl Purpose {
@@ -43,12 +41,7 @@ impl Purpose {
     pub(crate) fn writes(self) -> bool {
         !matches!(
             self,
-            Self::OpenFile
-                | Self::OpenFolder
-                | Self::LoadSettings
-                | Self::LoadPath
-                | Self::OpenPictures
-                | Self::FollowParts
+            Self::OpenFile | Self::OpenFolder | Self::LoadSettings | Self::LoadPath | Self::OpenPictures
         )
     }
 
@@ -57,7 +50,6 @@ impl Purpose {
         match self {
             Self::OpenFile | Self::OpenFolder => "Open",
             Self::ExportPictures | Self::ExportExr | Self::ExportFilm => "Export",
-            Self::FollowParts => "Follow parts",
             _ => "File",
         }
     }
@@ -78,7 +70,6 @@ impl Purpose {
             Self::SavePath => "Save the camera path",
             Self::LoadPath => "Open a camera path",
             Self::OpenPictures => "Open pictures of another program",
-            Self::FollowParts => "Follow work in parts",
             Self::ExportFilm => "Export a video",
         }
     }
@@ -99,7 +90,6 @@ impl Purpose {
             Self::SavePath => "Save camera path to path…",
             Self::LoadPath => "Open camera path from path…",
             Self::OpenPictures => "Open pictures from path…",
-            Self::FollowParts => "Follow parts at path…",
         }
     }
 }

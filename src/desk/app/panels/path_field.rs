@@ -37,7 +37,6 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         Purpose::SavePath => ("Save", "transforms.json"),
         Purpose::LoadPath => ("Load", "transforms.json"),
         Purpose::OpenPictures => ("Load", "folder of pictures"),
-        Purpose::FollowParts => ("Follow", "folder that parts are written to"),
         Purpose::LoadSettings => ("Load", ".toml file"),
     };
     let title = if action == "Open" { "Open a capture or a store" } else { purpose.title() };

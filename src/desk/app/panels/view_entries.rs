@@ -41,7 +41,6 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         ("Save camera path", "", Command::AskPath(Purpose::SavePath)),
         ("Open camera path", "", Command::AskPath(Purpose::LoadPath)),
         ("Compare with pictures of another program", "", Command::AskPath(Purpose::OpenPictures)),
-        ("Follow work in parts", "", Command::AskPath(Purpose::FollowParts)),
     ] {
         entries.push((name.to_owned(), keys, command));
     }

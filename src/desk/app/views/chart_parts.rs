@@ -4,9 +4,9 @@ use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
 use egui_material_icons::MaterialIcon;
 use egui_plot::{MarkerShape, Plot, PlotPoint, PlotUi};
 
-use crate::app::model::{self, Command, Commands, Purpose, State, Study};
+use crate::app::model::{self, Command, Commands, State, Study};
 use crate::app::theme::Tokens;
-use crate::app::widgets::{empty_ui, weak};
+use crate::app::widgets::empty_ui;
 
 /// How near the pointer selects a point, points on the screen.
 const NEAR: f32 = 12.0;
@@ -107,33 +107,6 @@ pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &
     }
 }
 
-const FOLLOW: &str = "Shows what other machines measure of this capture, part by part as it arrives in a folder: what \
-                      'overlook sweep --part' and 'overlook stress --part' write there, and which parts of preprocessing are done.";
-
-/// Follows parts that others write to a folder, or no more.
-pub(crate) fn follow_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    if let Some(followed) = &state.inspector.charts.followed {
-        weak(ui, followed.words());
-        if ui.button("Stop following").clicked() {
-            commands.push(Command::FollowNoMore);
-        }
-        return;
-    }
-    ui.add_enabled_ui(state.has_capture(), |ui| {
-        let menu = ui.menu_button("Follow parts", |ui| {
-            for (name, command) in [
-                ("Follow folder of parts…", Command::AskPath(Purpose::FollowParts)),
-                ("Follow parts at path…", Command::TypePath(Purpose::FollowParts)),
-            ] {
-                if ui.button(name).clicked() {
-                    commands.push(command);
-                }
-            }
-        });
-        menu.response.on_hover_text(FOLLOW);
-    });
-}
-
 /// What stands in place of a chart without points: why, or that the first is on its way.
 pub(crate) fn no_points_ui(
     ui: &mut Ui,
@@ -153,10 +126,7 @@ pub(crate) fn no_points_ui(
         Study::Sweep => "No sweep yet",
         Study::Stress => "No stress test yet",
     };
-    empty_ui(ui, icon, title, text, |ui| {
-        study_button(ui, state, study, commands);
-        follow_ui(ui, state, commands);
-    });
+    empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
 }
 
 /// A plot with named axes and round marks; `log` says which axes are logarithmic.

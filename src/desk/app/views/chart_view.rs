@@ -6,9 +6,7 @@ use egui::{RichText, Ui};
 use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
-use super::chart_parts::{
-    HINT, Mark, follow_ui, legend_ui, nearest, no_points_ui, plot, shape, study_button,
-};
+use super::chart_parts::{HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button};
 use crate::app::camera_cues;
 use crate::app::model::{
     self, Command, Commands, Quantity, State, Study, Table, method_name, point_name, series_name,
@@ -123,7 +121,6 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         }
         study_button(ui, state, Study::Sweep, commands);
-        follow_ui(ui, state, commands);
         table_ui(ui, Table::Sweep, commands);
     });
 }
@@ -214,7 +211,6 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
             commands.push(Command::Disturbance(names[index].to_owned()));
         }
         study_button(ui, state, Study::Stress, commands);
-        follow_ui(ui, state, commands);
         table_ui(ui, Table::StressTest, commands);
     });
     if let Some(words) = charts.stale_stress_note(&state.settings) {

@@ -201,11 +201,9 @@ pub(crate) fn check(destination: Destination) -> Message {
 pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new().set_file_name(name).set_title(purpose.title());
     match purpose {
-        Purpose::OpenFolder
-        | Purpose::ExportPictures
-        | Purpose::ExportExr
-        | Purpose::OpenPictures
-        | Purpose::FollowParts => dialog.pick_folder(),
+        Purpose::OpenFolder | Purpose::ExportPictures | Purpose::ExportExr | Purpose::OpenPictures => {
+            dialog.pick_folder()
+        }
         Purpose::OpenFile => dialog
             .add_filter("Stores and captures", &["ovl", "json", "txt", "bin", "log"])
             .add_filter("All files", &["*"])

@@ -5,7 +5,6 @@
 //! ```
 
 mod accuracy;
-mod arriving;
 mod compare;
 mod compare_place;
 mod develop;
@@ -26,7 +25,6 @@ mod study;
 mod worker;
 mod workers;
 
-pub(crate) use arriving::FollowRequest;
 pub(crate) use files::with_ending;
 pub(crate) use requests::{ExportRequest, FileRequest, OpenRequest, StudyRequest};
 pub(crate) use scheduler::Scheduler;

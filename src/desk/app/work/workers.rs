@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::accuracy::measure;
-use super::arriving::{self, FollowRequest};
 use super::compare::Comparer;
 use super::readings::{self, ReadingRequest};
 use super::requests::{
@@ -42,8 +41,6 @@ pub(crate) struct Workers {
     pub compare: Worker<Box<CompareKey>>,
     pub export: Worker<ExportRequest>,
     pub study: Worker<StudyRequest>,
-    /// A folder that other machines write parts to; it never ends by itself.
-    pub follow: Worker<FollowRequest>,
     /// How the capture is read, and how it would fit better.
     pub readings: Worker<ReadingRequest>,
 }
@@ -128,14 +125,13 @@ impl Workers {
             readings: Worker::start("Compare readings", Supersede::Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
             })?,
-            follow: arriving::follower(outbox)?,
             study: Worker::start("Study", Supersede::Always, outbox, move |request, job| {
                 studying.install(|| study::study(request, &points, job))
             })?,
         })
     }
 
-    /// Whether nothing runs or waits. An open dialog waits for the person, and a folder that is watched for others.
+    /// Whether nothing runs or waits. An open dialog waits for the person.
     pub(crate) fn are_idle(&self) -> bool {
         self.open.is_idle()
             && self.whole.is_idle()

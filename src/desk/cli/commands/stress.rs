@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use crate::cli::input::{self, PartArgs, SettingsArgs, TruthArgs};
-use crate::cli::output::{self, CommandError, PartFiles, SavedPicture, StressDocument};
 use overlook_engine::capture::Capture;
-use overlook_engine::settings::Settings;
+use crate::cli::input::{self, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError, SavedPicture, StressDocument};
 use overlook_lab::chart;
 use overlook_lab::stress::{self, BreakingPoint, Disturbance, StressPlan, StressPoint};
 use overlook_lab::truth::Truth;
+use overlook_engine::settings::Settings;
 
 #[derive(Debug, Args)]
 pub(crate) struct StressArgs {
@@ -27,8 +27,6 @@ pub(crate) struct StressArgs {
     /// Apply this disturbance alone; may be given several times.
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Disturbance::ALL.map(Disturbance::name)))]
     only: Vec<String>,
-    #[command(flatten)]
-    parts: PartArgs,
     #[command(flatten)]
     settings: SettingsArgs,
     /// Print one JSON document.
@@ -49,30 +47,10 @@ impl StressArgs {
         if !self.only.is_empty() {
             plan.disturbances.retain(|disturbance| self.only.iter().any(|name| name == disturbance.name()));
         }
-        let journal = if self.parts.part.is_some() || self.parts.join.is_some() {
-            let inputs = self.truth.inputs(&self.capture, &capture, &truth)?;
-            let tried = format!("{:?} {:?}", plan.disturbances, plan.methods);
-            let files =
-                PartFiles::new(&self.out, "stress", inputs.with("list of disturbances and settings", &tried));
-            if let Some(part) = self.parts.part {
-                plan.part = Some(part);
-                let file = files.complete(part, |journal| {
-                    plan.done = journal.points();
-                    output::recorded(Some(journal), |job, keep| {
-                        stress::measure(&capture, &plan, &truth, job, |point, _| keep(point))
-                    })
-                })?;
-                return output::print_parts(part, &[file], self.json);
-            }
-            (plan.done, plan.only_known) = (files.join(self.parts.join.unwrap_or_default())?, true);
-            None
-        } else {
-            let fingerprint = self.truth.fingerprint(&self.capture, &capture, &truth)?;
-            let journal = output::Journal::open(&self.out, "stress", &fingerprint)?;
-            plan.done = journal.points();
-            Some(journal)
-        };
-        let points = output::recorded(journal.as_ref(), |job, keep| {
+        let fingerprint = self.truth.fingerprint(&self.capture, &capture, &truth)?;
+        let journal = output::Journal::open(&self.out, "stress", &fingerprint)?;
+        plan.done = journal.points();
+        let points = output::recorded(Some(&journal), |job, keep| {
             stress::run(&capture, &plan, &truth, job, |point, _| keep(point))
         })?;
         let failures = stress::failures(&points);

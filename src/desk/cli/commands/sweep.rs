@@ -4,15 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs, TruthArgs};
-use crate::cli::output::{self, CommandError, PartFiles, SweepDocument};
 use overlook_engine::capture::Capture;
+use crate::cli::input::{self, PaintingArgs, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError, SweepDocument};
 use overlook_engine::error::Error;
-use overlook_engine::part::Part;
-use overlook_engine::settings::Settings;
 use overlook_lab::chart;
 use overlook_lab::sweep::{self, ExternalPoint, SweepPlan};
-use overlook_lab::truth::Truth;
+use overlook_engine::settings::Settings;
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
@@ -35,8 +33,6 @@ pub(crate) struct SweepArgs {
     /// Show the figures of another program on the same capture beside ours; may be given several times.
     #[arg(long, value_name = "NAME=DB,MS,BYTES")]
     rival: Vec<String>,
-    #[command(flatten)]
-    parts: PartArgs,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -68,13 +64,6 @@ impl SweepArgs {
             opened.push((path, input::open_capture(path, &settings.capture)?));
         }
         let folders = self.folders(&opened)?;
-        if let Some(part) = self.parts.part {
-            let mut files = Vec::new();
-            for ((path, capture), folder) in opened.iter().zip(&folders) {
-                files.push(self.measure_part(part, (path.as_path(), capture), folder, &settings)?);
-            }
-            return output::print_parts(part, &files, self.json);
-        }
         let mut documents = Vec::new();
         for ((path, capture), folder) in opened.iter().zip(&folders) {
             documents.push(self.sweep((path.as_path(), capture), folder, &settings, &external)?);
@@ -118,18 +107,11 @@ impl SweepArgs {
     ) -> Result<SweepDocument, CommandError> {
         let (capture, truth) = self.truth.open(path, opened)?;
         let mut plan = self.plan(settings, &capture)?;
+        let fingerprint = self.truth.fingerprint(path, opened, &truth)?;
+        let journal = output::Journal::open(folder, "sweep", &fingerprint)?;
         plan.external = external.to_vec();
-        let journal = if let Some(of) = self.parts.join {
-            plan.done = self.part_files((path, opened), folder, &plan, &truth)?.join(of)?;
-            plan.keep_known();
-            None
-        } else {
-            let fingerprint = self.truth.fingerprint(path, opened, &truth)?;
-            let journal = output::Journal::open(folder, "sweep", &fingerprint)?;
-            plan.done = journal.points();
-            Some(journal)
-        };
-        let points = output::recorded(journal.as_ref(), |job, keep| {
+        plan.done = journal.points();
+        let points = output::recorded(Some(&journal), |job, keep| {
             sweep::run(&capture, &plan, &truth, job, |point, _| keep(point))
         })?;
         let shown =
@@ -150,39 +132,6 @@ impl SweepArgs {
         };
         output::write_results(folder, "sweep", &document, &document.points, ("pareto.png", &chart))?;
         Ok(document)
-    }
-
-    /// Measures one part of the settings of one capture, and gives its file.
-    fn measure_part(
-        &self,
-        part: Part,
-        (path, opened): (&Path, &Capture),
-        folder: &Path,
-        settings: &Settings,
-    ) -> Result<PathBuf, CommandError> {
-        let (capture, truth) = self.truth.open(path, opened)?;
-        let mut plan = self.plan(settings, &capture)?;
-        let files = self.part_files((path, opened), folder, &plan, &truth)?;
-        plan.keep_part(part);
-        Ok(files.complete(part, |journal| {
-            plan.done = journal.points();
-            output::recorded(Some(journal), |job, keep| {
-                sweep::measure(&capture, &plan, &truth, job, |point, _| keep(point))
-            })
-        })?)
-    }
-
-    /// The parts of a plan that holds all settings.
-    fn part_files(
-        &self,
-        (path, opened): (&Path, &Capture),
-        folder: &Path,
-        plan: &SweepPlan,
-        truth: &Truth,
-    ) -> Result<PartFiles, CommandError> {
-        let inputs = self.truth.inputs(path, opened, truth)?;
-        let tried = format!("{:?} {:?}", plan.reference, plan.trials);
-        Ok(PartFiles::new(folder, "sweep", inputs.with("list of settings", &tried)))
     }
 
     /// The settings files under their names, or under their paths if two share a name. A file that equals another row gets none

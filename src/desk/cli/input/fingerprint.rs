@@ -26,11 +26,6 @@ pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Res
     Ok(format!("{}; {:?}", files_state(&manifests, &pictures)?, capture.cameras))
 }
 
-/// A text that changes with any byte of a manifest of views, and with any rewritten true picture that it names.
-pub(crate) fn views_state(views: &Path) -> Result<String> {
-    files_state(&[manifest_path(views)], &picture_places(views)?)
-}
-
 fn files_state(manifests: &[PathBuf], pictures: &[PathBuf]) -> Result<String> {
     // Manifests are small enough to be read again. Pictures are not: their lengths and times have to do.
     let mut state = String::new();

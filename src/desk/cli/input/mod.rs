@@ -6,7 +6,7 @@ mod options;
 mod part_args;
 mod truth;
 
-pub(crate) use fingerprint::{capture_state, input_files, pictures_state, summed_up, sums_of, views_state};
+pub(crate) use fingerprint::{capture_state, input_files, pictures_state, summed_up, sums_of};
 pub(crate) use open::{open_capture, open_store};
 pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, choice, only_cameras};
 pub(crate) use part_args::PartArgs;

@@ -1,4 +1,4 @@
-//! Options of commands whose work can be cut into parts for several machines.
+//! Options of work that is cut into parts for several machines.
 
 use clap::Args;
 
@@ -8,7 +8,7 @@ use overlook_engine::part::{MOST_PARTS, Part};
 #[derive(Debug, Args)]
 pub(crate) struct PartArgs {
     /// Do one part of the work, as in `--part 2/6`: the second of six. Several machines can each do one. The part becomes one file
-    /// beside the results, complete or not there at all; where it was cut short, the same command goes on.
+    /// beside the results, complete or not there at all.
     #[arg(long, value_name = "K/N", conflicts_with = "join")]
     pub(crate) part: Option<Part>,
     /// Put N parts together that --part made: the results are those of one piece of work. A part whose input has changed since is

@@ -6,10 +6,10 @@ use clap::Args;
 use clap::builder::RangedU64ValueParser;
 
 use super::fingerprint;
-use crate::cli::output::{self, CommandError, Inputs};
 use overlook_engine::capture::{Capture, transforms};
-use overlook_engine::plural::counted;
+use crate::cli::output::{self, CommandError};
 use overlook_lab::truth::{self, Truth};
+use overlook_engine::plural::counted;
 
 /// Raised when the same input, truth and settings are measured differently.
 const MEASURE: u32 = 1;
@@ -79,39 +79,18 @@ impl TruthArgs {
         opened: &Capture,
         truth: &Truth,
     ) -> Result<String, CommandError> {
-        Ok(format!(
-            "{}; {} threads; {}",
-            self.measured(opened, truth),
-            rayon::current_num_threads(),
-            fingerprint::state(path, opened, self.views(path).as_deref())?
-        ))
-    }
-
-    /// What parts of one piece of work have in common: as [`TruthArgs::fingerprint`] with any number of threads, since parts are
-    /// measured on several machines.
-    pub(crate) fn inputs(
-        &self,
-        path: &Path,
-        opened: &Capture,
-        truth: &Truth,
-    ) -> Result<Inputs, CommandError> {
-        let state = fingerprint::state(path, opened, self.views(path).as_deref())?;
-        let capture = format!("{}; {state}", self.measured(opened, truth));
-        Ok(Inputs::default().with("capture or its truth", &capture))
-    }
-
-    /// What is measured, in one line.
-    fn measured(&self, opened: &Capture, truth: &Truth) -> String {
         let source = match truth {
             Truth::HoldOut => "cameras left out",
             Truth::Views(_) => "views",
         };
-        format!(
-            "{}.{MEASURE} {} {:?} {source}; {} frames",
+        Ok(format!(
+            "{}.{MEASURE} {} {:?} {source}; {} frames; {} threads; {}",
             env!("CARGO_PKG_VERSION"),
             opened.name,
             opened.frame_numbers,
             self.frames_looked_at(opened),
-        )
+            rayon::current_num_threads(),
+            fingerprint::state(path, opened, self.views(path).as_deref())?
+        ))
     }
 }

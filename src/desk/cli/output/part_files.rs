@@ -1,8 +1,8 @@
-//! Files of parts: what one machine measured of a piece of work, to be put together with what others did.
+//! Files of parts: what one machine made of a piece of work, to be put together with what others did.
 //!
 //! ```text
-//! DIR/NAME.part-2-of-6   { "overlook": "0.1.0", "of": "sweep", "part": "2/6", "inputs": { "capture": "…", "settings": "…" }, … }
-//!                        what was made: one record per line, as JSON, or bytes
+//! DIR/NAME.part-2-of-6   { "overlook": "0.1.0", "of": "scene.ovl.scan", "part": "2/6", "inputs": { "settings": "…", … } }
+//!                        what was made: bytes
 //!                        number of these bytes, 20 digits; their CRC-32, 8 hexadecimal digits
 //! ```
 //!
@@ -13,14 +13,12 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use siphasher::sip128::SipHasher24;
 
-use super::results::Journal;
-use super::{study, text};
+use super::study;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::part::Part;
-use overlook_engine::plural::counted;
 use overlook_engine::whole_file;
 
 /// Hashes of what a piece of work is made from, by what they are called in messages.
@@ -41,13 +39,10 @@ impl Inputs {
     }
 }
 
-/// 96 bits as hexadecimal digits: FNV-1a (Fowler, Noll and Vo, 1991) and CRC-32. It tells states apart; it does not stand up to
-/// an attacker.
+/// 128 bits as hexadecimal digits: SipHash-2-4 (Aumasson and Bernstein, 2012) with a key of zeros, the same on every machine. It
+/// tells states apart; it does not stand up to an attacker.
 fn hash(bytes: &[u8]) -> String {
-    let fnv = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    format!("{fnv:016x}{:08x}", crc32fast::hash(bytes))
+    format!("{:032x}", u128::from_be_bytes(SipHasher24::new().hash(bytes).as_bytes()))
 }
 
 /// The first line of a part.
@@ -59,8 +54,6 @@ struct Head {
     of: String,
     part: String,
     inputs: Inputs,
-    /// Threads that worked on it.
-    threads: usize,
 }
 
 /// Bytes of the last line.
@@ -95,7 +88,6 @@ impl Write for Summed<'_> {
 pub(crate) struct OpenPart {
     /// Where it is.
     pub(crate) path: PathBuf,
-    head: Head,
     /// Its last line, which tells it from any other that was made from the same inputs.
     pub(crate) tail: String,
     /// Positioned at the first byte of what was made.
@@ -106,29 +98,24 @@ pub(crate) struct OpenPart {
 #[derive(Debug)]
 pub(crate) struct PartFiles {
     folder: PathBuf,
-    /// Name of the results, as in `sweep`.
+    /// Name of the work, as in `scene.ovl.scan`.
     name: String,
     inputs: Inputs,
-    /// What makes a part, before its number; all of it where there is but one part, which has no number.
+    /// Options that make a part, without its number.
     made_by: String,
     is_single: bool,
 }
 
 impl PartFiles {
-    /// The parts in `folder` of the work called `name` on these inputs.
-    pub(crate) fn new(folder: &Path, name: &str, inputs: Inputs) -> Self {
-        let (folder, name) = (folder.to_path_buf(), name.to_owned());
-        Self { folder, name, inputs, made_by: String::new(), is_single: false }
+    /// The parts in `folder` of the work called `name` on these inputs, made by `options` and `--part`.
+    pub(crate) fn new(folder: &Path, name: &str, inputs: Inputs, options: &str) -> Self {
+        let (folder, name, made_by) = (folder.to_path_buf(), name.to_owned(), options.to_owned());
+        Self { folder, name, inputs, made_by, is_single: false }
     }
 
-    /// The same parts, made by options before `--part`.
-    pub(crate) fn made_by(self, options: &str) -> Self {
-        Self { made_by: format!("{options} "), ..self }
-    }
-
-    /// A file of which there is one, made by these options.
+    /// The one file of the work called `name`, made by `options`.
     pub(crate) fn single(folder: &Path, name: &str, inputs: Inputs, options: &str) -> Self {
-        Self { made_by: options.to_owned(), is_single: true, ..Self::new(folder, name, inputs) }
+        Self { is_single: true, ..Self::new(folder, name, inputs, options) }
     }
 
     /// Name of the file of a part.
@@ -144,36 +131,6 @@ impl PartFiles {
         self.folder.join(self.file_name(part))
     }
 
-    /// Does a part, unless it is complete: `work` goes on from the journal it is given, and gives all records of the part. Returns
-    /// the part's file.
-    ///
-    /// # Errors
-    /// Those of `work`, `Invalid` where another run does the same part, and `Io`.
-    pub(crate) fn complete<T: Serialize>(
-        &self,
-        part: Part,
-        work: impl FnOnce(&Journal) -> Result<Vec<T>>,
-    ) -> Result<PathBuf> {
-        let path = self.path(part);
-        if self.is_complete(part) {
-            return Ok(path);
-        }
-        let unfinished = self.file_name(part);
-        let state = serde_json::to_string(&self.inputs).unwrap_or_default();
-        let journal = Journal::open(&self.folder, &unfinished, &format!("{}; {state}", study::version()))?;
-        let records = work(&journal)?;
-        self.write(part, |writer| {
-            for record in &records {
-                let line = serde_json::to_string(record)
-                    .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
-                writeln!(writer, "{line}").map_err(|error| Error::io(&path, error))?;
-            }
-            Ok(())
-        })?;
-        journal.remove()?;
-        Ok(path)
-    }
-
     /// Writes the file of a part, by what `body` writes.
     ///
     /// # Errors
@@ -185,7 +142,6 @@ impl PartFiles {
             of: self.name.clone(),
             part: part.to_string(),
             inputs: self.inputs.clone(),
-            threads: rayon::current_num_threads(),
         };
         let head = serde_json::to_string(&head)
             .map_err(|error| Error::invalid(path.display(), error.to_string()))?;
@@ -204,47 +160,10 @@ impl PartFiles {
         self.open(part).is_ok()
     }
 
-    /// The records of all of `of` parts, in their order.
-    ///
-    /// # Errors
-    /// As [`PartFiles::open_all`].
-    pub(crate) fn join<T: DeserializeOwned>(&self, of: u32) -> Result<Vec<T>> {
-        let mut records = Vec::new();
-        for (part, opened) in Part::all(of).zip(self.open_all(of)?) {
-            for line in opened.reader.lines() {
-                let line = line.map_err(|error| Error::io(&opened.path, error))?;
-                let record = serde_json::from_str(&line).map_err(|error| {
-                    self.refused(part, &format!("holds what this version cannot read ({error})"))
-                });
-                records.push(record?);
-            }
-        }
-        Ok(records)
-    }
-
-    /// All of `of` parts, in their order.
-    ///
-    /// # Errors
-    /// `Invalid` with the name of a part that is missing, damaged, or made from other inputs; `Io`.
-    pub(crate) fn open_all(&self, of: u32) -> Result<Vec<OpenPart>> {
-        let parts = Part::all(of).map(|part| self.open(part)).collect::<Result<Vec<_>>>()?;
-        let first = &parts[0];
-        if let Some(other) = parts.iter().find(|part| part.head.threads != first.head.threads) {
-            text::warn(&[format!(
-                "{} was made with {}, {} with {}: their times do not compare",
-                other.path.display(),
-                counted(other.head.threads, "thread"),
-                first.path.display(),
-                counted(first.head.threads, "thread")
-            )]);
-        }
-        Ok(parts)
-    }
-
     /// A part, if it is complete and of these inputs.
     ///
     /// # Errors
-    /// As [`PartFiles::open_all`].
+    /// `Invalid` with the name of a part that is missing, damaged, or made from other inputs; `Io`.
     pub(crate) fn open(&self, part: Part) -> Result<OpenPart> {
         let (opened, start, bytes) = self.look(part)?;
         let io = |error| Error::io(&opened.path, error);
@@ -259,7 +178,7 @@ impl PartFiles {
     /// What tells a part from any other, if it is of these inputs. All of it is not read.
     ///
     /// # Errors
-    /// As [`PartFiles::open_all`].
+    /// As [`PartFiles::open`].
     pub(crate) fn identity(&self, part: Part) -> Result<String> {
         Ok(self.look(part)?.0.tail)
     }
@@ -295,13 +214,13 @@ impl PartFiles {
             return Err(self.refused(part, CUT_SHORT));
         }
         let reader = BufReader::new(file.take(bytes));
-        Ok((OpenPart { path, head, tail, reader }, start, bytes))
+        Ok((OpenPart { path, tail, reader }, start, bytes))
     }
 
     /// That a part cannot be used, and how to make it.
     pub(crate) fn refused(&self, part: Part, what: &str) -> Error {
         let made_by = &self.made_by;
-        let how = if self.is_single { made_by.clone() } else { format!("{made_by}--part {part}") };
+        let how = if self.is_single { made_by.clone() } else { format!("{made_by} --part {part}") };
         Error::invalid(self.path(part).display(), format!("{what}; make it with {how}"))
     }
 }
@@ -339,55 +258,73 @@ fn tail_of(file: &mut File, bytes: u64) -> std::io::Result<Vec<u8>> {
 mod tests {
     use super::*;
 
-    fn parts(folder: &Path, capture: &str) -> PartFiles {
-        PartFiles::new(folder, "sweep", Inputs::default().with("capture", capture).with("settings", "s"))
+    fn files(folder: &Path, capture: &str) -> PartFiles {
+        let inputs = Inputs::default().with("capture", capture).with("settings", "s");
+        PartFiles::new(folder, "scan", inputs, "--stage scan")
     }
 
-    fn done(parts: &PartFiles, part: &str, records: &[i32]) {
-        parts.complete(part.parse().unwrap(), |_| Ok(records.to_vec())).unwrap();
+    fn part(text: &str) -> Part {
+        text.parse().unwrap()
     }
 
-    fn refused(parts: &PartFiles, of: u32) -> String {
-        parts.join::<i32>(of).unwrap_err().to_string()
+    fn write(files: &PartFiles, of: &str, bytes: &[u8]) {
+        let io = |error| Error::io("part", error);
+        files.write(part(of), |writer| writer.write_all(bytes).map_err(io)).unwrap();
+    }
+
+    fn read(files: &PartFiles, of: &str) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        files.open(part(of)).unwrap().reader.read_to_end(&mut bytes).unwrap();
+        bytes
+    }
+
+    fn refused(files: &PartFiles, of: &str) -> String {
+        files.open(part(of)).unwrap_err().to_string()
     }
 
     #[test]
-    fn parts_are_joined_in_order_and_one_that_is_missing_damaged_or_of_other_inputs_is_named() {
+    fn a_part_gives_what_was_written_and_one_that_is_missing_damaged_or_of_other_inputs_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let now = parts(folder.path(), "now");
-        done(&now, "2/2", &[3]);
-        let said = refused(&now, 2);
-        assert!(said.contains("sweep.part-1-of-2: is missing; make it with --part 1/2"), "{said}");
-        done(&now, "1/2", &[1, 2]);
-        assert_eq!(now.join::<i32>(2).unwrap(), [1, 2, 3]);
+        let now = files(folder.path(), "now");
+        let said = refused(&now, "1/2");
+        assert!(
+            said.contains("scan.part-1-of-2: is missing; make it with --stage scan --part 1/2"),
+            "{said}"
+        );
+        write(&now, "1/2", b"one\n");
+        write(&now, "2/2", b"");
+        assert!(read(&now, "1/2") == b"one\n" && read(&now, "2/2").is_empty());
+        assert!(now.is_complete(part("1/2")) && !now.is_complete(part("1/3")));
 
-        done(&parts(folder.path(), "before"), "2/2", &[4]);
-        let said = refused(&now, 2);
-        assert!(said.contains("sweep.part-2-of-2: was made from another state of the capture"), "{said}");
-        done(&now, "2/2", &[5]);
-        assert_eq!(now.join::<i32>(2).unwrap(), [1, 2, 5], "a part of other inputs is made anew");
+        write(&files(folder.path(), "before"), "2/2", b"two");
+        let said = refused(&now, "2/2");
+        assert!(said.contains("scan.part-2-of-2: was made from another state of the capture"), "{said}");
+        std::fs::copy(now.path(part("1/2")), now.path(part("1/3"))).unwrap();
+        assert!(refused(&now, "1/3").contains("is another part under this name"));
 
-        let path = folder.path().join("sweep.part-1-of-2");
+        let path = now.path(part("1/2"));
         let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::write(&path, &text[..text.len() - 2]).unwrap();
-        assert!(refused(&now, 2).contains("sweep.part-1-of-2: is damaged"), "{}", refused(&now, 2));
+        for damaged in [text[..text.len() - 2].to_owned(), text.replace("one", "uno")] {
+            std::fs::write(&path, damaged).unwrap();
+            assert!(refused(&now, "1/2").contains("scan.part-1-of-2: is damaged"));
+        }
         std::fs::write(&path, "something else").unwrap();
-        assert!(refused(&now, 2).contains("is no part"), "{}", refused(&now, 2));
+        assert!(refused(&now, "1/2").contains("is no part"));
     }
 
     #[test]
-    fn a_complete_part_is_not_done_again_and_one_that_failed_goes_on_from_its_journal() {
+    fn a_part_that_fails_leaves_nothing_behind() {
         let folder = tempfile::tempdir().unwrap();
-        let (parts, part) = (parts(folder.path(), "now"), Part::WHOLE);
-        let failed: Result<PathBuf> = parts.complete(part, |journal| {
-            journal.add(&7)?;
-            Err::<Vec<i32>, _>(Error::Cancelled)
+        let failed = files(folder.path(), "now").write(Part::WHOLE, |writer| {
+            writer.write_all(b"half").map_err(|error| Error::io("part", error))?;
+            Err(Error::Cancelled)
         });
-        assert!(failed.is_err() && !parts.path(part).exists());
-        parts.complete(part, |journal| Ok(journal.points::<i32>())).unwrap();
-        assert_eq!(parts.join::<i32>(1).unwrap(), [7]);
-        let again = parts.complete(part, |_| -> Result<Vec<i32>> { panic!("done twice") });
-        assert_eq!(again.unwrap(), parts.path(part));
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "the journal is gone");
+        assert!(failed.is_err() && std::fs::read_dir(folder.path()).unwrap().count() == 0);
+    }
+
+    #[test]
+    fn states_have_the_hash_that_siphash_gives_on_every_machine() {
+        assert_eq!(hash(b""), "5049d74780a3e07d4202ab47d4cef2f4");
+        assert_eq!(hash(b"overlook"), "e98cf95b5d4d01dd20670805f2ff6593");
     }
 }

@@ -49,25 +49,6 @@ impl PicturePaths {
         exr::write_picture(&self.exr, &picture.color, &coverage, &picture.inverse_depth)?;
         write_png(&self.png, picture)
     }
-
-    /// CRC-32 of both files: EXR, PNG.
-    ///
-    /// # Errors
-    /// `Io`, also where one is missing.
-    pub(crate) fn checksums(&self) -> Result<[u32; 2]> {
-        let of = |path| {
-            std::fs::read(path).map(|bytes| crc32fast::hash(&bytes)).map_err(|error| Error::io(path, error))
-        };
-        Ok([of(&self.exr)?, of(&self.png)?])
-    }
-
-    /// That the files are not those that a part has written.
-    pub(crate) fn refused(&self) -> Error {
-        Error::invalid(
-            self.exr.display(),
-            "is missing or changed since its part was made, or the PNG beside it is; delete that part's file, and make it again with --part",
-        )
-    }
 }
 
 #[cfg(test)]

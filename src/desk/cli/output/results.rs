@@ -58,13 +58,6 @@ impl Journal {
         self.lines.iter().filter_map(|line| serde_json::from_str(line).ok()).collect()
     }
 
-    /// Removes the file, whose points are kept elsewhere.
-    pub(crate) fn remove(self) -> Result<()> {
-        let Self { path, file, .. } = self;
-        drop(file);
-        fs::remove_file(&path).map_err(|error| Error::io(&path, error))
-    }
-
     /// Adds what was just measured.
     pub(crate) fn add(&self, point: &impl Serialize) -> Result<()> {
         let line = serde_json::to_string(point)

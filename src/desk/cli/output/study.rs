@@ -79,31 +79,19 @@ pub(crate) fn version() -> String {
     env!("CARGO_PKG_VERSION").to_owned()
 }
 
-/// What was typed, with quotes where a shell needs them, but for what is printed and how the work was cut: results do not depend on
-/// either.
+/// What was typed, with quotes where a shell needs them, but for what is printed.
 pub(crate) fn command() -> String {
     let plain =
         |text: &str| text.chars().all(|letter| letter.is_alphanumeric() || "-_=.,/:+@%".contains(letter));
     let quoted = |text: String| {
         if !text.is_empty() && plain(&text) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
     };
-    let typed = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
-    let arguments = without_cuts(typed).into_iter().map(quoted);
+    let measures = |argument: &std::ffi::OsString| argument != "--json";
+    let arguments = std::env::args_os()
+        .skip(1)
+        .filter(measures)
+        .map(|argument| quoted(argument.to_string_lossy().into_owned()));
     std::iter::once("overlook".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
-}
-
-/// Arguments without `--json`, `--join` and its number.
-fn without_cuts(typed: impl Iterator<Item = String>) -> Vec<String> {
-    let (mut kept, mut is_number) = (Vec::new(), false);
-    for argument in typed {
-        if !std::mem::take(&mut is_number) && argument != "--json" && !argument.starts_with("--join=") {
-            is_number = argument == "--join";
-            if !is_number {
-                kept.push(argument);
-            }
-        }
-    }
-    kept
 }
 
 /// Writes what a method shows at a view as [`write_error_map`] does.
@@ -214,17 +202,4 @@ fn figures(folder: &Path, saved: &[SavedPicture]) -> Result<Vec<Figure>> {
         Ok(Figure { caption: saved.caption.clone(), png })
     };
     saved.iter().map(figure).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_name_the_command_of_one_piece() {
-        for typed in ["sweep a --out b", "sweep --join 4 a --json --out b", "sweep a --out b --join=4"] {
-            let kept = without_cuts(typed.split(' ').map(str::to_owned));
-            assert_eq!(kept.join(" "), "sweep a --out b", "{typed}");
-        }
-    }
 }

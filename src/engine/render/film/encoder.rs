@@ -26,12 +26,6 @@ const MAX_QUOTED: u64 = 2000;
 /// How often it is checked whether ffmpeg has ended.
 const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
-/// A picture as films take it: sRGB, three bytes a pixel, row by row. Holes are black.
-#[must_use]
-pub fn film_bytes(picture: &Picture) -> Vec<u8> {
-    picture.color.as_slice().iter().flatten().map(|channel| srgb8_from_linear(*channel)).collect()
-}
-
 /// A running ffmpeg that encodes one picture after another. The film takes its name when it is complete: dropped before
 /// [`FilmEncoder::finish`] it leaves nothing behind, and an earlier file of that name stays.
 pub struct FilmEncoder {
@@ -79,15 +73,9 @@ impl FilmEncoder {
     /// # Errors
     /// `Invalid` with ffmpeg's error output, where it failed.
     pub fn add(&mut self, picture: &Picture) -> Result<()> {
-        self.add_bytes(&film_bytes(picture))
-    }
-
-    /// Adds a picture of the size given at the start, as [`film_bytes`] gives it.
-    ///
-    /// # Errors
-    /// As [`FilmEncoder::add`].
-    pub fn add_bytes(&mut self, bytes: &[u8]) -> Result<()> {
-        let written = self.pipe.as_mut().map(|pipe| pipe.write_all(bytes));
+        let bytes: Vec<u8> =
+            picture.color.as_slice().iter().flatten().map(|channel| srgb8_from_linear(*channel)).collect();
+        let written = self.pipe.as_mut().map(|pipe| pipe.write_all(&bytes));
         if matches!(written, Some(Ok(()))) {
             return Ok(());
         }

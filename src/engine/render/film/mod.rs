@@ -3,7 +3,7 @@
 mod encoder;
 mod path;
 
-pub use encoder::{FilmEncoder, film_bytes};
+pub use encoder::FilmEncoder;
 pub use path::{PathKey, pose_at};
 
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 //! `overlook export`: what a store holds, in forms that other programs read.
 
-mod film_parts;
 mod miv;
 mod path;
 mod pictures;

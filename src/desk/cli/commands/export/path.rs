@@ -15,13 +15,6 @@ pub(crate) struct Stops {
     pub(crate) numbers: Vec<i64>,
 }
 
-impl Stops {
-    /// Some of the stops.
-    pub(crate) fn only(&self, range: std::ops::Range<usize>) -> Self {
-        Self { vantages: self.vantages[range.clone()].to_vec(), numbers: self.numbers[range].to_vec() }
-    }
-}
-
 /// One stop for every frame of the store from the first key to the last, interpolated by [`pose_at`]. Size and focal length are
 /// those of the first key, so that all pictures fit into one film. A single key is a still camera for all frames.
 pub(crate) fn along(manifest: &Path, store: &StoreInfo) -> Result<Stops> {

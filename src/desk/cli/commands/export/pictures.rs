@@ -6,8 +6,8 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::path::{self, Stops};
-use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
-use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
+use crate::cli::input::{self, PaintingArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
@@ -52,14 +52,6 @@ impl FilmArgs {
     }
 }
 
-/// What the parts of a film have in common.
-pub(crate) fn film_inputs(playback: &Playback, stops: &Stops, settings: &RenderSettings) -> Inputs {
-    Inputs::default()
-        .with("store", &format!("{:?}", playback.store().info()))
-        .with("camera path", &format!("{stops:?}"))
-        .with("settings", &format!("{settings:?}"))
-}
-
 /// Renders every stop in order and passes each picture on with its index; returns a notice if another renderer than requested was
 /// used.
 pub(crate) fn paint(
@@ -81,8 +73,6 @@ pub(crate) struct PicturesArgs {
     /// Folder for the pictures, named by their frame's number.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    #[command(flatten)]
-    parts: PartArgs,
 }
 
 impl PicturesArgs {
@@ -92,52 +82,12 @@ impl PicturesArgs {
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
         output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
-        let files = PartFiles::new(&self.out, "pictures", film_inputs(&playback, &stops, &settings));
-        if let Some(part) = self.parts.part {
-            let file = files.complete(part, |journal| {
-                let range = part.range(paths.len());
-                let mut sums = whole_sums(&paths[range.clone()], &journal.points());
-                let known = range.start + sums.len();
-                let rest = stops.only(known..range.end);
-                let painted = output::recorded(Some(journal), |job, keep| {
-                    let mut sums = Vec::new();
-                    paint(&playback, &rest, &settings, job, |nth, picture| {
-                        let paths = &paths[known + nth];
-                        paths.write(picture)?;
-                        sums.push(paths.checksums()?);
-                        keep(&sums[nth]);
-                        Ok(())
-                    })?;
-                    Ok(sums)
-                });
-                sums.extend(painted?);
-                Ok(sums)
-            })?;
-            return output::print_parts(part, &[file], false);
-        }
-        let notice = if let Some(of) = self.parts.join {
-            let sums = files.join(of)?;
-            if let Some(changed) = paths.get(whole_sums(&paths, &sums).len()) {
-                return Err(changed.refused().into());
-            }
-            None
-        } else {
-            output::watched(|job| {
-                paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
-            })?
-        };
+        let notice = output::watched(|job| {
+            paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
+        })?;
         output::warn(notice.as_slice());
         output::warn(&playback.store().damage());
         let (pictures, out) = (counted(paths.len(), "picture"), self.out.display());
         output::print(&format!("Wrote {pictures} (EXR and PNG) to {out}"))
     }
-}
-
-/// As many of the sums as pictures have, from the first one on.
-fn whole_sums(paths: &[PicturePaths], sums: &[[u32; 2]]) -> Vec<[u32; 2]> {
-    let pairs = paths.iter().zip(sums.iter().copied());
-    pairs
-        .take_while(|(paths, sums)| paths.checksums().is_ok_and(|found| found == *sums))
-        .map(|(_, sums)| sums)
-        .collect()
 }

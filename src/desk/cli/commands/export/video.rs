@@ -4,9 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::film_parts::FilmParts;
-use super::pictures::{FilmArgs, film_inputs, paint};
-use crate::cli::input::PartArgs;
+use super::pictures::{FilmArgs, paint};
 use crate::cli::output::{self, CommandError};
 use overlook_engine::error::Error;
 use overlook_engine::plural::counted;
@@ -22,8 +20,6 @@ pub(crate) struct VideoArgs {
     /// Frames a second.
     #[arg(long, default_value_t = 24.0, value_parser = frames_per_second)]
     fps: f64,
-    #[command(flatten)]
-    parts: PartArgs,
 }
 
 fn frames_per_second(text: &str) -> Result<f64, String> {
@@ -41,24 +37,9 @@ impl VideoArgs {
         let (playback, stops, settings) = self.film.plan()?;
         self.film.refuse_inputs(&self.out)?;
         let (width, height) = stops.vantages[0].camera.intrinsics.size();
-        let film_parts =
-            FilmParts::beside(&self.out, film_inputs(&playback, &stops, &settings), 3 * width * height);
-        if let Some(part) = self.parts.part {
-            let notice = output::watched(|job| {
-                let stops = stops.only(part.range(stops.numbers.len()));
-                film_parts
-                    .write(part, |take| paint(&playback, &stops, &settings, job, |_, picture| take(picture)))
-            })?;
-            output::warn(notice.as_slice());
-            return output::print_parts(part, &[film_parts.path(part)], false);
-        }
-        let parts = self.parts.join.map(|of| film_parts.open_all(of)).transpose()?;
         let mut encoder = FilmEncoder::start(&self.out, [width, height], self.fps)?;
         let notice = output::watched(|job| {
-            let painted = match parts {
-                Some(parts) => film_parts.read(parts, job, |bytes| encoder.add_bytes(bytes)).map(|()| None),
-                None => paint(&playback, &stops, &settings, job, |_, picture| encoder.add(picture)),
-            };
+            let painted = paint(&playback, &stops, &settings, job, |_, picture| encoder.add(picture));
             let written = painted.and_then(|notice| encoder.finish(job).map(|()| notice));
             // Who stops a film may have stopped ffmpeg with it, which is no failure of that.
             written.map_err(|error| if job.is_cancelled() { Error::Cancelled } else { error })

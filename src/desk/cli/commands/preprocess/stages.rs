@@ -136,7 +136,7 @@ impl Stages<'_> {
             .inputs()?
             .with("file of what was measured", &measurement.identity)
             .with("pictures of its frames", &input::pictures_state(&pictures)?);
-        Ok(PartFiles::new(self.folder(), &self.name("scan"), inputs).made_by("--stage scan"))
+        Ok(PartFiles::new(self.folder(), &self.name("scan"), inputs, "--stage scan"))
     }
 
     /// Passes over the frames of a part.
@@ -191,7 +191,7 @@ impl Stages<'_> {
         let read: String = read.iter().map(|part| scans[part.number() as usize - 1].as_str()).collect();
         let inputs =
             self.inputs()?.with("parts of the scan that it reads", &read).with("file of joined spans", spans);
-        Ok(PartFiles::new(self.folder(), &self.name("prune"), inputs).made_by("--stage prune"))
+        Ok(PartFiles::new(self.folder(), &self.name("prune"), inputs, "--stage prune"))
     }
 
     /// Prunes the frames of a part.

@@ -7,15 +7,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
-use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
 use overlook_engine::alignment::CorrectedViews;
 use overlook_engine::capture::{TruthView, transforms};
+use crate::cli::input::{self, PaintingArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::Report;
-use overlook_engine::store::file::StoreInfo;
-use views::{ViewPainting, ViewRecord};
+use views::ViewPainting;
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
@@ -35,8 +34,6 @@ pub(crate) struct RenderArgs {
     /// are corrected as the pictures beside them were, where those predict it.
     #[arg(long, conflicts_with = "align_views")]
     as_claimed: bool,
-    #[command(flatten)]
-    parts: PartArgs,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -71,22 +68,7 @@ impl RenderArgs {
             settings: &settings,
             aligns: self.align_views,
         };
-        let files = PartFiles::new(&self.out, "render", self.inputs(playback.store().info(), &painting)?);
-        if let Some(part) = self.parts.part {
-            let file = files.complete(part, |journal| {
-                let known: Vec<ViewRecord> = journal.points();
-                output::recorded(Some(journal), |job, keep| painting.paint_part(part, &known, job, keep))
-            })?;
-            output::warn(&playback.store().damage());
-            return output::print_parts(part, &[file], self.json);
-        }
-        let evaluation = if let Some(of) = self.parts.join {
-            let records: Vec<ViewRecord> = files.join(of)?;
-            painting.check_pictures(&records)?;
-            painting.evaluation(records)?
-        } else {
-            output::watched(|job| painting.paint_all(job))?
-        };
+        let evaluation = output::watched(|job| painting.paint(job))?;
         output::warn(&correction_notices(corrected, views.len()));
         output::warn(evaluation.notice.as_slice());
         output::warn(&playback.store().damage());
@@ -100,18 +82,6 @@ impl RenderArgs {
             counted(paths.len(), "picture"),
             self.out.display()
         ))
-    }
-
-    /// What the parts have in common. A store names its own input, and the place and length of each of its images.
-    fn inputs(&self, store: &StoreInfo, painting: &ViewPainting<'_>) -> Result<Inputs> {
-        if self.parts.part.is_none() && self.parts.join.is_none() {
-            return Ok(Inputs::default());
-        }
-        let ViewPainting { settings, aligns, .. } = painting;
-        Ok(Inputs::default()
-            .with("store", &format!("{store:?}"))
-            .with("list of views or a true picture", &input::views_state(&self.views)?)
-            .with("settings", &format!("{settings:?} {aligns} {}", self.as_claimed)))
     }
 
     /// Where each picture goes; checked before any is painted.

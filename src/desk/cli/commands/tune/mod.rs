@@ -6,14 +6,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::input::{self, PartArgs, SettingsArgs, TruthArgs};
-use crate::cli::output::{self, CommandError, PartFiles};
-use overlook_engine::capture::Capture;
-use overlook_engine::part::Part;
+use crate::cli::input::{self, SettingsArgs, TruthArgs};
+use crate::cli::output::{self, CommandError};
+use overlook_lab::tune::{self, TuneBudget, TunePlan};
 use overlook_engine::settings::Settings;
 use overlook_engine::whole_file;
-use overlook_lab::truth::Truth;
-use overlook_lab::tune::{self, TuneBudget, TunePlan};
 
 #[derive(Debug, Args)]
 pub(crate) struct TuneArgs {
@@ -27,7 +24,7 @@ pub(crate) struct TuneArgs {
     /// Choose the fewest views that show everything, by what each adds, instead of settings. The folder gets their names in views.txt
     /// (for `overlook preprocess --only`), the curve of coverage and accuracy against their number in views.json, views.csv and
     /// views.png, and report.html. Where no true pictures are known, accuracy is measured at views that were not chosen.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "max_bytes", "max_ms", "at_most", "all_cameras", "journal", "part", "join"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "max_bytes", "max_ms", "at_most", "all_cameras", "journal"])]
     fewest_views: Option<PathBuf>,
     /// How much of what all views saw the chosen ones show [default: 99].
     #[arg(long = "show", value_name = "PERCENT", value_parser = parse_percent)]
@@ -45,12 +42,9 @@ pub(crate) struct TuneArgs {
     /// Keep all cameras.
     #[arg(long)]
     all_cameras: bool,
-    /// Folder to keep what was measured in, so that a run that was cut short goes on from there. Parts are kept there too: of the
-    /// settings that every search begins with. Those that are tried after them depend on all of them, and are measured by --join.
+    /// Folder to keep what was measured in, so that a run that was cut short goes on from there.
     #[arg(long, value_name = "DIR")]
     journal: Option<PathBuf>,
-    #[command(flatten)]
-    parts: PartArgs,
     #[command(flatten)]
     settings: SettingsArgs,
     /// Print one JSON document.
@@ -81,20 +75,16 @@ impl TuneArgs {
         let opened = input::open_capture(&self.capture, &settings.capture)?;
         output::refuse_capture_files(&self.capture, self.truth.views.as_deref(), out)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
-        let part_files = self.part_files(&settings, &opened, &truth)?;
         let journal = match &self.journal {
-            Some(folder) if self.parts.part.is_none() => {
+            Some(folder) => {
                 let fingerprint = self.truth.fingerprint(&self.capture, &opened, &truth)?;
                 Some(output::Journal::open(folder, "tune", &fingerprint)?)
             }
-            _ => None,
+            None => None,
         };
         let budget = self.max_bytes.map(TuneBudget::Bytes).or(self.max_ms.map(TuneBudget::Milliseconds));
-        let mut done: Vec<_> = journal.as_ref().map(output::Journal::points).unwrap_or_default();
-        if let (Some(files), Some(of)) = (&part_files, self.parts.join) {
-            done.extend(files.join(of)?);
-        }
-        let mut plan = TunePlan {
+        let done = journal.as_ref().map(output::Journal::points).unwrap_or_default();
+        let plan = TunePlan {
             settings,
             budget,
             whole: Some(opened),
@@ -102,9 +92,6 @@ impl TuneArgs {
             drop_cameras: !self.all_cameras,
             done,
         };
-        if let (Some(files), Some(part)) = (&part_files, self.parts.part) {
-            return self.measure_part((files, part), &capture, &mut plan, &truth);
-        }
         let tuned =
             output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;
         let head = format!("# {}\n\n", tuned.words.join("\n# "));
@@ -126,42 +113,6 @@ impl TuneArgs {
         let opened = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
         self.choose_views(folder, settings, (&capture, &truth))
-    }
-
-    /// The parts of what every search begins with, where the work is cut.
-    fn part_files(
-        &self,
-        settings: &Settings,
-        opened: &Capture,
-        truth: &Truth,
-    ) -> Result<Option<PartFiles>, CommandError> {
-        if self.parts.part.is_none() && self.parts.join.is_none() {
-            return Ok(None);
-        }
-        let Some(folder) = &self.journal else {
-            return Err(CommandError::Usage(
-                "--part and --join need a folder for the parts; name it with --journal".to_owned(),
-            ));
-        };
-        let inputs =
-            self.truth.inputs(&self.capture, opened, truth)?.with("settings", &format!("{settings:?}"));
-        Ok(Some(PartFiles::new(folder, "tune", inputs)))
-    }
-
-    fn measure_part(
-        &self,
-        (files, part): (&PartFiles, Part),
-        capture: &Capture,
-        plan: &mut TunePlan,
-        truth: &Truth,
-    ) -> Result<(), CommandError> {
-        let file = files.complete(part, |journal| {
-            plan.done = journal.points();
-            output::recorded(Some(journal), |job, keep| {
-                tune::measure_part(capture, plan, truth, part, job, keep)
-            })
-        })?;
-        output::print_parts(part, &[file], self.json)
     }
 }
 
