@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::view::{Evaluation, MeanScore, PaintedView, ViewScore, painted, render_view};
+use crate::metrics::{ClassErrors, ClassMap, FlickerMeter, Scores};
 use overlook_engine::capture::{Camera, TruthView};
 use overlook_engine::error::{Error, Result};
-use crate::metrics::{ClassErrors, ClassMap, FlickerMeter, Scores};
 use overlook_engine::job::Job;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::render::{Picture, Renderer};

@@ -3,11 +3,11 @@
 use super::choice::{Candidate, LossRule, Reason, most_accurate};
 use super::plan::{TuneBudget, TunePlan};
 use super::whole::WholeStores;
-use overlook_engine::capture::Capture;
-use overlook_engine::error::{Error, Result};
 use crate::sweep::{Point, Series, variations};
 use crate::trial::{TimeLeft, Trial, Workbench};
 use crate::truth::{Recorded, Truth};
+use overlook_engine::capture::Capture;
+use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
 use overlook_engine::settings::{Kernel, PruningMethod, Settings};

@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use overlook_engine::capture::Capture;
 use crate::cli::input::{self, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError, SavedPicture, StressDocument};
+use overlook_engine::capture::Capture;
+use overlook_engine::settings::Settings;
 use overlook_lab::chart;
 use overlook_lab::stress::{self, BreakingPoint, Disturbance, StressPlan, StressPoint};
 use overlook_lab::truth::Truth;
-use overlook_engine::settings::Settings;
 
 #[derive(Debug, Args)]
 pub(crate) struct StressArgs {

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use overlook_engine::capture::Capture;
 use crate::cli::input::{self, PaintingArgs, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError, SweepDocument};
+use overlook_engine::capture::Capture;
 use overlook_engine::error::Error;
+use overlook_engine::settings::Settings;
 use overlook_lab::chart;
 use overlook_lab::sweep::{self, ExternalPoint, SweepPlan};
-use overlook_engine::settings::Settings;
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {

@@ -6,10 +6,10 @@ use clap::Args;
 use clap::builder::RangedU64ValueParser;
 
 use super::fingerprint;
-use overlook_engine::capture::{Capture, transforms};
 use crate::cli::output::{self, CommandError};
-use overlook_lab::truth::{self, Truth};
+use overlook_engine::capture::{Capture, transforms};
 use overlook_engine::plural::counted;
+use overlook_lab::truth::{self, Truth};
 
 /// Raised when the same input, truth and settings are measured differently.
 const MEASURE: u32 = 1;

@@ -23,8 +23,8 @@ pub(crate) use decision::{
     Candidate, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
 };
 pub use decision::{Rule, Verdict};
-pub use pack::pack;
 pub(crate) use pack::Masks;
+pub use pack::pack;
 pub use pass::no_statuses;
 pub(crate) use pass::{ABSENT, BAND_ROWS, DROPPED, KEPT, PruningPass, Statuses, UNDECIDED};
 pub use search::prune;

@@ -7,10 +7,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use overlook_engine::alignment::CorrectedViews;
-use overlook_engine::capture::{TruthView, transforms};
 use crate::cli::input::{self, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
+use overlook_engine::alignment::CorrectedViews;
+use overlook_engine::capture::{TruthView, transforms};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::Report;

@@ -2,11 +2,11 @@
 
 use crate::cli::output::PicturePaths;
 use overlook_engine::error::Result;
-use overlook_lab::{Evaluation, Scoreboard, add_aligned, frame_of, render_view, vantage_order};
 use overlook_engine::job::Job;
 use overlook_engine::render::Renderer;
 use overlook_engine::settings::RenderSettings;
 use overlook_engine::store::playback::Playback;
+use overlook_lab::{Evaluation, Scoreboard, add_aligned, frame_of, render_view, vantage_order};
 
 /// Views of a store, and where their pictures go.
 pub(super) struct ViewPainting<'a> {

@@ -8,9 +8,9 @@ use clap::Args;
 
 use crate::cli::input::{self, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError};
-use overlook_lab::tune::{self, TuneBudget, TunePlan};
 use overlook_engine::settings::Settings;
 use overlook_engine::whole_file;
+use overlook_lab::tune::{self, TuneBudget, TunePlan};
 
 #[derive(Debug, Args)]
 pub(crate) struct TuneArgs {
