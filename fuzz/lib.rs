@@ -9,6 +9,8 @@ pub mod error;
 pub mod grid;
 #[path = "../src/engine/job.rs"]
 pub mod job;
+#[path = "../src/engine/median.rs"]
+mod median;
 #[path = "../src/engine/plural.rs"]
 mod plural;
 #[path = "../src/engine/settings/mod.rs"]

@@ -45,6 +45,7 @@ pub mod demo;
 pub mod error;
 pub mod grid;
 pub mod job;
+pub mod median;
 pub mod part;
 pub mod plural;
 pub mod preprocess;

@@ -11,7 +11,6 @@
 use rayon::prelude::*;
 
 use super::judge::Judgment;
-use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
 use super::reference_view::{ReferenceView, still_pixels};
 use super::residuals::PairOfViews;
@@ -20,6 +19,7 @@ use super::surface_samples::{SurfaceSample, surface_samples};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
+use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// Delays that are looked for where the first look finds any, frames.
 const MOST_FRAMES: i64 = 4;

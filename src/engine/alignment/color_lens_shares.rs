@@ -6,8 +6,8 @@
 use rayon::prelude::*;
 
 use super::color_lens::{ColorLens, Difference, Matches, Sensing, UNKNOWNS};
-use super::median::{MEDIAN_PER_SIGMA, median};
 use super::solver::TUKEY;
+use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// The weight of one match: neighbors are not independent, and a wrong pose is wrong for all matches of a pair.
 const INDEPENDENT: f64 = 0.05;

@@ -8,12 +8,12 @@
 use rayon::prelude::*;
 
 use super::judge::Judgment;
-use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
 use super::reference_view::ReferenceView;
 use super::solver::{PairWeighing, Problem, Weighing, loss};
 use super::surface_samples::SurfaceSample;
 use crate::grid::Grid;
+use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// Half the side of the square whose mean color is compared, pixels.
 const RADIUS: usize = 2;

@@ -26,7 +26,6 @@ mod exposure;
 mod grouped;
 mod groups;
 mod judge;
-mod median;
 mod normal_equations;
 mod overlaps;
 mod picture_numbers;

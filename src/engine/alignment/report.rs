@@ -10,12 +10,12 @@ use super::clock::ClockCorrection;
 use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
 use super::exposure::{GainCorrection, kept_gain};
-use super::median::median;
 use super::poses::{PoseCorrection, WIDE_LOOK};
 use super::registered_frames::color_camera;
 use super::solver::Problem;
 use super::view_corrections::{CameraCorrection, CorrectedViews, ViewCorrections};
 use crate::capture::{Camera, Capture, Intrinsics, TruthView};
+use crate::median::median;
 
 /// What was wrong with a capture, and how much better cameras agree without it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -7,13 +7,13 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::median::{MEDIAN_PER_SIGMA, median};
 use super::normal_equations::NormalEquations;
 use super::reference_view::ReferenceView;
 use super::residuals::{GAIN, PairOfViews, Scale, Term, UNKNOWNS};
 use super::surface_samples::SurfaceSample;
 use crate::error::Result;
 use crate::job::Job;
+use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// Everything that is solved for.
 #[derive(Clone)]

@@ -6,8 +6,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::median::median;
 use super::reference_view::{LEVELS, ReferenceView};
+use crate::median::median;
 
 /// A point of a surface that one camera saw.
 #[derive(Clone, Debug)]

@@ -8,7 +8,6 @@ use super::clock::{self, ClockCorrection};
 use super::color_lens_search::LensCorrection;
 use super::corrected_frames::FrameCorrection;
 use super::exposure::{self, kept_gain};
-use super::median::median;
 use super::overlaps::overlapping_pairs;
 use super::poses;
 use super::reference_view::ReferenceView;
@@ -19,6 +18,7 @@ use super::surface_samples::surface_samples;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
+use crate::median::median;
 use crate::settings::{AlignSettings, Correction};
 
 /// A capture without what was found wrong.

@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use super::median::median;
 use super::reference_view::ReferenceView;
 use super::residuals::Scale;
 use super::solver::{PairWeighing, Problem, Stage, Weighing, loss};
@@ -13,6 +12,7 @@ use super::surface_samples::surface_samples;
 use crate::capture::{Camera, Frame};
 use crate::error::Result;
 use crate::job::Job;
+use crate::median::median;
 
 /// Samples of the rendering that are looked for in the picture.
 const SAMPLES: usize = 6000;

@@ -19,6 +19,7 @@ use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use scenes::SceneCameras;
 use tracer::trace::WantedPlanes;
+pub use tracer::with_render_noise;
 use tracer::{RenderNoise, World, WorldBuilder};
 
 /// Names and one-line descriptions of the built-in scenes, the default first.

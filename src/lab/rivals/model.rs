@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use overlook_engine::capture::{Camera, Frame};
+use overlook_engine::median::median_by;
 use overlook_engine::render::Picture;
 
 /// A camera and what it saw at a frame.
@@ -35,9 +36,7 @@ pub(super) fn median_footprint(views: &[RecordedView]) -> Option<(f64, f64)> {
             (depth, depth / (k.fx * k.fy).sqrt())
         }));
     }
-    let middle = footprints.len() / 2;
-    let by_depth = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0);
-    (!footprints.is_empty()).then(|| *footprints.select_nth_unstable_by(middle, by_depth).1)
+    median_by(&mut footprints, |a, b| a.0.total_cmp(&b.0))
 }
 
 /// Length of bytes after DEFLATE (RFC 1951).

@@ -14,6 +14,7 @@ use overlook_engine::capture::{Camera, Frame, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
+use overlook_engine::median::median_f32;
 use overlook_engine::render::{NO_IMAGE, Picture, Renderer};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::RenderSettings;
@@ -113,10 +114,6 @@ fn log_gains(picture: &Picture, truth: &Frame) -> [f64; 3] {
             usable.then(|| truth / painted)
         };
         let mut ratios: Vec<f32> = pixels().filter_map(ratio).collect();
-        let middle = ratios.len() / 2;
-        if ratios.is_empty() {
-            return 0.0;
-        }
-        f64::from(*ratios.select_nth_unstable_by(middle, f32::total_cmp).1).ln()
+        median_f32(&mut ratios).map_or(0.0, |ratio| f64::from(ratio).ln())
     })
 }

@@ -9,6 +9,7 @@ use super::recording_edits::{FrameKey, PixelRandom, SILHOUETTE};
 use overlook_engine::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
+use overlook_engine::median::median_f32;
 use overlook_engine::random::mix;
 
 /// One pixel in this many tells how far away most surfaces are.
@@ -22,8 +23,7 @@ pub(super) fn median_inverse_depth(capture: &Capture) -> Result<f32> {
         let finite = frame.inverse_depth.as_slice().iter().step_by(STRIDE);
         all.extend(finite.filter(|inverse_depth| **inverse_depth > 0.0));
     }
-    let middle = all.len() / 2;
-    Ok(if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(middle, f32::total_cmp).1 })
+    Ok(median_f32(&mut all).unwrap_or(0.0))
 }
 
 /// Pixels along which noise is correlated.

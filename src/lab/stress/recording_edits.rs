@@ -3,8 +3,9 @@
 use half::f16;
 
 use overlook_engine::capture::{Frame, INVALID_INVERSE_DEPTH};
+use overlook_engine::demo::with_render_noise;
 use overlook_engine::grid::Grid;
-use overlook_engine::random::mix;
+use overlook_engine::random::{gaussian_pair, mix, uniform_pair};
 
 /// Camera and index of a frame.
 #[derive(Clone, Copy)]
@@ -25,16 +26,16 @@ impl PixelRandom {
 
     /// Two independent numbers between 0 and 1, the ends left out. Numbers of another `salt` are independent of these.
     pub(super) fn uniform_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
-        let bits = mix(self.stream ^ mix(pixel as u64 ^ (salt << 48)));
-        [bits, bits >> 32].map(|bits| ((bits & 0xff_ffff) as f32 + 0.5) / (1 << 24) as f32)
+        uniform_pair(self.bits(pixel, salt))
     }
 
-    /// Two independent standard normal numbers (George Box and Mervin Muller, 1958).
+    /// Two independent standard normal numbers.
     pub(super) fn gaussian_pair(&self, pixel: usize, salt: u64) -> [f32; 2] {
-        let [share, turn] = self.uniform_pair(pixel, salt);
-        let radius = (-2.0 * share.ln()).sqrt();
-        let (sin, cos) = (std::f32::consts::TAU * turn).sin_cos();
-        [radius * cos, radius * sin]
+        gaussian_pair(self.bits(pixel, salt))
+    }
+
+    fn bits(&self, pixel: usize, salt: u64) -> u64 {
+        mix(self.stream ^ mix(pixel as u64 ^ (salt << 48)))
     }
 }
 
@@ -78,7 +79,7 @@ pub(super) fn depth_float(frame: &mut Frame, bits: u32) {
     frame.depth_step_relative = frame.depth_step_relative.max((-(bits as f32) - 1.0).exp2());
 }
 
-/// As the demo's cameras: a deviation of `share · √(L (L + 0.02))`, two thirds of it common to all channels.
+/// Noise as the demo's cameras have it, without those pixels that stray far.
 pub(super) fn color_noise(frame: &mut Frame, share: f32, at: FrameKey) {
     let noise = PixelRandom::of(at);
     for (pixel, color) in frame.color.as_mut_slice().iter_mut().enumerate() {
@@ -87,9 +88,7 @@ pub(super) fn color_noise(frame: &mut Frame, share: f32, at: FrameKey) {
         let own = [r, g, b];
         for channel in 0..3 {
             let value = color[channel].to_f32().max(0.0);
-            let sigma = share * (value * (value + 0.02)).sqrt();
-            let strayed = value + sigma * (0.816_5 * common + 0.577_35 * own[channel]);
-            color[channel] = f16::from_f32(strayed.max(0.0));
+            color[channel] = f16::from_f32(with_render_noise(value, share, common, own[channel]));
         }
     }
 }

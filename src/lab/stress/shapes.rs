@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use overlook_engine::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH};
 use overlook_engine::error::Result;
+use overlook_engine::median::median;
 
 /// A bar between two points, or a flat panel.
 enum AddedShape {
@@ -48,10 +49,11 @@ impl Extent {
                 }
             }
         }
-        let center = DVec3::from_array(std::array::from_fn(|axis| {
-            median(points.iter().map(|point| point[axis]).collect())
-        }));
-        let reach = median(points.iter().map(|point| point.distance(center)).collect()).max(1e-6);
+        let middle = |value: &dyn Fn(&DVec3) -> f64| {
+            median(&mut points.iter().map(value).collect::<Vec<_>>()).unwrap_or(0.0)
+        };
+        let center = DVec3::from_array(std::array::from_fn(|axis| middle(&|point| point[axis])));
+        let reach = middle(&|point| point.distance(center)).max(1e-6);
         let widths = capture
             .cameras
             .iter()
@@ -59,11 +61,6 @@ impl Extent {
         let pixel = widths.sum::<f64>() / capture.cameras.len().max(1) as f64;
         Ok(Self { center, reach, pixel })
     }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 struct ShapeHit {

@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::sample_filter::samples_where;
+use overlook_engine::median::{median, median_f32};
 use overlook_engine::random::mix;
 use overlook_engine::samples::{SampleImage, SampleSet, Span};
 
@@ -68,16 +69,14 @@ fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePo
         let positions = points.iter().flatten().filter(|position| !position.at_infinity);
         positions.map(|position| value(position.point)).collect()
     };
-    let at_share = |mut values: Vec<f64>, share: f64| {
-        let nth = ((values.len() as f64 * share) as usize).min(values.len().checked_sub(1)?);
-        Some(*values.select_nth_unstable_by(nth, f64::total_cmp).1)
-    };
-    let median = |axis: usize| at_share(finite(&points, &|point| point[axis]), 0.5).unwrap_or_default();
-    let middle = DVec3::from_array([0, 1, 2].map(median));
+    let along = |axis: usize| median(&mut finite(&points, &|point| point[axis])).unwrap_or_default();
+    let middle = DVec3::from_array([0, 1, 2].map(along));
     for position in points.iter_mut().flatten().filter(|position| !position.at_infinity) {
         position.point -= middle;
     }
-    let reach = at_share(finite(&points, &|point| point.abs().max_element()), 1.0 - OUTLYING);
+    let mut distances = finite(&points, &|point| point.abs().max_element());
+    let nth = ((distances.len() as f64 * (1.0 - OUTLYING)) as usize).min(distances.len().saturating_sub(1));
+    let reach = (!distances.is_empty()).then(|| *distances.select_nth_unstable_by(nth, f64::total_cmp).1);
     // Sky alone lies on a sphere of radius 1; if all samples are at one position, any cube does.
     (points, reach.filter(|reach| *reach > 0.0).unwrap_or(1.0))
 }
@@ -123,12 +122,7 @@ fn sample_positions(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition>
     let depths = image.inverse_depths();
     // Directions are cut as finely as surfaces at the middle depth are.
     let mut finite: Vec<f32> = depths.iter().copied().filter(|depth| *depth > 0.0).collect();
-    let middle = finite.len() / 2;
-    let far = if finite.is_empty() {
-        1.0
-    } else {
-        1.0 / f64::from(*finite.select_nth_unstable_by(middle, f32::total_cmp).1)
-    };
+    let far = median_f32(&mut finite).map_or(1.0, |inverse_depth| 1.0 / f64::from(inverse_depth));
     let position = |x: usize, y: usize, inverse_depth: f32| {
         let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
         if inverse_depth == 0.0 {

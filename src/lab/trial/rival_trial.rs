@@ -12,6 +12,7 @@ use crate::scoring::{Scoreboard, ViewCost, frame_of, scored};
 use crate::truth::{Fold, seen_at};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
+use overlook_engine::median::median;
 use overlook_engine::render::fill::fill;
 use overlook_engine::render::{Painter, Picture, RenderStats};
 use overlook_engine::settings::{Fill, RenderSettings};
@@ -73,7 +74,6 @@ pub(super) fn measure(
         scores.add(view, view_score);
     }
     let evaluation = scores.finish();
-    let middle = times.len() / 2;
     let per_frame = |sum: u64| sum * capture.frame_count() as u64 / frames.max(1) as u64;
     let bytes = bytes.map(per_frame);
     let result = TrialResult {
@@ -83,7 +83,7 @@ pub(super) fn measure(
         samples: pixels,
         bytes_memory: bytes.unwrap_or_default(),
         spans: capture.frame_count() as u64,
-        milliseconds: *times.select_nth_unstable_by(middle, f64::total_cmp).1,
+        milliseconds: median(&mut times).unwrap_or_default(),
         samples_painted: evaluation.mean.samples,
         seconds_preprocess: seconds,
         ..TrialResult::default()
@@ -98,7 +98,6 @@ pub(super) fn over_folds(parts: Vec<TrialResult>) -> TrialResult {
     };
     let mut times: Vec<f64> = parts.iter().map(|part| part.milliseconds).collect();
     let flicker: Vec<f64> = parts.iter().filter_map(|part| part.flicker_steps).collect();
-    let middle = times.len() / 2;
     let mut class_errors = ClassErrors::default();
     for part in &parts {
         class_errors.add(&part.class_errors);
@@ -111,7 +110,7 @@ pub(super) fn over_folds(parts: Vec<TrialResult>) -> TrialResult {
         bytes_record: mean(&|part| part.bytes_record as f64).round() as u64,
         bytes_memory: mean(&|part| part.bytes_memory as f64).round() as u64,
         spans: parts.first().map_or(0, |part| part.spans),
-        milliseconds: *times.select_nth_unstable_by(middle, f64::total_cmp).1,
+        milliseconds: median(&mut times).unwrap_or_default(),
         samples_painted: mean(&|part| part.samples_painted),
         seconds_preprocess: mean(&|part| part.seconds_preprocess),
         samples_shared: 0,

@@ -25,6 +25,7 @@ use overlook_engine::alignment::Alignment;
 use overlook_engine::capture::TruthView;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
+use overlook_engine::median::median;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::preprocess::{self, PreparedScan};
 use overlook_engine::render::Renderer;
@@ -164,7 +165,6 @@ impl Workbench {
         };
         let views = || evaluations.iter().flat_map(|evaluation| &evaluation.views);
         let mut times: Vec<f64> = views().map(|view| view.milliseconds).collect();
-        let middle = times.len() / 2;
         let flicker: Vec<f64> =
             evaluations.iter().filter_map(|evaluation| evaluation.mean.flicker_steps).collect();
         Ok(TrialResult {
@@ -177,7 +177,7 @@ impl Workbench {
             bytes_memory: mean(&|model| model.samples.bytes() as f64).round() as u64,
             samples_shared: mean(&|model| shared(&model.samples) as f64).round() as u64,
             spans: mean(&|model| span_count(&model.samples) as f64).round() as u64,
-            milliseconds: *times.select_nth_unstable_by(middle, f64::total_cmp).1,
+            milliseconds: median(&mut times).unwrap_or_default(),
             samples_painted: MeanEstimate::of(&views().map(|view| view.samples as f64).collect::<Vec<_>>())
                 .mean,
             seconds_preprocess: mean(&|model| model.seconds),

@@ -9,6 +9,7 @@ use glam::{DMat3, DVec2, DVec3};
 use overlook_engine::capture::{Camera, Capture, TruthView};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
+use overlook_engine::median::median_f32;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::samples::SampleSet;
 use overlook_engine::store::playback::Playback;
@@ -146,12 +147,7 @@ impl OpenScene {
 /// Median planar depth of samples with depth; 1 where there is none.
 pub(crate) fn median_depth(inverse_depth: &[f32]) -> f64 {
     let mut finite: Vec<f32> = inverse_depth.iter().copied().filter(|w| *w > 0.0).collect();
-    if finite.is_empty() {
-        return 1.0;
-    }
-    let middle = finite.len() / 2;
-    let (_, median, _) = finite.select_nth_unstable_by(middle, f32::total_cmp);
-    1.0 / f64::from(*median)
+    median_f32(&mut finite).map_or(1.0, |inverse_depth| 1.0 / f64::from(inverse_depth))
 }
 
 /// The point closest to all lines of sight (least squares), or a point `typical_depth` before the first camera where

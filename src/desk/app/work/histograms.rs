@@ -2,6 +2,7 @@
 
 use super::requests::HistogramRequest;
 use crate::app::model::{Message, ThresholdHistogram};
+use overlook_engine::median::median_f32;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::inspect::{PairQuantities, pair_quantities};
 use overlook_engine::preprocess::noise::granted_range_sigmas;
@@ -30,8 +31,7 @@ pub(crate) fn histograms(request: &HistogramRequest) -> Message {
     };
     let noise = |of: &dyn Fn(&overlook_engine::preprocess::noise::CameraNoise) -> f32| {
         let mut all: Vec<f32> = scan.as_ref()?.cameras.iter().map(|camera| of(&camera.noise)).collect();
-        all.sort_unstable_by(f32::total_cmp);
-        all.get(all.len() / 2).copied()
+        median_f32(&mut all)
     };
     let focal = inspection.samples.cameras.first().map_or(1.0, |camera| camera.intrinsics.fx as f32);
     let depth_noise = noise(&|noise| noise.depth_relative);

@@ -9,6 +9,7 @@ use glam::{DAffine3, DVec3};
 use super::reading::Reading;
 use super::views::View;
 use crate::capture::depth_claim::DepthMeasure;
+use crate::median::median;
 
 /// What readings are tried on.
 pub(super) struct Comparison {
@@ -141,8 +142,7 @@ impl Comparison {
         };
         let mut shares: Vec<f64> =
             self.pairs.iter().filter_map(share).filter(|share| share.is_finite()).collect();
-        shares.sort_unstable_by(f64::total_cmp);
-        shares.get(shares.len() / 2).copied().unwrap_or(0.0)
+        median(&mut shares).unwrap_or(0.0)
     }
 
     /// The depth in the middle of what the views see, under a reading.
@@ -152,8 +152,7 @@ impl Comparison {
             Some(reading.planar_z(view.middle_value()?, (DVec3::Z, 1.0), pose, self.near_clip).abs())
         };
         let mut depths: Vec<f64> = self.views.iter().zip(&poses).filter_map(depth).collect();
-        depths.sort_unstable_by(f64::total_cmp);
-        depths.get(depths.len() / 2).copied().unwrap_or(0.0)
+        median(&mut depths).unwrap_or(0.0)
     }
 
     /// Whether two readings put the cameras the same way beside each other, whichever way the world is turned: no agreement

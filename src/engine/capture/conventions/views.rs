@@ -6,6 +6,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::depth_claim::DepthClaim;
+use crate::median::median;
 
 /// Points that are carried out of each view, at most.
 pub(super) const POINTS: usize = 256;
@@ -66,8 +67,7 @@ impl View {
     /// The number in the middle of all points', of their distances from the optical center; `None` without any.
     pub(super) fn middle_value(&self) -> Option<f64> {
         let mut values: Vec<f64> = self.points.iter().map(|point| point.value).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        values.get(values.len() / 2).copied()
+        median(&mut values)
     }
 }
 

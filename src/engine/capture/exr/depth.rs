@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3};
 
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::frame::INVALID_INVERSE_DEPTH;
+use crate::median::median;
 use crate::simd::{self, VectorLoop};
 
 /// Depth at or beyond this was not hit where it is written in floats: Blender writes 1e10, others `f32::MAX` or infinity.
@@ -216,15 +217,8 @@ impl DepthRules {
             (found.distance(pixel) - 2.0 * rounding).max(0.0)
         };
         let hits = (0..inverse_depth.len()).step_by(step).filter(is_hit);
-        median(hits.map(distance))
+        median(&mut hits.map(distance).collect::<Vec<_>>())
     }
-}
-
-/// The upper median; `None` of no values.
-pub(crate) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// One row of raw values that become inverse depths.

@@ -24,7 +24,7 @@ mod zip;
 pub(crate) use assemble::{DepthTrouble, Layers, NormalSpace};
 pub(crate) use channels::{ChannelNames, ChannelWishes};
 pub(crate) use color_planes::ColorPlanes;
-pub(crate) use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, median};
+pub(crate) use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH};
 pub use file::{ChannelInfo, DataWindow, ExrFile};
 pub(crate) use header::HeaderAttributes;
 pub use plane::ChannelPlane;

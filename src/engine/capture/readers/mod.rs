@@ -4,10 +4,10 @@
 //! path ─ Place (names) ─ the first reader that recognizes it ─ Reading: Manifest, Origin, Description
 //! ```
 //!
-//! A reader is one file or folder here, implements [`Reader`] and stands in [`READERS`]. It knows one source's layout, axes, units
-//! and quirks, and nothing of pictures' bytes, which the manifest's keys describe.
+//! A reader is one file or folder here, or a row of [`PosedFolder`](posed_folder::PosedFolder), implements [`Reader`] and stands in
+//! [`READERS`]. It knows one source's layout, axes, units and quirks, and nothing of pictures' bytes, which the manifest's keys
+//! describe.
 
-mod bop;
 mod colmap;
 mod convertible;
 mod easymocap;
@@ -20,16 +20,14 @@ mod msr;
 mod nerfstudio;
 mod place;
 mod polycam;
-mod pose_list;
+mod posed_folder;
+mod poses_by_name;
+mod poses_by_order;
+mod poses_by_time;
 mod reader;
 mod record3d;
-mod redwood;
-mod replica;
 mod scanner_app;
-mod scannet;
-mod seven_scenes;
 mod text;
-mod tum;
 mod views;
 
 pub(crate) use nerfstudio::MANIFEST_SOURCE;
@@ -50,14 +48,14 @@ const READERS: &[&dyn Reader] = &[
     &polycam::Polycam,
     &scanner_app::ScannerApp,
     &miv::Miv,
-    &tum::Tum,
+    &poses_by_time::TUM,
     &livescan3d::LiveScan3d,
-    &redwood::Redwood,
-    &seven_scenes::SevenScenes,
-    &scannet::ScanNet,
-    &replica::Replica,
-    &pose_list::PoseList,
-    &bop::Bop,
+    &poses_by_order::REDWOOD,
+    &poses_by_name::SEVEN_SCENES,
+    &poses_by_name::SCANNET,
+    &poses_by_name::REPLICA,
+    &poses_by_order::POSE_LIST,
+    &poses_by_name::BOP,
     &isaac::Isaac,
     &kubric::Kubric,
     &msr::Msr,

@@ -149,6 +149,9 @@ pub(super) const ARKIT_POSES: &str =
 /// Depth of most sensors' exports.
 pub(super) const MILLIMETERS: &str = "planar z in millimeters, 16-bit PNG; 0 is no depth";
 
+/// Name of the file that the 3×3 numbers of a lens are in beside several sources' pictures.
+pub(super) const INTRINSICS: &str = "camera-intrinsics.txt";
+
 /// Endings of pictures of color.
 const COLOR_ENDINGS: [&str; 3] = [".jpg", ".png", ".jpeg"];
 

@@ -9,9 +9,10 @@ use super::cameras::{CameraFiles, PlacedEntry};
 use super::exr_picture::{DecodedPlanes, DepthChannels, ExrPicture};
 use super::files::PictureFiles;
 use crate::capture::camera::Camera;
-use crate::capture::exr::{DepthKind, median};
+use crate::capture::exr::DepthKind;
 use crate::capture::pictures::{PictureFormat, format_of};
 use crate::error::Result;
+use crate::median::median;
 
 /// How far depth may be off positions in the median, relative, where filters and rounding alone set them apart.
 const SAME_RELATIVE: f64 = 0.01;
@@ -76,8 +77,8 @@ fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option
     let rounding = 2.0 * f64::from(positions.step_relative + depths.step_relative);
     let pairs = positions.inverse_depth.iter().zip(&depths.inverse_depth);
     let hits = pairs.filter(|(position, depth)| **position > 0.0 && **depth > 0.0);
-    let median = median(hits.map(|(position, depth)| off(*position, *depth)));
-    Ok(median.map(|median| (median - rounding).max(0.0)))
+    let mut off: Vec<f64> = hits.map(|(position, depth)| off(*position, *depth)).collect();
+    Ok(median(&mut off).map(|median| (median - rounding).max(0.0)))
 }
 
 /// By which share of the true depth another one is off, both inverse.

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use crate::random::mix;
+use crate::random::{gaussian_pair, mix};
 
 const OUTLIER_ONE_IN: u64 = 2048;
 const OUTLIER_FACTOR: f32 = 3.0;
@@ -34,17 +34,16 @@ impl RenderNoise {
         let [common, r] = gaussian_pair(bits);
         let [g, b] = gaussian_pair(mix(bits ^ 0x51_7c_c1_b7));
         let far = if mix(bits ^ 0x2545_f491).is_multiple_of(OUTLIER_ONE_IN) { OUTLIER_FACTOR } else { 1.0 };
-        let sigma = (color * (color + Vec3::splat(0.02))).map(f32::sqrt) * (self.relative * far);
-        (color + sigma * (Vec3::splat(COMMON * common) + OWN * Vec3::new(r, g, b))).max(Vec3::ZERO)
+        let strayed = |value, own| with_render_noise(value, self.relative * far, common, own);
+        Vec3::new(strayed(color.x, r), strayed(color.y, g), strayed(color.z, b))
     }
 }
 
-/// Two independent standard normal numbers (George Box and Mervin Muller, 1958).
-fn gaussian_pair(bits: u64) -> [f32; 2] {
-    let uniform = |bits: u64| ((bits & 0xff_ffff) as f32 + 0.5) / (1 << 24) as f32;
-    let radius = (-2.0 * uniform(bits).ln()).sqrt();
-    let (sin, cos) = (std::f32::consts::TAU * uniform(bits >> 32)).sin_cos();
-    [radius * cos, radius * sin]
+/// A channel's value, linear and not negative, with noise: `common` is a standard normal number of all channels, `own` one of this
+/// channel alone, and `relative` the deviation of a bright value as a share of it. Never negative.
+pub fn with_render_noise(value: f32, relative: f32, common: f32, own: f32) -> f32 {
+    let sigma = relative * (value * (value + 0.02)).sqrt();
+    (value + sigma * (COMMON * common + OWN * own)).max(0.0)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Warnings about cameras that do not agree: one with the others, or none with any.
 
 use super::pair_residuals::PairResiduals;
+use crate::median::median_f32;
 
 /// A camera that fits no other as well as the others fit each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,8 +151,7 @@ fn warnings_over(
         };
         let others = (0..pairs.len()).filter(|other| *other != camera);
         let mut usual: Vec<f32> = others.filter_map(best_without).collect();
-        usual.sort_unstable_by(f32::total_cmp);
-        let usual_footprints = usual.get(usual.len() / 2).copied();
+        let usual_footprints = median_f32(&mut usual);
         let limit = match (over_time, usual_footprints) {
             (false, None) => return None,
             (false, Some(usual)) => SUSPECT_POSE_FOOTPRINTS.max(SUSPECT_RATIO * usual),

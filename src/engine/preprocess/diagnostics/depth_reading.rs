@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::capture::Camera;
+use crate::median::median;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::ROOT;
 
@@ -98,19 +99,16 @@ impl Misfits {
     /// The reading that fits best, where one does far better than the one that the capture claims.
     pub(crate) fn better(self) -> Option<DepthReading> {
         let mut readings = self.0.into_iter();
-        let claimed = median(readings.next()?.1)?;
-        let misfits = readings.filter_map(|(reading, off)| Some((median(off)?, reading)));
+        let claimed = misfit(readings.next()?.1)?;
+        let misfits = readings.filter_map(|(reading, off)| Some((misfit(off)?, reading)));
         let best = misfits.min_by(|a, b| a.0.total_cmp(&b.0));
         best.filter(|(misfit, _)| *misfit < BETTER * claimed).map(|(_, reading)| reading)
     }
 }
 
 /// `None` where too few can be compared.
-fn median(mut off: Vec<f64>) -> Option<f64> {
-    (off.len() >= MIN_READINGS).then(|| {
-        off.sort_unstable_by(f64::total_cmp);
-        off[off.len() / 2]
-    })
+fn misfit(mut off: Vec<f64>) -> Option<f64> {
+    if off.len() >= MIN_READINGS { median(&mut off) } else { None }
 }
 
 fn add_misfits(

@@ -7,7 +7,8 @@ use super::report::{CameraReport, DepthNoise, Report, STATIC_RULE};
 use crate::capture::conventions::{self, DepthClaim, PoseConvention};
 use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
 use crate::error::Result;
-use crate::preprocess::layers::CameraLayer;
+use crate::median::median_f32;
+use crate::preprocess::layers::{CameraLayer, Rate};
 use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{Decided, Rule, Verdict};
@@ -127,8 +128,7 @@ impl Tally {
         let report = &mut self.report.cameras[camera];
         report.depth_noise_between = met.map(of_class).collect();
         let mut steps = noise.color_steps;
-        steps.sort_unstable_by(f32::total_cmp);
-        report.color_noise_between_steps = steps[steps.len() / 2];
+        report.color_noise_between_steps = median_f32(&mut steps).unwrap_or_default();
     }
 
     /// Counts what was decided on the samples of one camera, where all samples are of all frames.

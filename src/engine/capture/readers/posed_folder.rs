@@ -1,0 +1,108 @@
+//! Folders of color, of depth, and of a pose for every picture: one reader, and a row of facts for each source.
+//!
+//! ```text
+//! row ─ its `find` ─ Found: lens, pictures ─ recording
+//! ```
+//!
+//! The rows stand beside what finds their pictures: `poses_by_name`, `poses_by_order`, `poses_by_time`.
+
+use std::path::{Path, PathBuf};
+
+use super::place::Place;
+use super::reader::{Description, Reader, Reading};
+use super::text::TextFile;
+use super::views::{json, lens, recording};
+use crate::capture::transforms::{Keys, PictureEntry};
+use crate::error::Result;
+
+/// One such source.
+pub(super) struct PosedFolder {
+    pub(super) source: &'static str,
+    pub(super) marks: &'static str,
+    /// Whether a file of this name stands for its folder.
+    pub(super) stands_for_folder: fn(&str) -> bool,
+    /// Whether a folder is of this source.
+    pub(super) is_here: fn(&Place) -> bool,
+    /// What [`Description::poses`] says.
+    pub(super) poses: &'static str,
+    /// What [`Description::depth`] says, unless `find` knows better.
+    pub(super) depth: &'static str,
+    /// Finds lens and pictures.
+    pub(super) find: fn(&mut Found<'_>) -> Result<()>,
+}
+
+/// What was found so far.
+pub(super) struct Found<'a> {
+    pub(super) place: &'a Place,
+    pub(super) description: Description,
+    /// Files that were read; the first is what an error about all of them names.
+    pub(super) inputs: Vec<PathBuf>,
+    /// Keys of all pictures.
+    pub(super) keys: Keys,
+    frames: Vec<PictureEntry>,
+}
+
+impl Reader for PosedFolder {
+    fn source(&self) -> &'static str {
+        self.source
+    }
+
+    fn marks(&self) -> &'static str {
+        self.marks
+    }
+
+    fn recognizes(&self, place: &Place) -> bool {
+        place.file.as_deref().is_none_or(self.stands_for_folder) && (self.is_here)(place)
+    }
+
+    fn read(&self, place: &Place) -> Result<Reading> {
+        let [source, poses, depth] = [self.source, self.poses, self.depth].map(str::to_owned);
+        let description = Description { source, poses, depth, ..Description::default() };
+        let (inputs, keys, frames) = (Vec::new(), Keys::default(), Vec::new());
+        let mut found = Found { place, description, inputs, keys, frames };
+        (self.find)(&mut found)?;
+        recording(place, found.keys, found.frames, found.description, found.inputs)
+    }
+}
+
+impl Found<'_> {
+    /// Whether there is such a file below the folder.
+    pub(super) fn has_file(&self, name: &str) -> bool {
+        self.place.join(name).is_file()
+    }
+
+    /// The file of this name in the folder, or else the one beside the folder.
+    pub(super) fn here_or_above(&self, name: &str) -> Option<PathBuf> {
+        let near = [self.place.join(name), self.place.folder.join("..").join(name)];
+        near.into_iter().find(|path| path.is_file())
+    }
+
+    /// Reads all numbers of an input.
+    pub(super) fn numbers(&mut self, path: &Path) -> Result<Vec<f64>> {
+        self.inputs.push(path.to_path_buf());
+        TextFile::read(path)?.numbers()
+    }
+
+    /// Reads an input in JSON.
+    pub(super) fn json<T: serde::de::DeserializeOwned>(&mut self, path: &Path) -> Result<T> {
+        self.inputs.push(path.to_path_buf());
+        json(path)
+    }
+
+    /// Takes a pinhole `fx fy cx cy` for all pictures, pixel centers at whole numbers, and meters for a unit of depth.
+    pub(super) fn set_lens(&mut self, [fx, fy, cx, cy]: [f64; 4], meters: f64) {
+        self.keys = Keys { depth_unit_scale_factor: Some(meters), ..lens(fx, fy, cx, cy, 0.0) };
+    }
+
+    /// Adds a picture, or notes under its name why it is left out.
+    pub(super) fn add(
+        &mut self,
+        name: impl Into<String>,
+        picture: std::result::Result<PictureEntry, &'static str>,
+    ) {
+        match picture {
+            Ok(picture) => self.frames.push(picture),
+            Err(reason) => self.description.skip(reason, name),
+        }
+    }
+}
