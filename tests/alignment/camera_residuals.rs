@@ -59,10 +59,16 @@ fn record_late(cameras: Vec<Camera>, by: usize) -> Capture {
 
 /// The passing ball, by cameras of which one looks lower than it is said to.
 fn record_turned(count: usize, radians: f64) -> Capture {
-    let mut capture = passing_ball().record(arc(count, 96), FRAMES);
-    let pose = &mut capture.cameras[WRONG.min(count - 1)].world_from_camera;
-    pose.matrix3 *= DMat3::from_rotation_x(radians);
-    capture
+    record_turned_by(count, DMat3::from_rotation_x(radians))
+}
+
+/// The passing ball, by cameras of which one is turned away from where it is said to look.
+fn record_turned_by(count: usize, turn: DMat3) -> Capture {
+    passing_ball().record(arc(count, 96), FRAMES).with_changed_cameras(|index, camera| {
+        if index == WRONG.min(count - 1) {
+            camera.world_from_camera.matrix3 *= turn;
+        }
+    })
 }
 
 /// Cameras are taken as they claim to be: what is told here is what would else be corrected.
@@ -126,8 +132,7 @@ fn a_camera_that_is_turned_by_a_pixel_is_named_and_so_is_nobody_else() {
 /// Turned to the side, a plane that fills nearly all of the picture shifts within itself. What stands out gives it away.
 #[test]
 fn a_camera_that_is_turned_along_the_ground_is_named_by_what_moves() {
-    let mut capture = record_turned(4, 0.0);
-    capture.cameras[WRONG].world_from_camera.matrix3 *= DMat3::from_rotation_y(radians(2.0));
+    let capture = record_turned_by(4, DMat3::from_rotation_y(radians(2.0)));
     let found = doubts_of(&report_of(&capture));
     assert_eq!(found.iter().map(|doubt| doubt.camera).collect::<Vec<_>>(), [WRONG]);
 }
@@ -233,11 +238,10 @@ fn a_wrong_camera_costs_samples_and_nothing_else() {
 
 #[test]
 fn normals_in_another_space_than_the_poses_are_told_once_for_all_cameras() {
-    let mut capture = passing_ball().record(arc(4, 96), 2);
-    for camera in &mut capture.cameras {
-        let turned = DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    let turned = DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    let capture = passing_ball().record(arc(4, 96), 2).with_changed_cameras(|_, camera| {
         camera.world_from_camera = turned * camera.world_from_camera;
-    }
+    });
     let of_normals = |settings: &Settings| -> Vec<String> {
         let calibration_warnings = preprocess(&capture, settings, &Job::new()).unwrap().report.warnings();
         calibration_warnings.into_iter().filter(|doubt| doubt.contains("normal_space")).collect()

@@ -17,15 +17,16 @@ fn capture(scene: &str, noise: f32) -> Capture {
 
 /// The capture whose manifest says that a camera is turned by `degrees` and moved by `distance`.
 fn misplaced(capture: &Capture, of: impl Fn(usize) -> bool, degrees: f64, distance: f64) -> Capture {
-    let mut wrong = capture.clone();
-    for (index, camera) in wrong.cameras.iter_mut().enumerate().filter(|(index, _)| of(*index)) {
+    capture.clone().with_changed_cameras(|index, camera| {
+        if !of(index) {
+            return;
+        }
         let seed = index as f64;
         let axis = DVec3::new((7.0 * seed + 1.0).sin(), (3.0 * seed + 2.0).cos(), (5.0 * seed + 3.0).sin());
         let turn = DQuat::from_axis_angle(axis.normalize_or_zero(), degrees.to_radians());
         let shift = distance * DVec3::new(axis.y, axis.z, axis.x).normalize_or_zero();
         camera.world_from_camera *= DAffine3::from_rotation_translation(turn, shift);
-    }
-    wrong
+    })
 }
 
 /// Everything that can be corrected.

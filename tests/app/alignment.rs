@@ -15,9 +15,12 @@ use super::driver::{SIZE, click, open, open_view, settle, shows, small_demo};
 /// Writes the orrery with one camera that claims to be turned by half a degree.
 fn write_misplaced(folder: &Path) {
     let demo = Demo::new(&DemoSpec::new("orrery").frames(1).size((240, 180))).unwrap();
-    let mut capture = demo.capture(&CaptureSettings::default());
     let turn = DQuat::from_rotation_y(0.5_f64.to_radians());
-    capture.cameras[2].world_from_camera *= DAffine3::from_quat(turn);
+    let capture = demo.capture(&CaptureSettings::default()).with_changed_cameras(|index, camera| {
+        if index == 2 {
+            camera.world_from_camera *= DAffine3::from_quat(turn);
+        }
+    });
     write_capture(folder, &capture, &demo.truth_views(), &Job::new()).unwrap();
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::scene::{Scene, arc};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use overlook_engine::capture::miv::write_sequence;
-use overlook_engine::capture::{self, Camera, Capture};
+use overlook_engine::capture::{self, Camera, Capture, CaptureParts};
 use overlook_engine::color::srgb_from_linear;
 use overlook_engine::job::Job;
 use overlook_engine::settings::CaptureSettings;
@@ -99,12 +99,12 @@ fn what_is_exported_gives_the_same_points_by_the_formats_own_formulas() {
 #[test]
 fn a_world_whose_up_is_not_z_is_turned() {
     let folder = tempfile::tempdir().unwrap();
-    let mut capture = recorded();
     let turn = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
-    for camera in &mut capture.cameras {
+    let up_in_world = turn.transform_vector3(DVec3::Z);
+    let parts = CaptureParts { up_in_world, ..(*recorded()).clone() };
+    let capture = Capture::new(parts, 64 << 20).with_changed_cameras(|_, camera| {
         camera.world_from_camera = turn * camera.world_from_camera;
-    }
-    capture.up_in_world = turn.transform_vector3(DVec3::Z);
+    });
     write_sequence(folder.path(), "turned", &capture, &Job::new()).unwrap();
     let read = capture::open(folder.path(), &CaptureSettings::default()).unwrap();
     for (read, original) in read.cameras.iter().zip(recorded().cameras.iter()) {

@@ -110,8 +110,11 @@ fn a_cancelled_export_leaves_no_manifest_not_even_that_of_an_earlier_one() {
 #[test]
 fn names_that_lead_out_of_the_folder_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let (mut capture, _) = numbers();
-    capture.cameras[1].name = "../elsewhere".into();
+    let capture = numbers().0.with_changed_cameras(|index, camera| {
+        if index == 1 {
+            camera.name = "../elsewhere".into();
+        }
+    });
     let error = write_capture(&folder.path().join("in"), &capture, &[], &Job::new()).unwrap_err();
     assert!(error.to_string().contains("../elsewhere"));
     assert!(!folder.path().join("elsewhere").exists());

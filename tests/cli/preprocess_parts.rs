@@ -117,8 +117,7 @@ fn a_part_whose_picture_changed_is_refused_by_name_and_made_again() {
 fn record_late(folder: &Path) -> Vec<PathBuf> {
     const FRAMES: i64 = 32;
     let demo = Demo::new(&DemoSpec::new("orrery").cameras(5).frames(96).size((160, 120))).unwrap();
-    let mut capture = demo.capture(&CaptureSettings::default());
-    capture.frame_numbers = (0..=FRAMES).collect();
+    let capture = demo.capture(&CaptureSettings::default()).with_frame_numbers((0..=FRAMES).collect());
     write_capture(&folder.join("scene"), &capture, &[], &Job::new()).unwrap();
     let manifest = folder.join("scene/transforms.json");
     let mut late: serde_json::Value = serde_json::from_slice(&std::fs::read(&manifest).unwrap()).unwrap();

@@ -174,8 +174,8 @@ fn loss_is_over_the_views_that_are_left_and_the_warning_names_the_dial_at_which_
 
 #[test]
 fn what_cannot_disturb_a_capture_is_left_out_with_a_word_and_nothing_else_is_no_stress() {
-    let Scene { mut capture, truth } = orrery(1);
-    capture.has_normals = false;
+    let Scene { capture, truth } = orrery(1);
+    let capture = capture.without_normals();
     let idle = vec![Disturbance::NormalsMissing, Disturbance::NormalsNoisy, Disturbance::OutOfSync];
     let mut plan = StressPlan { disturbances: idle, ..StressPlan::standard(&Settings::default()) };
     plan.methods.truncate(1);

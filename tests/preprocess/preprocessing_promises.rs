@@ -338,8 +338,7 @@ fn the_footprint_knows_the_zoom_lens_and_the_papers_r_does_not() {
 #[test]
 fn a_clean_silhouette_is_not_taken_for_a_blended_one() {
     let scene = Scene { normals: false, ..Scene::still_life() };
-    let mut capture = scene.record(arc(2, 64), 1);
-    capture.antialiased_color = true;
+    let capture = scene.record(arc(2, 64), 1).with_antialiased_color(true);
     let mut settings = Settings::default();
     settings.pruning.mixed_pixels = MixedPixels::Drop;
     let inspection = inspect(&capture, &settings, 0);
@@ -349,8 +348,8 @@ fn a_clean_silhouette_is_not_taken_for_a_blended_one() {
 
 #[test]
 fn samples_of_the_sky_are_dropped_where_they_are_blended_and_those_of_surfaces_yield() {
-    let mut capture = Scene { color_rays: 4, ..Scene::still_life() }.record(arc(3, 64), 1);
-    capture.antialiased_color = true;
+    let scene = Scene { color_rays: 4, ..Scene::still_life() };
+    let capture = scene.record(arc(3, 64), 1).with_antialiased_color(true);
     let settings = Settings::default();
     let inspection = inspect(&capture, &settings, 0);
     let mut dropped = 0;

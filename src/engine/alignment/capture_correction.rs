@@ -40,7 +40,7 @@ impl CaptureCorrection {
         let moved = if self.cameras.is_empty() {
             seen.clone()
         } else {
-            corrected(seen, self.cameras.clone(), self.frames.clone())
+            corrected(seen, &self.cameras, self.frames.clone())
         };
         if self.late_frames.is_empty() { moved } else { shifted(&moved, self.late_frames.clone()) }
     }

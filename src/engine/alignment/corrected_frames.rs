@@ -45,16 +45,15 @@ impl FrameCorrection {
 const CACHE_BYTES: usize = 64 << 20;
 
 /// The capture with these cameras in place of its own, and frames corrected.
-pub(crate) fn corrected(
-    capture: &Capture,
-    cameras: Vec<Camera>,
-    corrections: Vec<FrameCorrection>,
-) -> Capture {
-    let mut corrected = if corrections.iter().all(|correction| *correction == FrameCorrection::NONE) {
+pub(crate) fn corrected(capture: &Capture, cameras: &[Camera], corrections: Vec<FrameCorrection>) -> Capture {
+    let corrected = if corrections.iter().all(|correction| *correction == FrameCorrection::NONE) {
         capture.clone()
     } else {
         with_changed_frames(capture, CACHE_BYTES, move |camera, _, frame| corrections[camera].applied(frame))
     };
-    corrected.cameras = cameras;
-    corrected
+    corrected.with_changed_cameras(|index, camera| {
+        if let Some(found) = cameras.get(index) {
+            camera.clone_from(found);
+        }
+    })
 }

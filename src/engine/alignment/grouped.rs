@@ -8,16 +8,16 @@
 //! grows with the cube of their number.
 //!
 //! Source: local bundle adjustment with cameras that stay (E. Mouragnon, M. Lhuillier, M. Dhome, F. Dekeyser, P. Sayd, *Real Time
-//! Localization and 3D Reconstruction*, CVPR 2006). What differs: all that is solved for is as without groups; the exposure of cameras
-//! that stay is the one that the others are brought to.
+//! Localization and 3D Reconstruction*, CVPR 2006). What differs: the unknowns are those of a capture without groups, and the new cameras
+//! of a group are brought to the exposure of those that stay.
 
+use super::camera_correction::{CameraCorrection, CameraCorrections};
 use super::capture_correction::CaptureCorrection;
 use super::color_lens_search::LensCorrection;
 use super::corrected_frames::FrameCorrection;
 use super::groups::Group;
 use super::report::{AlignedCamera, AlignedLens, AlignedPair, Alignment};
 use super::together::{Aligned, aligned_beside_lenses, problem};
-use super::view_corrections::{CameraCorrection, ViewCorrections};
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
@@ -100,9 +100,9 @@ pub(super) fn aligned_in_groups(
         let [then, now] = [&seen.cameras[index], &correction.cameras[index]];
         CameraCorrection::new(seen.picture_stem(index, 0), then, now, log_gain)
     };
-    let views = ViewCorrections::new((0..cameras.len()).map(of_camera).collect(), typical_depth);
+    let corrections = CameraCorrections::new((0..cameras.len()).map(of_camera).collect(), typical_depth);
     let lenses = lenses.iter().map(AlignedLens::new).collect();
-    let alignment = Alignment { cameras, lenses, pairs, views };
+    let alignment = Alignment { cameras, lenses, pairs, corrections };
     Ok(Some(Aligned { capture: so_far, alignment: Some(alignment), correction }))
 }
 
@@ -147,9 +147,12 @@ mod tests {
         let demo = Demo::new(&DemoSpec::new("orrery").cameras(24).frames(1).size((160, 120))).unwrap();
         let right = demo.capture(&CaptureSettings::default());
         let parts = CaptureParts { source: Arc::new(Brightening(right.clone())), ..(*right).clone() };
-        let mut wrong = Capture::new(parts, 1 << 26);
         let turn = DAffine3::from_quat(DQuat::from_rotation_y(0.5_f64.to_radians()));
-        wrong.cameras[WRONG].world_from_camera *= turn;
+        let wrong = Capture::new(parts, 1 << 26).with_changed_cameras(|index, camera| {
+            if index == WRONG {
+                camera.world_from_camera *= turn;
+            }
+        });
         let settings =
             AlignSettings { poses: Correction::Auto, exposure: Correction::Auto, ..AlignSettings::OFF };
         let groups = groups(&wrong.cameras, 4.0, 12);

@@ -15,6 +15,7 @@
 //! Of poses only those of cameras relative to each other are known: most cameras stay where they are. Of gains only ratios are
 //! known: the mean stays.
 
+mod camera_correction;
 mod capture_correction;
 mod clock;
 mod color_lens;
@@ -28,7 +29,6 @@ mod groups;
 mod judge;
 mod normal_equations;
 mod overlaps;
-mod picture_numbers;
 mod poses;
 mod reference_view;
 mod registered_frames;
@@ -39,15 +39,14 @@ mod solver;
 mod surface_samples;
 mod together;
 mod view_alignment;
-mod view_corrections;
 
+pub use camera_correction::{CameraCorrection, CameraCorrections};
 pub use capture_correction::CaptureCorrection;
 pub use report::{
     AlignedCamera, AlignedClock, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment,
 };
 pub use together::Aligned;
 pub use view_alignment::align_view;
-pub use view_corrections::{CameraCorrection, CorrectedViews, CrossValidation, Predictors, ViewCorrections};
 
 use crate::capture::Capture;
 use crate::error::Result;
@@ -58,8 +57,9 @@ use grouped::aligned_in_groups;
 use solver::Problem;
 use together::{aligned_beside_lenses, problem};
 
-/// The unknowns of so many cameras are solved for at once, and so many pixels of theirs held; of more, one group after the other.
+/// Cameras that are aligned all at once, at most. A capture with more is aligned one group after the other.
 const MOST_CAMERAS: usize = 400;
+/// Pixels of one frame of all cameras that are held in memory, at most. A capture with more is aligned in groups as well.
 const MOST_PIXELS: usize = 32 << 20;
 /// Cameras of a group, with large pictures and with small ones.
 const GROUP: [usize; 2] = [48, 96];
@@ -92,7 +92,7 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         let groups = groups::groups(&seen.cameras, typical_depth, most);
         aligned_in_groups(&seen, (&groups, typical_depth), &lenses, settings, job)?
     } else {
-        // What a lens was looked for in is what poses are solved for, where no lens changed it and no camera was left out.
+        // The problem of the lens search serves for poses too, unless a lens changed the pictures or cameras were left out.
         let known = looked.filter(|looked| lenses.is_empty() && looked.cameras.len() == cameras);
         let problem = match known {
             Some(looked) => looked.problem,
@@ -112,11 +112,12 @@ fn most_together(capture: &Capture) -> Option<usize> {
     (!is_few).then(|| affordable.clamp(GROUP[0], GROUP[1]))
 }
 
-/// Cameras that tell a lens that all share, and their pixels; more are evenly chosen from, so that memory is bounded.
+/// Cameras among which a shared color lens is looked for, at most: an even choice of them all, so that memory is bounded.
 const MOST_LENS_CAMERAS: usize = 24;
+/// Pixels of these cameras, at most.
 const MOST_LENS_PIXELS: usize = 16 << 20;
 
-/// The cameras that a lens is looked for in.
+/// The cameras among which a color lens is looked for.
 struct LookedAt {
     /// Their indices.
     cameras: Vec<usize>,
@@ -164,9 +165,12 @@ mod tests {
     #[test]
     fn a_color_lens_is_kept_where_no_cameras_overlap_once_they_have_it() {
         let demo = Demo::new(&DemoSpec::new("orrery").cameras(2).frames(1).size((48, 36))).unwrap();
-        let mut capture = demo.capture(&CaptureSettings::default());
         // The second camera claims to look away from what the first one sees.
-        capture.cameras[1].world_from_camera *= DAffine3::from_rotation_y(std::f64::consts::PI);
+        let capture = demo.capture(&CaptureSettings::default()).with_changed_cameras(|index, camera| {
+            if index == 1 {
+                camera.world_from_camera *= DAffine3::from_rotation_y(std::f64::consts::PI);
+            }
+        });
         let claimed = capture.cameras[0].intrinsics;
         let lens = LensCorrection {
             claimed,

@@ -65,17 +65,16 @@ const CACHE_BYTES: usize = 256 << 20;
 
 /// The capture as seen through the color lenses, per camera; `None` where color has the lens of depth.
 pub(crate) fn with_color_lenses(capture: &Capture, lenses: Vec<Option<ColorLens>>) -> Capture {
-    let camera = |(camera, lens): (&Camera, &Option<ColorLens>)| {
-        lens.as_ref().map_or_else(|| camera.clone(), |lens| color_camera(camera, lens))
-    };
-    let cameras = capture.cameras.iter().zip(&lenses).map(camera).collect();
+    let seen_through = lenses.clone();
     let originals = capture.cameras.clone();
     let rays = RayCache::default();
     let change = move |camera: usize, _, frame: &Frame| match &lenses[camera] {
         Some(lens) => registered(frame, &originals[camera], lens, &rays),
         None => frame.clone(),
     };
-    let mut registered = with_changed_frames(capture, CACHE_BYTES, change);
-    registered.cameras = cameras;
-    registered
+    with_changed_frames(capture, CACHE_BYTES, change).with_changed_cameras(|index, camera| {
+        if let Some(lens) = &seen_through[index] {
+            *camera = color_camera(camera, lens);
+        }
+    })
 }

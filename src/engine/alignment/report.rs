@@ -6,6 +6,7 @@ use glam::{DAffine3, DQuat};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::camera_correction::{CameraCorrection, CameraCorrections};
 use super::clock::ClockCorrection;
 use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
@@ -13,9 +14,7 @@ use super::exposure::{GainCorrection, kept_gain};
 use super::poses::{PoseCorrection, WIDE_LOOK};
 use super::registered_frames::color_camera;
 use super::solver::Problem;
-use super::view_corrections::{CameraCorrection, CorrectedViews, ViewCorrections};
-use crate::capture::{Camera, Capture, Intrinsics, TruthView};
-use crate::median::median;
+use crate::capture::{Camera, Capture, Intrinsics};
 
 /// What was wrong with a capture, and how much better cameras agree without it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,9 +27,9 @@ pub struct Alignment {
     pub lenses: Vec<AlignedLens>,
     /// The pairs of cameras that were compared.
     pub pairs: Vec<AlignedPair>,
-    /// What is wrong with views between the cameras; `None` where what was corrected does not predict it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub views: Option<ViewCorrections>,
+    /// What was corrected of each camera, with every bit; `None` where no pose and no exposure changed.
+    #[serde(alias = "views", skip_serializing_if = "Option::is_none")]
+    pub corrections: Option<CameraCorrections>,
 }
 
 /// What was corrected of one camera.
@@ -191,55 +190,25 @@ impl Alignment {
             cameras: (0..capture.cameras.len()).map(of_camera).collect(),
             lenses: lenses.iter().map(AlignedLens::new).collect(),
             pairs: pairs.collect(),
-            views: view_corrections(capture, problem, gains),
+            corrections: camera_corrections(capture, problem, gains),
         }
     }
 
-    /// What was corrected, one line a lens and one a camera, and one of what is predicted of views.
+    /// What was corrected, one line a lens and one a camera.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let lenses = self.lenses.iter().map(AlignedLens::sentence);
         let cameras = self.cameras.iter().filter_map(AlignedCamera::sentence);
-        let views = self.views.as_ref().and_then(ViewCorrections::sentence);
-        lenses.chain(cameras).chain(views).collect()
-    }
-
-    /// Views as they were taken, as far as what was corrected of the cameras tells; as they claim to be where nothing was. See
-    /// [`correct_views`](Self::correct_views).
-    #[must_use]
-    pub fn views_as_taken(corrected: Option<&Self>, views: &[TruthView]) -> Vec<TruthView> {
-        let mut views = views.to_vec();
-        if let Some(alignment) = corrected {
-            alignment.correct_views(&mut views);
-        }
-        views
-    }
-
-    /// Corrects views that were recorded with the capture, without looking at their pictures. Those that claim a lens are seen
-    /// through the color lens that was found in its place, since they were taken with the same sensor. They are moved and exposed as
-    /// the pictures beside them were, where those predict it.
-    pub fn correct_views(&self, views: &mut [TruthView]) -> CorrectedViews {
-        let mut corrected = CorrectedViews::default();
-        for view in views {
-            if let Some(lens) = self.lenses.iter().find(|lens| lens.claimed == view.camera.intrinsics) {
-                let lens = ColorLens { intrinsics: lens.color, color_from_depth: lens.color_from_depth };
-                view.camera = color_camera(&view.camera, &lens);
-                corrected.lenses += 1;
-            }
-            let [pose, exposure] = self.views.as_ref().map_or([false; 2], |views| views.correct(view));
-            corrected.poses += usize::from(pose);
-            corrected.exposures += usize::from(exposure);
-        }
-        corrected
+        lenses.chain(cameras).collect()
     }
 }
 
-/// What the corrections that were kept predict of views.
-fn view_corrections(
+/// The corrections that were kept.
+fn camera_corrections(
     capture: &Capture,
     problem: &Problem,
     gains: &[GainCorrection],
-) -> Option<ViewCorrections> {
+) -> Option<CameraCorrections> {
     // Where only lenses were looked for, the problem may hold a part of the cameras, and none of them moved.
     if problem.views.len() != capture.cameras.len() {
         return None;
@@ -250,7 +219,7 @@ fn view_corrections(
         CameraCorrection::new(picture, then, &problem.views[index].camera, log_gain)
     };
     let cameras = capture.cameras.iter().enumerate().map(of_camera).collect();
-    ViewCorrections::new(cameras, 1.0 / problem.scale.inverse_depth)
+    CameraCorrections::new(cameras, 1.0 / problem.scale.inverse_depth)
 }
 
 impl AlignedPose {
@@ -307,6 +276,13 @@ impl AlignedLens {
             loss_after: judgment.after,
             loss_se: judgment.standard_error,
         }
+    }
+
+    /// The color camera of a sensor whose depth camera is `depth`: one that claims this lens.
+    #[must_use]
+    pub fn color_camera(&self, depth: &Camera) -> Camera {
+        let lens = ColorLens { intrinsics: self.color, color_from_depth: self.color_from_depth };
+        color_camera(depth, &lens)
     }
 
     /// What was found.

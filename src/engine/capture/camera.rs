@@ -47,6 +47,15 @@ pub struct Intrinsics {
     pub cy: f64,
 }
 
+/// The side of a pixel that is called its width, where pixels are not square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PixelSide {
+    /// The longer one.
+    Longer,
+    /// The geometric mean of both: the side of a square of the same area.
+    Mean,
+}
+
 impl Intrinsics {
     /// A camera of `width × height` square pixels with the principal point in the middle and the given horizontal
     /// angle of view in radians.
@@ -73,6 +82,16 @@ impl Intrinsics {
     #[must_use]
     pub fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// Width of a pixel on a surface that faces the camera at planar depth `depth`, in the unit of `depth`.
+    #[must_use]
+    pub fn pixel_width(&self, depth: f64, side: PixelSide) -> f64 {
+        let focal = match side {
+            PixelSide::Longer => self.fx.min(self.fy),
+            PixelSide::Mean => (self.fx * self.fy).sqrt(),
+        };
+        depth / focal
     }
 
     /// The ray through image position `pixel` (pixels, centers at +0.5), in camera space, scaled to `z = 1`:

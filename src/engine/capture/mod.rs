@@ -29,7 +29,8 @@ pub mod transforms;
 mod yuv;
 
 pub(crate) use camera::is_believable_size;
-pub use camera::{Camera, Intrinsics};
+pub use camera::{Camera, Intrinsics, PixelSide};
+pub use derived_frames::with_reindexed_frames;
 pub use derived_frames::with_changed_frames;
 pub(crate) use derived_frames::with_frames_made_of;
 pub use derived_frames::with_reindexed_frames;
@@ -38,4 +39,4 @@ pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
 pub use open::{Source, open};
 pub use parts::{Capture, CaptureParts, FrameSource, TruthLoader, TruthView};
 pub use readers::{Description, Skipped};
-pub use recording::ViewChoice;
+pub use recording::{Addition, GreedyCover, Shown, ViewChoice};

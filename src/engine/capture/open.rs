@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::parts::Capture;
-use super::readers::{self, Description, Reading};
+use super::readers::{self, Description, Reading, SaidBy};
 use super::recording::ViewChoice;
 use super::transforms::{PictureEntry, capture_of};
 use crate::error::{Error, Result};
@@ -46,8 +46,10 @@ impl Source {
     /// The manifest of its own that says how it is read; `None` where its layout does.
     #[must_use]
     pub fn manifest(&self) -> Option<&Path> {
-        let is_manifest = self.reading.description.source == readers::MANIFEST_SOURCE;
-        is_manifest.then_some(self.reading.origin.path.as_path())
+        match self.reading.said_by {
+            SaidBy::Manifest => Some(self.reading.origin.path.as_path()),
+            SaidBy::Layout => None,
+        }
     }
 
     /// The same source, read otherwise: keys of the manifest, with their values as JSON, count for every picture, whatever its files

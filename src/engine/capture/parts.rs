@@ -85,12 +85,6 @@ impl std::ops::Deref for Capture {
     }
 }
 
-impl std::ops::DerefMut for Capture {
-    fn deref_mut(&mut self) -> &mut CaptureParts {
-        &mut self.parts
-    }
-}
-
 impl Capture {
     /// Wraps a source of frames with a cache of at most `cache_bytes` of decoded frames.
     #[must_use]
@@ -184,6 +178,45 @@ impl Capture {
             source_cameras: kept.iter().map(|&index| self.source_cameras[index]).collect(),
             ..self.clone()
         }
+    }
+
+    /// The same capture with cameras that claim something else, sharing frames and cache. `change` is given each camera and its index.
+    /// [`Capture::frame`] refuses the frames of a camera that gets another size.
+    #[must_use]
+    pub fn with_changed_cameras(mut self, mut change: impl FnMut(usize, &mut Camera)) -> Self {
+        for (index, camera) in self.parts.cameras.iter_mut().enumerate() {
+            change(index, camera);
+        }
+        self
+    }
+
+    /// The same capture with these numbers for its first frames, ascending; frames beyond them are left out. The source must have as
+    /// many frames as there are numbers.
+    #[must_use]
+    pub fn with_frame_numbers(mut self, numbers: Vec<i64>) -> Self {
+        self.parts.frame_numbers = numbers;
+        self
+    }
+
+    /// The same capture with one more [warning](CaptureParts::warnings).
+    #[must_use]
+    pub fn with_warning(mut self, warning: String) -> Self {
+        self.parts.warnings.push(warning);
+        self
+    }
+
+    /// The same capture, of which it is said that it gives no normals.
+    #[must_use]
+    pub fn without_normals(mut self) -> Self {
+        self.parts.has_normals = false;
+        self
+    }
+
+    /// The same capture, whose color is said to be filtered across silhouettes or not.
+    #[must_use]
+    pub fn with_antialiased_color(mut self, antialiased_color: bool) -> Self {
+        self.parts.antialiased_color = antialiased_color;
+        self
     }
 }
 

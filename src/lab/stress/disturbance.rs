@@ -167,9 +167,9 @@ impl Disturbance {
             Self::DepthFloat => edited(capture, move |frame, _| depth_float(frame, dial as u32)),
             Self::ColorNoise => edited(capture, move |frame, at| color_noise(frame, 0.01 * amount, at)),
             Self::Antialiasing => {
-                let mut recorded = edited(capture, move |frame, _| antialias(frame, amount));
-                recorded.capture.antialiased_color |= dial > 0.0;
-                recorded
+                let recorded = edited(capture, move |frame, _| antialias(frame, amount));
+                let is_filtered = capture.antialiased_color || dial > 0.0;
+                Recorded { capture: recorded.capture.with_antialiased_color(is_filtered), ..recorded }
             }
             Self::NormalsMissing => {
                 edited(capture, move |frame, at| normals_missing(frame, 0.01 * amount, at))
@@ -179,11 +179,8 @@ impl Disturbance {
                 edited(capture, move |frame, at| normals_noisy(frame, radians, at))
             }
             Self::CameraPose => {
-                let mut turned = capture.clone();
-                for (index, camera) in turned.cameras.iter_mut().enumerate() {
-                    turn(camera, index as u64, dial);
-                }
-                recorded(capture, turned)
+                let turned = |index: usize, camera: &mut Camera| turn(camera, index as u64, dial);
+                recorded(capture, capture.clone().with_changed_cameras(turned))
             }
             Self::OutOfSync => {
                 let behind = dial as usize;
@@ -231,7 +228,7 @@ impl Disturbance {
         let [noise, flying, misread_part, holes] =
             [Self::SensorNoise, Self::FlyingPixels, Self::MisreadSurface, Self::DepthHoles].map(amount);
         let without_normals = self == Self::CheapSensor && dial > 0.0;
-        let mut recorded = edited(capture, move |frame, at| {
+        let recorded = edited(capture, move |frame, at| {
             if without_normals {
                 frame.normal_in_world = None;
             }
@@ -242,7 +239,9 @@ impl Disturbance {
             sensor_noise(frame, noise as f32 * median, at);
             depth_holes(frame, holes as f32, at);
         });
-        recorded.capture.has_normals &= !without_normals;
+        if without_normals {
+            return Ok(Recorded { capture: recorded.capture.without_normals(), ..recorded });
+        }
         Ok(recorded)
     }
 }

@@ -5,7 +5,6 @@ use serde::Serialize;
 use super::workbench::{FoldSamples, stored};
 use crate::scoring::{Evaluation, OnPicture, add_aligned, evaluate_each, frame_of, with_truth};
 use crate::truth;
-use overlook_engine::alignment::Alignment;
 use overlook_engine::capture::{Capture, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -75,7 +74,7 @@ pub fn compare_each(
         frame_of(view, &capture.name, &capture.frame_numbers)?;
     }
     let scan = preprocess::scan(capture, settings, job)?;
-    let views = Alignment::views_as_taken(scan.alignment(), views);
+    let views = truth::views_as_taken(scan.alignment(), views);
     let views = views.as_slice();
     let classes = truth::class_maps(scan.capture(), views, job)?;
     let mut compared = |method, on_picture: &mut OnPicture<'_>| {

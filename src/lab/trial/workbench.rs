@@ -20,8 +20,7 @@ use super::trial_setting::{ModelKey, Thinning, Trial};
 use crate::metrics::{ClassErrors, ClassMap};
 use crate::rivals::Rival;
 use crate::scoring::{Scoreboard, render_view};
-use crate::truth::{Fold, Recorded, Truth};
-use overlook_engine::alignment::Alignment;
+use crate::truth::{Fold, Recorded, Truth, views_as_taken};
 use overlook_engine::capture::TruthView;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -51,7 +50,7 @@ impl FoldSamples {
 
     /// The views as they were taken, as far as what was corrected of the cameras tells.
     fn seen(&self, views: &[TruthView]) -> Vec<TruthView> {
-        Alignment::views_as_taken(self.report.alignment.as_ref(), views)
+        views_as_taken(self.report.alignment.as_ref(), views)
     }
 }
 
@@ -277,7 +276,7 @@ impl FoldState {
     /// The fold without what the rig got wrong.
     fn aligned(&mut self, trial: &Trial, job: &Job) -> Result<Fold> {
         let (scan, _) = self.scan(trial, job)?;
-        let views = Alignment::views_as_taken(scan.alignment(), &self.fold.views);
+        let views = views_as_taken(scan.alignment(), &self.fold.views);
         Ok(Fold { capture: scan.capture().clone(), views, ..self.fold.clone() })
     }
 

@@ -20,7 +20,9 @@ use super::hold_out;
 use crate::metrics::ClassMap;
 use crate::rivals::RecordedView;
 use crate::scoring::{nothing_to_compare, unknown_truth_warning, vantage_order, with_truth};
-use overlook_engine::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, TruthLoader, TruthView};
+use overlook_engine::capture::{
+    Camera, Capture, Frame, INVALID_INVERSE_DEPTH, PixelSide, TruthLoader, TruthView,
+};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 
@@ -293,8 +295,7 @@ impl CameraView {
             if at_infinity {
                 return there == 0.0;
             }
-            // The mean of both sides where pixels are not square.
-            let width_of_pixel = depth / (self.camera.intrinsics.fx * self.camera.intrinsics.fy).sqrt();
+            let width_of_pixel = self.camera.intrinsics.pixel_width(depth, PixelSide::Mean);
             there > 0.0 && (1.0 / there - depth).abs() <= SEEN_WITHIN_PX * width_of_pixel
         })
     }

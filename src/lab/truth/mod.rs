@@ -3,7 +3,9 @@
 mod error_classes;
 mod folds;
 mod hold_out;
+mod picture_numbers;
 mod subset;
+mod view_corrections;
 
 pub use error_classes::class_map;
 pub use error_classes::class_maps;
@@ -15,3 +17,4 @@ pub(crate) use hold_out::evenly_spaced;
 pub use hold_out::split;
 pub use subset::frames;
 pub(crate) use subset::{DERIVED_CACHE_BYTES, choose, only, truth_at};
+pub use view_corrections::{CorrectedViews, ViewCorrections, views_as_taken};

@@ -56,9 +56,8 @@ pub(crate) fn only(capture: &Capture, frames: &[usize]) -> Capture {
     }
     let frame_numbers = frames.iter().map(|&frame| capture.frame_numbers[frame]).collect();
     let frames = frames.to_vec();
-    let mut few = with_reindexed_frames(capture, DERIVED_CACHE_BYTES, move |_, frame| frames[frame]);
-    few.frame_numbers = frame_numbers;
-    few
+    let few = with_reindexed_frames(capture, DERIVED_CACHE_BYTES, move |_, frame| frames[frame]);
+    few.with_frame_numbers(frame_numbers)
 }
 
 /// The truth at some frames of the capture alone, given by ascending index.

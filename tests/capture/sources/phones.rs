@@ -17,12 +17,12 @@ fn arkit(camera: &Camera) -> DAffine3 {
 fn check_arkit(folder: &Folder, source: &str) {
     let found = Source::find(&folder.path("")).unwrap();
     assert!(found.description().source.contains(source) && found.description().is_recording);
-    let mut capture = found.open(&CaptureSettings::default()).unwrap();
+    let capture = found.open(&CaptureSettings::default()).unwrap();
     assert_eq!(capture.up_in_world, DVec3::Y);
     let turn = DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2);
-    for camera in &mut capture.cameras {
+    let capture = capture.with_changed_cameras(|_, camera| {
         camera.world_from_camera = turn * camera.world_from_camera;
-    }
+    });
     scene::check(&capture, VIEWS, LENS.fx / SMALL.fx);
 }
 

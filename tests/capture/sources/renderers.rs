@@ -85,11 +85,11 @@ fn unreal(camera: &Camera) -> Vec<(&'static str, AttributeValue)> {
 fn check_turned(folder: &Folder, source: &str, scene_from_world: DMat3) {
     let found = Source::find(&folder.path("")).unwrap();
     assert!(found.description().source.contains(source), "{:?}", found.description());
-    let mut capture = found.open(&CaptureSettings::default()).unwrap();
+    let capture = found.open(&CaptureSettings::default()).unwrap();
     assert!((scene_from_world * capture.up_in_world).abs_diff_eq(DVec3::Z, 1e-12));
-    for camera in &mut capture.cameras {
+    let capture = capture.with_changed_cameras(|_, camera| {
         camera.world_from_camera = DAffine3::from_mat3(scene_from_world) * camera.world_from_camera;
-    }
+    });
     scene::check(&capture, VIEWS, 1.0);
 }
 

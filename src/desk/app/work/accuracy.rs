@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use super::requests::MeasureRequest;
 use crate::app::model::{Accuracy, Content};
-use overlook_engine::alignment::Alignment;
 use overlook_engine::capture::{Frame, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -13,6 +12,7 @@ use overlook_engine::render::{CpuRenderer, Vantage};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{MixedPixels, PruningMethod, Settings, SpanLevels};
 use overlook_lab::metrics;
+use overlook_lab::truth::views_as_taken;
 
 /// Vantages that are compared: enough for a figure in passing, few enough to take seconds.
 const VIEWS: usize = 3;
@@ -22,7 +22,7 @@ pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accu
     let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
     let scan = request.scan.as_deref();
     let capture = scan.map_or(&**capture, PreparedScan::capture);
-    let truth = Alignment::views_as_taken(scan.and_then(PreparedScan::alignment), truth);
+    let truth = views_as_taken(scan.and_then(PreparedScan::alignment), truth);
     let known: Vec<(&TruthView, usize)> = truth
         .iter()
         .filter(|view| view.truth.is_some())

@@ -8,6 +8,7 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::render::{Picture, Vantage};
 use overlook_engine::settings::AlignSettings;
+use overlook_lab::truth::ViewCorrections;
 
 /// A viewpoint at a frame.
 pub(super) struct Place {
@@ -44,7 +45,7 @@ impl Place {
                     .ok_or_else(|| Error::invalid("comparison", "there is no such viewpoint"))?;
                 let mut view = TruthView::clone(view);
                 if let Some(alignment) = key.scan.as_ref().and_then(|scan| scan.alignment()) {
-                    alignment.correct_views(std::slice::from_mut(&mut view));
+                    ViewCorrections::of(alignment).correct(std::slice::from_mut(&mut view));
                 }
                 let frame = capture.frame_index(view.frame_number).ok_or_else(|| {
                     Error::invalid(&view.file_path, format!("there is no frame {}", view.frame_number))

@@ -52,7 +52,7 @@ fn open_path(
     let mut truth = Vec::new();
     if is_reread {
         let keys: Vec<String> = keys.iter().map(|(key, value)| format!("\"{key}\": {value}")).collect();
-        capture.warnings.push(format!(
+        capture = capture.with_warning(format!(
             "it is read otherwise than its files say; to keep this, write {} in the manifest",
             keys.join(", ")
         ));

@@ -18,6 +18,7 @@ use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::settings::{AlignSettings, Settings};
 use overlook_engine::whole_file;
+use overlook_lab::truth::ViewCorrections;
 
 #[derive(Debug, Args)]
 pub(crate) struct AlignArgs {
@@ -38,6 +39,9 @@ pub(crate) struct AlignArgs {
 struct AlignOutput<'a> {
     /// `None` where nothing pays.
     alignment: Option<&'a Alignment>,
+    /// How views beside the capture are corrected; `None` where nothing is predicted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    views: Option<&'a ViewCorrections<'a>>,
     seconds: f64,
 }
 
@@ -66,13 +70,17 @@ impl AlignArgs {
             let lenses = alignment.as_ref().map_or(&[][..], |alignment| &alignment.lenses);
             self.write(&capture, &corrected, lenses, out)?;
         }
+        let views = alignment.as_ref().map(ViewCorrections::of);
+        let of_views = views.as_ref().and_then(ViewCorrections::sentence);
         if self.json {
-            return output::print_json(&AlignOutput { alignment: alignment.as_ref(), seconds });
+            let views = views.as_ref().filter(|_| of_views.is_some());
+            return output::print_json(&AlignOutput { alignment: alignment.as_ref(), views, seconds });
         }
         let mut lines = alignment.as_ref().map_or_else(
             || vec!["Nothing to correct: no change makes cameras agree better by more than its standard error".to_owned()],
             Alignment::sentences,
         );
+        lines.extend(of_views);
         lines.extend(self.out.iter().map(|out| format!("Wrote {}", out.display())));
         output::print(&lines.join("\n"))
     }

@@ -6,7 +6,7 @@
 use serde_json::Value;
 
 use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::reader::{Description, Reader, Reading, SaidBy};
 use super::views::{entry, lens};
 use crate::capture::miv::{SequenceCamera, SequenceFile, pose, projection};
 use crate::capture::transforms::{Keys, Manifest, Origin, RawVideoKeys};
@@ -85,6 +85,7 @@ impl Reader for Miv {
             origin: Origin { path, folder: place.folder.clone() },
             inputs,
             description,
+            said_by: SaidBy::Layout,
         })
     }
 }

@@ -30,10 +30,9 @@ mod scanner_app;
 mod text;
 mod views;
 
-pub(crate) use nerfstudio::MANIFEST_SOURCE;
 pub(crate) use place::Place;
 pub use reader::{Description, Skipped};
-pub(crate) use reader::{Reader, Reading};
+pub(crate) use reader::{Reader, Reading, SaidBy};
 
 use std::path::Path;
 

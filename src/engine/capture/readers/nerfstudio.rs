@@ -3,19 +3,16 @@
 use std::collections::BTreeSet;
 
 use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::reader::{Description, Reader, Reading, SaidBy};
 use crate::capture::transforms::{MANIFEST_NAME, Manifest, Origin, PictureEntry};
 use crate::error::Result;
-
-/// What [`Description::source`] says of a manifest.
-pub(crate) const MANIFEST_SOURCE: &str = "transforms.json (nerfstudio, instant-ngp, Overlook)";
 
 /// Reads a manifest: the file itself, or the one in the folder.
 pub(super) struct Nerfstudio;
 
 impl Reader for Nerfstudio {
     fn source(&self) -> &'static str {
-        MANIFEST_SOURCE
+        "transforms.json (nerfstudio, instant-ngp, Overlook)"
     }
 
     fn marks(&self) -> &'static str {
@@ -42,7 +39,7 @@ impl Reader for Nerfstudio {
             ..Description::default()
         };
         let origin = Origin::of_file(&path);
-        Ok(Reading { manifest, origin, inputs: vec![path], description })
+        Ok(Reading { manifest, origin, inputs: vec![path], description, said_by: SaidBy::Manifest })
     }
 }
 

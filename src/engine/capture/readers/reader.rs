@@ -41,6 +41,17 @@ pub(crate) struct Reading {
     pub inputs: Vec<PathBuf>,
     /// How the source was understood.
     pub description: Description,
+    /// What says how the capture is read.
+    pub said_by: SaidBy,
+}
+
+/// What says how a capture is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SaidBy {
+    /// A manifest of its own, which a user can correct.
+    Manifest,
+    /// The layout of the source.
+    Layout,
 }
 
 impl Reading {

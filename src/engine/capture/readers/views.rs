@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
 use super::place::{Place, names_in};
-use super::reader::{Description, Reading};
+use super::reader::{Description, Reading, SaidBy};
 use crate::capture::transforms::{Keys, Manifest, Origin, PictureEntry, opengl_matrix};
 use crate::error::{Error, Result};
 
@@ -109,7 +109,8 @@ fn reading(place: &Place, manifest: Manifest, mut description: Description, inpu
     let skipped: usize = description.skipped.iter().map(|skipped| skipped.count).sum();
     description.found = manifest.frames.len() + skipped;
     let path = inputs.first().cloned().unwrap_or_else(|| place.folder.clone());
-    Reading { manifest, origin: Origin { path, folder: place.folder.clone() }, inputs, description }
+    let origin = Origin { path, folder: place.folder.clone() };
+    Reading { manifest, origin, inputs, description, said_by: SaidBy::Layout }
 }
 
 /// The reading of pictures whose entries name camera and frame: static cameras, or one that moves, whose scene is taken as static.

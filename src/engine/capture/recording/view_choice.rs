@@ -2,24 +2,25 @@
 //!
 //! Purpose: a camera that moves through a static scene takes hundreds of pictures, most of which repeat others.
 //!
-//! Source: greedy choice for maximum coverage (Nemhauser, Wolsey, Fisher 1978): within 1 − 1/e of the best choice of as many views.
-//! What differs: a point counts by how finely it is shown, in proportion to the finest; so a close-up adds something to a wide view.
+//! Source: [`GreedyCover`]. What differs: a point counts by how finely it is shown, in proportion to the finest; so a close-up adds
+//! something to a wide view.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::capture::camera::Camera;
+use super::greedy_cover::{Addition, GreedyCover, Shown};
+use crate::capture::camera::{Camera, PixelSide};
 use crate::capture::frame::Frame;
 use crate::capture::parts::Capture;
 use crate::error::Result;
 
 /// Views that are compared at most, spread evenly over a longer recording.
 const MAX_CANDIDATES: usize = 256;
-/// Points of each view that others are asked for, at most: columns and rows of a grid.
+/// Points of each view that are looked for in the others, at most: columns and rows of a grid.
 const GRID: (usize, usize) = (16, 12);
-/// How far depths of one surface in two views may differ, relative: real sensors' noise.
+/// How far depths of one surface in two views may differ, relative: the noise of real sensors, which one pixel shows in full.
 const SAME_DEPTH: f64 = 0.03;
-/// What is shown as finely as possible.
+/// Value of a point that is shown as finely as possible.
 const FINEST: u8 = 255;
 /// A view that adds less than this share of everything is not worth its pixels.
 const LEAST_SHARE: f64 = 2e-4;
@@ -68,31 +69,37 @@ impl ViewChoice {
     }
 }
 
+/// How finely each point of all views is shown by those that were taken.
+struct Fineness<'a> {
+    /// View by view.
+    shown: &'a [Vec<u8>],
+    best: Vec<u8>,
+}
+
+impl Shown for Fineness<'_> {
+    fn added_by(&self, view: usize) -> u64 {
+        let points = self.shown[view].iter().zip(&self.best);
+        points.map(|(new, old)| u64::from(new.saturating_sub(*old))).sum()
+    }
+
+    fn take(&mut self, view: usize) {
+        self.best.iter_mut().zip(&self.shown[view]).for_each(|(old, new)| *old = (*old).max(*new));
+    }
+}
+
 /// Views by what each adds to those before, and the share of everything that is shown then.
 fn choose(shown: &[Vec<u8>], most: usize) -> Vec<(usize, f64)> {
     let points = shown.first().map_or(0, Vec::len);
     let finest = |point: usize| shown.iter().map(|view| u64::from(view[point])).max().unwrap_or(0);
     let all = (0..points).map(finest).sum::<u64>().max(1) as f64;
-    let (mut best, mut sum) = (vec![0_u8; points], 0_u64);
-    let mut chosen: Vec<(usize, f64)> = Vec::new();
-    while chosen.len() < most {
-        let gain = |view: &Vec<u8>| -> u64 {
-            view.iter().zip(&best).map(|(new, old)| u64::from(new.saturating_sub(*old))).sum()
-        };
-        let gains: Vec<u64> = shown.par_iter().map(gain).collect();
-        // Of equal ones the first.
-        let Some((index, &gain)) = gains.iter().enumerate().rev().max_by_key(|(_, gain)| **gain) else {
-            break;
-        };
-        if (gain as f64) < LEAST_SHARE * all && !chosen.is_empty() {
+    let mut fineness = Fineness { shown, best: vec![0; points] };
+    let (mut chosen, mut sum) = (Vec::new(), 0);
+    for Addition { view, added } in GreedyCover::new(&mut fineness, 0..shown.len()).take(most) {
+        if (added as f64) < LEAST_SHARE * all && !chosen.is_empty() {
             break;
         }
-        best.iter_mut().zip(&shown[index]).for_each(|(old, new)| *old = (*old).max(*new));
-        sum += gain;
-        chosen.push((index, sum as f64 / all));
-        if gain == 0 {
-            break;
-        }
+        sum += added;
+        chosen.push((view, sum as f64 / all));
     }
     chosen
 }
@@ -117,9 +124,8 @@ impl View {
                 let y = (2 * row + 1) * height / (2 * GRID.1.min(height));
                 let inverse = f64::from(inverse_depth[y * width + x]);
                 if inverse > 0.0 {
-                    let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                    points
-                        .push((camera.unproject(at, inverse.recip()), pixel_width(camera, inverse.recip())));
+                    let (at, depth) = (DVec2::new(x as f64 + 0.5, y as f64 + 0.5), inverse.recip());
+                    points.push((camera.unproject(at, depth), pixel_width(camera, depth)));
                 }
             }
         }
@@ -145,9 +151,9 @@ impl View {
     }
 }
 
-/// Width of a pixel that faces the camera at a planar depth.
+/// The longer side counts: a picture is as coarse as its coarser direction.
 fn pixel_width(camera: &Camera, depth: f64) -> f64 {
-    depth / camera.intrinsics.fx.min(camera.intrinsics.fy)
+    camera.intrinsics.pixel_width(depth, PixelSide::Longer)
 }
 
 #[cfg(test)]

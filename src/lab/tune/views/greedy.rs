@@ -1,27 +1,13 @@
-//! Views in the order of what each shows that those before it do not.
+//! The views that are needed to show a share of everything, and the others by what each adds.
 //!
-//! Purpose: the fewest views that show everything cannot be found in reasonable time. Taking one after the other by what it adds needs
-//! more by a factor that hardly grows; of those taken, some are needless once all others are there, and are dropped again.
-//!
-//! Source: V. Chvátal, *A Greedy Heuristic for the Set-Covering Problem*, 1979; what a view adds never grows, so that most need not be
-//! looked at again: M. Minoux, *Accelerated Greedy Algorithms for Maximizing Submodular Set Functions*, 1978. What differs: each surface
-//! counts once, however many views saw it. A point weighs the less the more views show it, since as many have a point of it.
-
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+//! Source: [`GreedyCover`]. What differs: views that others make needless are dropped again, and each surface counts once, however many
+//! views saw it. As many views have a point of it as show it, so that a point weighs one over their number.
 
 use super::visibility::{ShownOf, ShownPoints, all_bits, common_bits};
+use overlook_engine::capture::{Addition, GreedyCover, Shown};
 
-/// What a point weighs that a single view shows: a multiple of all numbers to 16, so that sums are whole and the same in any order.
+/// Weight of a point that a single view shows: a multiple of all numbers to 16. Sums are whole, and so the same in any order.
 const WEIGHT: u64 = 720_720;
-
-/// A view, and what it adds to those before it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Addition {
-    pub(super) view: usize,
-    /// Of [`Coverage::total`].
-    pub(super) added: u64,
-}
 
 /// What all views show.
 pub(super) struct Coverage {
@@ -33,7 +19,7 @@ pub(super) struct Coverage {
 }
 
 impl Coverage {
-    /// What `shown` comes to, where views have `counts` points.
+    /// Weighs what views show; `counts` are the points of each.
     pub(super) fn new(shown: Vec<ShownPoints>, counts: &[usize]) -> Self {
         let mut weights: Vec<Vec<u64>> = counts.iter().map(|count| vec![0; *count]).collect();
         for of in shown.iter().flatten() {
@@ -44,8 +30,8 @@ impl Coverage {
         Self { total: weights.iter().flatten().sum(), weights, shown }
     }
 
-    /// All views that add anything, in order. The first of them show the `goal` of [`Coverage::total`], and none of these is needless.
-    /// Gives how many.
+    /// All views that add anything, in order, and how many of them are needed. Those come first: they show the `goal` of
+    /// [`Coverage::total`], and would miss it without any one of them.
     pub(super) fn order(&self, goal: u64) -> (Vec<Addition>, usize) {
         let mut missing = self.all_points();
         let mut found = self.by_what_each_adds(0..self.shown.len(), &mut missing, goal);
@@ -63,43 +49,27 @@ impl Coverage {
         self.weights.iter().map(|weights| all_bits(weights.len())).collect()
     }
 
-    /// What a view shows of some points.
-    fn shows_of(&self, view: usize, points: &[Vec<u64>]) -> u64 {
-        let of = |of: &ShownOf| -> u64 {
-            common_bits(&of.bits, &points[of.seen]).map(|nth| self.weights[of.seen][nth]).sum()
-        };
-        self.shown[view].iter().map(of).sum()
-    }
-
-    /// Takes views out of some by what each adds, of equals the first, until they have added the `goal` or nothing is left to add.
+    /// Takes some of `views` by what each adds, until they have added the `goal` or nothing is left to add.
     fn by_what_each_adds(
         &self,
         views: impl Iterator<Item = usize>,
         missing: &mut [Vec<u64>],
         goal: u64,
     ) -> Vec<Addition> {
-        let mut at_most: BinaryHeap<(u64, Reverse<usize>)> =
-            views.map(|view| (self.shows_of(view, missing), Reverse(view))).collect();
+        let mut missing = Missing { coverage: self, points: missing };
+        let mut additions = GreedyCover::new(&mut missing, views).take_while(|addition| addition.added > 0);
         let (mut order, mut sum) = (Vec::new(), 0);
-        while let Some((_, Reverse(view))) = at_most.pop().filter(|_| sum < goal) {
-            let now = (self.shows_of(view, missing), Reverse(view));
-            if at_most.peek().is_some_and(|next| *next > now) {
-                at_most.push(now);
-                continue;
-            }
-            if now.0 == 0 {
-                break;
-            }
-            for of in &self.shown[view] {
-                missing[of.seen].iter_mut().zip(&of.bits).for_each(|(missing, shown)| *missing &= !shown);
-            }
-            sum += now.0;
-            order.push(Addition { view, added: now.0 });
+        while sum < goal
+            && let Some(addition) = additions.next()
+        {
+            sum += addition.added;
+            order.push(addition);
         }
         order
     }
 
-    /// Those of some views that show the goal together, without such as it is reached without; first those go that alone show the least.
+    /// Drops needless views: `views` reach the goal together, and still reach it without them. The view that shows the fewest points
+    /// of its own, which no other view shows, is tried first.
     fn without_needless(&self, mut views: Vec<usize>, goal: u64) -> Vec<usize> {
         let mut shown_by: Vec<Vec<u32>> = self.weights.iter().map(|weights| vec![0; weights.len()]).collect();
         for of in views.iter().flat_map(|view| &self.shown[*view]) {
@@ -128,6 +98,29 @@ impl Coverage {
             }
         }
         views
+    }
+}
+
+/// The points that the views taken so far do not show.
+struct Missing<'a> {
+    coverage: &'a Coverage,
+    points: &'a mut [Vec<u64>],
+}
+
+impl Shown for Missing<'_> {
+    fn added_by(&self, view: usize) -> u64 {
+        let weights = &self.coverage.weights;
+        let of = |of: &ShownOf| -> u64 {
+            common_bits(&of.bits, &self.points[of.seen]).map(|nth| weights[of.seen][nth]).sum()
+        };
+        self.coverage.shown[view].iter().map(of).sum()
+    }
+
+    fn take(&mut self, view: usize) {
+        for of in &self.coverage.shown[view] {
+            let points = self.points[of.seen].iter_mut().zip(&of.bits);
+            points.for_each(|(missing, shown)| *missing &= !shown);
+        }
     }
 }
 

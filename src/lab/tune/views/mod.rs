@@ -6,8 +6,9 @@
 //! ```
 //!
 //! Purpose: a recording by a camera that walks sees most surfaces in dozens of views. *Everything* is every surface that any view saw, at
-//! half of the sharpness at which it was seen; a surface counts once, however many views saw it. What [`overlook_engine::capture::ViewChoice`] does before
-//! a recording is read is quicker: it takes the best of at most 256 views at a few points each, and measures no accuracy.
+//! half of the sharpness at which it was seen; a surface counts once, however many views saw it. [`overlook_engine::capture::ViewChoice`] is the
+//! quick look when a recording is opened: it compares at most 256 views at a few points each, and measures no accuracy. Both take views
+//! by the same [`overlook_engine::capture::GreedyCover`].
 
 mod accuracy;
 mod greedy;
@@ -18,9 +19,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::truth::{self, Truth};
 use accuracy::AccuracyTest;
-use greedy::{Addition, Coverage};
-use overlook_engine::alignment::{self, Alignment};
-use overlook_engine::capture::Capture;
+use greedy::Coverage;
+use overlook_engine::alignment;
+use overlook_engine::capture::{Addition, Capture};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::plural::{counted, either};
@@ -102,7 +103,7 @@ pub fn choose_views(
 ) -> Result<ChosenViews> {
     let aligned = alignment::align(capture, &settings.align, job)?;
     let truth = match truth {
-        Truth::Views(views) => Truth::Views(Alignment::views_as_taken(aligned.alignment.as_ref(), views)),
+        Truth::Views(views) => Truth::Views(truth::views_as_taken(aligned.alignment.as_ref(), views)),
         Truth::HoldOut => Truth::HoldOut,
     };
     // What the rig got wrong is known from all views.

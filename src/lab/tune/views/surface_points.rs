@@ -3,15 +3,16 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use overlook_engine::capture::{Camera, Capture, Frame};
+use overlook_engine::capture::{Camera, Capture, Frame, PixelSide};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 
-/// Points of all views together, at most about; of a view at least and at most.
+/// Points of all views together, about, at most.
 const POINTS: usize = 1 << 20;
+/// Points of a view, at least and at most.
 const OF_VIEW: [usize; 2] = [64, 4096];
 
-/// Where depth changes by more than this share to a neighbor, no surface is taken for the one that the view shows.
+/// A pixel whose depth differs from that of a neighbor by more than this share gives no point: it may lie on either surface.
 const STEP: f32 = 0.05;
 
 /// A point of a surface that a view saw.
@@ -61,7 +62,6 @@ fn points_of(camera: &Camera, frame: &Frame, count: usize) -> Vec<SurfacePoint> 
     let is_alike = |here: f32, there: Option<&f32>| {
         there.is_none_or(|there| *there < 0.0 || (there / here - 1.0).abs() <= STEP)
     };
-    let focal = (camera.intrinsics.fx * camera.intrinsics.fy).sqrt();
     let mut points = Vec::new();
     for y in (step / 2..height).step_by(step) {
         for x in (step / 2..width).step_by(step) {
@@ -73,7 +73,7 @@ fn points_of(camera: &Camera, frame: &Frame, count: usize) -> Vec<SurfacePoint> 
                 let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 points.push(SurfacePoint {
                     in_world: camera.unproject(center, depth),
-                    pixel_width: depth / focal,
+                    pixel_width: camera.intrinsics.pixel_width(depth, PixelSide::Mean),
                 });
             }
         }

@@ -5,12 +5,12 @@ use rayon::prelude::*;
 
 use super::surface_points::{SeenPoints, SurfacePoint};
 use crate::truth::is_surface_at;
-use overlook_engine::capture::{Camera, Capture, Frame};
+use overlook_engine::capture::{Camera, Capture, Frame, PixelSide};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 
-/// A view shows a point only if its pixels are at most so many times as wide there as those of the view that saw it: what was recorded
-/// from near is not shown from far away.
+/// A view shows a point only if its pixels are at most this many times as wide there as those of the view that saw it: a view from far
+/// away does not show what was recorded from near.
 const WIDER: f64 = 2.0;
 
 const BITS: usize = u64::BITS as usize;
@@ -24,7 +24,7 @@ pub(super) struct ShownOf {
     pub(super) bits: Vec<u64>,
 }
 
-/// What one view shows; of which it shows nothing is left out.
+/// What one view shows: an entry for each [`SeenPoints`] of which it shows any point.
 pub(super) type ShownPoints = Vec<ShownOf>;
 
 /// The places of the bits that are set in both.
@@ -39,7 +39,7 @@ pub(super) fn common_bits(a: &[u64], b: &[u64]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// As many bits, all set.
+/// So many bits, all set.
 pub(super) fn all_bits(count: usize) -> Vec<u64> {
     let mut bits = vec![u64::MAX; count.div_ceil(BITS)];
     if let Some(last) = bits.last_mut().filter(|_| !count.is_multiple_of(BITS)) {
@@ -48,7 +48,7 @@ pub(super) fn all_bits(count: usize) -> Vec<u64> {
     bits
 }
 
-/// What every view shows. Of the pictures, only those that are looked at are held.
+/// What every view shows. Pictures are held in memory only while they are looked at.
 ///
 /// # Errors
 /// Those of loading frames, and `Cancelled`.
@@ -122,11 +122,13 @@ impl Looker {
         beyond.iter().any(|is_beyond| corners.iter().all(is_beyond))
     }
 
+    /// Whether the picture shows the point: finely enough, and as the nearest surface. Depth counts as evaluation counts it for the
+    /// classes of error ([`is_surface_at`]): of nine pixels one is within 1.5 %, so that noise needs no wider tolerance.
     fn shows(&self, picture: &Frame, point: &SurfacePoint) -> bool {
         let in_camera = self.camera_from_world.transform_point3(point.in_world);
         let lens = &self.camera.intrinsics;
         let Some(position) = lens.project(in_camera) else { return false };
-        let pixel_width = in_camera.z / (lens.fx * lens.fy).sqrt();
+        let pixel_width = lens.pixel_width(in_camera.z, PixelSide::Mean);
         pixel_width <= WIDER * point.pixel_width && is_surface_at(picture, position, in_camera.z)
     }
 }

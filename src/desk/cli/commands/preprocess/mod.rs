@@ -13,7 +13,6 @@ use serde::Serialize;
 
 use crate::cli::input::{self, HoldOutArgs, PartArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
-use overlook_engine::alignment::Alignment;
 use overlook_engine::capture::{self, Capture};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -23,7 +22,7 @@ use overlook_engine::preprocess::diagnostics::{CameraReport, PairResiduals, Repo
 use overlook_engine::preprocess::{BufferedResult, preprocess_buffered};
 use overlook_engine::settings::{CaptureSettings, Settings, SpanLevels};
 use overlook_engine::store::file::{self, Extras, InputFiles, Provenance};
-use overlook_lab::truth;
+use overlook_lab::truth::{self, ViewCorrections};
 use stages::{Stage, Stages};
 
 #[derive(Debug, Args)]
@@ -241,8 +240,10 @@ impl PreprocessArgs {
                 let _ = writeln!(text, "    {noise}");
             }
         }
-        for line in result.report.alignment.iter().flat_map(Alignment::sentences) {
-            let _ = writeln!(text, "  corrected {line}");
+        if let Some(alignment) = &result.report.alignment {
+            for line in alignment.sentences().into_iter().chain(ViewCorrections::of(alignment).sentence()) {
+                let _ = writeln!(text, "  corrected {line}");
+            }
         }
         if let Some((off, a, b)) = farthest_apart(&result.report) {
             let [a, b] = [a, b].map(|camera| &result.report.cameras[camera].name);

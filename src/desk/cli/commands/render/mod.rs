@@ -7,14 +7,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::{self, PaintingArgs, SettingsArgs};
-use crate::cli::output::{self, CommandError, PicturePaths};
-use overlook_engine::alignment::CorrectedViews;
+use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
 use overlook_engine::capture::{TruthView, transforms};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::Report;
-use views::ViewPainting;
+use overlook_engine::store::file::StoreInfo;
+use overlook_lab::truth::{CorrectedViews, ViewCorrections};
+use views::{ViewPainting, ViewRecord};
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
@@ -58,7 +59,9 @@ impl RenderArgs {
         } else {
             let report = &playback.store().info().report;
             let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
-            alignment.map_or_else(CorrectedViews::default, |alignment| alignment.correct_views(&mut views))
+            alignment.as_ref().map_or_else(CorrectedViews::default, |alignment| {
+                ViewCorrections::of(alignment).correct(&mut views)
+            })
         };
         let paths = self.picture_paths(&views)?;
         let painting = ViewPainting {

@@ -1,4 +1,4 @@
-//! The numbers that pictures are told apart by: counters and times in the names of their files.
+//! Counters and times in the names of picture files.
 //!
 //! Purpose: a recording by one moving camera is a sequence, and the names of its pictures tell where in it each was taken.
 
