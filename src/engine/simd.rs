@@ -13,6 +13,9 @@ use std::sync::{Mutex, PoisonError};
 use crate::error::{Error, Result};
 use crate::settings::Instructions;
 
+/// Values that a hot loop works on at once: as many as a row of a tile has, and as many `f32` as the widest vector holds.
+pub(crate) const LANES: usize = 16;
+
 /// A loop that profits from wide vectors. `run` and what it calls must be `#[inline(always)]`.
 pub(crate) trait VectorLoop {
     /// Its result.
@@ -109,11 +112,11 @@ pub(crate) fn joined<const N: usize>(bits: &[u32; N]) -> u32 {
     all
 }
 
-/// A mask of the indices below sixteen for which `holds`.
+/// A mask of the indices below [`LANES`] for which `holds`.
 #[inline(always)]
 pub(crate) fn mask(holds: impl Fn(usize) -> bool) -> u32 {
-    let mut bits = [0; 16];
-    for i in 0..16 {
+    let mut bits = [0; LANES];
+    for i in 0..LANES {
         bits[i] = u32::from(holds(i)) << i;
     }
     joined(&bits)

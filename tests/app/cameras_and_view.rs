@@ -1,7 +1,7 @@
 //! The live view's camera: moved by numbers, copied and pasted, along paths that are saved; and the cameras that it shows.
 
 use super::driver::{
-    SIZE, Window, choose, click, copied, demo, drag, open, open_view, pick, settle, shows, small_demo,
+    SIZE, Window, choose, click, copied, demo, drag, open, open_view, pick, settle, shows, small_demo, told,
     type_path, wait,
 };
 use egui::accesskit::Role;
@@ -18,7 +18,7 @@ fn explore() -> Window {
 }
 
 fn position(window: &Window) -> [f64; 3] {
-    window.state().live_position().unwrap()
+    window.state().observed().live_position.unwrap()
 }
 
 fn number(window: &Window, name: &str) -> f64 {
@@ -53,7 +53,7 @@ fn the_lens_and_the_pose_are_numbers_that_can_be_set() {
     settle(&mut window);
     assert!(number(&window, "Field of view") > angle);
     assert_eq!(position(&window), before, "the lens alone changed, and no frame was stepped");
-    assert_eq!(window.state().frame(), 0);
+    assert_eq!(window.state().observed().frame, 0);
     for name in ["Position X", "Position Y", "Position Z", "Heading", "Pitch", "Roll"] {
         assert!(window.query_by_label(name).is_some(), "{name}");
     }
@@ -83,9 +83,9 @@ fn a_copied_view_is_pasted_and_what_is_no_view_says_so() {
     assert!(apart < 1e-9, "{apart}");
     window.event(egui::Event::Paste("hello".to_owned()));
     window.run_steps(3);
-    let notices = window.state().notices();
+    let notices = window.state().observed().notices;
     assert!(notices.iter().any(|notice| notice.starts_with("Nothing to paste")), "{notices:?}");
-    assert_eq!(window.state().scene_name(), Some("orrery"));
+    assert_eq!(window.state().observed().scene_name, Some("orrery"));
 }
 
 #[test]
@@ -96,23 +96,23 @@ fn cameras_are_left_out_shown_alone_and_put_back() {
     // A picture of the new size is asked for once the layout has one.
     window.run_steps(4);
     settle(&mut window);
-    let all = window.state().live_coverage().unwrap().1;
+    let all = window.state().observed().live_coverage.unwrap().1;
     click(&mut window, "Leave out left");
     settle(&mut window);
     assert!(shows(&window, "2 of 3 shown"));
-    let without = window.state().live_coverage().unwrap().1;
+    let without = window.state().observed().live_coverage.unwrap().1;
     assert!(without < all, "{without} of {all}");
     click(&mut window, "Solo left");
     settle(&mut window);
     assert!(shows(&window, "1 of 3 shown"));
-    let alone = window.state().live_coverage().unwrap().1;
+    let alone = window.state().observed().live_coverage.unwrap().1;
     assert!(alone > 0.0 && alone < all, "{alone} of {all}");
     click(&mut window, "All off");
     settle(&mut window);
-    assert_eq!(window.state().live_coverage().unwrap().1, 0.0);
+    assert_eq!(window.state().observed().live_coverage.unwrap().1, 0.0);
     click(&mut window, "All on");
     settle(&mut window);
-    assert_eq!(window.state().live_coverage().unwrap().1, all);
+    assert_eq!(window.state().observed().live_coverage.unwrap().1, all);
 }
 
 #[test]
@@ -123,26 +123,26 @@ fn a_pyramid_is_clicked_to_choose_its_camera_and_double_clicked_to_view_from_it(
     window.key_down(Key::S);
     for _ in 0..60 {
         window.step();
-        if window.state().cameras_on_screen().len() > 1 {
+        if window.state().observed().cameras_on_screen.len() > 1 {
             break;
         }
     }
     window.key_up(Key::S);
     settle(&mut window);
-    let before = window.state().source_camera();
-    let seen = window.state().cameras_on_screen();
+    let before = window.state().observed().source_camera;
+    let seen = window.state().observed().cameras_on_screen;
     let (camera, at) = *seen.iter().find(|(camera, _)| *camera != before).expect("a camera in view");
     let place = canvas.min + canvas.size() * at;
     click_at(&mut window, place, 1);
-    assert_eq!(window.state().source_camera(), camera);
-    assert_eq!(window.state().probed_pixel(), None, "the picture behind was not clicked");
+    assert_eq!(window.state().observed().source_camera, camera);
+    assert_eq!(window.state().observed().probed_pixel, None, "the picture behind was not clicked");
     let away = position(&window);
     std::thread::sleep(std::time::Duration::from_millis(600));
     window.run_steps(3);
     click_at(&mut window, place, 2);
     settle(&mut window);
     assert_ne!(position(&window), away);
-    let there = window.state().camera_position(camera);
+    let there = window.state().observed().camera_positions[camera];
     assert_eq!(position(&window), there);
 }
 
@@ -175,7 +175,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     open_view(&mut window, "Camera path");
     let there = position(&window);
     type_path(&mut window, "Path file…", "Save camera path to path…", &file, "Save this path");
-    wait(&mut window, "the file", |window| window.state().notices().iter().any(|n| n.starts_with("Saved")));
+    wait(&mut window, "the file", |window| told(window, "Saved"));
     let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
     assert_eq!(views.len(), 49, "as render --views takes them");
     click(&mut window, "Path file…");
@@ -185,18 +185,18 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     settle(&mut window);
     type_path(&mut window, "Path file…", "Open camera path from path…", &file, "Load this path");
     wait(&mut window, "the keys", |window| window.query_by_label("Key 2").is_some());
-    while !window.state().notices().is_empty() {
+    while !window.state().observed().notices.is_empty() {
         window.key_press(Key::Escape);
         window.run_steps(2);
     }
     click(&mut window, "Key 2");
     settle(&mut window);
     let apart: f64 = position(&window).iter().zip(there).map(|(a, b)| (a - b).abs()).sum();
-    assert!(apart < 1e-9 && window.state().frame() == 1, "{apart}");
+    assert!(apart < 1e-9 && window.state().observed().frame == 1, "{apart}");
     std::fs::write(&file, "no path").unwrap();
     type_path(&mut window, "Path file…", "Open camera path from path…", &file, "Load this path");
     wait(&mut window, "the message", |window| {
-        window.state().notices().iter().any(|notice| notice.contains("not a manifest"))
+        window.state().observed().notices.iter().any(|notice| notice.contains("not a manifest"))
     });
 }
 
@@ -216,15 +216,15 @@ fn guides_frame_the_picture_lock_its_shape_and_measure_distances() {
     window.run_steps(2);
     click_at(&mut window, locked.min + locked.size() * vec2(0.45, 0.6), 1);
     click_at(&mut window, locked.min + locked.size() * vec2(0.6, 0.62), 1);
-    let distance = window.state().measured_distance().expect("a distance");
+    let distance = window.state().observed().measured_distance.expect("a distance");
     assert!(distance > 0.01 && distance < 100.0, "{distance}");
-    assert_eq!(window.state().probed_pixel(), None, "no pixel was selected");
+    assert_eq!(window.state().observed().probed_pixel, None, "no pixel was selected");
     choose(&mut window, "Unit", "mm");
     window.run_steps(2);
     assert!(window.query_all_by_label_contains(" mm").next().is_some());
     window.key_press(Key::Escape);
     window.run_steps(2);
-    assert_eq!(window.state().measured_distance(), None);
+    assert_eq!(window.state().observed().measured_distance, None);
 }
 
 #[test]
@@ -234,7 +234,7 @@ fn arrows_step_and_a_range_loops_back_and_forth() {
     let press = |window: &mut Window, modifiers, key| {
         window.key_press_modifiers(modifiers, key);
         window.run_steps(2);
-        window.state().frame()
+        window.state().observed().frame
     };
     assert_eq!(press(&mut window, Modifiers::NONE, Key::ArrowRight), 1);
     assert_eq!(press(&mut window, Modifiers::SHIFT, Key::ArrowRight), 7);
@@ -256,7 +256,7 @@ fn arrows_step_and_a_range_loops_back_and_forth() {
     for _ in 0..60 {
         window.step();
         std::thread::sleep(std::time::Duration::from_millis(10));
-        seen.insert(window.state().frame());
+        seen.insert(window.state().observed().frame);
     }
     assert!(seen.len() > 1 && seen.iter().all(|frame| (2..=4).contains(frame)), "{seen:?}");
     click(&mut window, "Pause");
@@ -271,7 +271,7 @@ fn frames_are_marked_and_the_markers_are_gone_to() {
     let go = |window: &mut Window, modifiers, key| {
         window.key_press_modifiers(modifiers, key);
         window.run_steps(2);
-        window.state().frame()
+        window.state().observed().frame
     };
     for _ in 0..2 {
         go(&mut window, Modifiers::NONE, Key::ArrowRight);
@@ -285,7 +285,7 @@ fn frames_are_marked_and_the_markers_are_gone_to() {
     go(&mut window, Modifiers::SHIFT, Key::M);
     assert_eq!(go(&mut window, Modifiers::COMMAND, Key::ArrowRight), 2);
     assert_eq!(go(&mut window, Modifiers::COMMAND, Key::ArrowRight), 2, "the other one is taken away");
-    assert_eq!(window.state().measured_distance(), None, "nothing was measured");
+    assert_eq!(window.state().observed().measured_distance, None, "nothing was measured");
 }
 
 #[test]
@@ -339,7 +339,7 @@ fn a_thumbnail_has_a_menu_with_what_can_be_done_to_its_camera() {
     window.run_steps(4);
     click(&mut window, "View from it");
     settle(&mut window);
-    assert_eq!(position(&window), window.state().camera_position(1));
+    assert_eq!(position(&window), window.state().observed().camera_positions[1]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::driver::{SIZE, Window, choose, click, open, settle, small_demo, type_path, wait};
+use super::driver::{SIZE, Window, choose, click, open, settle, small_demo, told, type_path, wait};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -99,9 +99,7 @@ fn a_camera_path_is_exported_as_exr_pictures_with_depth() {
         window.run_steps(2);
     }
     type_path(&mut window, "Export…", "EXR pictures to path…", &pictures, "Export this path");
-    wait(&mut window, "the pictures", |window| {
-        window.state().notices().iter().any(|notice| notice.starts_with("Exported: "))
-    });
+    wait(&mut window, "the pictures", |window| told(window, "Exported: "));
     for name in ["0001.exr", "0002.exr", "0003.exr"] {
         let bytes = std::fs::read(pictures.join(name)).unwrap();
         assert!(bytes.windows(2).take(400).any(|window| window == b"Z\0"), "{name} has depth");

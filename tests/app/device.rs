@@ -31,6 +31,11 @@ fn open(start: Start) -> (Window, RenderState) {
     (window, receiver.recv().unwrap())
 }
 
+/// Whether the live picture is shown without its pixels ever having left the device that draws the window.
+fn is_on_device(window: &Window) -> bool {
+    matches!(window.state().observed().live_texture, Some(egui::TextureId::User(_)))
+}
+
 /// The pixels of the live picture.
 fn live_picture(window: &mut Window) -> image::RgbaImage {
     let area = window.get_by_label("Live picture").rect();
@@ -53,9 +58,9 @@ fn set_in_motion(window: &mut Window) {
     window.run_steps(3);
     pick(window, "Renderer", "GPU");
     settle(window);
-    assert!(!window.state().live_is_on_device(), "a still picture can be asked about");
+    assert!(!is_on_device(window), "a still picture can be asked about");
     click(window, "Step forward");
-    wait(window, "a picture in motion", |window| window.state().live_is_on_device());
+    wait(window, "a picture in motion", is_on_device);
 }
 
 #[test]
@@ -63,12 +68,12 @@ fn pictures_in_motion_stay_on_the_device_and_show_what_the_still_picture_shows()
     // So many pixels are recorded that the view is painted alike in motion and at rest.
     let (mut window, _) = open(demo(3, 4, (640, 480)));
     settle(&mut window);
-    assert!(!window.state().live_is_on_device(), "the CPU paints");
+    assert!(!is_on_device(&window), "the CPU paints");
     set_in_motion(&mut window);
     let moving = live_picture(&mut window);
     std::thread::sleep(Duration::from_millis(250));
     settle(&mut window);
-    assert!(!window.state().live_is_on_device(), "the picture came to rest");
+    assert!(!is_on_device(&window), "the picture came to rest");
     let still = live_picture(&mut window);
     let colors: std::collections::HashSet<_> = still.pixels().map(|pixel| pixel.0).collect();
     assert!(colors.len() > 100, "the picture shows {} colors", colors.len());
@@ -84,12 +89,14 @@ fn a_scene_opened_in_motion_leaves_no_texture_behind() {
     let (mut window, drawing) = open(small_demo());
     settle(&mut window);
     set_in_motion(&mut window);
-    let moving = window.state().live_texture().unwrap();
+    let moving = window.state().observed().live_texture.unwrap();
     assert!(drawing.renderer.read().texture(&moving).is_some());
     let capture = small_capture();
     window.get_by_label("Play").click();
     drop_on(&mut window, &capture);
-    wait(&mut window, "the other scene", |window| window.state().scene_name() == Some("small_capture"));
+    wait(&mut window, "the other scene", |window| {
+        window.state().observed().scene_name == Some("small_capture")
+    });
     assert!(drawing.renderer.read().texture(&moving).is_none());
 }
 

@@ -97,6 +97,11 @@ pub(crate) fn shows(window: &Window, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()
 }
 
+/// Whether some message on screen begins so.
+pub(crate) fn told(window: &Window, start: &str) -> bool {
+    window.state().observed().notices.iter().any(|notice| notice.starts_with(start))
+}
+
 /// A file or folder that is dropped on the window.
 #[derive(Debug)]
 struct Dropped(PathBuf);
@@ -147,8 +152,8 @@ pub(crate) fn wait(window: &mut Window, what: &str, mut condition: impl FnMut(&W
     let (started, wanted) = (Instant::now(), Wanted::of(window));
     let mut drawn: Option<Instant> = None;
     while !condition(window) {
-        let notices = window.state().notices();
-        assert!(started.elapsed() < PATIENCE, "waited too long for {what}; messages: {notices:?}");
+        let notices = || window.state().observed().notices;
+        assert!(started.elapsed() < PATIENCE, "waited too long for {what}; messages: {:?}", notices());
         let undrawn = drawn.map_or(UNDRAWN, |at| at.elapsed());
         if undrawn >= UNDRAWN || (undrawn >= REFRESH && wanted.is_due()) {
             *wanted.0.lock().unwrap() = None;
@@ -163,7 +168,7 @@ pub(crate) fn wait(window: &mut Window, what: &str, mut condition: impl FnMut(&W
 /// Steps the window until all work is done and shown.
 pub(crate) fn settle(window: &mut Window) {
     window.step();
-    wait(window, "all work to be done", |window| window.state().is_idle());
+    wait(window, "all work to be done", |window| window.state().observed().is_idle);
     window.run_steps(3);
 }
 
@@ -243,7 +248,7 @@ pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &Pat
 pub(crate) fn save_store(window: &mut Window, folder: &Path) -> PathBuf {
     let path = folder.join("orrery.ovl");
     type_path(window, "Save", "Save store to path…", &path, "Save this path");
-    wait(window, "the file", |window| window.state().notices().iter().any(|n| n.starts_with("Saved")));
+    wait(window, "the file", |window| told(window, "Saved"));
     assert!(path.is_file());
     path
 }
@@ -252,7 +257,7 @@ pub(crate) fn save_store(window: &mut Window, folder: &Path) -> PathBuf {
 pub(crate) fn open_store(window: &mut Window, path: &Path) {
     type_path(window, "Open", "Open path…", path, "Open this path");
     // Its source frames are not there, and neither is their view.
-    wait(window, "the store", |window| !window.state().views_in_sight().contains(&"Source"));
+    wait(window, "the store", |window| !window.state().observed().views_in_sight.contains(&"Source"));
     settle(window);
 }
 
@@ -271,5 +276,5 @@ pub(crate) fn look_at(window: &mut Window, picture: &str, share: egui::Vec2) {
         });
         window.step();
     }
-    wait(window, "the argument", |window| window.state().probed_pixel().is_some());
+    wait(window, "the argument", |window| window.state().observed().probed_pixel.is_some());
 }

@@ -78,7 +78,7 @@ fn check_every_workspace(window: &mut Window, what: &str, checked: &[usize]) {
             for workspace in WORKSPACES {
                 show_workspace(window, workspace);
                 if window.query_by_label("Source picture").is_some()
-                    && window.state().probed_pixel().is_none()
+                    && window.state().observed().probed_pixel.is_none()
                 {
                     look_at(window, "Source picture", vec2(0.55, 0.6));
                     settle(window);
@@ -152,7 +152,7 @@ fn every_workspace_of_a_single_frame_and_of_a_store_fits_the_smallest_window() {
     settle(&mut window);
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
-    while !window.state().notices().is_empty() {
+    while !window.state().observed().notices.is_empty() {
         window.key_press(egui::Key::Escape);
         window.run_steps(2);
     }

@@ -67,10 +67,10 @@ fn a_camera_in_a_wrong_place_is_called_a_pose_error_that_leads_to_the_matrix() {
     window.get_all_by_label("Show in Matrix").next().unwrap().click();
     window.run_steps(3);
     settle(&mut window);
-    assert!(window.state().views_in_sight().contains(&"Matrix"));
+    assert!(window.state().observed().views_in_sight.contains(&"Matrix"));
     assert!(shows(&window, "Pose error: "), "the matrix says the same");
     assert!(
-        !window.state().notices().iter().any(|notice| notice.contains("pose error")),
+        !window.state().observed().notices.iter().any(|notice| notice.contains("pose error")),
         "and the warning is gone"
     );
 }
@@ -111,7 +111,7 @@ fn of_a_stores_settings_those_of_rendering_come_first() {
     assert!(panel.top() < 0.5 * SIZE[1] && panel.bottom() < SIZE[1], "{panel}");
     pick(&mut window, "Kernel", "Point");
     settle(&mut window);
-    assert_eq!(window.state().settings().render.kernel, overlook_engine::settings::Kernel::Point);
+    assert_eq!(window.state().observed().settings.render.kernel, overlook_engine::settings::Kernel::Point);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use image::RgbImage;
 use image::imageops::FilterType;
 
 use super::driver::{
-    SIZE, Window, choose, click, open, open_view, settle, shows, small_demo, type_path, wait,
+    SIZE, Window, choose, click, open, open_view, settle, shows, small_demo, told, type_path, wait,
 };
 
 /// A window in the workspace that has the View panel beside the live view.
@@ -85,8 +85,8 @@ fn type_number(window: &mut Window, name: &str, number: u32) {
 /// Exports pictures of the camera path into a folder, and reads the first.
 fn exported(window: &mut Window, folder: &std::path::Path) -> RgbImage {
     type_path(window, "Export…", "Pictures to path…", folder, "Export this path");
-    wait(window, "the pictures", |window| window.state().notices().iter().any(|n| n.starts_with("Exported")));
-    while !window.state().notices().is_empty() {
+    wait(window, "the pictures", |window| told(window, "Exported"));
+    while !window.state().observed().notices.is_empty() {
         window.key_press(Key::Escape);
         window.run_steps(2);
     }

@@ -69,14 +69,14 @@ fn what_was_open_before_is_offered_where_nothing_is_open() {
     let capture = small_capture();
     let mut window = start(&capture);
     settle(&mut window);
-    assert!(window.state().live_coverage().is_some(), "there is a picture to remember");
+    assert!(window.state().observed().live_coverage.is_some(), "there is a picture to remember");
     eframe::App::save(window.state_mut(), &mut *storage.lock().unwrap());
     let mut window = start(Path::new("/no/such/capture"));
-    wait(&mut window, "the error", |window| !window.state().notices().is_empty());
+    wait(&mut window, "the error", |window| !window.state().observed().notices.is_empty());
     window.run_steps(3);
     assert!(shows(&window, "Nothing is open"));
     click(&mut window, "Open recent small_capture");
-    wait(&mut window, "the capture", |window| window.state().scene_name().is_some());
+    wait(&mut window, "the capture", |window| window.state().observed().scene_name.is_some());
 }
 
 #[test]

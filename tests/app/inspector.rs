@@ -14,7 +14,7 @@ fn a_pixel_clicked_in_the_source_is_argued_about_by_every_camera() {
     assert!(shows(&window, "No pixel selected"));
     look_at(&mut window, "Source picture", vec2(0.5, 0.6));
     settle(&mut window);
-    let kept = window.state().probed_pixel().unwrap();
+    let kept = window.state().observed().probed_pixel.unwrap();
     for camera in ["front", "left", "right"] {
         assert!(window.query_by_label(&format!("Go to the point in {camera}")).is_some(), "{camera}");
     }
@@ -22,11 +22,11 @@ fn a_pixel_clicked_in_the_source_is_argued_about_by_every_camera() {
     // Kept: pointing elsewhere changes nothing until it is let go of.
     window.hover_at(window.get_by_label("Source picture").rect().min + vec2(120.0, 60.0));
     settle(&mut window);
-    assert_eq!(window.state().probed_pixel().unwrap(), kept);
+    assert_eq!(window.state().observed().probed_pixel.unwrap(), kept);
     click(&mut window, "Unpin pixel");
     window.hover_at(window.get_by_label("Source picture").rect().min + vec2(122.0, 64.0));
     settle(&mut window);
-    assert_ne!(window.state().probed_pixel().unwrap(), kept);
+    assert_ne!(window.state().observed().probed_pixel.unwrap(), kept);
 }
 
 #[test]
@@ -35,15 +35,15 @@ fn a_row_of_the_argument_shows_the_point_in_that_camera() {
     settle(&mut window);
     look_at(&mut window, "Source picture", vec2(0.5, 0.7));
     settle(&mut window);
-    let kept = window.state().probed_pixel().unwrap();
+    let kept = window.state().observed().probed_pixel.unwrap();
     click(&mut window, "Go to the point in left");
     settle(&mut window);
-    assert_eq!(window.state().source_camera(), 1);
-    assert_eq!(window.state().probed_pixel().unwrap(), kept, "the pixel that is argued about stays");
+    assert_eq!(window.state().observed().source_camera, 1);
+    assert_eq!(window.state().observed().probed_pixel.unwrap(), kept, "the pixel that is argued about stays");
     click(&mut window, "Cameras");
     settle(&mut window);
     click(&mut window, "Camera right");
-    assert_eq!(window.state().source_camera(), 2);
+    assert_eq!(window.state().observed().source_camera, 2);
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn a_pixel_clicked_in_the_live_view_leads_to_the_camera_that_painted_it() {
     settle(&mut window);
     look_at(&mut window, "Live picture", vec2(0.45, 0.6));
     settle(&mut window);
-    let (camera, x, y) = window.state().probed_pixel().unwrap();
+    let (camera, x, y) = window.state().observed().probed_pixel.unwrap();
     assert!(camera < 3 && x < 96 && y < 72);
     assert!(shows(&window, "Kept:"), "what is painted was kept");
     window.key_press(Key::Escape);
@@ -119,14 +119,14 @@ fn the_pixel_stays_while_time_passes_and_overlays_change() {
         settle(&mut window);
         wait(&mut window, "the argument", |window| shows(window, "this pixel"));
     }
-    assert_eq!(window.state().frame(), 2);
+    assert_eq!(window.state().observed().frame, 2);
 }
 
 #[test]
 fn a_threshold_is_dragged_on_its_histogram_and_taken_back() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    let tolerance = |window: &Window| window.state().settings().pruning.depth_tolerance;
+    let tolerance = |window: &Window| window.state().observed().settings.pruning.depth_tolerance;
     assert_eq!(tolerance(&window), 1.0);
     drag(&mut window, "Depth tolerance on its histogram", vec2(0.52, 0.6), vec2(60.0, 0.0));
     let dragged = tolerance(&window);
@@ -141,7 +141,7 @@ fn a_threshold_is_dragged_on_its_histogram_and_taken_back() {
     click(&mut window, "Undo");
     assert_eq!(tolerance(&window), 1.0);
     settle(&mut window);
-    assert!(window.state().report().unwrap().1);
+    assert!(window.state().observed().report.unwrap().1);
 }
 
 #[test]
@@ -150,11 +150,11 @@ fn presets_are_taken_and_two_settings_take_turns() {
     settle(&mut window);
     click(&mut window, "Settings B");
     pick(&mut window, "Presets", "Conservative");
-    assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
+    assert_eq!(window.state().observed().settings.pruning.normal_tolerance, 15.0);
     click(&mut window, "Settings A");
-    assert_eq!(window.state().settings(), &overlook_engine::settings::Settings::default());
+    assert_eq!(window.state().observed().settings, &overlook_engine::settings::Settings::default());
     click(&mut window, "Settings B");
-    assert_eq!(window.state().settings().pruning.normal_tolerance, 15.0);
+    assert_eq!(window.state().observed().settings.pruning.normal_tolerance, 15.0);
     settle(&mut window);
 }
 
@@ -194,7 +194,7 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     window.hover_at(egui::pos2(5.0, 5.0));
     window.run_steps(3);
     assert!(shows(&window, "mean FLIP"));
-    assert!(window.state().notices().is_empty());
+    assert!(window.state().observed().notices.is_empty());
 }
 
 #[test]
@@ -222,16 +222,16 @@ fn settings_are_kept_under_a_name_put_on_again_and_forgotten() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     pick(&mut window, "Presets", "Aggressive");
-    let bold = window.state().settings().clone();
+    let bold = window.state().observed().settings.clone();
     click(&mut window, "Presets");
     click(&mut window, "Save as preset…");
     window.get_by_label("Name of the preset").type_text("my own");
     window.run_steps(3);
     click(&mut window, "Save this preset");
     pick(&mut window, "Presets", "Balanced");
-    assert_ne!(window.state().settings(), &bold);
+    assert_ne!(window.state().observed().settings, &bold);
     pick(&mut window, "Presets", "my own");
-    assert_eq!(window.state().settings(), &bold);
+    assert_eq!(window.state().observed().settings, &bold);
     click(&mut window, "Presets");
     click(&mut window, "Forget preset my own");
     assert!(window.query_by_label("my own").is_none());
@@ -244,7 +244,7 @@ fn the_span_map_shows_every_level_of_the_tree_and_takes_to_its_frames() {
     let mut window = open(demo(2, 8, (48, 36)), SIZE);
     settle(&mut window);
     open_view(&mut window, "Time");
-    let spans = &window.state().report().unwrap().0.spans;
+    let spans = &window.state().observed().report.unwrap().0.spans;
     let lengths: std::collections::BTreeSet<usize> = spans.iter().map(|span| span.span.len()).collect();
     assert!(lengths.len() > 2, "{lengths:?}");
     for length in lengths {
@@ -252,7 +252,7 @@ fn the_span_map_shows_every_level_of_the_tree_and_takes_to_its_frames() {
         assert!(shows(&window, &format!("Samples stored for {row}")), "{row}");
     }
     drag(&mut window, "Span map", vec2(0.95, 0.5), vec2(2.0, 0.0));
-    assert_eq!(window.state().frame(), 7);
+    assert_eq!(window.state().observed().frame, 7);
 }
 
 #[test]
@@ -271,7 +271,7 @@ fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
     pick(&mut window, "X axis", "Rendering a view, ms");
     window.key_press(Key::Escape);
     settle(&mut window);
-    let notices = window.state().notices();
+    let notices = window.state().observed().notices;
     assert!(notices.len() == 1 && notices[0].starts_with("Sweep stopped: After "), "{notices:?}");
     let known: usize =
         notices[0]["Sweep stopped: After ".len()..].split(' ').next().unwrap().parse().unwrap();

@@ -2,7 +2,7 @@
 
 use super::driver::{
     SIZE, Storage, Window, click, drag, drop_on, look_at, open, open_store, open_view, save_store, settle,
-    shows, small_capture, small_demo, type_path, wait,
+    shows, small_capture, small_demo, told, type_path, wait,
 };
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
@@ -105,9 +105,9 @@ fn a_camera_path_is_lost_only_after_a_question() {
         window.run_steps(3);
         assert!(!shows(&window, "Open something else?"));
     }
-    assert_eq!(window.state().scene_name(), Some("orrery"));
+    assert_eq!(window.state().observed().scene_name, Some("orrery"));
     drop_on(&mut window, "/no/such/capture".as_ref());
-    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
+    wait(&mut window, "the message", |window| !window.state().observed().notices.is_empty());
     assert!(!shows(&window, "Open something else?"), "nothing is given up for a path that does not exist");
     window.key_press(Key::Escape);
     window.run_steps(3);
@@ -118,7 +118,7 @@ fn a_camera_path_is_lost_only_after_a_question() {
         window.key_press_modifiers(modifiers, key);
         window.run_steps(3);
     }
-    wait(&mut window, "the capture", |window| window.state().scene_name() == Some("small_capture"));
+    wait(&mut window, "the capture", |window| window.state().observed().scene_name == Some("small_capture"));
     settle(&mut window);
     close(&mut window);
     assert!(!shows(&window, "Close without saving?"));
@@ -178,7 +178,7 @@ fn welcome() -> Start {
 #[test]
 fn the_scene_of_a_start_without_a_path_moves_by_itself_and_a_clicked_pixel_stops_it() {
     let mut window = open(welcome(), SIZE);
-    wait(&mut window, "time to pass", |window| window.state().frame() > 0);
+    wait(&mut window, "time to pass", |window| window.state().observed().frame > 0);
     assert!(shows(&window, "dB vs unpruned"), "what pruning cost was known before");
     let picture = window.get_by_label("Source picture").rect();
     window.hover_at(picture.center());
@@ -189,9 +189,9 @@ fn the_scene_of_a_start_without_a_path_moves_by_itself_and_a_clicked_pixel_stops
     look_at(&mut window, "Source picture", vec2(0.5, 0.6));
     settle(&mut window);
     assert!(shows(&window, "this pixel") && window.query_by_label("Play").is_some());
-    let frame = window.state().frame();
+    let frame = window.state().observed().frame;
     window.run_steps(20);
-    assert_eq!(window.state().frame(), frame);
+    assert_eq!(window.state().observed().frame, frame);
 }
 
 #[test]
@@ -199,7 +199,7 @@ fn whoever_takes_over_before_is_not_set_in_motion() {
     // On a busy machine the scene may be in motion before the key is pressed.
     let taken_over = (0..10).find_map(|_| {
         let mut window = open(welcome(), SIZE);
-        wait(&mut window, "the scene", |window| window.state().scene_name().is_some());
+        wait(&mut window, "the scene", |window| window.state().observed().scene_name.is_some());
         window.key_press(Key::Period);
         window.step();
         window.query_by_label("Play").is_some().then_some(window)
@@ -208,7 +208,7 @@ fn whoever_takes_over_before_is_not_set_in_motion() {
     settle(&mut window);
     window.run_steps(20);
     assert!(shows(&window, "dB vs unpruned") && window.query_by_label("Play").is_some());
-    assert!(window.state().frame() <= 1);
+    assert!(window.state().observed().frame <= 1);
 }
 
 #[test]
@@ -227,8 +227,11 @@ fn the_palette_does_anything_by_its_name() {
     window.run_steps(3);
     click(&mut window, "Do: Pruning method: Off");
     settle(&mut window);
-    let (report, _) = window.state().report().unwrap();
-    assert_eq!(window.state().settings().pruning.method, overlook_engine::settings::PruningMethod::Off);
+    let (report, _) = window.state().observed().report.unwrap();
+    assert_eq!(
+        window.state().observed().settings.pruning.method,
+        overlook_engine::settings::PruningMethod::Off
+    );
     assert!(report.samples_kept > 0);
 }
 
@@ -254,33 +257,29 @@ fn a_camera_path_is_set_played_and_exported() {
     assert!(shows(&window, "No camera path yet"));
     window.key_press(Key::K);
     window.run_steps(2);
-    let start = window.state().live_position().unwrap();
+    let start = window.state().observed().live_position.unwrap();
     drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(80.0, 10.0));
     window.key_press(Key::Period);
     window.key_press(Key::K);
     settle(&mut window);
-    let end = window.state().live_position().unwrap();
+    let end = window.state().observed().live_position.unwrap();
     assert_ne!(start, end);
     click(&mut window, "Key 1");
-    assert_eq!(window.state().live_position().unwrap(), start);
+    assert_eq!(window.state().observed().live_position.unwrap(), start);
     click(&mut window, "Play path");
     wait(&mut window, "the end of the path", |window| {
-        let at = window.state().live_position().unwrap();
+        let at = window.state().observed().live_position.unwrap();
         at.iter().zip(end).all(|(a, b)| (a - b).abs() < 1e-6)
     });
     settle(&mut window);
     export_to(&mut window, "Pictures to path…", &pictures);
-    wait(&mut window, "the pictures", |window| {
-        window.state().notices().iter().any(|notice| notice.starts_with("Exported"))
-    });
+    wait(&mut window, "the pictures", |window| told(window, "Exported"));
     assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 49);
     let first = image::open(pictures.join("0001.png")).unwrap();
     assert!(first.width() > 20);
     let film = folder.path().join("no/such/folder/film.mp4");
     export_to(&mut window, "Video to path…", &film);
-    wait(&mut window, "what went wrong", |window| {
-        window.state().notices().iter().any(|notice| notice.starts_with("Could not export the camera path"))
-    });
+    wait(&mut window, "what went wrong", |window| told(window, "Could not export the camera path"));
     assert!(!film.exists());
 }
 
@@ -304,7 +303,7 @@ fn the_picture_of_the_live_view_is_saved() {
     wait(&mut window, "the picture", |_| path.is_file());
     settle(&mut window);
     let saved = image::open(&path).unwrap();
-    let ([width, height], _) = window.state().live_coverage().unwrap();
+    let ([width, height], _) = window.state().observed().live_coverage.unwrap();
     assert_eq!((saved.width() as usize, saved.height() as usize), (width, height));
 }
 

@@ -82,7 +82,7 @@ fn pictures_of_another_program_are_compared_with_ours_and_with_the_truth() {
     click(&mut window, "Close rvs");
     click(&mut window, "Right side");
     assert!(window.query_by_label("rvs").is_none());
-    assert!(window.state().notices().is_empty(), "{:?}", window.state().notices());
+    assert!(window.state().observed().notices.is_empty(), "{:?}", window.state().observed().notices);
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn a_folder_without_pictures_of_the_viewpoints_and_a_store_say_so() {
     settle(&mut window);
     open_view(&mut window, "Compare");
     open_pictures(&mut window, folder.path());
-    let notices = window.state().notices();
+    let notices = window.state().observed().notices;
     assert!(
         notices.iter().any(|text| text.contains("has no picture of view 'novel0/0000.exr'")),
         "{notices:?}"
@@ -102,6 +102,6 @@ fn a_folder_without_pictures_of_the_viewpoints_and_a_store_say_so() {
     open_view(&mut window, "Compare");
     click(&mut window, "Pictures of other programs");
     click(&mut window, "Open pictures from path…");
-    let notices = window.state().notices();
+    let notices = window.state().observed().notices;
     assert!(notices.iter().any(|text| text.contains("Nothing to compare pictures with")), "{notices:?}");
 }

@@ -66,7 +66,10 @@ fn a_camera_beyond_the_keys_is_shown_and_viewed_from_by_its_name() {
     window.run_steps(3);
     window.key_press(Key::Enter);
     wait(&mut window, "the view from the camera", |window| {
-        let (view, camera) = (window.state().live_position().unwrap(), window.state().camera_position(11));
+        let (view, camera) = (
+            window.state().observed().live_position.unwrap(),
+            window.state().observed().camera_positions[11],
+        );
         view.iter().zip(camera).map(|(a, b)| (a - b).abs()).sum::<f64>() < 1e-9
     });
 }

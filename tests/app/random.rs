@@ -157,13 +157,13 @@ fn ten_thousand_random_events_neither_panic_nor_hang() {
             _ => {}
         }
         window.step();
-        let fault =
-            window.state().notices().into_iter().find(|notice| notice.contains("a fault in Overlook"));
+        let mut notices = window.state().observed().notices.into_iter();
+        let fault = notices.find(|notice| notice.contains("a fault in Overlook"));
         assert_eq!(fault, None, "after {} events", (frame + 1) * PER_FRAME);
     }
     for _ in 0..20 {
         window.key_press(Key::Escape);
         window.step();
     }
-    assert!(window.state().scene_name().is_some());
+    assert!(window.state().observed().scene_name.is_some());
 }

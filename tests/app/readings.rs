@@ -10,11 +10,11 @@ use super::driver::{
 };
 
 fn is_told(window: &Window) -> bool {
-    window.state().notices().iter().any(|notice| notice.contains("another reading fits better"))
+    window.state().observed().notices.iter().any(|notice| notice.contains("another reading fits better"))
 }
 
 fn positions(window: &Window) -> Vec<[f64; 3]> {
-    (0..4).map(|camera| window.state().camera_position(camera)).collect()
+    window.state().observed().camera_positions
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn a_misread_capture_is_compared_side_by_side_and_opened_otherwise_only_by_a_but
     let manifest = std::fs::read(capture.join("transforms.json")).unwrap();
     let mut right = open(Start::Path(small_capture()), SIZE);
     settle(&mut right);
-    assert!(!is_told(&right), "{:?}", right.state().notices());
+    assert!(!is_told(&right), "{:?}", right.state().observed().notices);
     let mut window = open(Start::Path(capture.clone()), SIZE);
     settle(&mut window);
     wait(&mut window, "the finding", is_told);
@@ -53,10 +53,9 @@ fn a_misread_capture_is_compared_side_by_side_and_opened_otherwise_only_by_a_but
     wait(&mut window, "the capture", |window| positions(window) != as_read);
     settle(&mut window);
     assert_eq!(positions(&window), positions(&right));
-    assert!(!is_told(&window), "{:?}", window.state().notices());
-    assert!(
-        window.state().notices().iter().any(|notice| notice.contains("read otherwise than its files say"))
-    );
+    let notices = window.state().observed().notices;
+    assert!(!is_told(&window), "{notices:?}");
+    assert!(notices.iter().any(|notice| notice.contains("read otherwise than its files say")));
     assert_eq!(std::fs::read(capture.join("transforms.json")).unwrap(), manifest, "files stay as they are");
     click(&mut window, "Open");
     click(&mut window, "Compare readings…");

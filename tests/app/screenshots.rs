@@ -197,7 +197,7 @@ fn the_window_shows_a_store_without_source_frames() {
     settle(&mut window);
     let path = save_store(&mut window, folder.path());
     let mut window = open(overlook::app::Start::Path(path), [1280.0, 800.0]);
-    wait(&mut window, "the store", |window| window.state().scene_name().is_some());
+    wait(&mut window, "the store", |window| window.state().observed().scene_name.is_some());
     settle(&mut window);
     shoot(&mut window, "store");
 }
@@ -206,11 +206,11 @@ fn the_window_shows_a_store_without_source_frames() {
 fn the_window_shows_that_it_is_loading_and_what_went_wrong() {
     let mut window = open(orrery(), [1280.0, 800.0]);
     shoot(&mut window, "opening");
-    wait(&mut window, "the first picture", |window| window.state().live_coverage().is_some());
+    wait(&mut window, "the first picture", |window| window.state().observed().live_coverage.is_some());
     shoot(&mut window, "loading");
     let missing = overlook::app::Start::Path("/no/such/folder/capture.ovl".into());
     let mut window = open(missing, [1280.0, 800.0]);
-    wait(&mut window, "the error", |window| !window.state().notices().is_empty());
+    wait(&mut window, "the error", |window| !window.state().observed().notices.is_empty());
     // It is drawn with the next picture of the window.
     window.run_steps(2);
     assert!(window.query_by_label("Dismiss").is_some());

@@ -14,7 +14,7 @@ use overlook_engine::job::Job;
 use overlook_engine::settings::CaptureSettings;
 
 use super::driver::{
-    SIZE, Window, click, demo, drop_on, open, open_view, pick, settle, shows, small_demo, wait,
+    SIZE, Window, click, demo, drop_on, open, open_view, pick, settle, shows, small_demo, told, wait,
 };
 
 /// Standard deviation of the depth of a noisy sensor, relative.
@@ -65,7 +65,7 @@ fn write_noisy(folder: &Path) {
 }
 
 fn is_warned(window: &Window) -> bool {
-    window.state().notices().iter().any(|notice| notice.starts_with("Check the capture"))
+    told(window, "Check the capture")
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn noisy_depth_is_called_noise_in_the_matrix_and_is_no_reason_to_doubt_poses() {
     write_noisy(folder.path());
     let mut window = open(Start::Path(folder.path().to_path_buf()), SIZE);
     settle(&mut window);
-    assert!(!is_warned(&window), "{:?}", window.state().notices());
+    assert!(!is_warned(&window), "{:?}", window.state().observed().notices);
     open_view(&mut window, "Matrix");
     assert!(shows(&window, "Noise: cameras differ by as much as the noise"));
     let noisy = scale_of_matrix(&window);
@@ -103,12 +103,12 @@ fn settings_that_differ_are_told_with_the_next_capture_and_lead_to_where_they_ar
     click(&mut window, "Report");
     let capture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture");
     drop_on(&mut window, &capture);
-    wait(&mut window, "the capture", |window| window.state().scene_name() == Some("small_capture"));
+    wait(&mut window, "the capture", |window| window.state().observed().scene_name == Some("small_capture"));
     // The message goes by itself after a while.
     window.run_steps(2);
     assert!(shows(&window, "Settings were kept") && shows(&window, "5 settings differ from the defaults"));
     click(&mut window, "Show in Settings");
-    assert!(window.state().views_in_sight().contains(&"Settings"));
+    assert!(window.state().observed().views_in_sight.contains(&"Settings"));
     window.get_by_label("Reset all").scroll_to_me();
     window.run_steps(3);
     click(&mut window, "Reset all");

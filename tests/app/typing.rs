@@ -10,7 +10,7 @@ use egui_kittest::kittest::Queryable;
 const FIELD: &str = "Depth tolerance";
 
 fn tolerance(window: &Window) -> f32 {
-    window.state().settings().pruning.depth_tolerance
+    window.state().observed().settings.pruning.depth_tolerance
 }
 
 /// Puts the caret into the number beside a threshold and types over it.
@@ -25,15 +25,15 @@ fn escape_leaves_a_number_as_it_was_and_nothing_else() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     drop_on(&mut window, "/no/such/capture".as_ref());
-    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
+    wait(&mut window, "the message", |window| !window.state().observed().notices.is_empty());
     type_number(&mut window, "2.5");
     window.key_press(Key::Escape);
     window.run_steps(3);
     assert_eq!(tolerance(&window), 1.0);
-    assert_eq!(window.state().notices().len(), 1, "the message is not what was closed");
+    assert_eq!(window.state().observed().notices.len(), 1, "the message is not what was closed");
     window.key_press(Key::Escape);
     window.run_steps(3);
-    assert!(window.state().notices().is_empty());
+    assert!(window.state().observed().notices.is_empty());
     type_number(&mut window, "2.5");
     window.key_press(Key::Enter);
     window.run_steps(3);

@@ -14,31 +14,31 @@ use overlook_engine::settings::{Fill, Settings};
 #[test]
 fn a_demo_opens_and_both_views_show_it() {
     let mut window = open(small_demo(), SIZE);
-    wait(&mut window, "the first live picture", |window| window.state().live_coverage().is_some());
+    wait(&mut window, "the first live picture", |window| window.state().observed().live_coverage.is_some());
     settle(&mut window);
-    let (report, current) = window.state().report().unwrap();
+    let (report, current) = window.state().observed().report.unwrap();
     assert!(current && report.samples_kept < report.samples_in);
     assert_eq!(report.samples_in, 3 * 4 * 96 * 72);
-    let (_, coverage) = window.state().live_coverage().unwrap();
+    let (_, coverage) = window.state().observed().live_coverage.unwrap();
     assert!(coverage > 0.1, "{coverage}");
     assert!(shows(&window, "Samples kept") && shows(&window, "dB vs unpruned"));
-    assert!(window.state().notices().is_empty());
+    assert!(window.state().observed().notices.is_empty());
 }
 
 #[test]
 fn a_changed_threshold_previews_at_once_and_reruns_the_capture() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    let before = window.state().report().unwrap().0.samples_kept;
+    let before = window.state().observed().report.unwrap().0.samples_kept;
     pick(&mut window, "Pruning method", "Off");
-    assert!(!window.state().report().unwrap().1, "the old numbers are marked as out of date");
+    assert!(!window.state().observed().report.unwrap().1, "the old numbers are marked as out of date");
     assert!(shows(&window, "out of date"));
     settle(&mut window);
-    let (report, current) = window.state().report().unwrap();
+    let (report, current) = window.state().observed().report.unwrap();
     assert!(current && report.samples_kept > before);
     click(&mut window, "Reset Pruning method");
     settle(&mut window);
-    assert_eq!(window.state().report().unwrap().0.samples_kept, before);
+    assert_eq!(window.state().observed().report.unwrap().0.samples_kept, before);
 }
 
 /// What the live view shows, without its frame.
@@ -64,7 +64,7 @@ const HATCHED: &str = "hole: no sample reached it";
 fn holes_are_filled_and_the_key_the_toolbar_and_the_palette_hatch_them() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    let (filled, coverage) = (live_picture(&mut window), window.state().live_coverage());
+    let (filled, coverage) = (live_picture(&mut window), window.state().observed().live_coverage);
     let holes = 1.0 - coverage.unwrap().1;
     assert!(shows(&window, FILLED) && !shows(&window, HATCHED));
     assert!(shows(&window, &format!("{FILLED} {:.1} %", 100.0 * holes)), "{holes}");
@@ -89,10 +89,10 @@ fn holes_are_filled_and_the_key_the_toolbar_and_the_palette_hatch_them() {
             choose_by(&mut window, choice);
             settle(&mut window);
             assert_eq!(changed(&live_picture(&mut window), expected), 0.0, "{choice} by {turn}");
-            assert_eq!(window.state().live_coverage(), coverage);
+            assert_eq!(window.state().observed().live_coverage, coverage);
         }
     }
-    assert_eq!(*window.state().settings(), Settings::default(), "what is exported stays filled");
+    assert_eq!(*window.state().observed().settings, Settings::default(), "what is exported stays filled");
 }
 
 #[test]
@@ -100,31 +100,31 @@ fn holes_that_the_settings_leave_are_hatched_and_the_toolbar_fills_them_again() 
     // Tall enough for the last of the settings.
     let mut window = open(small_demo(), [SIZE[0], 2100.0]);
     settle(&mut window);
-    let (filled, coverage) = (live_picture(&mut window), window.state().live_coverage());
+    let (filled, coverage) = (live_picture(&mut window), window.state().observed().live_coverage);
     pick(&mut window, "Hole filling", "None");
     settle(&mut window);
-    assert_eq!(window.state().settings().render.fill, Fill::None);
+    assert_eq!(window.state().observed().settings.render.fill, Fill::None);
     assert!(shows(&window, HATCHED) && !shows(&window, FILLED));
     assert!(changed(&filled, &live_picture(&mut window)) > 0.05);
-    assert_eq!(window.state().live_coverage(), coverage);
+    assert_eq!(window.state().observed().live_coverage, coverage);
     choose(&mut window, "Holes", "Fill");
     settle(&mut window);
-    assert_eq!(window.state().settings().render.fill, Fill::PushPull);
+    assert_eq!(window.state().observed().settings.render.fill, Fill::PushPull);
     assert_eq!(changed(&filled, &live_picture(&mut window)), 0.0);
     window.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
     settle(&mut window);
-    assert_eq!(window.state().settings().render.fill, Fill::None, "a setting is undone");
+    assert_eq!(window.state().observed().settings.render.fill, Fill::None, "a setting is undone");
     assert!(shows(&window, HATCHED));
 }
 
 #[test]
 fn cancelled_work_stops_and_can_be_rerun() {
     let mut window = open(demo(4, 200, (160, 120)), SIZE);
-    wait(&mut window, "the first live picture", |window| window.state().live_coverage().is_some());
+    wait(&mut window, "the first live picture", |window| window.state().observed().live_coverage.is_some());
     wait(&mut window, "the long work", |window| window.query_by_label("Cancel").is_some());
     window.key_press(Key::Escape);
     wait(&mut window, "the long work to stop", |window| window.query_by_label("Recompute").is_some());
-    assert!(window.state().report().is_none());
+    assert!(window.state().observed().report.is_none());
     click(&mut window, "Recompute");
     wait(&mut window, "the long work again", |window| window.query_by_label("Cancel").is_some());
     click(&mut window, "Cancel");
@@ -137,16 +137,16 @@ fn time_plays_steps_and_is_scrubbed() {
     settle(&mut window);
     window.key_press(Key::Period);
     window.run_steps(2);
-    assert_eq!(window.state().frame(), 1);
+    assert_eq!(window.state().observed().frame, 1);
     window.key_press(Key::Comma);
     window.run_steps(2);
-    assert_eq!(window.state().frame(), 0);
+    assert_eq!(window.state().observed().frame, 0);
     let width = window.get_by_label("Timeline").rect().width();
     drag(&mut window, "Timeline", egui::Vec2::splat(0.5), egui::vec2(width * 0.4, 0.0));
-    assert_eq!(window.state().frame(), 3);
+    assert_eq!(window.state().observed().frame, 3);
     settle(&mut window);
     click(&mut window, "Play");
-    wait(&mut window, "time to pass", |window| window.state().frame() != 3);
+    wait(&mut window, "time to pass", |window| window.state().observed().frame != 3);
     click(&mut window, "Pause");
     settle(&mut window);
 }
@@ -172,22 +172,22 @@ fn a_view_at_rest_is_painted_twice_as_fine_as_recorded_and_in_motion_no_finer() 
 fn the_live_view_orbits_jumps_and_comes_home() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    let home = window.state().live_position().unwrap();
+    let home = window.state().observed().live_position.unwrap();
     drag(&mut window, "Live picture", egui::Vec2::splat(0.5), egui::vec2(60.0, 10.0));
-    let orbited = window.state().live_position().unwrap();
+    let orbited = window.state().observed().live_position.unwrap();
     assert_ne!(home, orbited);
     settle(&mut window);
     pick(&mut window, "Go to camera", "left");
     settle(&mut window);
-    assert_ne!(orbited, window.state().live_position().unwrap());
+    assert_ne!(orbited, window.state().observed().live_position.unwrap());
     window.key_press(Key::Home);
     settle(&mut window);
-    assert_eq!(home, window.state().live_position().unwrap());
+    assert_eq!(home, window.state().observed().live_position.unwrap());
     window.key_down(Key::W);
     window.run_steps(3);
     window.key_up(Key::W);
     window.run_steps(2);
-    assert_ne!(home, window.state().live_position().unwrap());
+    assert_ne!(home, window.state().observed().live_position.unwrap());
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn every_overlay_and_coloring_can_be_chosen() {
     assert!(shows(&window, "Which camera replaces which"));
     click(&mut window, "Light theme");
     settle(&mut window);
-    assert!(window.state().notices().is_empty());
+    assert!(window.state().observed().notices.is_empty());
 }
 
 #[test]
@@ -217,11 +217,11 @@ fn a_store_is_saved_and_opened_again_without_source_frames() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    let kept = window.state().report().unwrap().0.samples_kept;
+    let kept = window.state().observed().report.unwrap().0.samples_kept;
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
-    assert_eq!(window.state().report().unwrap().0.samples_kept, kept);
-    assert!(window.state().live_coverage().unwrap().1 > 0.1);
+    assert_eq!(window.state().observed().report.unwrap().0.samples_kept, kept);
+    assert!(window.state().observed().live_coverage.unwrap().1 > 0.1);
 }
 
 #[test]
@@ -235,22 +235,22 @@ fn a_broken_file_gives_a_readable_message_and_the_window_stays_up() {
     settle(&mut window);
     for (count, path) in [&truncated, &nonsense, &folder.path().join("missing.ovl")].into_iter().enumerate() {
         type_path(&mut window, "Open", "Open path…", path, "Open this path");
-        wait(&mut window, "the message", |window| window.state().notices().len() > count);
-        let message = window.state().notices().pop().unwrap();
+        wait(&mut window, "the message", |window| window.state().observed().notices.len() > count);
+        let message = window.state().observed().notices.pop().unwrap();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         assert!(message.contains(&name) && message.starts_with("Could not open"), "{message}");
         assert!(!message.contains('\n'), "{message}");
     }
-    assert!(window.state().scene_name().is_some(), "what was open stays open");
+    assert!(window.state().observed().scene_name.is_some(), "what was open stays open");
     assert!(window.query_by_label("Path").is_some(), "the path that is not there can be mended");
     for _ in 0..4 {
         window.key_press(Key::Escape);
         window.run_steps(2);
     }
-    assert!(window.state().notices().is_empty());
+    assert!(window.state().observed().notices.is_empty());
     window.key_press(Key::Period);
     settle(&mut window);
-    assert_eq!(window.state().frame(), 1);
+    assert_eq!(window.state().observed().frame, 1);
 }
 
 #[test]
@@ -265,8 +265,8 @@ fn one_camera_and_one_frame_are_enough() {
     window.key_press(Key::Num7);
     click(&mut window, "Report");
     settle(&mut window);
-    assert_eq!(window.state().frame(), 0);
-    assert!(window.state().notices().is_empty());
+    assert_eq!(window.state().observed().frame, 0);
+    assert!(window.state().observed().notices.is_empty());
 }
 
 #[test]
@@ -293,17 +293,17 @@ fn whatever_is_dropped_is_opened_or_the_message_says_what_to_do() {
         (&broken, "cam", ";"),
     ] {
         drop_on(&mut window, path);
-        wait(&mut window, named, |window| !window.state().notices().is_empty());
-        let message = window.state().notices().pop().unwrap();
+        wait(&mut window, named, |window| !window.state().observed().notices.is_empty());
+        let message = window.state().observed().notices.pop().unwrap();
         assert!(message.starts_with("Could not") && message.contains(named), "{message}");
         assert!(message.contains(advice) && !message.contains("os error"), "{message}");
         window.key_press(Key::Escape);
         window.run_steps(3);
-        assert!(window.state().notices().is_empty());
+        assert!(window.state().observed().notices.is_empty());
     }
-    assert_eq!(window.state().scene_name(), Some("orrery"), "what was open stays open");
+    assert_eq!(window.state().observed().scene_name, Some("orrery"), "what was open stays open");
     drop_on(&mut window, &capture);
-    wait(&mut window, "the capture", |window| window.state().scene_name() == Some("small_capture"));
+    wait(&mut window, "the capture", |window| window.state().observed().scene_name == Some("small_capture"));
 }
 
 fn copy_folder(from: &Path, to: &Path) {
@@ -330,7 +330,7 @@ fn first_picture(capture: &Path) -> std::path::PathBuf {
 #[test]
 fn a_path_that_does_not_exist_at_the_start_leaves_ways_to_go_on() {
     let mut window = open(Start::Path("/no/such/capture".into()), SIZE);
-    wait(&mut window, "the message", |window| !window.state().notices().is_empty());
+    wait(&mut window, "the message", |window| !window.state().observed().notices.is_empty());
     click(&mut window, "Dismiss");
     assert!(shows(&window, "Nothing is open"));
     click(&mut window, "Demo");

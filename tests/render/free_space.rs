@@ -371,7 +371,7 @@ fn a_hole_that_objects_cut_out_of_the_sky_of_every_camera_is_filled_with_the_sky
 }
 
 #[test]
-fn a_hole_before_the_sky_shows_it_even_where_nothing_around_the_hole_does() {
+fn most_of_a_hole_before_the_sky_shows_it_even_where_nothing_around_the_hole_does() {
     // Zoomed in so far that the picture holds nothing but the hole and the box below it.
     let scene = before_blue_sky(vec![block([-0.6, 0.6], [-0.3, 0.3], [3.0, 3.2], RED)]);
     let set = samples(&scene, &[eye(-0.3, 0.0, SIZE), eye(0.3, 0.0, SIZE)], PruningMethod::HighestRate);

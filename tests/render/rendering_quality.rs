@@ -311,7 +311,7 @@ fn colors_outside_of_the_gamut_are_kept_by_every_kernel() {
 }
 
 #[test]
-fn silhouettes_show_both_sides_in_the_share_that_each_covers() {
+fn silhouettes_that_show_both_sides_are_a_tenth_nearer_to_the_truth_than_those_that_show_one() {
     let scene = Scene { color_rays: 4, ..Scene::still_life() };
     let capture = scene.record(arc(5, 96), 1);
     let vantage = camera("between", DVec3::new(0.35, -4.9, 2.5), DVec3::new(0.3, 0.2, 0.3), 96);
@@ -342,6 +342,7 @@ fn silhouettes_show_both_sides_in_the_share_that_each_covers() {
     };
     for method in [PruningMethod::Off, PruningMethod::HighestRate] {
         let (blended, decided) = (error(method, true), error(method, false));
+        // Where a silhouette lies is known to a pixel of the cameras, and what is off by that stays.
         assert!(blended < 0.9 * decided, "after {method}: {blended} instead of {decided}");
     }
 }

@@ -17,7 +17,6 @@ mod colormap;
 mod control;
 mod dock;
 mod model;
-mod overlook_app;
 mod panels;
 mod start;
 mod theme;
@@ -29,5 +28,5 @@ mod work;
 #[cfg(test)]
 mod tests;
 
-pub use overlook_app::{OverlookApp, Start};
+pub use control::{Observed, OverlookApp, Start};
 pub use start::run;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::overlook_app::{OverlookApp, Start};
+use super::control::{OverlookApp, Start};
 use overlook_engine::demo::{DemoSpec, SCENES};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::gpu::device_descriptor;

@@ -3,11 +3,32 @@
 use egui::{CentralPanel, Frame, Margin, Panel};
 use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
 
+use super::control::{self, OverlookApp};
 use super::dock::{Dock, DockPart};
-use super::model::{Command, Commands, DockView, Purpose, State};
+use super::model::{Command, Commands, DockView, Purpose, State, Stopwatch};
 use super::theme::{Tokens, space};
 use super::widgets::empty_ui;
 use super::{panels, views};
+
+impl eframe::App for OverlookApp {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.between_pictures(ctx);
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let watch = Stopwatch::start();
+        control::commands(ui, &self.state, &mut self.commands);
+        window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
+        if !self.commands.is_empty() {
+            ui.ctx().request_repaint();
+        }
+        self.state.inspector.meter.ui(watch.spent());
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.remember(storage);
+    }
+}
 
 pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);

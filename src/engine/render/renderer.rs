@@ -66,7 +66,8 @@ struct Request<'a> {
     level: usize,
 }
 
-type PaintedBy = (Arc<Picture>, RenderStats);
+/// A picture, and what rendering it took.
+type PictureAndStats = (Arc<Picture>, RenderStats);
 
 impl Renderer {
     /// A renderer with nothing cached, which opens an adapter when one is first needed.
@@ -134,7 +135,7 @@ impl Renderer {
         vantage: &Vantage,
         settings: &RenderSettings,
         job: &Job,
-    ) -> Result<PaintedBy> {
+    ) -> Result<PictureAndStats> {
         let started = Instant::now();
         let milliseconds = || started.elapsed().as_secs_f64() * 1e3;
         let request = Request { samples, vantage, settings, job, level: 0 };
@@ -156,7 +157,7 @@ impl Renderer {
     }
 
     /// Paints a picture, of what it magnifies coarser levels.
-    fn paint_by_levels(&mut self, request: &Request<'_>, rates: &RecordedRates) -> Result<PaintedBy> {
+    fn paint_by_levels(&mut self, request: &Request<'_>, rates: &RecordedRates) -> Result<PictureAndStats> {
         let coarsest = coarsest_level(rates, request.settings);
         if coarsest == 0 {
             return self.paint(request);
@@ -166,7 +167,7 @@ impl Renderer {
         })
     }
 
-    fn paint(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
+    fn paint(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
         match request.settings.backend {
             Backend::Cpu => self.on_cpu_by_choice(request),
             Backend::Gpu => {
@@ -216,7 +217,7 @@ impl Renderer {
         Ok((WindowPicture::InMemory(picture), stats))
     }
 
-    fn on_the_faster(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
+    fn on_the_faster(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
         self.open(AdapterChoice::Hardware);
         let hardware = matches!(&self.adapter, Adapter::Open(gpu) if !gpu.context.is_software());
         match self.faster.get(&request.settings.kernel) {
@@ -229,7 +230,7 @@ impl Renderer {
 
     /// Paints in full on both, and remembers which was faster. The GPU paints twice, because its first time includes uploading the
     /// samples.
-    fn measure(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
+    fn measure(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
         self.on_gpu_if_possible(request)?;
         self.forget_background();
         let (picture, gpu) = self.on_gpu_if_possible(request)?;
@@ -270,12 +271,12 @@ impl Renderer {
         };
     }
 
-    fn on_cpu_by_choice(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
+    fn on_cpu_by_choice(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
         self.notice = None;
         self.on_cpu(request)
     }
 
-    fn on_cpu(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
+    fn on_cpu(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
         let Request { samples, vantage, settings, job, level } = *request;
         if self.cpu.len() <= level {
             self.cpu.resize_with(level + 1, CpuRenderer::new);
@@ -285,7 +286,7 @@ impl Renderer {
         Ok(painted)
     }
 
-    fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<PaintedBy> {
+    fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
         if let Adapter::Missing(why) = &self.adapter {
             self.notice = Some(format!("the CPU renders: {why}"));
         }

@@ -31,7 +31,7 @@ const COPY_BYTES_QUICK: u64 = 4 << 20;
 /// Numbers that one thread sums in one go: 512 KiB.
 const READ_SHARE: usize = 1 << 16;
 /// Sums that run side by side, so that no addition waits for the one before.
-const LANES: usize = 16;
+const SUMS: usize = 16;
 
 /// Measures limits; all measurements count together.
 pub(crate) struct LimitMeter {
@@ -88,8 +88,8 @@ impl LimitMeter {
 /// The sum of all numbers, by all threads of the current pool.
 fn sum(numbers: &[u64]) -> u64 {
     let shares = numbers.par_chunks(READ_SHARE).map(|share| {
-        let mut lanes = [0_u64; LANES];
-        let (groups, rest) = share.as_chunks::<LANES>();
+        let mut lanes = [0_u64; SUMS];
+        let (groups, rest) = share.as_chunks::<SUMS>();
         for group in groups {
             for (lane, number) in lanes.iter_mut().zip(group) {
                 *lane = lane.wrapping_add(*number);

@@ -2,10 +2,44 @@
 
 /// How values are spread along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scale {
+pub enum Scale {
     Linear,
     /// Equal factors take equal room; values are positive.
     Log,
+}
+
+/// Ends of a logarithmic axis less than this factor apart have evenly spaced ticks between them.
+const NARROW: f64 = 4.0;
+
+impl Scale {
+    /// Round values from `low` to `high`, ascending; about `count` of them where they are evenly spaced.
+    pub(crate) fn ticks(self, low: f64, high: f64, count: usize) -> Vec<f64> {
+        if self.is_even(low, high) {
+            return multiples(low, high, even_step(low, high, count));
+        }
+        let steps: &[f64] = match high / low {
+            ..12.0 => &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0],
+            12.0..400.0 => &[1.0, 2.0, 5.0],
+            _ => &[1.0],
+        };
+        let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+        let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10_f64.powi(decade)));
+        all.filter(|tick| (low..=high).contains(tick)).collect()
+    }
+
+    /// The number at a tick of [`Self::ticks`], with as many decimals as ticks need to differ.
+    pub(crate) fn label(self, tick: f64, low: f64, high: f64, count: usize) -> String {
+        if !self.is_even(low, high) {
+            return trimmed(tick, (1.0 - tick.log10().floor()).clamp(0.0, 9.0) as usize);
+        }
+        // A step of a power of ten may have come out a little smaller.
+        let decimals = -(even_step(low, high, count).log10() + 1e-9).floor();
+        format!("{tick:.*}", decimals.clamp(0.0, 9.0) as usize)
+    }
+
+    fn is_even(self, low: f64, high: f64) -> bool {
+        self == Self::Linear || high / low < NARROW
+    }
 }
 
 /// One axis on the sheet.
@@ -44,54 +78,37 @@ impl ChartAxis {
     /// Round values along the axis, about `count` of them, ascending.
     pub(super) fn ticks(&self, count: usize) -> Vec<f64> {
         match self.scale {
-            Scale::Linear => linear_ticks(self.low, self.high, count),
-            Scale::Log => {
-                let (low, high) = (self.low.exp(), self.high.exp());
-                if high / low < 4.0 {
-                    return linear_ticks(low, high, count);
-                }
-                let steps: &[f64] = match high / low {
-                    ..12.0 => &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0],
-                    12.0..400.0 => &[1.0, 2.0, 5.0],
-                    _ => &[1.0],
-                };
-                let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
-                let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10_f64.powi(decade)));
-                all.filter(|tick| (low..=high).contains(tick)).collect()
-            }
+            Scale::Linear => self.scale.ticks(self.low, self.high, count),
+            Scale::Log => self.scale.ticks(self.low.exp(), self.high.exp(), count),
         }
     }
 }
 
-fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
-    let [step, finer] = round_steps(low, high, count);
-    let ticks = multiples(low, high, step);
-    // One tick is no scale.
-    if ticks.len() < 2 { multiples(low, high, finer) } else { ticks }
-}
-
-/// The smallest step of 1, 2 or 5 times a power of ten that divides the range into at most `count` parts, and the next
-/// finer one.
-#[must_use]
-pub fn round_steps(low: f64, high: f64, count: usize) -> [f64; 2] {
+/// The smallest step of 1, 2 or 5 times a power of ten that divides the range into at most `count` parts; the next finer one where
+/// that leaves less than two ticks, as one is no scale.
+fn even_step(low: f64, high: f64, count: usize) -> f64 {
     const STEPS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
     let rough = (high - low) / count.max(1) as f64;
     let power = 10_f64.powf(rough.log10().floor());
-    let step = (1..4).find(|index| STEPS[*index] * power >= rough).unwrap_or(4);
-    [power * STEPS[step], power * STEPS[step - 1]]
+    let index = (1..4).find(|index| STEPS[*index] * power >= rough).unwrap_or(4);
+    let [step, finer] = [power * STEPS[index], power * STEPS[index - 1]];
+    if multiples(low, high, step).len() < 2 { finer } else { step }
 }
 
 /// The multiples of `step` from `low` to `high`, ascending.
-#[must_use]
-pub fn multiples(low: f64, high: f64, step: f64) -> Vec<f64> {
+fn multiples(low: f64, high: f64, step: f64) -> Vec<f64> {
     let first = (low / step).ceil() as i64;
     let last = (high / step).floor() as i64;
     (first..=last).map(|index| index as f64 * step).collect()
 }
 
-/// A number without zeros at its end.
+/// A number with at most three decimals, without zeros at its end.
 pub(super) fn short(value: f64) -> String {
-    let digits = format!("{value:.3}");
+    trimmed(value, 3)
+}
+
+fn trimmed(value: f64, decimals: usize) -> String {
+    let digits = format!("{value:.decimals$}");
     if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.').to_owned() } else { digits }
 }
 
@@ -111,6 +128,23 @@ mod tests {
             ["1", "0.25", "20", "0"],
             [1.0, 0.25, 20.0, 0.0].map(short).each_ref().map(String::as_str)
         );
+    }
+
+    #[test]
+    fn ticks_that_lie_close_together_are_told_apart_by_their_decimals() {
+        let labels = |scale: Scale, low: f64, high: f64| -> Vec<String> {
+            scale.ticks(low, high, 6).into_iter().map(|tick| scale.label(tick, low, high, 6)).collect()
+        };
+        assert_eq!(labels(Scale::Linear, 0.951, 0.976), ["0.955", "0.960", "0.965", "0.970", "0.975"]);
+        assert_eq!(labels(Scale::Linear, 0.000_3, 0.002_3), ["0.0005", "0.0010", "0.0015", "0.0020"]);
+        assert_eq!(labels(Scale::Linear, 22.4, 28.1), ["23", "24", "25", "26", "27", "28"]);
+        assert_eq!(labels(Scale::Log, 4.01, 4.06)[..3], ["4.01", "4.02", "4.03"]);
+        assert_eq!(labels(Scale::Log, 2.2, 8.1), ["3", "4", "5", "6", "7", "8"]);
+        assert_eq!(labels(Scale::Log, 0.9, 8.0), ["1", "1.5", "2", "3", "5", "7"]);
+        let labels_of_small = ["0.001", "0.0015", "0.002", "0.003", "0.005", "0.007", "0.01"];
+        assert_eq!(labels(Scale::Log, 0.000_9, 0.010_5), labels_of_small);
+        assert_eq!(labels(Scale::Log, 0.02, 0.3), ["0.02", "0.05", "0.1", "0.2"]);
+        assert_eq!(labels(Scale::Log, 0.9, 1.1e4), ["1", "10", "100", "1000", "10000"]);
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
 use super::labels::Labels;
-use super::svg::{Anchor, Chart, Marker, Svg};
+use super::series::Marker;
+use super::svg::{Anchor, Chart, Svg};
 use crate::sweep::{Point, Series, mark_pareto};
 use overlook_engine::plural::counted;
 use overlook_engine::settings::Kernel;
@@ -29,19 +30,6 @@ fn kernel_color(kernel: Kernel) -> &'static str {
 /// Rivals and other programs have a color of their own.
 fn point_color(point: &Point) -> &'static str {
     if point.series.is_rival() { color::PINK } else { kernel_color(point.settings.render.kernel) }
-}
-
-fn marker(series: Series) -> Marker {
-    match series {
-        Series::Reference | Series::Variation => Marker::Dot,
-        Series::NoPruning | Series::TriangleMesh => Marker::Up,
-        Series::FirstCamera | Series::NearestCamera => Marker::Down,
-        Series::FirstCameraAtCount | Series::LayeredDepthImage => Marker::Diamond,
-        Series::Random => Marker::Cross,
-        Series::VoxelGrid | Series::Tsdf => Marker::Square,
-        Series::SingleCamera => Marker::Plus,
-        Series::Paper | Series::External => Marker::Star,
-    }
 }
 
 /// Ends of a point's bar, dB.
@@ -106,7 +94,7 @@ impl Panel<'_> {
         }
         for (is_baseline, radius) in [(false, 5.0), (true, 8.0)] {
             for point in points.iter().filter(|point| point.series.is_baseline() == is_baseline) {
-                let shape = marker(point.series);
+                let shape = Marker::of(point.series);
                 svg.marker(shape, self.position(point), radius, point_color(point));
             }
         }
@@ -183,7 +171,7 @@ fn legend(svg: &mut Svg, points: &[Point]) {
             (x, y) = (180.0, y + 34.0);
         }
         svg.marker(
-            marker(series),
+            Marker::of(series),
             (x, y - 5.0),
             if series.is_baseline() { 8.0 } else { 6.0 },
             if series.is_rival() { color::PINK } else { color::INK },

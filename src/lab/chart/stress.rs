@@ -2,7 +2,8 @@
 
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
-use super::svg::{Anchor, Chart, Marker, Svg};
+use super::series::{ChartSeries, Marker, series};
+use super::svg::{Anchor, Chart, Svg};
 use crate::stress::{LOST_DB, StressPoint, distinct, failures};
 
 const COLUMNS: usize = 5;
@@ -11,11 +12,13 @@ const HEAD: f64 = 130.0;
 const COLORS: [&str; 7] =
     [color::BLUE, color::ORANGE, color::RED, color::GREEN, color::PINK, color::INK, color::FAINT];
 
+type Methods<'a> = [ChartSeries<'a, &'a str, StressPoint>];
+
 /// Draws a stress test of a capture.
 #[must_use]
 pub fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     let disturbances = distinct(points.iter().map(|point| point.disturbance.as_str()));
-    let methods = distinct(points.iter().map(|point| point.method.as_str()));
+    let methods = series(points, |point| point.method.as_str());
     let rows = disturbances.len().div_ceil(COLUMNS).max(1);
     let mut svg = Svg::new(30.0 + COLUMNS as f64 * PANEL.0, HEAD + 20.0 + rows as f64 * PANEL.1);
     svg.text((40.0, 48.0), Anchor::Start, (30.0, color::INK), &format!("{capture}: where methods fail"));
@@ -28,7 +31,7 @@ pub fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     for (index, method) in methods.iter().enumerate() {
         let x = 48.0 + 230.0 * index as f64;
         svg.line((x, 103.0), (x + 34.0, 103.0), (3.0, COLORS[index % COLORS.len()]));
-        svg.text((x + 44.0, 108.0), Anchor::Start, (17.0, color::INK), method);
+        svg.text((x + 44.0, 108.0), Anchor::Start, (17.0, color::INK), method.kind);
     }
     for (index, disturbance) in disturbances.iter().enumerate() {
         let corner = (20.0 + (index % COLUMNS) as f64 * PANEL.0, HEAD + (index / COLUMNS) as f64 * PANEL.1);
@@ -39,7 +42,7 @@ pub fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     svg.finish()
 }
 
-fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods: &[&str]) {
+fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods: &Methods<'_>) {
     let Some(first) = points.first() else { return };
     let (plot_left, plot_right) = (left + 50.0, left + PANEL.0 - 20.0);
     let (accuracy_bottom, kept_top, bottom) = (top + 175.0, top + 190.0, top + 235.0);
@@ -77,7 +80,8 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     let failures = failures(points);
     for (index, method) in methods.iter().enumerate() {
         let color = COLORS[index % COLORS.len()];
-        let of_method = || points.iter().filter(|point| point.method == *method);
+        let own = |point: &&StressPoint| point.disturbance == first.disturbance;
+        let of_method = || method.points.iter().copied().filter(own);
         let along = |value: &dyn Fn(&StressPoint) -> f64| {
             of_method().map(|point| (x_of(point.dial), value(point))).collect::<Vec<_>>()
         };
@@ -88,7 +92,7 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
         }
         svg.path(&along(&|point| kept.at(100.0 * point.kept_share)), (1.6, color), "");
         let failed =
-            failures.iter().find(|failure| failure.method == *method).and_then(|failure| failure.dial);
+            failures.iter().find(|failure| failure.method == method.kind).and_then(|failure| failure.dial);
         if let (Some(dial), Some(start)) = (failed, of_method().next()) {
             let position = (between(&dials, dial, &x_of), y.at(start.point.psnr_filled_db - LOST_DB));
             svg.marker(Marker::Cross, position, 6.0, color);

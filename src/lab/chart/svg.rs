@@ -6,6 +6,7 @@ use std::sync::Arc;
 use resvg::{tiny_skia, usvg};
 
 use super::color;
+use super::series::Marker;
 use overlook_engine::error::{Error, Result};
 
 /// A chart, drawn.
@@ -48,20 +49,6 @@ pub(super) enum Anchor {
     Start,
     Middle,
     End,
-}
-
-/// Shape of a marker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Marker {
-    Dot,
-    Square,
-    Diamond,
-    Up,
-    Down,
-    Cross,
-    Plus,
-    Star,
-    Ring,
 }
 
 /// A picture under way.

@@ -3,7 +3,8 @@
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
 use super::labels::Labels;
-use super::svg::{Anchor, Chart, Marker, Svg};
+use super::series::Marker;
+use super::svg::{Anchor, Chart, Svg};
 use crate::sweep::Series;
 use crate::trial::MeanEstimate;
 

@@ -2,7 +2,8 @@
 
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
-use super::svg::{Anchor, Chart, Marker, Svg};
+use super::series::Marker;
+use super::svg::{Anchor, Chart, Svg};
 use crate::tune::ChosenViews;
 
 const SIZE: (f64, f64) = (1100.0, 620.0);

@@ -288,7 +288,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_volume_has_its_surface_within_a_fifth_of_a_voxel_of_the_true_slope() {
+    fn the_volume_has_its_surface_within_an_eighth_of_a_voxel_of_the_true_slope() {
         let volume = Tsdf::of_footprints(&[slope(-0.3), slope(0.3)], 2.0).unwrap();
         let truth = slope(0.1);
         let picture = volume.render(&truth.camera);
@@ -305,7 +305,8 @@ mod tests {
             }
         }
         let mean = off.iter().sum::<f64>() / off.len() as f64;
-        assert!(mean < 0.2, "{mean} voxels");
+        // Depth is that of the nearest pixel, as in Open3D. Half a pixel farther on, the slope is an eighth of a voxel deeper.
+        assert!(mean < 0.125, "{mean} voxels");
     }
 
     #[test]

@@ -2,11 +2,11 @@
 
 use egui::TextureOptions;
 
+use super::overlook_app::OverlookApp;
 use crate::app::model::{
     CompareChoice, CompareKey, CompareSide, CompareVantage, DockView, NoticeKind, PictureDifference,
     PictureFolder, ShownComparison,
 };
-use crate::app::overlook_app::OverlookApp;
 
 impl OverlookApp {
     pub(crate) fn compared(&mut self, key: &CompareKey, outcome: Result<PictureDifference, String>) {

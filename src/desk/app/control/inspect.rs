@@ -1,8 +1,8 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
+use super::overlook_app::OverlookApp;
 use crate::app::model::{Command, ExportTarget, HelpPage, NoticeKind, Purpose, SavedPathKey, Study};
 use crate::app::model::{DockView, PictureZoom, Spot, Table, csv, setting_names, verdict_text};
-use crate::app::overlook_app::OverlookApp;
 use crate::app::work::{ExportRequest, StudyRequest};
 use overlook_engine::render::film::FilmSource;
 use overlook_engine::settings::Settings;

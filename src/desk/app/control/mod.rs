@@ -3,6 +3,8 @@
 mod comparison;
 mod inspect;
 mod keyboard;
+mod observed;
+mod overlook_app;
 mod paths;
 mod readings;
 mod receive;
@@ -13,4 +15,7 @@ mod view;
 mod window;
 
 pub(crate) use keyboard::{HELP, commands, gave_up_number};
-pub(crate) use remembered::Memory;
+pub use observed::Observed;
+#[cfg(test)]
+pub(crate) use overlook_app::secs_left;
+pub use overlook_app::{OverlookApp, Start};

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::overlook_app::OverlookApp;
 use crate::app::model::{
     Command, Content, Destination, DockView, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
-    csv,
+    WorkKind, csv,
 };
-use crate::app::overlook_app::OverlookApp;
-use crate::app::work::{FileRequest, with_ending};
+use crate::app::work::{FileRequest, FollowRequest, with_ending};
 use overlook_engine::error::Error;
 
 /// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
@@ -118,10 +118,10 @@ impl OverlookApp {
     }
 
     /// Shows a path again that was typed and could not be read or written.
-    pub(crate) fn type_again(&mut self, what: &str, error: &Error) {
+    pub(crate) fn type_again(&mut self, work: WorkKind, error: &Error) {
         let Error::Io { path, .. } = error else { return };
         let last = self.last_typed.take_if(|last| {
-            last.purpose.worker() == what
+            last.purpose.work() == work
                 && typed_destination(last).is_some_and(|place| path.starts_with(place))
         });
         if let (Some(last), None) = (last, &self.state.typed_path) {
@@ -238,50 +238,55 @@ impl OverlookApp {
         }
     }
 
-    /// Whether there is nothing yet to write for this purpose; warns then.
+    /// Whether what a purpose needs is missing; warns then.
     pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
-        if let Purpose::SaveTable(table) = purpose {
-            let is_empty = csv::csv(table, &self.state).is_none();
-            if is_empty {
-                let text = format!("There is no {} yet.", table.name());
-                self.state.warn_of_scene("Nothing to save yet", text);
-            }
-            return is_empty;
-        }
-        let title = match purpose {
-            Purpose::SaveStore => "Nothing to save yet",
-            Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => "Nothing to export yet",
-            Purpose::SavePath => "No camera path to save",
-            Purpose::LoadPath => "No scene for a camera path",
-            Purpose::OpenPictures => "Nothing to compare pictures with",
-            _ => return false,
-        };
-        let exports = matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm);
-        let text = if purpose == Purpose::OpenPictures {
-            if self.state.has_capture() {
-                return false;
-            }
-            "Open a capture first: a store has no viewpoints with true pictures."
-        } else if self.state.scene.is_none() {
-            "Open a capture or a store first."
-        } else if purpose == Purpose::LoadPath {
-            return false;
-        } else if purpose == Purpose::SavePath {
-            if self.state.inspector.path.pictures() > 0 {
-                return false;
-            }
-            NO_KEYS
-        } else if !self.state.is_whole_ready() && self.state.stopped {
-            "The whole capture is not pruned with these settings; recompute it (below), then try again."
-        } else if !self.state.is_whole_ready() {
-            "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
-        } else if exports && self.state.inspector.path.pictures() == 0 {
-            NO_KEYS
-        } else {
-            return false;
-        };
+        let Some((title, text)) = what_is_missing(&self.state, purpose) else { return false };
         self.state.warn_of_scene(title, text);
         true
+    }
+}
+
+/// Title and text of the warning where there is nothing to write for a purpose, or nothing that needs what it reads; else `None`.
+fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
+    let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
+    let no_scene = || where_not(state.scene.is_some(), "Open a capture or a store first.");
+    let no_capture = |text| where_not(state.has_capture(), text);
+    let no_keys = || where_not(state.inspector.path.pictures() > 0, NO_KEYS);
+    let no_samples = || no_scene().or_else(|| where_not(state.is_whole_ready(), not_pruned(state)));
+    let (title, text) = match purpose {
+        Purpose::SaveTable(table) => {
+            let is_empty = csv::csv(table, state).is_none();
+            return is_empty.then(|| ("Nothing to save yet", format!("There is no {} yet.", table.name())));
+        }
+        Purpose::SaveStore => ("Nothing to save yet", no_samples()),
+        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => {
+            ("Nothing to export yet", no_samples().or_else(no_keys))
+        }
+        Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
+        Purpose::LoadPath => ("No scene for a camera path", no_scene()),
+        Purpose::OpenPictures => (
+            "Nothing to compare pictures with",
+            no_capture("Open a capture first: a store has no viewpoints with true pictures."),
+        ),
+        Purpose::FollowParts => {
+            ("No capture that work is done on", no_capture("Open the capture first that others work on."))
+        }
+        Purpose::OpenFile
+        | Purpose::OpenFolder
+        | Purpose::SaveSettings
+        | Purpose::LoadSettings
+        | Purpose::SavePicture
+        | Purpose::SaveShot => return None,
+    };
+    text.map(|text| (title, text.to_owned()))
+}
+
+/// Why the whole capture is not pruned with the settings on the sliders.
+fn not_pruned(state: &State) -> &'static str {
+    if state.stopped {
+        "The whole capture is not pruned with these settings; recompute it (below), then try again."
+    } else {
+        "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
     }
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use egui::TextureOptions;
 
+use super::overlook_app::OverlookApp;
 use crate::app::model::{self, Command, NoticeKind, NoticeLink, Origin, ReadingImages, ShownReadings};
-use crate::app::overlook_app::OverlookApp;
 use crate::app::work::OpenRequest;
 use overlook_engine::capture::conventions::Finding;
 

@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use egui::{TextureFilter, TextureOptions};
 
+use super::overlook_app::OverlookApp;
 use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
     self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, NoticeLink, OpenScene,
     OrbitCamera, Origin, PixelSource, Probed, Readings, Ruler, ShownCameras, ShownPicture, SourceLook, Spot,
-    Texture, Unit, Whole, and_others, method_of,
+    Texture, Unit, Whole, WorkKind, and_others, method_of,
 };
-use crate::app::overlook_app::OverlookApp;
 use overlook_engine::error::Error;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::preprocess::diagnostics::Suspect;
@@ -89,7 +89,7 @@ impl OverlookApp {
             Message::ReadingsChecked { finding, .. } => self.readings_checked(finding),
             Message::ReadingsShown { images, .. } => self.readings_shown(images),
             Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
-            Message::Failed { what, error } => self.failed(what, &error),
+            Message::Failed { work, error } => self.failed(work, &error),
             // Nobody sees it.
             Message::Prepared => {}
         }
@@ -290,36 +290,27 @@ impl OverlookApp {
         }
     }
 
-    fn failed(&mut self, what: &'static str, error: &Error) {
-        if matches!(what, "Open" | "Study") {
+    fn failed(&mut self, work: WorkKind, error: &Error) {
+        if matches!(work, WorkKind::Open | WorkKind::Study) {
             self.refresh_busy();
         }
         if matches!(error, Error::Cancelled) {
-            if what == "Study" {
+            if work == WorkKind::Study {
                 self.notify_stopped_study();
             }
             return;
         }
-        if what == "Prune" && self.workers.whole.is_idle() {
-            self.state.stopped = true;
+        match work {
+            WorkKind::Prune if self.workers.whole.is_idle() => self.state.stopped = true,
+            WorkKind::InspectFrame if self.workers.inspect.is_idle() => {
+                self.state.failed_frame = self.scheduler.inspect.as_ref().map(|key| key.frame);
+                // Nothing goes on from here by itself.
+                self.state.stopped |= self.state.inspected.is_none();
+            }
+            WorkKind::FollowParts => self.state.inspector.charts.follow_no_more(),
+            _ => {}
         }
-        if what == "Inspect frame" && self.workers.inspect.is_idle() {
-            self.state.failed_frame = self.scheduler.inspect.as_ref().map(|key| key.frame);
-            // Nothing goes on from here by itself.
-            self.state.stopped |= self.state.inspected.is_none();
-        }
-        let title = match what {
-            "Open" => "Could not open",
-            "Prune" => "Could not prune the capture",
-            "Inspect frame" => "Could not read this frame",
-            "Source picture" => "Could not show this frame",
-            "Live view" => "Could not render this view",
-            "File" => "Could not save or load",
-            "Study" => "Could not measure",
-            "Export" => "Could not export the camera path",
-            other => other,
-        };
-        self.state.notify(NoticeKind::Error, title, error.to_string());
-        self.type_again(what, error);
+        self.state.notify(NoticeKind::Error, work.failure(), error.to_string());
+        self.type_again(work, error);
     }
 }

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
+use super::overlook_app::OverlookApp;
 use crate::app::model::{self, Command, NoticeKind, PRESETS, method_of};
-use crate::app::overlook_app::OverlookApp;
 use overlook_engine::settings::Settings;
 
 impl OverlookApp {

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use super::overlook_app::OverlookApp;
 use super::paths::lasting;
 use crate::app::model::{
     self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, StoppableWork, ViewCommand,
 };
-use crate::app::overlook_app::OverlookApp;
 use crate::app::work::OpenRequest;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::settings::{Fill, RenderSettings};

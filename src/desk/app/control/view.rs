@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use super::overlook_app::OverlookApp;
 use crate::app::model::{
     CameraPath, Command, FLY_SPEEDS, NoticeKind, OpenScene, OrbitCamera, SavedPathKey, ViewCommand,
 };
-use crate::app::overlook_app::OverlookApp;
 use overlook_engine::capture::transforms::{PathView, path_from_json, path_to_json};
 use overlook_engine::plural::counted;
 

@@ -1,7 +1,7 @@
 //! Carries out what concerns the window: workspaces, what fills it, and what of it is hidden.
 
+use super::overlook_app::OverlookApp;
 use crate::app::model::{Area, Command, DockView};
-use crate::app::overlook_app::OverlookApp;
 
 impl OverlookApp {
     /// Carries out what concerns the window; gives back what does not.

@@ -14,6 +14,7 @@ use super::readings::ReadingImages;
 use super::results::{Accuracy, CameraMemory, Inspected};
 use super::scene::OpenScene;
 use super::source_picture::{SourceKey, SourcePicture};
+use super::work_kind::WorkKind;
 use overlook_engine::capture::conventions::Finding;
 use overlook_engine::capture::transforms::PathView;
 use overlook_engine::error::Error;
@@ -153,7 +154,7 @@ pub(crate) enum Message {
     },
     /// A job failed or was cancelled.
     Failed {
-        what: &'static str,
+        work: WorkKind,
         error: Error,
     },
 }

@@ -44,11 +44,12 @@ mod undo;
 pub(crate) mod verdict_text;
 mod view;
 mod view_look;
+mod work_kind;
 mod workspace;
 
 pub(crate) use camera_path::{CameraPath, ExportTarget, Exported, NO_KEYS, SavedPathKey};
 pub(crate) use camera_text::{CameraText, TextPart};
-pub(crate) use chart_axis::{Quantity, label, marks};
+pub(crate) use chart_axis::Quantity;
 pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};
 pub(crate) use command::{Command, CommandPalette, Commands, HelpPage};
 pub(crate) use compare_vantage::CompareVantage;
@@ -85,4 +86,5 @@ pub(crate) use view::{Area, DockView};
 pub(crate) use view_look::{
     FLY_SPEEDS, FrameGuide, Guides, Ruler, ShownCameras, UP_DIRECTIONS, Unit, ViewCommand,
 };
+pub(crate) use work_kind::WorkKind;
 pub(crate) use workspace::Workspace;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::table::Table;
+use super::work_kind::WorkKind;
 
 /// What a chosen path is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,12 +46,13 @@ impl Purpose {
         )
     }
 
-    /// Name of the worker that reads or writes there.
-    pub(crate) fn worker(self) -> &'static str {
+    /// The work that reads or writes there.
+    pub(crate) fn work(self) -> WorkKind {
         match self {
-            Self::OpenFile | Self::OpenFolder => "Open",
-            Self::ExportPictures | Self::ExportExr | Self::ExportFilm => "Export",
-            _ => "File",
+            Self::OpenFile | Self::OpenFolder => WorkKind::Open,
+            Self::ExportPictures | Self::ExportExr | Self::ExportFilm => WorkKind::Export,
+            Self::FollowParts => WorkKind::FollowParts,
+            _ => WorkKind::File,
         }
     }
 

@@ -6,8 +6,10 @@ mod telling;
 
 use std::time::{Duration, Instant};
 
-use super::model::{Command, CompareSide, DockView, Exported, Message, NoticeKind, Purpose, Spot, Study};
-use super::overlook_app::{OverlookApp, Start};
+use super::control::{OverlookApp, Start};
+use super::model::{
+    Command, CompareSide, DockView, Exported, Message, NoticeKind, Purpose, Spot, Study, WorkKind,
+};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Error;
 use overlook_engine::render::NO_IMAGE;
@@ -40,6 +42,16 @@ fn ready(cameras: usize, frames: usize) -> OverlookApp {
 fn step(app: &mut OverlookApp) {
     let ctx = app.ctx.clone();
     eframe::App::logic(app, &ctx, &mut eframe::Frame::_new_kittest());
+}
+
+impl OverlookApp {
+    fn is_idle(&self) -> bool {
+        self.observed().is_idle
+    }
+
+    fn notices(&self) -> Vec<String> {
+        self.observed().notices
+    }
 }
 
 fn wait(app: &mut OverlookApp, what: &str, mut condition: impl FnMut(&OverlookApp) -> bool) {
@@ -136,9 +148,9 @@ fn what_gave_way_to_newer_work_says_nothing_of_that() {
     let mut app = ready(2, 2);
     app.apply(Command::Study(Study::Sweep));
     app.open_demo(orrery(2, 3));
-    let cancelled = |what| Message::Failed { what, error: Error::Cancelled };
-    app.receive(cancelled("Open"));
-    app.receive(cancelled("Study"));
+    let cancelled = |work| Message::Failed { work, error: Error::Cancelled };
+    app.receive(cancelled(WorkKind::Open));
+    app.receive(cancelled(WorkKind::Study));
     assert!(app.state.opening.is_some() && app.state.inspector.charts.studying);
     app.workers.study.cancel();
     wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);

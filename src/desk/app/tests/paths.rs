@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::{ready, set_method, settle, start, step, wait};
+use crate::app::control::OverlookApp;
 use crate::app::model::{ColorBy, Command, DockView, Message, Purpose, Spot, Study, Table};
-use crate::app::overlook_app::OverlookApp;
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::{orrery, ready, set_method, settle, step, wait};
+use crate::app::control::{OverlookApp, Start};
 use crate::app::model::{Command, Purpose, Spot, StoppableWork, Study};
-use crate::app::overlook_app::{OverlookApp, Start};
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn has_notice(app: &OverlookApp, title: &str) -> bool {

@@ -6,9 +6,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use super::{ready, start, wait};
+use crate::app::control::{OverlookApp, secs_left};
 use crate::app::dock::Dock;
 use crate::app::model::{self, Busy, Command, DockView, State, StoppableWork, Study, verdict_text};
-use crate::app::overlook_app::{OverlookApp, secs_left};
 use crate::app::{theme, window};
 use overlook_engine::job::Progress;
 use overlook_engine::settings::{Kernel, Settings};

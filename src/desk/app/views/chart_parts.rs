@@ -1,12 +1,15 @@
 //! What charts share: a legend that hides no point, the point under the pointer, and the button that measures.
 
+use std::ops::RangeInclusive;
+
 use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
 use egui_material_icons::MaterialIcon;
-use egui_plot::{MarkerShape, Plot, PlotPoint, PlotUi};
+use egui_plot::{GridMark, MarkerShape, Plot, PlotPoint, PlotUi};
 
-use crate::app::model::{self, Command, Commands, State, Study};
+use crate::app::model::{Command, Commands, Purpose, State, Study};
 use crate::app::theme::Tokens;
-use crate::app::widgets::empty_ui;
+use crate::app::widgets::{empty_ui, weak};
+use overlook_lab::chart::{Marker, Scale};
 
 /// How near the pointer selects a point, points on the screen.
 const NEAR: f32 = 12.0;
@@ -25,10 +28,18 @@ pub(crate) enum Mark {
     Ring,
 }
 
-/// The shape of the series of an index.
-pub(crate) fn shape(index: usize) -> MarkerShape {
-    [MarkerShape::Circle, MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up, MarkerShape::Down]
-        [index % 5]
+/// The shape of a marker.
+pub(crate) fn shape(marker: Marker) -> MarkerShape {
+    match marker {
+        Marker::Dot | Marker::Ring => MarkerShape::Circle,
+        Marker::Square => MarkerShape::Square,
+        Marker::Diamond => MarkerShape::Diamond,
+        Marker::Up => MarkerShape::Up,
+        Marker::Down => MarkerShape::Down,
+        Marker::Cross => MarkerShape::Cross,
+        Marker::Plus => MarkerShape::Plus,
+        Marker::Star => MarkerShape::Asterisk,
+    }
 }
 
 /// The legend, in rows above the plot: inside it, it would hide points.
@@ -57,6 +68,13 @@ fn mark_at(mark: Mark, at: Pos2, color: Color32) -> Shape {
         let corners = corners.iter().map(|(x, y)| at + vec2(*x, *y) * 4.0).collect();
         Shape::convex_polygon(corners, color, Stroke::NONE)
     };
+    let strokes = |ends: &[(f32, f32)]| {
+        let stroke = |(x, y): &(f32, f32)| {
+            let half = vec2(*x, *y) * 4.0;
+            Shape::line_segment([at - half, at + half], Stroke::new(1.0, color))
+        };
+        Shape::Vec(ends.iter().map(stroke).collect())
+    };
     match mark {
         Mark::Line => {
             let half = vec2(MARK / 2.0, 0.0);
@@ -67,6 +85,9 @@ fn mark_at(mark: Mark, at: Pos2, color: Color32) -> Shape {
         Mark::Points(MarkerShape::Square) => polygon(&[(-0.8, -0.8), (0.8, -0.8), (0.8, 0.8), (-0.8, 0.8)]),
         Mark::Points(MarkerShape::Up) => polygon(&[(0.0, -1.0), (0.9, 0.7), (-0.9, 0.7)]),
         Mark::Points(MarkerShape::Down) => polygon(&[(-0.9, -0.7), (0.9, -0.7), (0.0, 1.0)]),
+        Mark::Points(MarkerShape::Cross) => strokes(&[(0.7, 0.7), (0.7, -0.7)]),
+        Mark::Points(MarkerShape::Plus) => strokes(&[(1.0, 0.0), (0.0, 1.0)]),
+        Mark::Points(MarkerShape::Asterisk) => strokes(&[(0.0, 1.0), (0.87, 0.5), (0.87, -0.5)]),
         Mark::Points(_) => Shape::circle_filled(at, 4.0, color),
     }
 }
@@ -129,13 +150,58 @@ pub(crate) fn no_points_ui(
     empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
 }
 
-/// A plot with named axes and round marks; `log` says which axes are logarithmic.
-pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [String; 2], log: [bool; 2]) -> Plot<'a> {
+/// Ticks that are aimed at.
+const TICKS: usize = 6;
+
+/// What lies at a coordinate of the plot, which logarithmic axes have decimal logarithms for.
+fn value_at(coordinate: f64, scale: Scale) -> f64 {
+    match scale {
+        Scale::Linear => coordinate,
+        // Beyond, there are no numbers.
+        Scale::Log => 10_f64.powf(coordinate.clamp(-300.0, 300.0)),
+    }
+}
+
+/// The ticks between two coordinates of the plot, all of them equally strong.
+fn ticks((low, high): (f64, f64), scale: Scale) -> Vec<GridMark> {
+    let step_size = (high - low) / TICKS as f64;
+    if !(step_size.is_finite() && step_size > 0.0) {
+        return Vec::new();
+    }
+    let values = scale.ticks(value_at(low, scale), value_at(high, scale), TICKS).into_iter();
+    let coordinates = values.map(|value| if scale == Scale::Log { value.log10() } else { value });
+    let inside = coordinates.filter(|coordinate| (low..=high).contains(coordinate));
+    inside.map(|value| GridMark { value, step_size }).collect()
+}
+
+/// The number at a tick of the axis that shows these coordinates.
+pub(crate) fn tick_label(tick: GridMark, shown: &RangeInclusive<f64>, scale: Scale) -> String {
+    let [low, high, tick] = [*shown.start(), *shown.end(), tick.value].map(|at| value_at(at, scale));
+    scale.label(tick, low, high, TICKS)
+}
+
+/// A plot with named axes and round ticks.
+pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [String; 2], scales: [Scale; 2]) -> Plot<'a> {
     Plot::new(id)
         .x_axis_label(x)
         .y_axis_label(y)
-        .x_grid_spacer(move |grid| model::marks(grid.bounds, log[0]))
-        .y_grid_spacer(move |grid| model::marks(grid.bounds, log[1]))
+        .x_grid_spacer(move |grid| ticks(grid.bounds, scales[0]))
+        .y_grid_spacer(move |grid| ticks(grid.bounds, scales[1]))
         .grid_color(Tokens::in_ui(ui).border)
         .allow_scroll(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_of_a_logarithmic_axis_lie_at_the_logarithms_of_round_values() {
+        let at = |low: f64, high: f64, scale| -> Vec<f64> {
+            ticks((low, high), scale).into_iter().map(|tick| tick.value).collect()
+        };
+        assert_eq!(at(22.4, 28.1, Scale::Linear), [23.0, 24.0, 25.0, 26.0, 27.0, 28.0]);
+        assert_eq!(at(-0.5, 4.5, Scale::Log), [0.0, 1.0, 2.0, 3.0, 4.0]);
+        assert!(at(1.0, 1.0, Scale::Log).is_empty() && at(400.0, 500.0, Scale::Log).is_empty());
+    }
 }

@@ -1,12 +1,12 @@
 //! Charts: accuracy against cost over many settings, and accuracy against the size of a disturbance.
 
-use std::collections::BTreeMap;
-
-use egui::{RichText, Ui};
+use egui::{Color32, RichText, Ui};
 use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
-use super::chart_parts::{HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button};
+use super::chart_parts::{
+    HINT, Mark, follow_ui, legend_ui, nearest, no_points_ui, plot, shape, study_button, tick_label,
+};
 use crate::app::camera_cues;
 use crate::app::model::{
     self, Command, Commands, Quantity, State, Study, Table, method_name, point_name, series_name,
@@ -16,7 +16,8 @@ use crate::app::theme::Tokens;
 use crate::app::widgets::{choice_ui, one_line, table_ui, weak};
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::Kernel;
-use overlook_lab::stress::StressPoint;
+use overlook_lab::chart::{ChartSeries, Marker, Scale, series};
+use overlook_lab::stress::{StressPoint, distinct};
 use overlook_lab::sweep::{Point, Series};
 
 /// Names of the line and of the ring in the chart.
@@ -35,32 +36,28 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let [along, up] = charts.axes();
     let tokens = *Tokens::in_ui(ui);
     let place = |point: &Point| [along.of(point), up.of(point)];
-    let groups = groups(&charts.sweep, place);
+    let drawn = series(&charts.sweep, |point| (point.settings.render.kernel, point.series));
     let current = charts.of(&state.settings).map(place);
-    let kernels: std::collections::BTreeSet<usize> = groups.keys().map(|(kernel, _)| *kernel).collect();
-    let kernels: Vec<_> = kernels.into_iter().map(|kernel| (kernel, kernel_name(kernel))).collect();
-    let colors = kernels.iter().map(|(kernel, name)| {
-        (Mark::Points(MarkerShape::Circle), camera_cues::color(*kernel), name.as_str())
-    });
-    let shapes = shapes(&groups);
-    let names =
-        shapes.iter().map(|(series, shape)| (Mark::Points(*shape), tokens.text_weak, series_name(*series)));
-    let names = colors.chain(names);
+    let kernels = Kernel::ALL.iter().copied().filter(|kernel| drawn.iter().any(|of| of.kind.0 == *kernel));
+    let kernels: Vec<_> = kernels.map(|kernel| (kernel_color(kernel), kernel_name(kernel))).collect();
+    let colors =
+        kernels.iter().map(|(color, name)| (Mark::Points(MarkerShape::Circle), *color, name.as_str()));
+    let shapes = Series::ALL.into_iter().filter(|series| drawn.iter().any(|of| of.kind.1 == *series));
+    let shapes =
+        shapes.map(|series| (Mark::Points(shape(Marker::of(series))), tokens.text_weak, series_name(series)));
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, CURRENT)];
     let lines = &lines[..=usize::from(current.is_some())];
-    legend_ui(ui, names.chain(lines.iter().copied()));
+    legend_ui(ui, colors.chain(shapes).chain(lines.iter().copied()));
     let places: Vec<_> = charts.sweep.iter().map(place).collect();
     let height = (ui.available_height() - HINT).max(40.0);
     let plot = sweep_plot(ui, [along, up], &places).height(height);
     let shown = plot.show(ui, |plot_ui| {
         plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
-        for ((kernel, name), (series, places)) in groups {
-            let shape = shapes
-                .iter()
-                .find(|(of, _)| of.name() == name)
-                .map_or(MarkerShape::Circle, |(_, shape)| *shape);
-            let points = Points::new(format!("{}, {}", series_name(series), kernel_name(kernel)), places);
-            plot_ui.points(points.color(camera_cues::color(kernel)).radius(4.0).shape(shape));
+        for ChartSeries { kind: (kernel, series), points } in drawn {
+            let name = format!("{}, {}", series_name(series), kernel_name(kernel));
+            let points = Points::new(name, points.into_iter().map(place).collect::<Vec<_>>());
+            let shape = shape(Marker::of(series));
+            plot_ui.points(points.color(kernel_color(kernel)).radius(4.0).shape(shape));
         }
         if let Some(at) = current {
             plot_ui.points(Points::new(CURRENT, vec![at]).color(tokens.mark).radius(8.0).filled(false));
@@ -79,32 +76,12 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Points of the chart by kernel (its place among all) and name of the series.
-type Groups = BTreeMap<(usize, &'static str), (Series, Vec<[f64; 2]>)>;
-
-fn groups(points: &[Point], place: impl Fn(&Point) -> [f64; 2]) -> Groups {
-    let mut groups = Groups::new();
-    for point in points {
-        let kernel = Kernel::ALL.iter().position(|of| *of == point.settings.render.kernel).unwrap_or(0);
-        let key = (kernel, point.series.name());
-        groups.entry(key).or_insert((point.series, Vec::new())).1.push(place(point));
-    }
-    groups
+fn kernel_color(kernel: Kernel) -> Color32 {
+    camera_cues::color(Kernel::ALL.iter().position(|of| *of == kernel).unwrap_or(0))
 }
 
-/// The shape of each series; colors are those of kernels.
-fn shapes(groups: &Groups) -> Vec<(Series, MarkerShape)> {
-    let mut names: Vec<(&str, Series)> =
-        groups.iter().map(|((_, name), (series, _))| (*name, *series)).collect();
-    names.sort_by_key(|(name, _)| *name);
-    names.dedup_by_key(|(name, _)| *name);
-    names.into_iter().enumerate().map(|(index, (_, series))| (series, shape(index))).collect()
-}
-
-fn kernel_name(kernel: usize) -> String {
-    Kernel::ALL
-        .get(kernel)
-        .map_or_else(String::new, |kernel| setting_names::choice("render.kernel", kernel.name()))
+fn kernel_name(kernel: Kernel) -> String {
+    setting_names::choice("render.kernel", kernel.name())
 }
 
 /// What is along and up, and the button that measures.
@@ -152,46 +129,41 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
 
 fn sweep_plot<'a>(ui: &Ui, axes: [Quantity; 2], places: &[[f64; 2]]) -> Plot<'a> {
     let axis = |quantity: Quantity| {
-        move |mark: egui_plot::GridMark, range: &std::ops::RangeInclusive<f64>| {
-            let whole = |mark: egui_plot::GridMark| 10_f64.powf(mark.value) as u64;
+        move |tick: egui_plot::GridMark, shown: &std::ops::RangeInclusive<f64>| {
+            let whole = |tick: egui_plot::GridMark| 10_f64.powf(tick.value) as u64;
             match quantity {
-                Quantity::Bytes => model::bytes(whole(mark)),
-                Quantity::Samples => model::count(whole(mark)),
-                _ => model::label(mark, range, quantity.is_log()),
+                Quantity::Bytes => model::bytes(whole(tick)),
+                Quantity::Samples => model::count(whole(tick)),
+                _ => tick_label(tick, shown, quantity.scale()),
             }
         }
     };
-    let mut plot = plot("tradeoff", ui, axes.map(Quantity::axis_name), axes.map(Quantity::is_log))
+    let mut plot = plot("tradeoff", ui, axes.map(Quantity::axis_name), axes.map(Quantity::scale))
         .x_axis_formatter(axis(axes[0]))
         .y_axis_formatter(axis(axes[1]))
         .set_margin_fraction(egui::vec2(0.06, 0.08));
-    if let Some([low, high]) = around(places.iter().map(|place| place[0]), axes[0].is_log()) {
+    if let Some([low, high]) = around(places.iter().map(|place| place[0]), axes[0].scale()) {
         plot = plot.include_x(low).include_x(high);
     }
-    if let Some([low, high]) = around(places.iter().map(|place| place[1]), axes[1].is_log()) {
+    if let Some([low, high]) = around(places.iter().map(|place| place[1]), axes[1].scale()) {
         plot = plot.include_y(low).include_y(high);
     }
     plot
 }
 
 /// What an axis shows at least, so that points at one value do not span decades.
-fn around(values: impl Iterator<Item = f64>, log: bool) -> Option<[f64; 2]> {
+fn around(values: impl Iterator<Item = f64>, scale: Scale) -> Option<[f64; 2]> {
     let [low, high] = values
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
     let middle = 0.5 * (low + high);
     // About half a decade, or a twentieth of the value.
-    let span = if log { 0.5 } else { 0.05 * middle.abs().max(0.1) };
+    let span = if scale == Scale::Log { 0.5 } else { 0.05 * middle.abs().max(0.1) };
     (middle.is_finite() && high - low < span).then_some([middle - 0.5 * span, middle + 0.5 * span])
 }
 
 pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let charts = &state.inspector.charts;
-    let mut names: Vec<&str> = Vec::new();
-    for point in &charts.stress {
-        if !names.contains(&point.disturbance.as_str()) {
-            names.push(&point.disturbance);
-        }
-    }
+    let names = distinct(charts.stress.iter().map(|point| point.disturbance.as_str()));
     let Some(first) = names.first() else {
         let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \
                     when accuracy breaks: with these settings, without defenses, and as in the paper.";
@@ -216,31 +188,36 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
     if let Some(words) = charts.stale_stress_note(&state.settings) {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
     }
-    let here: Vec<&StressPoint> = charts.stress.iter().filter(|point| point.disturbance == chosen).collect();
-    stability_plot_ui(ui, chosen, &here);
+    stability_plot_ui(ui, chosen, &charts.stress);
 }
 
-fn stability_plot_ui(ui: &mut Ui, disturbance: &str, here: &[&StressPoint]) {
-    let mut methods = BTreeMap::<&str, Vec<[f64; 2]>>::new();
-    for point in here {
-        methods.entry(&point.method).or_default().push([point.dial, point.point.psnr_filled_db]);
-    }
-    let methods = methods.into_iter().enumerate();
+/// Shapes of the methods of a stress test, in turn.
+const SHAPES: [MarkerShape; 5] =
+    [MarkerShape::Circle, MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up, MarkerShape::Down];
+
+fn stability_plot_ui(ui: &mut Ui, disturbance: &str, points: &[StressPoint]) {
+    let place = |point: &StressPoint| [point.dial, point.point.psnr_filled_db];
+    let is_here = |point: &&StressPoint| point.disturbance == disturbance;
+    let here: Vec<&StressPoint> = points.iter().filter(is_here).collect();
+    // The looks of a method stay, whichever disturbance is shown.
+    let methods = series(points, |point| point.method.as_str()).into_iter().enumerate();
     let curves: Vec<_> = methods
-        .map(|(index, (method, places))| {
-            (shape(index), camera_cues::color(index), method_name(method), places)
+        .map(|(index, method)| {
+            let places: Vec<_> = method.points.into_iter().filter(is_here).map(place).collect();
+            (SHAPES[index % SHAPES.len()], camera_cues::color(index), method_name(method.kind), places)
         })
+        .filter(|(.., places)| !places.is_empty())
         .collect();
     legend_ui(ui, curves.iter().map(|(shape, color, name, _)| (Mark::Points(*shape), *color, *name)));
     let unit = here.first().map_or("", |point| point.unit.as_str());
     let names = [format!("{} ({unit})", model::words(disturbance)), Quantity::Psnr.axis_name()];
-    let plot = plot("stability", ui, names, [false; 2]);
+    let plot = plot("stability", ui, names, [Scale::Linear; 2]);
     let shown = plot.show(ui, |plot_ui| {
         for (shape, color, name, places) in curves {
             plot_ui.line(Line::new(name, PlotPoints::from(places.clone())).color(color).width(2.0));
             plot_ui.points(Points::new(name, places).color(color).radius(3.5).shape(shape));
         }
-        nearest(plot_ui, here.iter().map(|point| [point.dial, point.point.psnr_filled_db]))
+        nearest(plot_ui, here.iter().copied().map(place))
     });
     shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stress test chart"));
     if let Some(point) = shown.inner.and_then(|index| here.get(index)) {
@@ -264,11 +241,11 @@ mod tests {
 
     #[test]
     fn an_axis_with_one_value_shows_half_a_decade_around_it() {
-        assert_eq!(around([6.0, 6.0].into_iter(), true), Some([5.75, 6.25]));
-        assert_eq!(around([5.0, 6.0].into_iter(), true), None);
-        assert_eq!(around([20.0].into_iter(), false), Some([19.5, 20.5]));
-        assert_eq!(around([f64::INFINITY].into_iter(), false), None);
-        assert_eq!(around([].into_iter(), true), None);
+        assert_eq!(around([6.0, 6.0].into_iter(), Scale::Log), Some([5.75, 6.25]));
+        assert_eq!(around([5.0, 6.0].into_iter(), Scale::Log), None);
+        assert_eq!(around([20.0].into_iter(), Scale::Linear), Some([19.5, 20.5]));
+        assert_eq!(around([f64::INFINITY].into_iter(), Scale::Linear), None);
+        assert_eq!(around([].into_iter(), Scale::Log), None);
     }
 
     #[test]

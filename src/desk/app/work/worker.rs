@@ -13,7 +13,7 @@ use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use crate::app::model::Message;
+use crate::app::model::{Message, WorkKind};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::{Job, Progress};
 
@@ -90,12 +90,12 @@ pub(crate) struct Worker<R> {
 }
 
 impl<R: Send + 'static> Worker<R> {
-    /// Starts the thread. `work` turns a request into the message that answers it; `what` names the work in errors.
+    /// Starts the thread. `work` turns a request into the message that answers it; `kind` names it in errors.
     ///
     /// # Errors
     /// `Io` where the operating system gives no thread.
     pub(crate) fn start(
-        what: &'static str,
+        kind: WorkKind,
         supersede: Supersede,
         outbox: &Outbox,
         mut work: impl FnMut(R, &Job) -> Result<Message> + Send + 'static,
@@ -110,17 +110,17 @@ impl<R: Send + 'static> Worker<R> {
         let shared = Arc::new(Shared { slot: Mutex::new(slot), arrived: Condvar::new() });
         let (inbox, outbox) = (shared.clone(), outbox.clone());
         let thread = std::thread::Builder::new()
-            .name(what.to_owned())
+            .name(format!("{kind:?}"))
             .spawn(move || {
                 while let Some((request, job)) = next(&inbox) {
-                    let answer = run(what, &mut work, request, &job);
+                    let answer = run(kind, &mut work, request, &job);
                     inbox.lock().running = None;
                     if !outbox.send(answer) {
                         break;
                     }
                 }
             })
-            .map_err(|error| Error::io(format!("thread '{what}'"), error))?;
+            .map_err(|error| Error::io(format!("thread '{kind:?}'"), error))?;
         Ok(Self { shared, supersede, thread: Some(thread) })
     }
 
@@ -199,7 +199,7 @@ fn next<R>(shared: &Shared<R>) -> Option<(R, Arc<Job>)> {
 }
 
 fn run<R>(
-    what: &'static str,
+    kind: WorkKind,
     work: &mut impl FnMut(R, &Job) -> Result<Message>,
     request: R,
     job: &Job,
@@ -209,8 +209,8 @@ fn run<R>(
     match outcome {
         Ok(Ok(message)) => message,
         // The error of a cancelled job is of no use.
-        Ok(Err(_)) if job.is_cancelled() => Message::Failed { what, error: Error::Cancelled },
-        Ok(Err(error)) => Message::Failed { what, error },
+        Ok(Err(_)) if job.is_cancelled() => Message::Failed { work: kind, error: Error::Cancelled },
+        Ok(Err(error)) => Message::Failed { work: kind, error },
         Err(panic) => {
             let reason = panic
                 .downcast_ref::<String>()
@@ -221,7 +221,7 @@ fn run<R>(
                 "a fault in Overlook",
                 format!("{reason}; your files are untouched, please report it"),
             );
-            Message::Failed { what, error }
+            Message::Failed { work: kind, error }
         }
     }
 }
@@ -239,7 +239,7 @@ mod tests {
     ) -> (Worker<u32>, Receiver<Message>) {
         let (sender, receiver) = sync_channel(16);
         let outbox = Outbox::new(sender, egui::Context::default());
-        (Worker::start("test", supersede, &outbox, work).unwrap(), receiver)
+        (Worker::start(WorkKind::File, supersede, &outbox, work).unwrap(), receiver)
     }
 
     fn saved(number: u32) -> Message {

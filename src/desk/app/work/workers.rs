@@ -10,7 +10,9 @@ use super::requests::{
 };
 use super::worker::{Outbox, Supersede, Worker};
 use super::{facts, files, histograms, live_image, opening, pruning, source_image, study};
-use crate::app::model::{CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey};
+use crate::app::model::{
+    CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey, WorkKind as Kind,
+};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::inspect::FrameInspection;
@@ -48,6 +50,7 @@ pub(crate) struct Workers {
 impl Workers {
     /// Starts all workers; on the `shared` device of a window the GPU paints the live view.
     pub(crate) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
+        use Supersede::{Alternate, Always, Never, Queue};
         let background = pool("prune", rayon::current_num_threads(), true)?;
         // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
         let decoder = pool("decode", 1, false)?;
@@ -59,73 +62,74 @@ impl Workers {
         let mut filter = live_image::CameraFilter::default();
         let mut comparer = Comparer::new(studying.clone());
         Ok(Self {
-            open: Worker::start("Open", Supersede::Always, outbox, opening::open)?,
-            whole: Worker::start("Prune", Supersede::Always, outbox, move |request, job| {
+            open: Worker::start(Kind::Open, Always, outbox, opening::open)?,
+            whole: Worker::start(Kind::Prune, Always, outbox, move |request, job| {
                 background.install(|| pruning::prune_whole(request, &progress, job))
             })?,
-            inspect: Worker::start("Inspect frame", Supersede::Alternate, outbox, pruning::inspect)?,
+            inspect: Worker::start(Kind::InspectFrame, Alternate, outbox, pruning::inspect)?,
             // A frame made ready for settings just left still serves most of what comes after.
-            prepare: Worker::start("Prepare frame", Supersede::Never, outbox, move |request, job| {
+            prepare: Worker::start(Kind::PrepareFrame, Never, outbox, move |request, job| {
                 preparing.install(|| pruning::prepare(&request, job))
             })?,
             source: Worker::start(
-                "Source picture",
-                Supersede::Never,
+                Kind::SourcePicture,
+                Never,
                 outbox,
                 move |(scene, key): (Arc<OpenScene>, _), _| source_image::paint_source(&scene, key, &decoder),
             )?,
-            live: Worker::start("Live view", Supersede::Never, outbox, move |key, job| {
+            live: Worker::start(Kind::LiveView, Never, outbox, move |key, job| {
                 let picture = live_image::paint(&mut renderer, &mut filter, &key, job)?;
                 Ok(Message::LivePainted { key, picture: Arc::new(picture) })
             })?,
-            measure: Worker::start("Measure accuracy", Supersede::Always, outbox, move |request, job| {
+            measure: Worker::start(Kind::MeasureAccuracy, Always, outbox, move |request, job| {
                 let accuracy = measuring.install(|| measure(&request, job))?;
                 Ok(Message::Measured { scene: request.scene.id, settings: request.settings, accuracy })
             })?,
-            file: Worker::start("File", Supersede::Queue, outbox, |request: FileRequest, job| {
+            file: Worker::start(Kind::File, Queue, outbox, |request: FileRequest, job| {
                 let (title, text) = request.stopped();
                 or_stopped(job, title, text, || files::file(request, job))
             })?,
-            dialog: Worker::start("Dialog", Supersede::Never, outbox, |(purpose, name), _| {
+            dialog: Worker::start(Kind::Dialog, Never, outbox, |(purpose, name), _| {
                 Ok(Message::PathChosen { purpose, path: files::ask(purpose, name) })
             })?,
-            check: Worker::start("Check path", Supersede::Never, outbox, |destination, _| {
+            check: Worker::start(Kind::CheckPath, Never, outbox, |destination, _| {
                 Ok(files::check(destination))
             })?,
-            probe: Worker::start("Pixel explanation", Supersede::Never, outbox, |key: ProbeKey, _| {
+            probe: Worker::start(Kind::PixelExplanation, Never, outbox, |key: ProbeKey, _| {
                 let probed = facts::probe(&key).map(Arc::new);
                 let is_hole = probed.is_none() && key.has_picture();
                 Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
             })?,
             thumbs: Worker::start(
-                "Thumbnails",
-                Supersede::Never,
+                Kind::Thumbnails,
+                Never,
                 outbox,
                 |(scene, inspection): (u64, Arc<FrameInspection>), _| {
                     Ok(Message::Thumbnails { scene, pictures: facts::thumbnails(&inspection) })
                 },
             )?,
             memory: Worker::start(
-                "Memory by camera",
-                Supersede::Never,
+                Kind::MemoryByCamera,
+                Never,
                 outbox,
                 |(scene, samples): (u64, Arc<SampleSet>), _| {
                     Ok(Message::MemoryMapped { scene, cameras: facts::memory(&samples) })
                 },
             )?,
-            histograms: Worker::start("Histograms", Supersede::Never, outbox, |request, _| {
+            histograms: Worker::start(Kind::Histograms, Never, outbox, |request, _| {
                 Ok(histograms::histograms(&request))
             })?,
-            compare: Worker::start("Compare", Supersede::Alternate, outbox, move |key, job| {
+            compare: Worker::start(Kind::Compare, Alternate, outbox, move |key, job| {
                 comparer.answer(key, job)
             })?,
-            export: Worker::start("Export", Supersede::Queue, outbox, |request: ExportRequest, job| {
+            export: Worker::start(Kind::Export, Queue, outbox, |request: ExportRequest, job| {
                 or_stopped(job, "Export stopped", request.target.stopped(), || files::export(&request, job))
             })?,
-            readings: Worker::start("Compare readings", Supersede::Queue, outbox, move |request, _| {
+            readings: Worker::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
             })?,
-            study: Worker::start("Study", Supersede::Always, outbox, move |request, job| {
+            follow: arriving::follower(outbox)?,
+            study: Worker::start(Kind::Study, Always, outbox, move |request, job| {
                 studying.install(|| study::study(request, &points, job))
             })?,
         })

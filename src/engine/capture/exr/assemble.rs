@@ -11,7 +11,7 @@ use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::frame::{Frame, INVALID_INVERSE_DEPTH};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
-use crate::simd::{self, VectorLoop};
+use crate::simd::{self, LANES, VectorLoop};
 
 /// A normal must lean this far away from the viewer, as a cosine, before it counts as the back of a two-sided surface
 /// and is turned. Smooth shading tips normals slightly past the silhouette; turning those would be worse than leaving.
@@ -145,9 +145,6 @@ fn world_normals(
     }
     normals
 }
-
-/// Pixels whose normals are worked out together.
-const LANES: usize = 16;
 
 /// One row of normals.
 struct NormalRow<'a> {

@@ -18,9 +18,10 @@ use crate::job::Job;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer};
 use crate::preprocess::noise::{BRIGHTNESS_BINS, DEPTH_CLASSES, NoiseBetween, brightness_bin, depth_class};
 use crate::preprocess::registration::{
-    CameraPairs, HAS_DEPTH, IN_VIEW, LANES, PixelRun, Registration, RequiredTolerances, SameSurface,
+    CameraPairs, HAS_DEPTH, IN_VIEW, PixelRun, Registration, RequiredTolerances, SameSurface,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT};
+use crate::simd::LANES;
 
 /// Samples of each camera that are looked for in each other one, about; with many cameras fewer.
 const SAMPLES: usize = 8192;

@@ -19,11 +19,11 @@ use crate::job::Job;
 use crate::preprocess::layers::{CameraLayer, is_mixed};
 use crate::preprocess::pruning::lanes_at;
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, LANES, Outcome, PixelRun, Registration, RequiredTolerances, SameSurface, lanes_of,
+    CameraPairs, IN_VIEW, Outcome, PixelRun, Registration, RequiredTolerances, SameSurface, lanes_of,
 };
 use crate::preprocess::temporal::ROOT;
 use crate::samples::Span;
-use crate::simd::{self, VectorLoop};
+use crate::simd::{self, LANES, VectorLoop};
 
 /// What is nearer than a sample by more than this, in footprints, hides it. Much more, and what is hidden by something close by
 /// passes for disagreement.

@@ -19,11 +19,11 @@ use crate::preprocess::pruning::{
     rule_of_dropped,
 };
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, LANES, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface,
+    CameraPairs, IN_VIEW, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::Settings;
-use crate::simd::{self, VectorLoop};
+use crate::simd::{self, LANES, VectorLoop};
 
 /// The candidate lists of a frame of so many `levels`, for tolerances around those of `settings`; `None` where they would take
 /// more than `bytes`, or a sample could have more candidates than are counted.

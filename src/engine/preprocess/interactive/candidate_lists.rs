@@ -13,8 +13,8 @@
 //! Nearly always one is left.
 
 use super::candidate::{ListedCandidate, Tolerances, tolerances};
-use crate::preprocess::registration::LANES;
 use crate::settings::{AgreementRule, PruningSettings, Settings};
+use crate::simd::LANES;
 
 /// The factor by which a tolerance may change, either way, before the lists have to be built again.
 const RANGE: f32 = 4.0;

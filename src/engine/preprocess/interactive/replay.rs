@@ -14,9 +14,10 @@ use crate::preprocess::pruning::{
     BAND_ROWS, DROPPED, KEPT, Rule, Statuses, UNDECIDED, Verdict, is_dropped_as_mixed, may_be_witness,
     rule_of_kept,
 };
-use crate::preprocess::registration::{CameraPairs, LANES, Outcome, SameSurface};
+use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
+use crate::simd::LANES;
 
 /// Decides every sample of `level` of a frame whose lists serve the settings. `verdicts` has one for each pixel of
 /// each camera; those of other levels stay as they are.

@@ -1,11 +1,8 @@
 //! The plane fit of [`normals`](super) for sixteen pixels at a time, wherever they lie.
 
 use super::depth_view::{DepthView, Estimate};
-use crate::simd::VectorLoop;
+use crate::simd::{LANES, VectorLoop};
 use glam::Vec3;
-
-/// Pixels that are fitted at once.
-const LANES: usize = 16;
 
 /// Reach of the window, pixels.
 const RADIUS: i32 = 2;

@@ -7,10 +7,10 @@ use super::pass::PruningPass;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, Rank};
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, LANES, PixelRun, Registration, ReprojectedRun, SameSurface, lanes_of,
+    CameraPairs, IN_VIEW, PixelRun, Registration, ReprojectedRun, SameSurface, lanes_of,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
-use crate::simd;
+use crate::simd::{self, LANES};
 
 /// Another camera that may show something of a band.
 pub(crate) struct OtherCamera<'a> {

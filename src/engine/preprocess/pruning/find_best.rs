@@ -11,10 +11,10 @@ use super::decision::{Rule, Verdict, rule_of_kept};
 use super::pass::{DROPPED, KEPT, PruningPass, SearchBand};
 use crate::preprocess::agreement::VotedRun;
 use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::registration::{LANES, PixelRun};
+use crate::preprocess::registration::PixelRun;
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::PruningMethod;
-use crate::simd::VectorLoop;
+use crate::simd::{LANES, VectorLoop};
 
 /// Rows are compared together until they have so many runs. With fewer, what was read of another camera has left the cache before the
 /// next row needs it; with more, the runs themselves do not fit.

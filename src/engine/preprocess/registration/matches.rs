@@ -1,7 +1,6 @@
 //! What one camera shows of the samples of another: the conditions that each lane of a block meets, as bits, and the outcome.
 
-/// Pixels that are carried at once.
-pub(crate) const LANES: usize = 16;
+use crate::simd::LANES;
 
 /// What another camera shows where a sample's point lies in its picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

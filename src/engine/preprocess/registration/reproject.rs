@@ -8,10 +8,10 @@
 
 use glam::{DVec2, Vec3};
 
-use super::matches::{IN_FRONT, IN_VIEW, LANES};
+use super::matches::{IN_FRONT, IN_VIEW};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
-use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, PackedColor, PackedGeometry, Rank};
-use crate::simd::{self, whole};
+use crate::preprocess::layers::{CameraLayer, PackedColor, PackedGeometry, Ranks};
+use crate::simd::{self, LANES, whole};
 
 /// Carries samples of one camera into another.
 #[derive(Clone, Copy, Debug)]

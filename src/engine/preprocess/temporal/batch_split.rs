@@ -10,10 +10,7 @@ use super::span_tree::halves;
 use super::staticness::StaticTest;
 use crate::color::widened;
 use crate::samples::Span;
-use crate::simd::{self, VectorLoop};
-
-/// Pixels that go down together.
-pub(crate) const LANES: usize = 16;
+use crate::simd::{self, LANES, VectorLoop};
 
 /// The spans within a batch.
 pub(crate) struct ShortSpans {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::staticness::StaticTest;
 use crate::preprocess::noise::{bin_of_rank, rank_of_share};
-use crate::simd::{self, VectorLoop};
+use crate::simd::{self, LANES, VectorLoop};
 
 /// Bins per octave of the histograms of ranges.
 const BINS_PER_OCTAVE: f32 = 4.0;
@@ -102,9 +102,6 @@ impl RangeHistogram {
         }
     }
 }
-
-/// Pixels that are counted together.
-const LANES: usize = 16;
 
 struct Count<'a> {
     shares: &'a mut RangeHistogram,

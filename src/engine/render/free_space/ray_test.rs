@@ -3,9 +3,9 @@
 use super::seen_depth::{FreeDepths, SeenDepths, UNSEEN};
 use crate::capture::Camera;
 use crate::render::geometry::{Projector, focal};
-use crate::render::input::{LANES, LaneValues};
+use crate::render::input::LaneValues;
 use crate::samples::halved_camera;
-use crate::simd::{joined, whole};
+use crate::simd::{LANES, joined, whole};
 
 /// Vectors of inverse depths at which a line of sight is tested.
 const GROUPS: usize = 4;

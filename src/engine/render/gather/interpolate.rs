@@ -6,8 +6,8 @@ use super::reproject::{ReprojectedPoints, agrees, bilinear};
 use super::surface_points::{MOST, SurfacePoints};
 use super::view_weights::{SourceView, SourceViews, TargetPoints};
 use crate::color::widened;
-use crate::render::input::{LANES, LaneValues, Quads, TileCaches};
-use crate::simd::{joined, mask};
+use crate::render::input::{LaneValues, Quads, TileCaches};
+use crate::simd::{LANES, joined, mask};
 
 /// A camera that covers a smaller share of the pixel gives no color.
 const LEAST_COVERAGE: f32 = 1e-3;

@@ -1,8 +1,8 @@
 //! Carries surface points of the vantage back into a camera, sixteen at a time.
 
 use super::view_weights::{SourceView, TargetPoints};
-use crate::render::input::{LANES, LaneValues, Lookup};
-use crate::simd::{joined, whole};
+use crate::render::input::{LaneValues, Lookup};
+use crate::simd::{LANES, joined, whole};
 
 /// Sixteen points in one camera.
 pub(super) struct ReprojectedPoints {

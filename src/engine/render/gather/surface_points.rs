@@ -1,10 +1,9 @@
 //! The surface points of a block of pixels, and their colors as far as they were found.
 
 use super::target::BLOCK;
-use crate::render::input::LANES;
 use crate::render::splat::inverse_depth_of;
 use crate::render::vantage::FrontColor;
-use crate::simd::mask;
+use crate::simd::{LANES, mask};
 
 /// Where less than this share of a pixel is covered by interpolated samples, the nearest sample's own color is mixed in.
 const MIN_COVERAGE: f32 = 0.25;

@@ -4,8 +4,9 @@ use glam::Vec3;
 
 use crate::capture::Camera;
 use crate::render::geometry::{Projector, focal, rays_in_world};
-use crate::render::input::{CellTable, FrameSamples, LANES, LaneValues, Lookup};
+use crate::render::input::{CellTable, FrameSamples, LaneValues, Lookup};
 use crate::settings::RenderSettings;
+use crate::simd::LANES;
 
 /// A higher sampling rate than this many times the vantage's gains nothing: the picture cannot show more.
 const USEFUL_RATE: f32 = 1.5;

@@ -3,7 +3,8 @@
 
 use super::reproject::{ReprojectedPoints, agrees, bilinear};
 use super::view_weights::{SourceViews, TargetPoints};
-use crate::render::input::{LANES, LaneValues, TileCaches};
+use crate::render::input::{LaneValues, TileCaches};
+use crate::simd::LANES;
 
 /// The weight of samples that show nothing, beside agreeing ones: half of it counts for the surface and half against it.
 const UNKNOWN_WEIGHT: f32 = 0.5;

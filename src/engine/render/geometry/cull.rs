@@ -13,7 +13,7 @@ use super::project::Projector;
 use crate::capture::Camera;
 use crate::render::input::{FrameSamples, FrameTile};
 use crate::samples::TILE;
-use crate::simd::{self, VectorLoop};
+use crate::simd::{self, LANES, VectorLoop};
 
 /// Pixels `[left, right) × [top, bottom)` of the target that a tile may touch, clipped to the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,9 +47,6 @@ pub(crate) struct FootprintReach {
     /// Added to it, in projected source pixels.
     pub(crate) source_pixels: f32,
 }
-
-/// Tiles that are bounded together.
-const LANES: usize = 16;
 
 /// The pixels of the target that each tile may touch; empty if none.
 pub(crate) fn bounds(

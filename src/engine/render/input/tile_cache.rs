@@ -10,12 +10,9 @@ use super::dense_tile::MISSING;
 use super::frame_tile::FrameTile;
 use super::tile_grid::Lookup;
 use crate::samples::{TILE, TILE_SAMPLES};
-use crate::simd::joined;
+use crate::simd::{LANES, joined};
 
-/// Points that are looked up together.
-pub(crate) const LANES: usize = 16;
-
-/// One number for each of them.
+/// One number for each point of those that are looked up together.
 pub(crate) type LaneValues = [f32; LANES];
 
 /// Tiles along each side of a cache.

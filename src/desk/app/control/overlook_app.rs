@@ -1,22 +1,21 @@
-//! The window's contents: takes in answers, carries out commands, requests what is missing, and draws.
+//! The window's contents, and what happens between two pictures of it: answers are taken in, commands carried out, and what is
+//! missing is requested.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::control::{self, Memory};
-use super::dock::Dock;
-use super::model::{
-    Busy, Command, DockView, Message, NoticeKind, State, StoppableWork, Stopwatch, Texture, TypedPath,
+use super::remembered::Memory;
+use crate::app::dock::Dock;
+use crate::app::model::{
+    Busy, Command, DockView, Message, NoticeKind, State, StoppableWork, Stopwatch, TypedPath,
 };
-use super::work::{Outbox, Scheduler, Workers};
-use super::{theme, window};
+use crate::app::theme;
+use crate::app::work::{Outbox, Scheduler, Workers};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Result;
-use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::render::gpu::SharedDevice;
-use overlook_engine::settings::Settings;
 
 /// Answers that may wait for the window at once: more than there are workers, so that none of them waits.
 const MESSAGES: usize = 32;
@@ -40,25 +39,25 @@ pub enum Start {
 
 /// The window's contents.
 pub struct OverlookApp {
-    pub(super) state: State,
-    pub(super) workers: Workers,
-    pub(super) scheduler: Scheduler,
-    pub(super) dock: Dock,
-    pub(super) inbox: Receiver<Message>,
-    pub(super) commands: Vec<Command>,
+    pub(crate) state: State,
+    pub(crate) workers: Workers,
+    pub(crate) scheduler: Scheduler,
+    pub(crate) dock: Dock,
+    pub(crate) inbox: Receiver<Message>,
+    pub(crate) commands: Vec<Command>,
     /// When the system's dialog was requested.
-    pub(super) asked_at: Option<Instant>,
+    pub(crate) asked_at: Option<Instant>,
     /// The path that was taken from the field last.
-    pub(super) last_typed: Option<TypedPath>,
-    pub(super) ctx: egui::Context,
+    pub(crate) last_typed: Option<TypedPath>,
+    pub(crate) ctx: egui::Context,
     /// What draws the window, where that is wgpu.
-    pub(super) window: Option<eframe::egui_wgpu::RenderState>,
+    pub(crate) window: Option<eframe::egui_wgpu::RenderState>,
     /// Where a picture of the window is to be written, once it is taken.
-    pub(super) shot_wanted: Option<PathBuf>,
+    pub(crate) shot_wanted: Option<PathBuf>,
     /// The picture of the window that was taken last.
-    pub(super) shot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
+    pub(crate) shot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
     /// When each kind of work that is watched began, by its words.
-    pub(super) stages: std::collections::HashMap<String, Instant>,
+    pub(crate) stages: std::collections::HashMap<String, Instant>,
 }
 
 impl OverlookApp {
@@ -116,120 +115,37 @@ impl OverlookApp {
         Ok(app)
     }
 
-    /// Whether all requested work is done and shown.
-    #[must_use]
-    pub fn is_idle(&self) -> bool {
-        self.workers.are_idle() && self.state.opening.is_none() && self.scheduler.is_up_to_date(&self.state)
+    /// What happens between two pictures of the window: all that changes what it shows.
+    pub(crate) fn between_pictures(&mut self, ctx: &egui::Context) {
+        let watch = Stopwatch::start();
+        while let Ok(message) = self.inbox.try_recv() {
+            self.receive(message);
+        }
+        for command in std::mem::take(&mut self.commands) {
+            self.apply(command);
+        }
+        self.take_dropped_files();
+        self.take_shot();
+        self.advance_time();
+        self.advance_path();
+        self.watch_closing();
+        if let Some(wait) = self.scheduler.request_missing(&self.state, &self.visible_views(), &self.workers)
+        {
+            ctx.request_repaint_after(wait);
+        }
+        self.watch_work();
+        let theme = if self.state.dark { egui::Theme::Dark } else { egui::Theme::Light };
+        if ctx.theme() != theme {
+            ctx.set_theme(theme);
+        }
+        theme::show_tooltips(ctx, !self.state.is_asking());
+        self.state.inspector.meter.logic(watch.spent());
     }
 
-    /// Index of the frame shown.
-    #[must_use]
-    pub fn frame(&self) -> usize {
-        self.state.timeline.frame
-    }
-
-    /// Name of what is open, or `None`.
-    #[must_use]
-    pub fn scene_name(&self) -> Option<&str> {
-        self.state.scene.as_ref().map(|scene| scene.name.as_str())
-    }
-
-    /// The account of the open capture or store, and whether it was made with the settings on the sliders.
-    #[must_use]
-    pub fn report(&self) -> Option<(&Report, bool)> {
-        self.state.report().map(|report| (report, !self.state.is_stale()))
-    }
-
-    /// The settings on the sliders.
-    #[must_use]
-    pub fn settings(&self) -> &Settings {
-        &self.state.settings
-    }
-
-    /// Pixel size of the live picture on screen and the share of it that samples reached; `None` before the first.
-    #[must_use]
-    pub fn live_coverage(&self) -> Option<([usize; 2], f64)> {
-        let shown = self.state.live_shown.as_ref()?;
-        let [width, height] = shown.picture.size;
-        Some(([width, height], 1.0 - shown.picture.stats.holes as f64 / (width * height).max(1) as f64))
-    }
-
-    /// Whether the live picture is shown without its pixels ever having left the device that draws the window.
-    #[must_use]
-    pub fn live_is_on_device(&self) -> bool {
-        self.state.live_shown.as_ref().is_some_and(|shown| matches!(shown.texture, Texture::Painted(_)))
-    }
-
-    /// What egui knows the live picture by; `None` while there is none.
-    #[must_use]
-    pub fn live_texture(&self) -> Option<egui::TextureId> {
-        self.state.live_shown.as_ref().map(|shown| shown.texture.id())
-    }
-
-    /// Position of the live view in world space; `None` while nothing is open.
-    #[must_use]
-    pub fn live_position(&self) -> Option<[f64; 3]> {
-        self.state.live.orbit.as_ref().map(|orbit| orbit.world_from_camera.translation.to_array())
-    }
-
-    /// Index of the camera whose picture the source view shows.
-    #[must_use]
-    pub fn source_camera(&self) -> usize {
-        self.state.source.camera
-    }
-
-    /// Camera, column and row of the selected pixel; `None` while there is none.
-    #[must_use]
-    pub fn probed_pixel(&self) -> Option<(usize, usize, usize)> {
-        self.state.inspector.probe.shown.as_ref().map(|probed| (probed.camera, probed.x, probed.y))
-    }
-
-    /// Text of every message on screen.
-    #[must_use]
-    pub fn notices(&self) -> Vec<String> {
-        self.state.notices.iter().map(|notice| format!("{}: {}", notice.title, notice.text)).collect()
-    }
-
-    /// The view that fills the window, by the name on its tab; `None` where none does.
-    #[must_use]
-    pub fn maximized_view(&self) -> Option<&'static str> {
-        self.state.look.maximized.map(|view| view.name_and_help().0)
-    }
-
-    /// Names of the views that can be seen.
-    #[must_use]
-    pub fn views_in_sight(&self) -> Vec<&'static str> {
-        self.visible_views().into_iter().map(|view| view.name_and_help().0).collect()
-    }
-
-    /// The cameras that the live view shows, each with the place of its middle as shares of the view.
-    #[must_use]
-    pub fn cameras_on_screen(&self) -> Vec<(usize, egui::Vec2)> {
-        let size = self.state.live.size;
-        let (Some(scene), Some(vantage)) = (&self.state.scene, self.state.live_camera(size)) else {
-            return Vec::new();
-        };
-        let [width, height] = size;
-        let cameras = scene.cameras.iter().enumerate();
-        let places = cameras.filter_map(|(index, camera)| {
-            let (pixel, _) = vantage.project(camera.position_in_world())?;
-            let share = egui::vec2(pixel.x as f32 / width as f32, pixel.y as f32 / height as f32);
-            (share.min_elem() > 0.0 && share.max_elem() < 1.0).then_some((index, share))
-        });
-        places.collect()
-    }
-
-    /// Position of a camera in world space; the origin where there is none.
-    #[must_use]
-    pub fn camera_position(&self, camera: usize) -> [f64; 3] {
-        let cameras = self.state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
-        cameras.get(camera).map_or([0.0; 3], |camera| camera.position_in_world().to_array())
-    }
-
-    /// The distance between the two points that were picked, in units of the scene; `None` before both were.
-    #[must_use]
-    pub fn measured_distance(&self) -> Option<f64> {
-        self.state.live.ruler.distance()
+    /// Leaves what the next run brings back.
+    pub(crate) fn remember(&mut self, storage: &mut dyn eframe::Storage) {
+        self.state.remember_picture();
+        Memory::of(&self.state, &self.dock).save(storage);
     }
 
     pub(super) fn visible_views(&self) -> Vec<DockView> {
@@ -293,7 +209,7 @@ impl OverlookApp {
         }
     }
 
-    pub(super) fn watch_work(&mut self) {
+    pub(crate) fn watch_work(&mut self) {
         let workers = &self.workers;
         let watched = [
             (StoppableWork::Open, workers.open.progress(), true),
@@ -329,51 +245,8 @@ impl OverlookApp {
     }
 }
 
-impl eframe::App for OverlookApp {
-    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let watch = Stopwatch::start();
-        while let Ok(message) = self.inbox.try_recv() {
-            self.receive(message);
-        }
-        for command in std::mem::take(&mut self.commands) {
-            self.apply(command);
-        }
-        self.take_dropped_files();
-        self.take_shot();
-        self.advance_time();
-        self.advance_path();
-        self.watch_closing();
-        if let Some(wait) = self.scheduler.request_missing(&self.state, &self.visible_views(), &self.workers)
-        {
-            ctx.request_repaint_after(wait);
-        }
-        self.watch_work();
-        let theme = if self.state.dark { egui::Theme::Dark } else { egui::Theme::Light };
-        if ctx.theme() != theme {
-            ctx.set_theme(theme);
-        }
-        theme::show_tooltips(ctx, !self.state.is_asking());
-        self.state.inspector.meter.logic(watch.spent());
-    }
-
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        let watch = Stopwatch::start();
-        control::commands(ui, &self.state, &mut self.commands);
-        window::window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
-        if !self.commands.is_empty() {
-            ui.ctx().request_repaint();
-        }
-        self.state.inspector.meter.ui(watch.spent());
-    }
-
-    fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        self.state.remember_picture();
-        Memory::of(&self.state, &self.dock).save(storage);
-    }
-}
-
 /// How long the rest takes at the pace so far; `None` while too little is done to estimate it.
-pub(super) fn secs_left(
+pub(crate) fn secs_left(
     work: StoppableWork,
     progress: &overlook_engine::job::Progress,
     elapsed: Duration,
