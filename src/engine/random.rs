@@ -10,11 +10,13 @@ pub fn mix(seed: u64) -> u64 {
 }
 
 /// Two independent numbers between 0 and 1, the ends left out, from the bits of one that is mixed.
+#[must_use]
 pub fn uniform_pair(bits: u64) -> [f32; 2] {
     [bits, bits >> 32].map(|bits| ((bits & 0xff_ffff) as f32 + 0.5) / (1 << 24) as f32)
 }
 
 /// Two independent standard normal numbers from the bits of one that is mixed (George Box and Mervin Muller, 1958).
+#[must_use]
 pub fn gaussian_pair(bits: u64) -> [f32; 2] {
     let [share, turn] = uniform_pair(bits);
     let radius = (-2.0 * share.ln()).sqrt();

@@ -94,20 +94,6 @@ impl Imports {
         reached
     }
 
-    /// The imports between groups of files; files of no group are left out.
-    pub(crate) fn between(&self, group_of: impl Fn(&str) -> Option<String>) -> Self {
-        let groups: Vec<_> = self.files.iter().map(|file| group_of(file)).collect();
-        let files: Vec<_> = groups.iter().flatten().cloned().collect::<BTreeSet<_>>().into_iter().collect();
-        let place = |file: usize| files.binary_search(groups[file].as_ref()?).ok();
-        let mut imported = vec![BTreeSet::new(); files.len()];
-        for (file, others) in self.imported.iter().enumerate() {
-            let Some(own) = place(file) else { continue };
-            imported[own]
-                .extend(others.iter().filter_map(|other| place(*other)).filter(|other| *other != own));
-        }
-        Self { files, imported }
-    }
-
     /// Every import as a pair of names: who imports, and from whom.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
         self.files.iter().zip(&self.imported).flat_map(move |(file, imported)| {

@@ -15,28 +15,29 @@ use imports::Imports;
 /// Modules from the bottom up, each after its crate. A module may use those before it and itself.
 const LAYERS: [&[&str]; 11] = [
     &[
-        "error",
-        "grid",
-        "job",
-        "median",
-        "part",
-        "plural",
-        "color",
-        "random",
-        "settings",
-        "simd",
-        "whole_file",
+        "engine/color",
+        "engine/cover",
+        "engine/error",
+        "engine/grid",
+        "engine/job",
+        "engine/median",
+        "engine/part",
+        "engine/plural",
+        "engine/random",
+        "engine/settings",
+        "engine/simd",
+        "engine/whole_file",
     ],
-    &["capture"],
-    &["alignment"],
-    &["samples", "demo"],
-    &["store", "preprocess"],
-    &["render"],
-    &["rivals"],
-    &["evaluate"],
-    &["cli", "app", "python"],
-    &["lib"],
-    &["main"],
+    &["engine/capture"],
+    &["engine/alignment"],
+    &["engine/samples", "engine/demo"],
+    &["engine/store", "engine/preprocess"],
+    &["engine/render"],
+    &["engine/lib"],
+    &["lab"],
+    &["desk/cli", "desk/app", "python"],
+    &["desk/lib"],
+    &["desk/main"],
 ];
 
 /// Modules that may not use another although it lies below them: pictures are rendered from samples, whoever made them.
@@ -194,28 +195,24 @@ fn no_imports_run_in_a_circle() {
     assert!(circles.is_empty(), "files that import from each other: {circles:#?}");
 }
 
-/// The folder of a file within its module, or the file where it stands beside folders; `None` for files that name what a module holds.
-fn room_of(file: &str) -> Option<String> {
-    let mut parts = file.split('/');
-    let (module, room) = (parts.next()?, parts.next()?.trim_end_matches(".rs"));
-    (room != "mod").then(|| format!("{module}/{room}"))
+#[test]
+fn no_neighbors_import_from_each_other_in_a_circle() {
+    let circles = Imports::read(&sources()).circles_of_neighbors();
+    assert!(circles.is_empty(), "files and folders that import from each other: {circles:#?}");
 }
 
 #[test]
-fn no_imports_between_folders_run_in_a_circle() {
-    let circles = Imports::read(&sources()).between(room_of);
-    let circles = circles.circles();
-    assert!(circles.is_empty(), "folders that import from each other: {circles:#?}");
-    // Two folders whose files do not.
-    let files = [
-        ("module/mod.rs", "mod one;\nmod two;\nmod shown;"),
-        ("module/one/mod.rs", "mod first;\nmod second;"),
-        ("module/one/first.rs", "use crate::module::two::Two;"),
-        ("module/one/second.rs", "pub struct Second;"),
-        ("module/two.rs", "use super::one::second::Second;\npub struct Two(Second);"),
-        ("module/shown.rs", "use super::one;"),
-    ];
-    assert_eq!(planted(&files).between(room_of).circles(), [["module/one", "module/two"]]);
+fn a_planted_circle_between_a_file_and_a_folder_is_found() {
+    let folder = ("desk/app/control/mod.rs", "mod keys;\npub use keys::carry_out;");
+    let keys = ("desk/app/control/keys.rs", "use crate::app::state::State;");
+    let state = ("desk/app/state.rs", "pub struct State;");
+    let window = ("desk/app/window.rs", "use super::control::carry_out;\nuse super::state::State;");
+    assert_eq!(planted(&[folder, keys, state, window]).circles_of_neighbors(), Vec::<Vec<String>>::new());
+    // No file imports from itself through others here, and yet the folder and the file need each other.
+    let back = ("desk/app/state.rs", "use super::control::Other;\npub struct State;");
+    let imports = planted(&[("desk/app/control/mod.rs", "mod keys;\npub struct Other;"), keys, back]);
+    assert!(imports.circles().is_empty());
+    assert_eq!(imports.circles_of_neighbors(), [["desk/app/control", "desk/app/state.rs"]]);
 }
 
 /// The place of a file's folder among the stages of a module; `None` outside of them.

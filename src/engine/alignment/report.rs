@@ -15,6 +15,7 @@ use super::poses::{PoseCorrection, WIDE_LOOK};
 use super::registered_frames::color_camera;
 use super::solver::Problem;
 use crate::capture::{Camera, Capture, Intrinsics};
+use crate::median::median;
 
 /// What was wrong with a capture, and how much better cameras agree without it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

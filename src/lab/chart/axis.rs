@@ -3,6 +3,7 @@
 /// How values are spread along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
+    /// Equal differences take equal room.
     Linear,
     /// Equal factors take equal room; values are positive.
     Log,
@@ -13,7 +14,8 @@ const NARROW: f64 = 4.0;
 
 impl Scale {
     /// Round values from `low` to `high`, ascending; about `count` of them where they are evenly spaced.
-    pub(crate) fn ticks(self, low: f64, high: f64, count: usize) -> Vec<f64> {
+    #[must_use]
+    pub fn ticks(self, low: f64, high: f64, count: usize) -> Vec<f64> {
         if self.is_even(low, high) {
             return multiples(low, high, even_step(low, high, count));
         }
@@ -28,7 +30,8 @@ impl Scale {
     }
 
     /// The number at a tick of [`Self::ticks`], with as many decimals as ticks need to differ.
-    pub(crate) fn label(self, tick: f64, low: f64, high: f64, count: usize) -> String {
+    #[must_use]
+    pub fn label(self, tick: f64, low: f64, high: f64, count: usize) -> String {
         if !self.is_even(low, high) {
             return trimmed(tick, (1.0 - tick.log10().floor()).clamp(0.0, 9.0) as usize);
         }

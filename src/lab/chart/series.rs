@@ -5,20 +5,30 @@ use crate::sweep::Series;
 /// Shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
+    /// A filled circle.
     Dot,
+    /// A filled square.
     Square,
+    /// A filled square on its corner.
     Diamond,
+    /// A filled triangle that points up.
     Up,
+    /// A filled triangle that points down.
     Down,
+    /// Two strokes along the diagonals.
     Cross,
+    /// Two strokes along the axes.
     Plus,
+    /// A star of strokes.
     Star,
+    /// A circle that is not filled.
     Ring,
 }
 
 impl Marker {
     /// The marker of a point of a sweep.
-    pub(crate) fn of(series: Series) -> Self {
+    #[must_use]
+    pub fn of(series: Series) -> Self {
         match series {
             Series::Reference | Series::Variation => Self::Dot,
             Series::NoPruning | Series::TriangleMesh => Self::Up,
@@ -26,7 +36,7 @@ impl Marker {
             Series::FirstCameraAtCount | Series::LayeredDepthImage => Self::Diamond,
             Series::Random => Self::Cross,
             Series::VoxelGrid | Series::Tsdf => Self::Square,
-            Series::SingleCamera | Series::LdiTree => Self::Plus,
+            Series::SingleCamera => Self::Plus,
             Series::Paper | Series::External => Self::Star,
         }
     }

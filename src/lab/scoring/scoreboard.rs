@@ -24,7 +24,7 @@ pub struct Scoreboard {
 
 impl Scoreboard {
     /// Adds a view. Flicker is measured between consecutive views of one vantage; see [`vantage_order`].
-    pub(crate) fn add(&mut self, view: &TruthView, painted: PaintedView) {
+    pub fn add(&mut self, view: &TruthView, painted: PaintedView) {
         if let Some(pair) = &painted.pair {
             self.flicker.add(&view.camera, pair);
         }

@@ -6,7 +6,6 @@ use super::disturbance::Disturbance;
 use crate::rivals::Rival;
 use crate::sweep::{self, Point};
 use crate::trial::PairedDifference;
-use overlook_engine::part::Part;
 use overlook_engine::settings::Settings;
 
 /// A method that is put under stress.

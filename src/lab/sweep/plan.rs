@@ -6,7 +6,6 @@ use crate::rivals::Rival;
 use crate::trial::{Thinning, Trial};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::{Error, Result};
-use overlook_engine::part::Part;
 use overlook_engine::settings::{
     AgreementRule, Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels,
     ValueKind,

@@ -9,7 +9,7 @@ use crate::app::model::{
     Command, Content, Destination, DockView, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
     WorkKind, csv,
 };
-use crate::app::work::{FileRequest, FollowRequest, with_ending};
+use crate::app::work::{FileRequest, with_ending};
 use overlook_engine::error::Error;
 
 /// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
@@ -268,9 +268,6 @@ fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, Str
             "Nothing to compare pictures with",
             no_capture("Open a capture first: a store has no viewpoints with true pictures."),
         ),
-        Purpose::FollowParts => {
-            ("No capture that work is done on", no_capture("Open the capture first that others work on."))
-        }
         Purpose::OpenFile
         | Purpose::OpenFolder
         | Purpose::SaveSettings

@@ -307,7 +307,6 @@ impl OverlookApp {
                 // Nothing goes on from here by itself.
                 self.state.stopped |= self.state.inspected.is_none();
             }
-            WorkKind::FollowParts => self.state.inspector.charts.follow_no_more(),
             _ => {}
         }
         self.state.notify(NoticeKind::Error, work.failure(), error.to_string());

@@ -51,7 +51,6 @@ impl Purpose {
         match self {
             Self::OpenFile | Self::OpenFolder => WorkKind::Open,
             Self::ExportPictures | Self::ExportExr | Self::ExportFilm => WorkKind::Export,
-            Self::FollowParts => WorkKind::FollowParts,
             _ => WorkKind::File,
         }
     }

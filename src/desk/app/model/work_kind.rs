@@ -24,7 +24,6 @@ pub(crate) enum WorkKind {
     Export,
     /// A sweep or a stress test.
     Study,
-    FollowParts,
 }
 
 impl WorkKind {
@@ -49,7 +48,6 @@ impl WorkKind {
             Self::CompareReadings => "Could not compare readings",
             Self::Export => "Could not export the camera path",
             Self::Study => "Could not measure",
-            Self::FollowParts => "Could not follow the parts",
         }
     }
 }

@@ -6,9 +6,9 @@ use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
 use egui_material_icons::MaterialIcon;
 use egui_plot::{GridMark, MarkerShape, Plot, PlotPoint, PlotUi};
 
-use crate::app::model::{Command, Commands, Purpose, State, Study};
+use crate::app::model::{Command, Commands, State, Study};
 use crate::app::theme::Tokens;
-use crate::app::widgets::{empty_ui, weak};
+use crate::app::widgets::empty_ui;
 use overlook_lab::chart::{Marker, Scale};
 
 /// How near the pointer selects a point, points on the screen.

@@ -5,7 +5,7 @@ use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
 use super::chart_parts::{
-    HINT, Mark, follow_ui, legend_ui, nearest, no_points_ui, plot, shape, study_button, tick_label,
+    HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button, tick_label,
 };
 use crate::app::camera_cues;
 use crate::app::model::{

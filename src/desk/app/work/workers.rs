@@ -8,7 +8,8 @@ use super::readings::{self, ReadingRequest};
 use super::requests::{
     ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
 };
-use super::worker::{Outbox, Supersede, Worker};
+use super::worker::Supersede::{Alternate, Always, Never, Queue};
+use super::worker::{Outbox, Worker};
 use super::{facts, files, histograms, live_image, opening, pruning, source_image, study};
 use crate::app::model::{
     CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey, WorkKind as Kind,
@@ -50,7 +51,6 @@ pub(crate) struct Workers {
 impl Workers {
     /// Starts all workers; on the `shared` device of a window the GPU paints the live view.
     pub(crate) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
-        use Supersede::{Alternate, Always, Never, Queue};
         let background = pool("prune", rayon::current_num_threads(), true)?;
         // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
         let decoder = pool("decode", 1, false)?;
@@ -128,7 +128,6 @@ impl Workers {
             readings: Worker::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
             })?,
-            follow: arriving::follower(outbox)?,
             study: Worker::start(Kind::Study, Always, outbox, move |request, job| {
                 studying.install(|| study::study(request, &points, job))
             })?,

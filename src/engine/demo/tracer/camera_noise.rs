@@ -41,6 +41,7 @@ impl RenderNoise {
 
 /// A channel's value, linear and not negative, with noise: `common` is a standard normal number of all channels, `own` one of this
 /// channel alone, and `relative` the deviation of a bright value as a share of it. Never negative.
+#[must_use]
 pub fn with_render_noise(value: f32, relative: f32, common: f32, own: f32) -> f32 {
     let sigma = relative * (value * (value + 0.02)).sqrt();
     (value + sigma * (COMMON * common + OWN * own)).max(0.0)

@@ -8,7 +8,7 @@ use crate::capture::conventions::{self, DepthClaim, PoseConvention};
 use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
 use crate::error::Result;
 use crate::median::median_f32;
-use crate::preprocess::layers::{CameraLayer, Rate};
+use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{Decided, Rule, Verdict};

@@ -8,7 +8,7 @@ use crate::capture::Frame;
 use crate::grid::Grid;
 use crate::preprocess::agreement::{SampleAgreement, VoteTest, VotedRun};
 use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::pruning::{Dispute, Verdict, lanes_at};
+use crate::preprocess::pruning::{Verdict, lanes_at};
 use crate::preprocess::registration::{CameraPairs, Outcome, PixelRun, SameSurface};
 use crate::preprocess::temporal::{PixelClass, ROOT, SpanLevel};
 use crate::samples::{SampleSet, Span};

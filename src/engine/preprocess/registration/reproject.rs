@@ -10,7 +10,7 @@ use glam::{DVec2, Vec3};
 
 use super::matches::{IN_FRONT, IN_VIEW};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
-use crate::preprocess::layers::{CameraLayer, PackedColor, PackedGeometry, Ranks};
+use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, PackedColor, PackedGeometry, Rank};
 use crate::simd::{self, LANES, whole};
 
 /// Carries samples of one camera into another.

@@ -7,15 +7,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::{self, PaintingArgs, PartArgs, SettingsArgs};
-use crate::cli::output::{self, CommandError, Inputs, PartFiles, PicturePaths};
+use crate::cli::input::{self, PaintingArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::{TruthView, transforms};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::Report;
-use overlook_engine::store::file::StoreInfo;
 use overlook_lab::truth::{CorrectedViews, ViewCorrections};
-use views::{ViewPainting, ViewRecord};
+use views::ViewPainting;
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {

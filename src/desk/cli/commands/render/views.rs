@@ -1,6 +1,7 @@
 //! Views of a store, rendered, written and scored.
 
 use crate::cli::output::PicturePaths;
+use overlook_engine::capture::{Camera, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::render::Renderer;
