@@ -1,51 +1,125 @@
-//! The small figures of RESULTS.md are made again and compared.
+//! RESULTS.md and its data are of the settings that the program comes with, and their small figures are made again and compared.
 
-use std::fmt::Write;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use overlook_engine::job::Job;
 use overlook_engine::settings::{Kernel, Settings};
-use overlook_lab::sweep::{self, Series, SweepPlan};
+use overlook_lab::sweep::{self, Point, Series, SweepPlan};
 use overlook_lab::truth::Truth;
+use serde_json::Value;
 
 use super::small_capture;
 
-/// What `overlook sweep assets/small_capture --vary render.kernel=gather --out small` measures with
-/// the kernel `gather` and with the paper's settings, as RESULTS.md shows it.
-fn small_table() -> String {
+/// The command that measures everything again and writes the page.
+const RENEW: &str = "assets/results/make.py target/release/overlook";
+
+fn file(path: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
+}
+
+fn results() -> Value {
+    serde_json::from_str(&file("assets/results/results.json")).unwrap()
+}
+
+/// The value of every setting by its path, out of lines of TOML.
+fn values<'a>(lines: impl Iterator<Item = &'a str>) -> BTreeMap<String, String> {
+    let (mut section, mut values) = ("", BTreeMap::new());
+    for line in lines {
+        if let Some(name) = line.strip_prefix('[').and_then(|line| line.strip_suffix(']')) {
+            section = name;
+        } else if let Some((name, value)) = line.split_once(" = ") {
+            values.insert(format!("{section}.{name}"), value.to_owned());
+        }
+    }
+    values
+}
+
+#[test]
+fn the_results_page_is_of_the_settings_that_the_program_comes_with() {
+    let results = results();
+    let measured = values(results["settings"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()));
+    let defaults = Settings::default().to_toml();
+    let defaults = values(defaults.lines());
+    assert!(defaults.len() > 30, "{defaults:?}");
+    let paths = measured.keys().chain(defaults.keys().filter(|path| !measured.contains_key(*path)));
+    let said = |value: Option<&String>| value.map_or("no such setting", String::as_str).to_owned();
+    let differing: Vec<String> = paths
+        .filter(|path| measured.get(*path) != defaults.get(*path))
+        .map(|path| {
+            format!("{path}: page {}, program {}", said(measured.get(path)), said(defaults.get(path)))
+        })
+        .collect();
+    assert!(
+        differing.is_empty(),
+        "RESULTS.md is of other default settings; '{RENEW}' renews it\n{}",
+        differing.join("\n")
+    );
+}
+
+#[test]
+fn the_results_page_is_made_of_its_data() {
+    let (results, page) = (results(), file("RESULTS.md"));
+    let fingerprint = results["settings_fingerprint"].as_str().unwrap();
+    let captures = results["captures"].as_array().unwrap();
+    assert!(captures.len() >= 5, "{} captures", captures.len());
+    let rows = captures.iter().map(|capture| {
+        let ours = &capture["methods"]["ours"];
+        let [surfaces, seen] = ["db_surfaces", "db_seen"].map(|name| ours[name].as_f64().unwrap_or(f64::NAN));
+        let decibels = format!("| **ours** | {surfaces:.2} | {seen:.2} |").replace("NaN", "–");
+        format!("| `{}` {decibels}", capture["name"].as_str().unwrap())
+    });
+    for wanted in rows.chain([format!("`{fingerprint}`")]) {
+        assert!(
+            page.contains(&wanted),
+            "RESULTS.md lacks '{wanted}'; 'assets/results/make.py --write-only' writes it from its data"
+        );
+    }
+    assert!(page.lines().count() <= 200, "the page has {} lines", page.lines().count());
+}
+
+/// What `overlook sweep assets/small_capture` measures with the kernel `gather` and with the paper's settings.
+fn measured_now() -> Vec<Point> {
     let capture = small_capture::capture();
     let truth = Truth::Views(small_capture::views());
-    let settings = Settings::default();
-    let mut plan = SweepPlan::grid(&settings, &[], &capture).unwrap();
+    let mut plan = SweepPlan::grid(&Settings::default(), &[], &capture).unwrap();
     plan.trials.retain(|planned| {
         // Rivals are rendered by no kernel.
         !planned.series.is_rival()
             && (planned.trial.settings.render.kernel == Kernel::Gather || planned.series == Series::Paper)
     });
-    let points = sweep::run(&capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap();
-    let mut table = String::new();
-    for point in points {
-        let _ = writeln!(
-            table,
-            "| {} | {:.2} ± {:.2} | {:.2} | {:.3} | {:.3} | {:.3} | {} |",
-            point.label,
-            point.psnr_filled_db,
-            point.psnr_filled_db_se,
-            point.psnr_db,
-            point.ssim,
-            point.flip,
-            point.coverage,
-            point.samples
-        );
-    }
-    table
+    sweep::run(&capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap()
 }
 
 #[test]
 fn the_small_figures_of_the_results_page_are_what_the_program_measures() {
-    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("RESULTS.md")).unwrap();
-    let table = small_table();
-    for row in table.lines() {
-        assert!(page.contains(row), "RESULTS.md lacks\n{row}\nof\n{table}");
+    let results = results();
+    let captures = results["captures"].as_array().unwrap();
+    let small = captures.iter().find(|capture| capture["name"] == "small_capture").unwrap();
+    let published = small["points"].as_array().unwrap();
+    let mut compared = 0;
+    for point in measured_now() {
+        let of_point = |published: &&Value| published["label"] == point.label.as_str();
+        let published =
+            published.iter().find(of_point).unwrap_or_else(|| panic!("no figures of '{}'", point.label));
+        let figures = [
+            ("db_seen", point.psnr_filled_db),
+            ("db_seen_se", point.psnr_filled_db_se),
+            ("ssim", point.ssim),
+            ("flip", point.flip),
+            ("coverage", point.coverage),
+            ("samples", point.samples as f64),
+            ("bytes", point.bytes as f64),
+        ];
+        for (name, now) in figures {
+            let before = published[name].as_f64().unwrap();
+            assert!(
+                (now - before).abs() < 6e-5,
+                "{}, {name}: published {before}, now {now}; '{RENEW}' renews it",
+                point.label
+            );
+        }
+        compared += 1;
     }
+    assert!(compared >= 8, "{compared} rows");
 }

@@ -11,7 +11,7 @@ use overlook_engine::settings::Kernel;
 
 const BYTES: &str = "samples in the store, MB";
 const WIDTH: f64 = 1800.0;
-const HEIGHT: f64 = 1040.0;
+const HEIGHT: f64 = 1080.0;
 const TOP: f64 = 110.0;
 const BOTTOM: f64 = 800.0;
 const BAR: &str = "#c3c9d1";

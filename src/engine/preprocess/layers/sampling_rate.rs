@@ -13,7 +13,7 @@
 //! optical axis, and the longest side of that area, `z √(cos α) / (min(fx, fy) cos θ)`, which is
 //! `z √(cos α / (fx fy)) / cos θ` where pixels are square. A surface is resolved no better than along the longest side: on
 //! every capture tried, the longest side keeps fewer samples than the area and comes closer to the truth
-//! (`overlook sweep`, RESULTS.md). Where cameras are alike it orders samples as the paper does, but for α.
+//! (`overlook sweep`, assets/results/notebook.md). Where cameras are alike it orders samples as the paper does, but for α.
 
 use glam::Vec3;
 
