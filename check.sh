@@ -16,21 +16,18 @@ step() { printf '\n== %s\n' "$*"; }
 step "formatting"
 cargo fmt --check
 step "lints"
-cargo clippy --locked --all-targets -- -D warnings
-cargo clippy --locked --package overlook-python -- -D warnings
+cargo clippy --locked --workspace --all-targets -- -D warnings
 step "documentation"
-RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --quiet
+RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --quiet --workspace --exclude overlook-python
 step "tests"
 # Where nobody is logged in there is no folder for sockets, which the graphics driver's libraries call an error, once a test.
 if [ -z "${XDG_RUNTIME_DIR:-}" ]; then
     mkdir -p target/runtime && chmod 700 target/runtime
     export XDG_RUNTIME_DIR="$PWD/target/runtime"
 fi
-# The software adapter was installed above, and so was what a real window needs: where they are missing, the renderer on the one and
-# the program in the other must not go untested.
-OVERLOOK_REQUIRE_GPU=1 OVERLOOK_REQUIRE_WINDOW=1 cargo test --locked --no-fail-fast
-step "Python module"
-# Built like the tests, so that most of it is built already. Its own tests compare it with the command line.
+# The Python module is built and tested with everything else; its own tests compare it with the command line.
 python3 -m venv target/python
-MATURIN_PEP517_ARGS="--profile dev" target/python/bin/pip install --quiet --disable-pip-version-check ".[test]"
-OVERLOOK="$(realpath "${CARGO_TARGET_DIR:-target}")/debug/overlook" target/python/bin/python -m pytest --quiet
+target/python/bin/pip install --quiet --disable-pip-version-check "numpy>=1.24" "pytest>=8" "OpenEXR>=3.3"
+export OVERLOOK_PYTHON="$PWD/target/python/bin/python"
+# All that a test may lack was installed above: where it is missing after all, what it tests must not go untested.
+OVERLOOK_REQUIRE_GPU=1 OVERLOOK_REQUIRE_WINDOW=1 OVERLOOK_REQUIRE_PYTHON=1 cargo test --locked --workspace --no-fail-fast

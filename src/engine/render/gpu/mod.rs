@@ -10,7 +10,7 @@
 //! What differs from the CPU renderer: one thread a sample instead of one a band of rows, so keys are raised and colors are
 //! summed by atomics, colors in fixed point. Neither result depends on the order of the threads. Shader compilers may contract
 //! sums and divide in other ways than the CPU: a sample's position and depth may differ in the last bits, and so may the pixel
-//! of a sample on the border of two. `tests/gpu_parity.rs` holds the limits.
+//! of a sample on the border of two. `tests/render/gpu_parity.rs` holds the limits.
 
 mod context;
 mod copy;
