@@ -30,9 +30,8 @@ mod yuv;
 
 pub(crate) use camera::is_believable_size;
 pub use camera::{Camera, Intrinsics, PixelSide};
-pub use derived_frames::with_changed_frames;
 pub(crate) use derived_frames::with_frames_made_of;
-pub use derived_frames::with_reindexed_frames;
+pub use derived_frames::{with_changed_frames, with_reindexed_frames};
 pub use frame::{Frame, INVALID_INVERSE_DEPTH};
 pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
 pub use open::{Source, open};

@@ -17,11 +17,7 @@ mod render_stages;
 mod report;
 mod scene;
 
-pub use report::Limit;
-pub use report::LimitKind;
-pub use report::Machine;
-pub use report::SpeedReport;
-pub use report::StageSpeed;
+pub use report::{Limit, LimitKind, Machine, SpeedReport, StageSpeed};
 
 use rayon::ThreadPool;
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::results::Figure;
+use super::results::CaptionedPicture;
 
 /// Text as HTML shows it.
 pub(super) fn escaped(text: &str) -> String {
@@ -30,7 +30,7 @@ pub(super) fn table(head: &[&str], rows: &[Vec<String>]) -> String {
 }
 
 /// A picture in the page itself, with its caption.
-pub(super) fn figure(figure: &Figure) -> String {
+pub(super) fn figure(figure: &CaptionedPicture) -> String {
     let caption = escaped(&figure.caption);
     format!(
         "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\"><figcaption>{caption}</figcaption></figure>\n",
@@ -61,7 +61,7 @@ mod tests {
             ("foobar", "Zm9vYmFy"),
         ];
         for (plain, encoded) in vectors {
-            let shown = figure(&Figure { caption: String::new(), png: plain.as_bytes().to_vec() });
+            let shown = figure(&CaptionedPicture { caption: String::new(), png: plain.as_bytes().to_vec() });
             assert!(shown.contains(&format!("base64,{encoded}\"")), "{shown}");
         }
     }

@@ -11,8 +11,7 @@ mod sections;
 mod together;
 
 pub use page::page;
-pub use results::CaptureResults;
-pub use results::Figure;
+pub use results::{CaptionedPicture, CaptureResults};
 
 #[cfg(test)]
 mod tests {

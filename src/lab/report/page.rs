@@ -72,7 +72,7 @@ pub fn page(captures: &[CaptureResults]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::results::Figure;
+    use super::super::results::CaptionedPicture;
     use super::super::tests::capture;
     use super::*;
 
@@ -81,7 +81,7 @@ mod tests {
         let mut first = capture("a <b>", 20.0, 21.0);
         first.commands = vec!["overlook sweep \"a\" --out x".to_owned()];
         first.versions = vec!["1.2.3".to_owned()];
-        first.worst = vec![Figure { caption: "view 1 & 2".to_owned(), png: vec![1, 2, 3] }];
+        first.worst = vec![CaptionedPicture { caption: "view 1 & 2".to_owned(), png: vec![1, 2, 3] }];
         let html = page(&[first, capture("b", 40.0, 36.0)]);
         for wanted in [
             "a &lt;b&gt;",

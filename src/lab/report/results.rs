@@ -24,14 +24,14 @@ pub struct CaptureResults {
     /// The fewest views that show everything, where they were chosen.
     pub views: Option<ChosenViews>,
     /// The worst views of the sweep's default.
-    pub worst: Vec<Figure>,
+    pub worst: Vec<CaptionedPicture>,
     /// At the breaking points of the stress test.
-    pub breaking: Vec<Figure>,
+    pub breaking: Vec<CaptionedPicture>,
 }
 
 /// A picture with what it shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Figure {
+pub struct CaptionedPicture {
     /// What it shows, in a sentence.
     pub caption: String,
     /// The picture as a file in PNG.

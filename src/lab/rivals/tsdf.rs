@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::model::{RecordedView, RivalModel, deflated, median_footprint};
 use super::sky::Sky;
-use super::tsdf_volume::{Block, ByPlace, SIDE, Volume, Voxel, packed};
+use super::tsdf_volume::{ByPlace, SIDE, Volume, Voxel, VoxelBlock, packed};
 use overlook_engine::capture::Camera;
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
 use overlook_engine::error::{Error, Result};
@@ -127,7 +127,7 @@ impl EncodedView {
 }
 
 /// Takes every observation of a block's voxels into their means.
-fn integrate(block: &mut Block, voxel: f64, views: &[EncodedView], farthest: f64) {
+fn integrate(block: &mut VoxelBlock, voxel: f64, views: &[EncodedView], farthest: f64) {
     let truncation = TRUNCATION_VOXELS * voxel;
     let corner = block.place * SIDE;
     for view in block.views.iter().map(|view| &views[*view as usize]) {

@@ -25,7 +25,7 @@ pub(super) struct Voxel {
 }
 
 /// A cube of voxels.
-pub(super) struct Block {
+pub(super) struct VoxelBlock {
     /// Place, in blocks.
     pub(super) place: IVec3,
     /// x fastest, then y, then z.
@@ -69,7 +69,7 @@ pub(super) struct Volume {
     /// Width of a voxel, in the capture's unit.
     pub(super) voxel: f64,
     /// In the order of their places.
-    pub(super) blocks: Vec<Block>,
+    pub(super) blocks: Vec<VoxelBlock>,
     index: ByPlace<u32>,
 }
 
@@ -79,7 +79,7 @@ impl Volume {
         places.sort_unstable_by_key(|(place, _)| place.to_array());
         let number = |(index, (place, _)): (usize, &(IVec3, Vec<u32>))| Some((packed(*place)?, index as u32));
         let index = places.iter().enumerate().filter_map(number).collect();
-        let block = |(place, views)| Block { place, voxels: vec![Voxel::default(); VOXELS], views };
+        let block = |(place, views)| VoxelBlock { place, voxels: vec![Voxel::default(); VOXELS], views };
         Self { voxel, blocks: places.into_iter().map(block).collect(), index }
     }
 
@@ -89,7 +89,7 @@ impl Volume {
     }
 
     /// The block at a place.
-    pub(super) fn block(&self, place: IVec3) -> Option<&Block> {
+    pub(super) fn block(&self, place: IVec3) -> Option<&VoxelBlock> {
         self.blocks.get(*self.index.get(&packed(place)?)? as usize)
     }
 

@@ -17,9 +17,7 @@ mod plan;
 mod recording_edits;
 mod shapes;
 
-pub use breaking::breaking_views;
-pub use breaking::distinct;
-pub use breaking::{BreakingPoint, LOST_DB, failures};
+pub use breaking::{BreakingPoint, LOST_DB, breaking_views, distinct, failures};
 pub use disturbance::Disturbance;
 pub use measure::run;
 pub use plan::{Method, StressPlan, StressPoint};

@@ -25,7 +25,7 @@ pub(super) struct Inserted {
 }
 
 /// Where the scene is, and how large.
-struct Extent {
+struct SceneExtent {
     center: DVec3,
     /// Median distance of surfaces from the center.
     reach: f64,
@@ -36,7 +36,7 @@ struct Extent {
 /// One pixel in this many is used to find where the scene is.
 const STRIDE: usize = 61;
 
-impl Extent {
+impl SceneExtent {
     fn of(capture: &Capture) -> Result<Self> {
         let mut points = Vec::new();
         for (index, camera) in capture.cameras.iter().enumerate() {
@@ -77,7 +77,7 @@ impl Inserted {
     /// Upright and leaning bars around the middle of the scene, with a thickness in pixels.
     pub(super) fn bars(capture: &Capture, thickness_px: f64) -> Result<Self> {
         const BARS: usize = 9;
-        let Extent { center, reach, pixel } = Extent::of(capture)?;
+        let SceneExtent { center, reach, pixel } = SceneExtent::of(capture)?;
         let up = capture.up_in_world;
         let across = up.any_orthonormal_vector();
         let bar = |index: usize| {
@@ -93,7 +93,7 @@ impl Inserted {
 
     /// A panel in the middle of the scene, with the angle between its normal and the view of the first camera.
     pub(super) fn panel(capture: &Capture, degrees: f64) -> Result<Self> {
-        let Extent { center, reach, pixel } = Extent::of(capture)?;
+        let SceneExtent { center, reach, pixel } = SceneExtent::of(capture)?;
         let eye = capture.cameras.first().map_or(center + capture.up_in_world, Camera::position_in_world);
         let toward = (eye - center).try_normalize().unwrap_or(DVec3::Z);
         let side = toward.cross(capture.up_in_world).try_normalize().unwrap_or(DVec3::X);

@@ -11,8 +11,7 @@ mod trial_result;
 mod trial_setting;
 mod workbench;
 
-pub use compare::compare_each;
-pub use compare::{MethodComparison, MethodScore, compare};
+pub use compare::{MethodComparison, MethodScore, compare, compare_each};
 pub(crate) use eta::TimeLeft;
 pub use paired::{PairedDifference, ViewAccuracy};
 pub use shown_view::ShownView;

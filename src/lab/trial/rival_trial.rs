@@ -23,46 +23,32 @@ pub(super) struct RivalResult {
     pub(super) bytes: Option<u64>,
 }
 
-/// Measures a method at all views of a fold. A model is built for each frame that has a view, and its size stands for that of the
-/// others.
+/// The views of a fold as a method renders them.
+struct RenderedViews {
+    /// The picture of each view and the milliseconds that it took; `None` for a view that was not rendered.
+    pictures: Vec<Option<(Picture, f64)>>,
+    /// Frames that have a view; a model was built for each.
+    frames: usize,
+    /// Bytes of these models; `None` if the method keeps all pictures.
+    bytes: Option<u64>,
+    /// Seconds that building them took.
+    seconds: f64,
+}
+
+/// Measures a method at all views of a fold. The models of the frames that have a view tell the size of those of all frames.
 pub(super) fn measure(
     rival: Rival,
     fold: &Fold,
     settings: &RenderSettings,
     job: &Job,
 ) -> Result<RivalResult> {
-    let filling = RenderSettings { fill: Fill::PushPull, ..settings.clone() };
     let capture = &fold.capture;
-    let mut by_frame: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (index, view) in fold.views.iter().enumerate() {
-        by_frame.entry(frame_of(view, &capture.name, &capture.frame_numbers)?).or_default().push(index);
-    }
-    job.start(format!("Rendering {}", rival.name()), fold.views.len());
-    let mut painted: Vec<Option<(Picture, f64)>> = vec![None; fold.views.len()];
-    let (mut bytes, mut seconds, frames) = (Some(0), 0.0, by_frame.len());
-    for (frame, views) in by_frame {
-        job.check()?;
-        let building = Instant::now();
-        let model = rival.build(&seen_at(capture, frame)?)?;
-        seconds += building.elapsed().as_secs_f64();
-        bytes = bytes.zip(model.bytes()).map(|(sum, bytes): (u64, u64)| sum + bytes);
-        for index in views {
-            job.check()?;
-            let view = &fold.views[index];
-            let (camera, started) = (&view.camera, Instant::now());
-            let mut picture = model.render(camera);
-            let milliseconds = started.elapsed().as_secs_f64() * 1e3;
-            fill(&mut picture, camera, &filling);
-            view.expose(&mut picture.color);
-            painted[index] = Some((picture, milliseconds));
-            job.advance(1);
-        }
-    }
+    let RenderedViews { pictures, frames, bytes, seconds } = rendered_views(rival, fold, settings, job)?;
     let (mut scores, mut class_errors, mut times) =
         (Scoreboard::default(), ClassErrors::default(), Vec::new());
     let pixels = capture.pixel_count();
-    for ((view, classes), painted) in fold.views.iter().zip(&fold.classes).zip(painted) {
-        let Some((picture, milliseconds)) = painted else {
+    for ((view, classes), rendered) in fold.views.iter().zip(&fold.classes).zip(pictures) {
+        let Some((picture, milliseconds)) = rendered else {
             return Err(Error::invalid(&view.file_path, "was not rendered"));
         };
         times.push(milliseconds);
@@ -89,6 +75,38 @@ pub(super) fn measure(
         ..TrialResult::default()
     };
     Ok(RivalResult { result, bytes })
+}
+
+/// Builds a model for each frame that has a view, and renders the views of that frame. Only one model is in memory at a time.
+fn rendered_views(rival: Rival, fold: &Fold, settings: &RenderSettings, job: &Job) -> Result<RenderedViews> {
+    let filling = RenderSettings { fill: Fill::PushPull, ..settings.clone() };
+    let capture = &fold.capture;
+    let mut by_frame: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (index, view) in fold.views.iter().enumerate() {
+        by_frame.entry(frame_of(view, &capture.name, &capture.frame_numbers)?).or_default().push(index);
+    }
+    job.start(format!("Rendering {}", rival.name()), fold.views.len());
+    let mut pictures: Vec<Option<(Picture, f64)>> = vec![None; fold.views.len()];
+    let (mut bytes, mut seconds, frames) = (Some(0), 0.0, by_frame.len());
+    for (frame, views) in by_frame {
+        job.check()?;
+        let building = Instant::now();
+        let model = rival.build(&seen_at(capture, frame)?)?;
+        seconds += building.elapsed().as_secs_f64();
+        bytes = bytes.zip(model.bytes()).map(|(sum, bytes): (u64, u64)| sum + bytes);
+        for index in views {
+            job.check()?;
+            let view = &fold.views[index];
+            let (camera, started) = (&view.camera, Instant::now());
+            let mut picture = model.render(camera);
+            let milliseconds = started.elapsed().as_secs_f64() * 1e3;
+            fill(&mut picture, camera, &filling);
+            view.expose(&mut picture.color);
+            pictures[index] = Some((picture, milliseconds));
+            job.advance(1);
+        }
+    }
+    Ok(RenderedViews { pictures, frames, bytes, seconds })
 }
 
 /// What several folds gave together: means, medians over views, and all vantages.

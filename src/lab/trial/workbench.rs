@@ -19,7 +19,7 @@ use super::trial_result::{TrialResult, scores_by_vantage};
 use super::trial_setting::{ModelKey, Thinning, Trial};
 use crate::metrics::{ClassErrors, ClassMap};
 use crate::rivals::Rival;
-use crate::scoring::{Scoreboard, render_view};
+use crate::scoring::{Evaluation, Scoreboard, render_view};
 use crate::truth::{Fold, Recorded, Truth, views_as_taken};
 use overlook_engine::capture::TruthView;
 use overlook_engine::error::{Error, Result};
@@ -126,7 +126,6 @@ impl Workbench {
             return self.measure_rival(rival, trial, job);
         }
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
-        let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
         let (mut models, mut evaluations, mut vantages) = (Vec::new(), Vec::new(), Vec::new());
         let mut class_errors = ClassErrors::default();
         for fold in &mut self.folds {
@@ -134,24 +133,7 @@ impl Workbench {
                 continue;
             }
             let model = fold.model(trial, &self.reference, job)?;
-            job.start("Scoring views", fold.fold.views.len());
-            let mut scores = Scoreboard::default();
-            for (view, classes) in model.seen(&fold.fold.views).iter().zip(&fold.fold.classes) {
-                job.check()?;
-                let classes = classes.as_deref();
-                let mut painted = render_view(renderer, &model.samples, view, classes, &filling, job)?;
-                if let (Backend::Gpu, Some(why)) = (filling.backend, &painted.notice) {
-                    return Err(Error::Gpu {
-                        what: format!("'{}' asks for the GPU, but {why}", trial.label),
-                    });
-                }
-                // Filling is the same for all kernels and baselines, and no part of the paper's method.
-                painted.score.milliseconds -= painted.fill_ms;
-                class_errors.add(&painted.class_errors.unwrap_or_default());
-                scores.add(view, painted);
-                job.advance(1);
-            }
-            let evaluation = scores.finish();
+            let evaluation = score_views(renderer, trial, &fold.fold, &model, &mut class_errors, job)?;
             vantages.extend(scores_by_vantage(&fold.fold.views, &evaluation));
             evaluations.push(evaluation);
             models.push(model);
@@ -231,7 +213,35 @@ impl Workbench {
     }
 }
 
-/// The renderer for a backend, opened when it is first asked for.
+/// Renders and scores all views of a fold, and adds to the errors by class.
+fn score_views(
+    renderer: &mut Renderer,
+    trial: &Trial,
+    fold: &Fold,
+    model: &FoldSamples,
+    class_errors: &mut ClassErrors,
+    job: &Job,
+) -> Result<Evaluation> {
+    let filling = RenderSettings { fill: Fill::PushPull, ..trial.settings.render.clone() };
+    job.start("Scoring views", fold.views.len());
+    let mut scores = Scoreboard::default();
+    for (view, classes) in model.seen(&fold.views).iter().zip(&fold.classes) {
+        job.check()?;
+        let classes = classes.as_deref();
+        let mut painted = render_view(renderer, &model.samples, view, classes, &filling, job)?;
+        if let (Backend::Gpu, Some(why)) = (filling.backend, &painted.notice) {
+            return Err(Error::Gpu { what: format!("'{}' asks for the GPU, but {why}", trial.label) });
+        }
+        // Filling is the same for all kernels and baselines, and no part of the paper's method.
+        painted.score.milliseconds -= painted.fill_ms;
+        class_errors.add(&painted.class_errors.unwrap_or_default());
+        scores.add(view, painted);
+        job.advance(1);
+    }
+    Ok(scores.finish())
+}
+
+/// The renderer for a backend, opened at its first use.
 fn opened(renderers: &mut HashMap<Backend, Renderer>, backend: Backend) -> Result<&mut Renderer> {
     Ok(match renderers.entry(backend) {
         Entry::Occupied(known) => known.into_mut(),

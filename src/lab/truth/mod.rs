@@ -7,10 +7,8 @@ mod picture_numbers;
 mod subset;
 mod view_corrections;
 
-pub use error_classes::class_map;
-pub use error_classes::class_maps;
 pub(crate) use error_classes::is_surface_at;
-pub use error_classes::seen_at;
+pub use error_classes::{class_map, class_maps, seen_at};
 pub(crate) use folds::masked_one_by_one;
 pub use folds::{Fold, Recorded, Truth, TruthEdit};
 pub(crate) use hold_out::evenly_spaced;

@@ -68,13 +68,13 @@ pub struct CorrectedViews {
     pub exposures: usize,
 }
 
-/// Where a picture was taken.
-struct Place<'a> {
+/// The pose that a picture was taken from, and the number in the name of its file.
+struct PicturePose<'a> {
     number: Option<&'a PictureNumber>,
     world_from_camera: DAffine3,
 }
 
-/// Cameras beside a place, with the share of each, and the gap that they leave.
+/// Cameras beside a pose, with the share of each, and the gap that they leave.
 struct Neighborhood {
     shares: [(usize, f64); 2],
     gap: f64,
@@ -156,8 +156,8 @@ impl<'a> ViewCorrections<'a> {
         (!parts.is_empty()).then(|| format!("views beside the capture: each {}", parts.join(", ")))
     }
 
-    fn place(&self, camera: usize) -> Place<'_> {
-        Place {
+    fn pose(&self, camera: usize) -> PicturePose<'_> {
+        PicturePose {
             number: self.numbers[camera].as_ref(),
             world_from_camera: self.cameras[camera].world_from_camera,
         }
@@ -166,14 +166,14 @@ impl<'a> ViewCorrections<'a> {
     /// The neighbors of each camera, itself left out; `None` where it has none.
     fn beside_each(&self, along: Along) -> Vec<Option<Neighborhood>> {
         let cameras = 0..self.cameras.len();
-        cameras.map(|camera| self.beside(along, &self.place(camera), Some(camera))).collect()
+        cameras.map(|camera| self.beside(along, &self.pose(camera), Some(camera))).collect()
     }
 
-    fn beside(&self, along: Along, place: &Place, without: Option<usize>) -> Option<Neighborhood> {
+    fn beside(&self, along: Along, at: &PicturePose, without: Option<usize>) -> Option<Neighborhood> {
         let others = (0..self.cameras.len()).filter(|index| Some(*index) != without);
         match along {
-            Along::Numbers => self.beside_number(place.number?, others),
-            Along::Poses => self.beside_pose(&place.world_from_camera, others),
+            Along::Numbers => self.beside_number(at.number?, others),
+            Along::Poses => self.beside_pose(&at.world_from_camera, others),
         }
     }
 
@@ -213,30 +213,30 @@ impl<'a> ViewCorrections<'a> {
     }
 
     /// The cameras that predict what is wrong with a view; `None` where none do.
-    fn predicting(&self, by: &Predictors, place: &Place) -> Option<Neighborhood> {
+    fn predicting(&self, by: &Predictors, at: &PicturePose) -> Option<Neighborhood> {
         let ways = [(Along::Numbers, by.by_number), (Along::Poses, by.by_pose)];
         ways.into_iter().find_map(|(along, validation)| {
             let widest = validation?.widest_gap;
-            self.beside(along, place, None).filter(|beside| beside.gap <= widest)
+            self.beside(along, at, None).filter(|beside| beside.gap <= widest)
         })
     }
 
     /// Corrects a view as the cameras beside it were, where they predict it. Returns whether its pose and its exposure changed.
     fn correct_as_predicted(&self, view: &mut TruthView) -> [bool; 2] {
         let number = view.picture.as_deref().and_then(PictureNumber::of);
-        let place = Place { number: number.as_ref(), world_from_camera: view.camera.world_from_camera };
-        let pose = self.predicting(&self.poses, &place);
+        let at = PicturePose { number: number.as_ref(), world_from_camera: view.camera.world_from_camera };
+        let pose = self.predicting(&self.poses, &at);
         if let Some(beside) = &pose {
             let [turn, shift] =
                 [|of: &CameraCorrection| of.turn, |of: &CameraCorrection| of.shift].map(|part| -> DVec3 {
                     beside.shares.iter().map(|(index, share)| *share * part(&self.cameras[*index])).sum()
                 });
-            let DAffine3 { matrix3, translation } = place.world_from_camera;
+            let DAffine3 { matrix3, translation } = at.world_from_camera;
             let rotation = (DQuat::from_scaled_axis(turn) * DQuat::from_mat3(&matrix3)).normalize();
             view.camera.world_from_camera =
                 DAffine3::from_rotation_translation(rotation, translation + shift);
         }
-        let exposure = self.predicting(&self.exposures, &place);
+        let exposure = self.predicting(&self.exposures, &at);
         if let Some(beside) = &exposure {
             view.gain = std::array::from_fn(|channel| {
                 let shares = beside.shares.iter();

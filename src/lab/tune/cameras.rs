@@ -6,7 +6,7 @@
 //! the one whose samples were pruned in favor of the other.
 
 use super::plan::CameraCost;
-use super::search::Search;
+use super::search::SettingSearch;
 use crate::metrics::MAX_PSNR_DB;
 use crate::sweep::Point;
 use crate::trial::{MeanEstimate, Trial, Workbench};
@@ -18,7 +18,7 @@ use overlook_engine::settings::Settings;
 
 /// Names of the cameras to keep, and the cost of each that was left out on trial.
 pub(super) fn drop_needless(
-    search: &mut Search<'_>,
+    search: &mut SettingSearch<'_>,
     capture: &Capture,
     chosen: &Point,
 ) -> Result<(Vec<String>, Vec<CameraCost>)> {
@@ -61,7 +61,7 @@ fn dropped_from(capture: &Capture, without: &[String]) -> String {
 }
 
 /// Names of the cameras, those that keep the fewest samples first; of equals the last first.
-fn by_samples(search: &Search<'_>, capture: &Capture, settings: &Settings) -> Result<Vec<String>> {
+fn by_samples(search: &SettingSearch<'_>, capture: &Capture, settings: &Settings) -> Result<Vec<String>> {
     let samples = preprocess::preprocess(capture, settings, search.job)?.samples;
     let mut counts = vec![0; capture.cameras.len()];
     for image in &samples.images {
@@ -74,7 +74,7 @@ fn by_samples(search: &Search<'_>, capture: &Capture, settings: &Settings) -> Re
 
 /// Accuracy of what the other cameras make of this one's frames.
 fn at_its_own_place(
-    search: &Search<'_>,
+    search: &SettingSearch<'_>,
     capture: &Capture,
     without: &[String],
     name: &str,

@@ -16,7 +16,7 @@ const RISK: f64 = 0.05;
 
 /// A measured setting.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate<'a> {
+pub(super) struct CandidateSetting<'a> {
     pub(super) views: &'a [ViewAccuracy],
     /// Mean accuracy, dB.
     pub(super) psnr_filled_db: f64,
@@ -57,7 +57,7 @@ impl LossRule {
     }
 
     /// The candidate to choose, the first of which is what the search began with. `None` where there are none.
-    pub(super) fn choose(&self, candidates: &[Candidate<'_>]) -> Option<(usize, Reason)> {
+    pub(super) fn choose(&self, candidates: &[CandidateSetting<'_>]) -> Option<(usize, Reason)> {
         let best = most_accurate(candidates)?;
         let good = (0..candidates.len())
             .filter(|&nth| nth == best || self.is_good_enough(candidates[nth].views, candidates[best].views));
@@ -70,7 +70,7 @@ impl LossRule {
 }
 
 /// The most accurate candidate; of equals the simplest, of these the first.
-pub(super) fn most_accurate(candidates: &[Candidate<'_>]) -> Option<usize> {
+pub(super) fn most_accurate(candidates: &[CandidateSetting<'_>]) -> Option<usize> {
     (0..candidates.len()).rev().max_by(|&a, &b| {
         let (a, b) = (&candidates[a], &candidates[b]);
         a.psnr_filled_db.total_cmp(&b.psnr_filled_db).then(b.cost.cmp(&a.cost))
@@ -130,8 +130,8 @@ mod tests {
             MeanEstimate::of(&accuracy)
         }
 
-        fn candidates(&self) -> Vec<Candidate<'_>> {
-            let candidate = |nth: usize| Candidate {
+        fn candidates(&self) -> Vec<CandidateSetting<'_>> {
+            let candidate = |nth: usize| CandidateSetting {
                 views: &self.views[nth],
                 psnr_filled_db: self.mean(nth).mean,
                 cost: self.costs[nth],
@@ -185,7 +185,7 @@ mod tests {
         };
         let (start, simple) = ([view(0, 30.02), view(1, 31.0)], [view(0, 29.0), view(1, 31.9)]);
         let best = [view(0, 30.1), view(1, 31.0)];
-        let of = |views, psnr_filled_db, cost| Candidate { views, psnr_filled_db, cost: (cost, 0) };
+        let of = |views, psnr_filled_db, cost| CandidateSetting { views, psnr_filled_db, cost: (cost, 0) };
         let candidates = [of(&start, 30.51, 2), of(&simple, 30.45, 1), of(&best, 30.55, 3)];
         let rule = LossRule { at_most_db: 0.1, comparisons: 2 };
         assert_eq!(rule.choose(&candidates), Some((0, Reason::CannotTell)));

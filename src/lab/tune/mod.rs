@@ -26,7 +26,7 @@ use super::truth::Truth;
 use overlook_engine::capture::Capture;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use search::Search;
+use search::SettingSearch;
 
 /// Tunes; `on_point` receives each new point.
 ///
@@ -40,7 +40,7 @@ pub fn run(
     job: &Job,
     on_point: impl FnMut(&Point),
 ) -> Result<Tuned> {
-    let mut search = Search::new(capture, plan, truth, job, Box::new(on_point))?;
+    let mut search = SettingSearch::new(capture, plan, truth, job, Box::new(on_point))?;
     let chosen = search.choose()?;
     let best = search.best().clone();
     let at_most_db = plan.budget.is_none().then_some(plan.at_most_db);

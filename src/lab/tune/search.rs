@@ -1,6 +1,6 @@
 //! The search for a setting: variations one by one, then those together that save bytes.
 
-use super::choice::{Candidate, LossRule, Reason, most_accurate};
+use super::choice::{CandidateSetting, LossRule, Reason, most_accurate};
 use super::plan::{TuneBudget, TunePlan};
 use super::whole::WholeStores;
 use crate::sweep::{Point, Series, variations};
@@ -15,7 +15,7 @@ use overlook_engine::settings::{Kernel, PruningMethod, Settings};
 type OnPoint<'a> = Box<dyn FnMut(&Point) + 'a>;
 
 /// A search under way.
-pub(super) struct Search<'a> {
+pub(super) struct SettingSearch<'a> {
     plan: &'a TunePlan,
     pub(super) job: &'a Job,
     pub(super) truth: &'a Truth,
@@ -47,7 +47,7 @@ impl TriedChange {
     }
 }
 
-impl<'a> Search<'a> {
+impl<'a> SettingSearch<'a> {
     pub(super) fn new(
         capture: &'a Capture,
         plan: &'a TunePlan,
@@ -252,12 +252,12 @@ fn first_trials(start: &Settings) -> Vec<Trial> {
 }
 
 /// Points as the rule compares them.
-fn candidates(points: &[Point]) -> Vec<Candidate<'_>> {
+fn candidates(points: &[Point]) -> Vec<CandidateSetting<'_>> {
     points.iter().map(candidate).collect()
 }
 
-fn candidate(point: &Point) -> Candidate<'_> {
-    Candidate { views: &point.views, psnr_filled_db: point.psnr_filled_db, cost: simplicity(point) }
+fn candidate(point: &Point) -> CandidateSetting<'_> {
+    CandidateSetting { views: &point.views, psnr_filled_db: point.psnr_filled_db, cost: simplicity(point) }
 }
 
 /// Fewest bytes first, then least work: no clock, so that runs agree. Of equals, the first measured is preferred.

@@ -11,7 +11,7 @@ use overlook_engine::render::Picture;
 use overlook_engine::whole_file;
 use overlook_lab::chart;
 use overlook_lab::metrics::ClassMap;
-use overlook_lab::report::{self, CaptureResults, Figure};
+use overlook_lab::report::{self, CaptionedPicture, CaptureResults};
 use overlook_lab::stress::{BreakingPoint, StressPoint};
 use overlook_lab::sweep::Point;
 use overlook_lab::trial::ShownView;
@@ -195,11 +195,11 @@ fn document<T: DeserializeOwned>(path: &Path) -> Result<Option<T>> {
     })
 }
 
-fn figures(folder: &Path, saved: &[SavedPicture]) -> Result<Vec<Figure>> {
+fn figures(folder: &Path, saved: &[SavedPicture]) -> Result<Vec<CaptionedPicture>> {
     let figure = |saved: &SavedPicture| {
         let path = folder.join(&saved.file);
         let png = std::fs::read(&path).map_err(|error| Error::io(&path, error))?;
-        Ok(Figure { caption: saved.caption.clone(), png })
+        Ok(CaptionedPicture { caption: saved.caption.clone(), png })
     };
     saved.iter().map(figure).collect()
 }

@@ -19,8 +19,7 @@ mod verdict;
 mod views;
 
 pub use super::depth_claim::{DepthClaim, DepthMeasure};
-pub use super::pose_convention::MIRROR;
-pub use super::pose_convention::{AxisDirection, CameraAxes, PoseConvention, PoseDirection, upright};
+pub use super::pose_convention::{AxisDirection, CameraAxes, MIRROR, PoseConvention, PoseDirection, upright};
 pub use pictures::{ReadingPictures, RegisteredViews, pictures};
 pub use reading::Reading;
 pub use verdict::{Alternative, Finding, Part, Undecided, Verdict};

@@ -14,13 +14,11 @@ mod pass;
 mod search;
 mod span_stack;
 
-pub(crate) use background::PrunedBackground;
-pub(crate) use background::{StaticLayer, rated, static_layer, static_layers};
+pub(crate) use background::{PrunedBackground, StaticLayer, rated, static_layer, static_layers};
 pub(crate) use best_candidate::{OtherCamera, lanes_at, other_cameras};
 pub(crate) use coverage::{Waiting, settle};
-pub(crate) use decision::Decided;
 pub(crate) use decision::{
-    Candidate, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
+    Candidate, Decided, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
 };
 pub use decision::{Rule, Verdict};
 pub(crate) use pack::Masks;

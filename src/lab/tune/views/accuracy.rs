@@ -12,7 +12,7 @@ const LEFT_OUT: usize = 8;
 
 /// What one number of views gives.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Accuracy {
+pub(super) struct SubsetResult {
     /// PSNR over pixels that some view saw, holes filled, dB.
     pub(super) psnr_filled_db: MeanEstimate,
     pub(super) samples: u64,
@@ -61,7 +61,7 @@ impl AccuracyTest {
     }
 
     /// Measures what some views give, by their names; all that take part without.
-    pub(super) fn of(&self, names: Option<Vec<String>>, job: &Job) -> Result<Accuracy> {
+    pub(super) fn of(&self, names: Option<Vec<String>>, job: &Job) -> Result<SubsetResult> {
         let trial = Trial { cameras: names, ..Trial::new("fewer views", self.settings.clone()) };
         // Nothing is kept from one number of views to the next.
         let result = Workbench::on(vec![self.fold.clone()], &self.settings).measure(&trial, job)?;
@@ -69,7 +69,7 @@ impl AccuracyTest {
             views.iter().map(|(_, scores)| scores.psnr_all_db).collect()
         };
         let vantages: Vec<Vec<f64>> = result.vantages.iter().map(of_vantage).collect();
-        Ok(Accuracy {
+        Ok(SubsetResult {
             psnr_filled_db: MeanEstimate::over_vantages(&vantages),
             samples: result.samples,
             bytes: result.bytes,
