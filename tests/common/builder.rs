@@ -25,7 +25,8 @@ fn camera(name: &str, width: u32, height: u32) -> Camera {
 
 /// An image whose tiles have the given masks, cut to the picture; `values` seeds its planes.
 fn image(
-    (camera_index, camera): (u32, &Camera),
+    camera_index: u32,
+    camera: &Camera,
     span: Span,
     masks: &[u16],
     values: &[u32],
@@ -89,8 +90,8 @@ fn set_of(cameras: Vec<Camera>, frames: usize, images: Vec<SampleImage>) -> Samp
 pub(crate) fn small_set() -> SampleSet {
     let cameras = vec![camera("left", 20, 18), camera("right", 17, 5)];
     let images = vec![
-        image((0, &cameras[0]), Span { start: 0, end: 2 }, &[0xFFFF, 0x00F0, 0], &[7, 0x3C00_1234], true),
-        image((1, &cameras[1]), Span { start: 1, end: 2 }, &[0x1001], &[0x1_0000, 5, 99], false),
+        image(0, &cameras[0], Span { start: 0, end: 2 }, &[0xFFFF, 0x00F0, 0], &[7, 0x3C00_1234], true),
+        image(1, &cameras[1], Span { start: 1, end: 2 }, &[0x1001], &[0x1_0000, 5, 99], false),
     ];
     set_of(cameras, 2, images)
 }
@@ -100,7 +101,7 @@ pub(crate) fn moving_set() -> SampleSet {
     let cameras = vec![camera("one", 90, 70)];
     let images = (0..10).map(|frame| {
         let span = Span { start: frame, end: frame + 1 };
-        let mut image = image((0, &cameras[0]), span, &[0xFFFF, 0x7FFE, 0x0FF0], &[7], false);
+        let mut image = image(0, &cameras[0], span, &[0xFFFF, 0x7FFE, 0x0FF0], &[7], false);
         let depths: Vec<f32> =
             image.samples().map(|sample| 0.25 + sample.x as f32 * 0.001 - sample.y as f32 * 0.0005).collect();
         image.depth = DepthPlane::pack(&image.tiles, &depths);
@@ -142,7 +143,7 @@ pub(crate) fn any_set() -> impl Strategy<Value = SampleSet> {
             let span = Span { start, end: start + 1 + (i as u32 % (frames as u32 - start)) };
             // A camera has at most one image of a span.
             if images.iter().all(|image| (image.camera, image.span) != (index, span)) {
-                images.push(image((index, &cameras[index as usize]), span, masks, &values, normals));
+                images.push(image(index, &cameras[index as usize], span, masks, &values, normals));
             }
         }
         set_of(cameras, frames, images)

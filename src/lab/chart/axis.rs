@@ -60,8 +60,8 @@ pub(super) struct ChartAxis {
 const MARGIN: f64 = 0.06;
 
 impl ChartAxis {
-    /// An axis that shows all values, with some room around them.
-    pub(super) fn around(scale: Scale, values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Self {
+    /// An axis that shows all values with some room around them, and runs from one place on the sheet to another, in pixels.
+    pub(super) fn around(scale: Scale, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let spread = |value: f64| if scale == Scale::Log { value.max(1e-12).ln() } else { value };
         let (low, high) = values
             .filter(|value| value.is_finite())
@@ -121,10 +121,10 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_lie_within() {
-        let axis = ChartAxis::around(Scale::Linear, [21.3, 27.1].into_iter(), (100.0, 0.0));
+        let axis = ChartAxis::around(Scale::Linear, [21.3, 27.1].into_iter(), 100.0, 0.0);
         assert_eq!(axis.ticks(8), [21.0, 22.0, 23.0, 24.0, 25.0, 26.0, 27.0]);
         assert!(axis.at(21.0) > axis.at(27.0));
-        let axis = ChartAxis::around(Scale::Log, [0.9, 30.0].into_iter(), (0.0, 100.0));
+        let axis = ChartAxis::around(Scale::Log, [0.9, 30.0].into_iter(), 0.0, 100.0);
         assert_eq!(axis.ticks(6), [1.0, 2.0, 5.0, 10.0, 20.0]);
         assert!((axis.at(2.0) - axis.at(1.0) - (axis.at(20.0) - axis.at(10.0))).abs() < 1e-9);
         assert_eq!(
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn an_axis_from_zero_has_a_tick_beside_it() {
         for high in [0.07, 0.9, 1.0, 2.3, 4.4, 9.0, 13.0, 47.0, 93.0] {
-            let axis = ChartAxis::around(Scale::Linear, [0.0, high].into_iter(), (0.0, 1.0));
+            let axis = ChartAxis::around(Scale::Linear, [0.0, high].into_iter(), 0.0, 1.0);
             let ticks = axis.ticks(2);
             assert!((2..=4).contains(&ticks.len()), "{high}: {ticks:?}");
         }
@@ -163,7 +163,7 @@ mod tests {
     fn a_single_value_and_none_have_an_axis_too() {
         for values in [vec![3.0], vec![], vec![f64::NAN]] {
             for scale in [Scale::Linear, Scale::Log] {
-                let axis = ChartAxis::around(scale, values.iter().copied(), (0.0, 1.0));
+                let axis = ChartAxis::around(scale, values.iter().copied(), 0.0, 1.0);
                 assert!(axis.at(3.0).is_finite() && axis.ticks(5).len() < 40);
             }
         }

@@ -34,7 +34,8 @@ impl Labels {
         svg: &mut Svg,
         point: (f64, f64),
         radius: f64,
-        (size, ink): (f64, &str),
+        size: f64,
+        ink: &str,
         text: &str,
     ) {
         let width = LETTER_WIDTH * size * text.chars().count() as f64;
@@ -57,9 +58,9 @@ impl Labels {
         let x = if matches!(anchor, Anchor::End) { place[2] } else { place[0] };
         let baseline = place[3] - 0.3 * size;
         if row.abs() > 1.0 {
-            svg.line(point, (x, 0.5 * (place[1] + place[3])), (0.6, ink));
+            svg.line(point, (x, 0.5 * (place[1] + place[3])), 0.6, ink);
         }
-        svg.text((x, baseline), anchor, (size, ink), text);
+        svg.text((x, baseline), anchor, size, ink, text);
     }
 
     fn is_free(&self, place: &Rectangle) -> bool {
@@ -84,7 +85,7 @@ mod tests {
         let mut svg = Svg::new(600.0, 400.0);
         for index in 0..16_u32 {
             let at = (590.0 - f64::from(index % 3), 200.0 + f64::from(index % 2));
-            labels.draw(&mut svg, at, 6.0, (12.0, "#000"), &format!("method {index}"));
+            labels.draw(&mut svg, at, 6.0, 12.0, "#000", &format!("method {index}"));
         }
         assert_eq!(labels.taken.len(), 16);
         for (index, a) in labels.taken.iter().enumerate() {
@@ -96,7 +97,7 @@ mod tests {
     #[test]
     fn a_label_alone_stands_to_the_right_of_its_point() {
         let mut labels = Labels::new([0.0, 0.0, 600.0, 400.0]);
-        labels.draw(&mut Svg::new(600.0, 400.0), (100.0, 100.0), 6.0, (12.0, "#000"), "alone");
+        labels.draw(&mut Svg::new(600.0, 400.0), (100.0, 100.0), 6.0, 12.0, "#000", "alone");
         assert_eq!(labels.taken[0][0], 110.0);
     }
 }

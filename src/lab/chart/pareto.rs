@@ -40,30 +40,25 @@ fn bar_db(point: &Point) -> [f64; 2] {
 /// Draws a sweep of a capture.
 pub fn pareto(capture: &str, points: &[Point]) -> Chart {
     let mut svg = Svg::new(WIDTH, HEIGHT);
-    svg.text(
-        (40.0, 50.0),
-        Anchor::Start,
-        (30.0, color::INK),
-        &format!("{capture}: accuracy, size and speed"),
-    );
+    svg.text((40.0, 50.0), Anchor::Start, 30.0, color::INK, &format!("{capture}: accuracy, size and speed"));
     svg.text(
         (40.0, 80.0),
         Anchor::Start,
-        (17.0, color::FAINT),
+        17.0, color::FAINT,
         &format!(
             "{} and baselines; PSNR over all pixels that some camera saw, holes filled alike; bars are ± 1 standard error of the \
              difference to the most accurate one",
             counted(points.len(), "setting")
         ),
     );
-    let y = ChartAxis::around(Scale::Linear, points.iter().flat_map(bar_db), (BOTTOM, TOP));
+    let y = ChartAxis::around(Scale::Linear, points.iter().flat_map(bar_db), BOTTOM, TOP);
     let mut panel = |(left, right): (f64, f64), name, cost: fn(&Point) -> f64| {
-        let x = ChartAxis::around(Scale::Log, points.iter().map(cost), (left, right));
+        let x = ChartAxis::around(Scale::Log, points.iter().map(cost), left, right);
         Panel { name, cost, left, right, x, y }.draw(&mut svg, points);
     };
     panel(PANELS[0], BYTES, Point::megabytes_of_samples);
     panel(PANELS[1], "rendering one view, ms", |point| point.milliseconds);
-    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), (18.0, color::INK), "accuracy, PSNR in dB");
+    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), 18.0, color::INK, "accuracy, PSNR in dB");
     legend(&mut svg, points);
     svg.finish()
 }
@@ -90,7 +85,7 @@ impl Panel<'_> {
         for point in points {
             let (x, _) = self.position(point);
             let [low, high] = bar_db(point).map(|end| self.y.at(end));
-            svg.line((x, low), (x, high), (0.8, BAR));
+            svg.line((x, low), (x, high), 0.8, BAR);
         }
         for (is_baseline, radius) in [(false, 5.0), (true, 8.0)] {
             for point in points.iter().filter(|point| point.series.is_baseline() == is_baseline) {
@@ -100,12 +95,12 @@ impl Panel<'_> {
         }
         let mut labels = Labels::new([self.left, TOP, self.right, BOTTOM]);
         for point in points.iter().filter(|point| point.series == Series::External) {
-            labels.draw(svg, self.position(point), 8.0, (14.0, color::PINK), &point.label);
+            labels.draw(svg, self.position(point), 8.0, 14.0, color::PINK, &point.label);
         }
         for point in points.iter().filter(|point| point.series == Series::Reference) {
             let (x, y) = self.position(point);
             svg.marker(Marker::Ring, (x, y), 13.0, color::INK);
-            svg.text((x + 18.0, y - 14.0), Anchor::Start, (17.0, color::INK), "default");
+            svg.text((x + 18.0, y - 14.0), Anchor::Start, 17.0, color::INK, "default");
         }
     }
 
@@ -113,16 +108,16 @@ impl Panel<'_> {
         let Self { left, right, x, y, .. } = self;
         let (left, right) = (*left, *right);
         for tick in y.ticks(8) {
-            svg.line((left, y.at(tick)), (right, y.at(tick)), (1.0, color::GRID));
-            svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, (15.0, color::FAINT), &short(tick));
+            svg.line((left, y.at(tick)), (right, y.at(tick)), 1.0, color::GRID);
+            svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, 15.0, color::FAINT, &short(tick));
         }
         for tick in x.ticks(7) {
-            svg.line((x.at(tick), TOP), (x.at(tick), BOTTOM), (1.0, color::GRID));
-            svg.text((x.at(tick), BOTTOM + 24.0), Anchor::Middle, (15.0, color::FAINT), &short(tick));
+            svg.line((x.at(tick), TOP), (x.at(tick), BOTTOM), 1.0, color::GRID);
+            svg.text((x.at(tick), BOTTOM + 24.0), Anchor::Middle, 15.0, color::FAINT, &short(tick));
         }
-        svg.line((left, BOTTOM), (right, BOTTOM), (1.5, color::INK));
-        svg.line((left, TOP), (left, BOTTOM), (1.5, color::INK));
-        svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, (18.0, color::INK), self.name);
+        svg.line((left, BOTTOM), (right, BOTTOM), 1.5, color::INK);
+        svg.line((left, TOP), (left, BOTTOM), 1.5, color::INK);
+        svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, 18.0, color::INK, self.name);
     }
 
     /// The staircase along the points of the Pareto front.
@@ -140,29 +135,31 @@ impl Panel<'_> {
         if let Some(&(_, last)) = steps.last() {
             steps.push((self.right, last));
         }
-        svg.path(&steps, FRONT.0, FRONT.1);
+        svg.path(&steps, FRONT_WIDTH, FRONT_COLOR, FRONT_DASHES);
     }
 }
 
-/// Width, color and dashes of the front's line.
-const FRONT: ((f64, &str), &str) = ((2.2, color::RED), "7 5");
+/// The front's line.
+const FRONT_WIDTH: f64 = 2.2;
+const FRONT_COLOR: &str = color::RED;
+const FRONT_DASHES: &str = "7 5";
 
 fn legend(svg: &mut Svg, points: &[Point]) {
     let (mut x, y) = (100.0, BOTTOM + 110.0);
-    svg.text((x, y), Anchor::Start, (16.0, color::FAINT), "kernel");
+    svg.text((x, y), Anchor::Start, 16.0, color::FAINT, "kernel");
     x += 80.0;
     for kernel in Kernel::ALL.iter().rev() {
         if points.iter().any(|point| !point.series.is_rival() && point.settings.render.kernel == *kernel) {
             svg.marker(Marker::Dot, (x, y - 5.0), 7.0, kernel_color(*kernel));
-            svg.text((x + 15.0, y), Anchor::Start, (16.0, color::INK), kernel.name());
+            svg.text((x + 15.0, y), Anchor::Start, 16.0, color::INK, kernel.name());
             x += 110.0;
         }
     }
-    svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], FRONT.0, FRONT.1);
+    svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], FRONT_WIDTH, FRONT_COLOR, FRONT_DASHES);
     let words = "Pareto front: nothing is both cheaper and closer";
-    svg.text((x + 82.0, y), Anchor::Start, (16.0, color::INK), words);
+    svg.text((x + 82.0, y), Anchor::Start, 16.0, color::INK, words);
     let (mut x, mut y) = (180.0, y + 40.0);
-    svg.text((100.0, y), Anchor::Start, (16.0, color::FAINT), "samples");
+    svg.text((100.0, y), Anchor::Start, 16.0, color::FAINT, "samples");
     for series in Series::ALL {
         if !points.iter().any(|point| point.series == series) {
             continue;
@@ -179,7 +176,7 @@ fn legend(svg: &mut Svg, points: &[Point]) {
         if series == Series::Reference {
             svg.marker(Marker::Ring, (x, y - 5.0), 11.0, color::INK);
         }
-        svg.text((x + 18.0, y), Anchor::Start, (16.0, color::INK), series.name());
+        svg.text((x + 18.0, y), Anchor::Start, 16.0, color::INK, series.name());
         x += 340.0;
     }
 }

@@ -21,17 +21,17 @@ pub fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     let methods = series(points, |point| point.method.as_str());
     let rows = disturbances.len().div_ceil(COLUMNS).max(1);
     let mut svg = Svg::new(30.0 + COLUMNS as f64 * PANEL.0, HEAD + 20.0 + rows as f64 * PANEL.1);
-    svg.text((40.0, 48.0), Anchor::Start, (30.0, color::INK), &format!("{capture}: where methods fail"));
+    svg.text((40.0, 48.0), Anchor::Start, 30.0, color::INK, &format!("{capture}: where methods fail"));
     svg.text(
         (40.0, 76.0),
         Anchor::Start,
-        (16.0, color::FAINT),
+        16.0, color::FAINT,
         "above: PSNR in dB over pixels that some camera saw, a cross where 1 dB is lost; below: samples kept, % of all pixels",
     );
     for (index, method) in methods.iter().enumerate() {
         let x = 48.0 + 230.0 * index as f64;
-        svg.line((x, 103.0), (x + 34.0, 103.0), (3.0, COLORS[index % COLORS.len()]));
-        svg.text((x + 44.0, 108.0), Anchor::Start, (17.0, color::INK), method.kind);
+        svg.line((x, 103.0), (x + 34.0, 103.0), 3.0, COLORS[index % COLORS.len()]);
+        svg.text((x + 44.0, 108.0), Anchor::Start, 17.0, color::INK, method.kind);
     }
     for (index, disturbance) in disturbances.iter().enumerate() {
         let corner = (20.0 + (index % COLUMNS) as f64 * PANEL.0, HEAD + (index / COLUMNS) as f64 * PANEL.1);
@@ -47,11 +47,11 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     let (plot_left, plot_right) = (left + 50.0, left + PANEL.0 - 20.0);
     let (accuracy_bottom, kept_top, bottom) = (top + 175.0, top + 190.0, top + 235.0);
     let title = format!("{}, {}", first.disturbance, first.unit);
-    svg.text((plot_left, top + 16.0), Anchor::Start, (17.0, color::INK), &title);
+    svg.text((plot_left, top + 16.0), Anchor::Start, 17.0, color::INK, &title);
     let dials = distinct(points.iter().map(|point| point.dial));
     // Values of a dial are drawn at equal distances: they were chosen in perceptually equal steps.
     let x =
-        ChartAxis::around(Scale::Linear, (0..dials.len()).map(|index| index as f64), (plot_left, plot_right));
+        ChartAxis::around(Scale::Linear, (0..dials.len()).map(|index| index as f64), plot_left, plot_right);
     let x_of = |dial: f64| {
         let after = dials.iter().position(|known| *known == dial);
         after.map_or(plot_left, |index| x.at(index as f64))
@@ -59,24 +59,26 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     let y = ChartAxis::around(
         Scale::Linear,
         points.iter().map(|point| point.point.psnr_filled_db),
-        (accuracy_bottom, top + 28.0),
+        accuracy_bottom,
+        top + 28.0,
     );
     let kept = ChartAxis::around(
         Scale::Linear,
         points.iter().map(|point| 100.0 * point.kept_share).chain([0.0]),
-        (bottom, kept_top),
+        bottom,
+        kept_top,
     );
     for (axis, count) in [(&y, 4), (&kept, 2)] {
         for tick in axis.ticks(count) {
-            svg.line((plot_left, axis.at(tick)), (plot_right, axis.at(tick)), (1.0, color::GRID));
-            svg.text((plot_left - 8.0, axis.at(tick) + 4.0), Anchor::End, (13.0, color::FAINT), &short(tick));
+            svg.line((plot_left, axis.at(tick)), (plot_right, axis.at(tick)), 1.0, color::GRID);
+            svg.text((plot_left - 8.0, axis.at(tick) + 4.0), Anchor::End, 13.0, color::FAINT, &short(tick));
         }
     }
     for &dial in &dials {
-        svg.text((x_of(dial), bottom + 20.0), Anchor::Middle, (13.0, color::FAINT), &short(dial));
+        svg.text((x_of(dial), bottom + 20.0), Anchor::Middle, 13.0, color::FAINT, &short(dial));
     }
-    svg.line((plot_left, bottom), (plot_right, bottom), (1.2, color::INK));
-    svg.line((plot_left, accuracy_bottom), (plot_right, accuracy_bottom), (0.8, color::FAINT));
+    svg.line((plot_left, bottom), (plot_right, bottom), 1.2, color::INK);
+    svg.line((plot_left, accuracy_bottom), (plot_right, accuracy_bottom), 0.8, color::FAINT);
     let failures = failures(points);
     for (index, method) in methods.iter().enumerate() {
         let color = COLORS[index % COLORS.len()];
@@ -86,11 +88,11 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
             of_method().map(|point| (x_of(point.dial), value(point))).collect::<Vec<_>>()
         };
         let accuracy = along(&|point| y.at(point.point.psnr_filled_db));
-        svg.path(&accuracy, (2.2, color), "");
+        svg.path(&accuracy, 2.2, color, "");
         for position in &accuracy {
             svg.marker(Marker::Dot, *position, 3.6, color);
         }
-        svg.path(&along(&|point| kept.at(100.0 * point.kept_share)), (1.6, color), "");
+        svg.path(&along(&|point| kept.at(100.0 * point.kept_share)), 1.6, color, "");
         let failed =
             failures.iter().find(|failure| failure.method == method.kind).and_then(|failure| failure.dial);
         if let (Some(dial), Some(start)) = (failed, of_method().next()) {

@@ -76,13 +76,7 @@ impl Svg {
         Chart { svg: self.text }
     }
 
-    pub(super) fn text(
-        &mut self,
-        (x, y): (f64, f64),
-        anchor: Anchor,
-        (size, color): (f64, &str),
-        text: &str,
-    ) {
+    pub(super) fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, size: f64, color: &str, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -96,18 +90,18 @@ impl Svg {
     }
 
     /// Text that reads upward, centered.
-    pub(super) fn upward(&mut self, (x, y): (f64, f64), (size, color): (f64, &str), text: &str) {
+    pub(super) fn upward(&mut self, (x, y): (f64, f64), size: f64, color: &str, text: &str) {
         let _ = write!(self.text, "<g transform=\"translate({x:.1} {y:.1}) rotate(-90)\">");
-        self.text((0.0, 0.0), Anchor::Middle, (size, color), text);
+        self.text((0.0, 0.0), Anchor::Middle, size, color, text);
         self.text.push_str("</g>\n");
     }
 
-    pub(super) fn line(&mut self, from: (f64, f64), to: (f64, f64), (width, color): (f64, &str)) {
-        self.path(&[from, to], (width, color), "");
+    pub(super) fn line(&mut self, from: (f64, f64), to: (f64, f64), width: f64, color: &str) {
+        self.path(&[from, to], width, color, "");
     }
 
     /// A line through points; `dash` as in SVG, empty for a whole line.
-    pub(super) fn path(&mut self, points: &[(f64, f64)], (width, color): (f64, &str), dash: &str) {
+    pub(super) fn path(&mut self, points: &[(f64, f64)], width: f64, color: &str, dash: &str) {
         let mut steps = String::new();
         for (index, (x, y)) in points.iter().enumerate() {
             let _ = write!(steps, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });

@@ -26,38 +26,34 @@ pub(crate) struct TogetherPoint {
 pub(crate) fn together(points: &[TogetherPoint]) -> Chart {
     let [left, top, right, bottom] = PLOT;
     let mut svg = Svg::new(WIDTH, HEIGHT);
-    svg.text(
-        (left, 34.0),
-        Anchor::Start,
-        (20.0, color::INK),
-        "Mean difference to the default, over captures",
-    );
+    svg.text((left, 34.0), Anchor::Start, 20.0, color::INK, "Mean difference to the default, over captures");
     let bar = |point: &TogetherPoint| {
         [-1.0, 1.0].map(|sign| point.ahead_db.mean + sign * point.ahead_db.standard_error)
     };
-    let y = ChartAxis::around(Scale::Linear, points.iter().flat_map(bar).chain([0.0]), (bottom, top));
-    let x = ChartAxis::around(Scale::Log, points.iter().map(|point| point.bytes), (left, right));
+    let y = ChartAxis::around(Scale::Linear, points.iter().flat_map(bar).chain([0.0]), bottom, top);
+    let x = ChartAxis::around(Scale::Log, points.iter().map(|point| point.bytes), left, right);
     for tick in y.ticks(8) {
-        svg.line((left, y.at(tick)), (right, y.at(tick)), (1.0, color::GRID));
-        svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, (14.0, color::FAINT), &short(tick));
+        svg.line((left, y.at(tick)), (right, y.at(tick)), 1.0, color::GRID);
+        svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, 14.0, color::FAINT, &short(tick));
     }
     for tick in x.ticks(8) {
-        svg.line((x.at(tick), top), (x.at(tick), bottom), (1.0, color::GRID));
-        svg.text((x.at(tick), bottom + 22.0), Anchor::Middle, (14.0, color::FAINT), &short(tick));
+        svg.line((x.at(tick), top), (x.at(tick), bottom), 1.0, color::GRID);
+        svg.text((x.at(tick), bottom + 22.0), Anchor::Middle, 14.0, color::FAINT, &short(tick));
     }
-    svg.line((left, y.at(0.0)), (right, y.at(0.0)), (1.2, color::INK));
+    svg.line((left, y.at(0.0)), (right, y.at(0.0)), 1.2, color::INK);
     svg.text(
         (0.5 * (left + right), bottom + 50.0),
         Anchor::Middle,
-        (16.0, color::INK),
+        16.0,
+        color::INK,
         "bytes, as a share of the default's",
     );
-    svg.upward((30.0, 0.5 * (top + bottom)), (16.0, color::INK), "dB ahead of the default");
+    svg.upward((30.0, 0.5 * (top + bottom)), 16.0, color::INK, "dB ahead of the default");
     let mut labels = Labels::new(PLOT);
     for point in points {
         let at = (x.at(point.bytes), y.at(point.ahead_db.mean));
         let [low, high] = bar(point).map(|end| y.at(end));
-        svg.line((at.0, low), (at.0, high), (0.8, color::FAINT));
+        svg.line((at.0, low), (at.0, high), 0.8, color::FAINT);
         let (marker, ink) = match point.series {
             Series::Reference => (Marker::Ring, color::INK),
             Series::Variation => (Marker::Dot, color::BLUE),
@@ -66,7 +62,7 @@ pub(crate) fn together(points: &[TogetherPoint]) -> Chart {
         };
         svg.marker(marker, at, 6.0, ink);
         if point.series != Series::Variation {
-            labels.draw(&mut svg, at, 6.0, (12.0, ink), &point.label);
+            labels.draw(&mut svg, at, 6.0, 12.0, ink, &point.label);
         }
     }
     svg.finish()

@@ -170,7 +170,7 @@ impl RivalModel for Tsdf {
         let pixel = |index: usize| {
             let center = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
             let ray: DVec3 = turn * target.intrinsics.ray_in_camera(center);
-            let surface = bounds.and_then(|bounds| self.surface(eye, ray, bounds));
+            let surface = bounds.and_then(|(low, high)| self.surface(eye, ray, low, high));
             let shown = surface.and_then(|depth| Some((self.color(eye + depth * ray)?, 1.0 / depth)));
             match shown.or_else(|| Some((sky.color(ray)?, 0.0))) {
                 Some((color, inverse_depth)) => (color, inverse_depth as f32, 0),
@@ -203,8 +203,9 @@ impl RivalModel for Tsdf {
 }
 
 impl Tsdf {
-    /// Depth along a ray (in multiples of it) at which the distance first crosses zero from the front.
-    fn surface(&self, eye: DVec3, ray: DVec3, (low, high): (DVec3, DVec3)) -> Option<f64> {
+    /// Depth along a ray, in multiples of it, at which the distance first crosses zero from the front, within the box from `low` to
+    /// `high`; `None` if it never does.
+    fn surface(&self, eye: DVec3, ray: DVec3, low: DVec3, high: DVec3) -> Option<f64> {
         let inverse = ray.recip();
         let (to_low, to_high) = ((low - eye) * inverse, (high - eye) * inverse);
         let enters = to_low.min(to_high).max_element().max(0.0);

@@ -118,7 +118,7 @@ pub fn evaluate(
     job: &Job,
 ) -> Result<Evaluation> {
     let mut renderer = Renderer::strict(settings.backend)?;
-    evaluate_each(&mut renderer, samples, (views, &[]), settings, job, &mut |_, _, _| Ok(()))
+    evaluate_each(&mut renderer, samples, views, &[], settings, job, &mut |_, _, _| Ok(()))
 }
 
 /// Takes each rendered view, its picture, and the classes of its error where they are known.
@@ -129,7 +129,8 @@ pub(crate) type OnPicture<'a> = dyn FnMut(&TruthView, &Picture, Option<&ClassMap
 pub(crate) fn evaluate_each(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,
-    (views, classes): (&[TruthView], &[Option<Arc<ClassMap>>]),
+    views: &[TruthView],
+    classes: &[Option<Arc<ClassMap>>],
     settings: &RenderSettings,
     job: &Job,
     on_picture: &mut OnPicture<'_>,

@@ -161,8 +161,8 @@ impl Disturbance {
         Ok(match self {
             Self::DepthNoise => edited(capture, move |frame, at| depth_noise(frame, 0.01 * amount, at)),
             Self::DepthSteps => {
-                let range = depth_range(capture)?;
-                edited(capture, move |frame, _| depth_steps(frame, dial, range))
+                let (near, far) = depth_range(capture)?;
+                edited(capture, move |frame, _| depth_steps(frame, dial, near, far))
             }
             Self::DepthFloat => edited(capture, move |frame, _| depth_float(frame, dial as u32)),
             Self::ColorNoise => edited(capture, move |frame, at| color_noise(frame, 0.01 * amount, at)),

@@ -52,7 +52,7 @@ fn measure(
                 points.push(known.clone().with_loss(&points));
                 continue;
             }
-            time_left.next(job, (points.len() + 1, total), open - time_left.measured());
+            time_left.next(job, points.len() + 1, total, open - time_left.measured());
             if disturbed.is_none() {
                 disturbed = Disturbed::new(capture, plan, truth, step, job)?;
             }

@@ -52,7 +52,7 @@ pub(super) fn depth_noise(frame: &mut Frame, share: f32, at: FrameKey) {
 /// From this many bits on, whole numbers are as fine as the floats that depth comes in.
 const EXACT_BITS: f64 = 24.0;
 
-pub(super) fn depth_steps(frame: &mut Frame, bits: f64, (near, far): (f32, f32)) {
+pub(super) fn depth_steps(frame: &mut Frame, bits: f64, near: f32, far: f32) {
     if bits >= EXACT_BITS {
         return;
     }

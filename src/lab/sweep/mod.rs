@@ -59,7 +59,7 @@ fn measure(
                 continue;
             }
             let number = known + time_left.measured() + 1;
-            time_left.next(job, (number, plan.trials.len()), open - time_left.measured());
+            time_left.next(job, number, plan.trials.len(), open - time_left.measured());
             let point = Point::new(&planned.trial, planned.series, &workbench.measure(&planned.trial, job)?);
             on_point(&point, number);
             *slot = Some(point);

@@ -8,7 +8,7 @@ use overlook_engine::capture::Capture;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 
-/// The default at its worst view of each of the `count` worst vantages, the worst first.
+/// The default at its worst view of each of the `count` worst vantages of a sweep's `points`, the worst first.
 ///
 /// # Errors
 /// As [`run`](super::run).
@@ -16,7 +16,8 @@ pub fn worst_views(
     capture: &Capture,
     plan: &SweepPlan,
     truth: &Truth,
-    (points, count): (&[Point], usize),
+    points: &[Point],
+    count: usize,
     job: &Job,
 ) -> Result<Vec<ShownView>> {
     let Some(default) = points.iter().find(|point| point.series == Series::Reference) else {

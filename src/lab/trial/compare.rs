@@ -83,7 +83,7 @@ pub fn compare_each(
         let pruned = preprocess::prune(capture, &scan, &settings, job)?;
         let FoldSamples { samples, bytes: bytes_store, .. } = stored(&pruned.samples, &pruned.report, job)?;
         let mut evaluation =
-            evaluate_each(&mut renderer, &samples, (views, &classes), &settings.render, job, on_picture)?;
+            evaluate_each(&mut renderer, &samples, views, &classes, &settings.render, job, on_picture)?;
         if align_views {
             let views = with_truth(views, job);
             add_aligned(

@@ -22,7 +22,7 @@ impl TimeLeft {
     }
 
     /// Shows in the job which point is next and how long the `left` points, this one included, take at the pace so far.
-    pub(crate) fn next(&mut self, job: &Job, (number, total): (usize, usize), left: usize) {
+    pub(crate) fn next(&mut self, job: &Job, number: usize, total: usize, left: usize) {
         let each = (self.measured > 0).then(|| self.started.elapsed().as_secs_f64() / self.measured as f64);
         job.set_context(match each.map(|each| each * left as f64) {
             None => format!("{number} of {total}"),

@@ -73,7 +73,7 @@ impl<'a> SettingSearch<'a> {
         } else {
             let done = self.points.len();
             let expected = self.expected.max(done + 1);
-            self.time_left.next(self.job, (done + 1, expected), expected - done);
+            self.time_left.next(self.job, done + 1, expected, expected - done);
             let point = Point::new(trial, Series::Variation, &self.workbench.measure(trial, self.job)?);
             (self.on_point)(&point);
             point

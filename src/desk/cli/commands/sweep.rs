@@ -115,7 +115,7 @@ impl SweepArgs {
             sweep::run(&capture, &plan, &truth, job, |point, _| keep(point))
         })?;
         let shown =
-            output::watched(|job| sweep::worst_views(&capture, &plan, &truth, (&points, WORST_VIEWS), job))?;
+            output::watched(|job| sweep::worst_views(&capture, &plan, &truth, &points, WORST_VIEWS, job))?;
         let mut worst = Vec::new();
         for (index, view) in shown.iter().enumerate() {
             let caption = format!("{}: {:.2} dB", view.file_path, view.psnr_filled_db);

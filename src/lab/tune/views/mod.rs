@@ -97,7 +97,8 @@ impl ChosenViews {
 /// Those of loading frames and truth, of preprocessing and rendering; `Cancelled`.
 pub fn choose_views(
     capture: &Capture,
-    (settings, shown_at_least): (&Settings, f64),
+    settings: &Settings,
+    shown_at_least: f64,
     truth: &Truth,
     job: &Job,
 ) -> Result<ChosenViews> {

@@ -62,7 +62,7 @@ fn capture(views: &[(&str, f64, f64)]) -> Capture {
 
 fn chosen(views: &[(&str, f64, f64)], shown_at_least: f64, truth: &Truth) -> ChosenViews {
     let settings = Settings::default();
-    choose_views(&capture(views), (&settings, shown_at_least), truth, &Job::new()).unwrap()
+    choose_views(&capture(views), &settings, shown_at_least, truth, &Job::new()).unwrap()
 }
 
 fn names(chosen: &ChosenViews) -> Vec<&str> {

@@ -63,7 +63,7 @@ pub(super) fn shown_by_each(capture: &Capture, seen: &[SeenPoints], job: &Job) -
         for frame in frames {
             let picture = capture.frame(view, frame)?;
             let of_frame = seen.iter().enumerate().filter(|(_, seen)| seen.frame == frame);
-            shown.extend(of_frame.filter_map(|(at, seen)| looker.shown(view, &picture, (at, seen))));
+            shown.extend(of_frame.filter_map(|(at, seen)| looker.shown(view, &picture, at, seen)));
         }
         job.advance(1);
         Ok(shown)
@@ -83,7 +83,7 @@ impl Looker {
     }
 
     /// What it shows of what a view saw; `None` if nothing.
-    fn shown(&self, view: usize, picture: &Frame, (at, seen): (usize, &SeenPoints)) -> Option<ShownOf> {
+    fn shown(&self, view: usize, picture: &Frame, at: usize, seen: &SeenPoints) -> Option<ShownOf> {
         if seen.points.is_empty() {
             return None;
         }

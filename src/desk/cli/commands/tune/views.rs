@@ -26,7 +26,7 @@ impl TuneArgs {
     ) -> Result<(), CommandError> {
         std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         let shown = self.show_percent.map_or(tune::SHOWN_AT_LEAST, |percent| percent / 100.0);
-        let chosen = output::watched(|job| tune::choose_views(capture, (settings, shown), truth, job))?;
+        let chosen = output::watched(|job| tune::choose_views(capture, settings, shown, truth, job))?;
         let chart = chart::views(&capture.name, &chosen);
         let names = chosen.names().fold(String::new(), |names, name| names + name + "\n");
         let document = ViewsDocument {
