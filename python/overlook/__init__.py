@@ -7,7 +7,7 @@
 
 Camera space: x right, y down, z forward. World space: right-handed, meters unless the capture says otherwise. Pixel (x, y) is
 column x and row y, its center at +0.5; arrays are indexed [y, x]. Color is linear Rec.709. Depth is planar z: infinite at the
-sky, NaN where there is none. A call may run for long: it lets other threads run, and Ctrl-C stops it.
+sky, NaN without depth. A call may run for long: it lets other threads run, and Ctrl-C stops it.
 """
 
 from ._engine import (

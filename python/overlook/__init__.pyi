@@ -66,15 +66,15 @@ class Frame:
 
     @property
     def depth(self) -> NDArray[np.float32]:
-        """Planar z in the capture's unit, (height, width); infinite at the sky, NaN where there is none."""
+        """Planar z in the capture's unit, (height, width); infinite at the sky, NaN without depth."""
 
     @property
     def normal_in_world(self) -> NDArray[np.float32] | None:
-        """Unit vectors toward the camera, (height, width, 3), zero where there is none; None where the capture gives none."""
+        """Unit vectors toward the camera, (height, width, 3), zero without a normal; None if the capture has no normals."""
 
 @final
 class Capture:
-    """What was recorded. Frames are decoded when they are asked for."""
+    """What was recorded. A frame is decoded when it is used."""
 
     @property
     def name(self) -> str: ...
@@ -82,19 +82,19 @@ class Capture:
     def cameras(self) -> list[Camera]: ...
     @property
     def frame_numbers(self) -> list[int]:
-        """The number that each frame bears in the capture, ascending. Everything else takes its index in this list."""
+        """The number of each frame in the capture, ascending. All other calls take the index in this list."""
 
     @property
     def warnings(self) -> list[str]:
-        """Trouble met while opening that can be lived with."""
+        """Problems found while opening that did not stop it."""
 
     def frame(self, camera: str | int, frame: int = 0) -> Frame:
         """One frame of one camera, by its name or index.
 
-        Raises Error naming the file that cannot be read; KeyError, IndexError where there is no such camera or frame."""
+        Raises Error with the name of an unreadable file; KeyError or IndexError for an unknown camera or frame."""
 
     def preprocess(self, settings: Settings | None = None, progress: Progress | None = None) -> Store:
-        """Removes what another pixel shows better; what is left stays in memory.
+        """Removes each sample that another one shows better. The kept samples stay in memory.
 
         Raises Error, also for an unknown setting or one out of range."""
 
@@ -148,17 +148,17 @@ class Store:
 
     @property
     def report(self) -> dict[str, Any]:
-        """What preprocessing counted and measured, as `overlook preprocess --json` gives it."""
+        """The report of preprocessing, as `overlook preprocess --json` prints it."""
 
     def save(self, path: Path) -> int:
-        """Writes the store to a file, rounded as the setting store.precision says, and gives its size in bytes.
+        """Writes the store to a file, rounded by the setting store.precision, and returns its size in bytes.
 
-        A file that is there is replaced once the new one is whole."""
+        An existing file is replaced once the new one is whole."""
 
     def samples(self, frame: int | None = None, camera: int | None = None) -> Samples:
         """The samples that show one frame, or of all spans; of one camera, or of all.
 
-        Raises IndexError where there is no such frame or camera, Error where the file is damaged."""
+        Raises IndexError for an unknown frame or camera, Error if the file is damaged."""
 
     def render(
         self,
@@ -173,20 +173,20 @@ class Store:
         width), infinite at the sky, NaN in holes that were not filled; coverage is True where a sample was seen, and False where
         the picture was filled.
 
-        Raises Error where the viewpoint is no camera, ValueError where the pose is no rigid motion."""
+        Raises Error if the viewpoint is not a valid camera, ValueError if the pose is not a rigid motion."""
 
 def open(path: Path, settings: Settings | None = None) -> Capture:
     """Opens a capture: any folder or file that `overlook info` understands.
 
-    Raises Error saying what was looked for, or what is wrong with it."""
+    Raises Error that names the files searched for, or the fault found."""
 
 def demo(
     name: str, *, cameras: int | None = None, frames: int | None = None, size: tuple[int, int] | None = None
 ) -> Capture:
-    """A built-in scene, "orrery", "nine-cameras" or "four-cameras", traced when its frames are asked for."""
+    """A built-in scene, "orrery", "nine-cameras" or "four-cameras", whose frames are traced when they are used."""
 
 def open_store(path: Path) -> Store:
-    """Opens a store; samples are read from the file when they are asked for."""
+    """Opens a store; samples are read from the file when they are used."""
 
 def evaluate(
     capture: Capture,
@@ -199,5 +199,6 @@ def evaluate(
 ) -> dict[str, Any]:
     """Accuracy, speed and size of one setting, beside no pruning and first camera wins.
 
-    With `align_views` each view is scored from where its own picture says that it was taken. Truth is the manifest `views`, cameras that are held out, or what the capture has in its folder `novel`. The keys are `as_set`,
-    `no_pruning` and `first_camera`, each as `overlook evaluate --json` gives it."""
+    The truth is the manifest `views`, or the cameras named in `hold_out`, or else the folder `novel` of the capture. With
+    `align_views`, each view is also scored at the pose that its own true picture shows. The keys are `as_set`, `no_pruning` and
+    `first_camera`, each as `overlook evaluate --json` prints it."""

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use overlook_engine::grid::Grid;
 
-/// Planar depth from its reciprocal: infinite at the sky, NaN where there is none.
+/// Planar depth from its reciprocal: infinite at the sky, NaN without depth.
 pub(super) fn depth_of(inverse_depth: f32) -> f32 {
     if inverse_depth < 0.0 { f32::NAN } else { 1.0 / inverse_depth }
 }

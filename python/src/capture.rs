@@ -30,7 +30,7 @@ use overlook_lab::{compare, truth};
 pub fn open(py: Python<'_>, path: PathBuf, settings: Option<&Bound<'_, PyDict>>) -> PyResult<PyCapture> {
     let settings = settings_over(Settings::default(), settings)?;
     let capture = work::run(py, None, |_| capture::open(&path, &settings.capture))?;
-    Ok(PyCapture { capture, views: Views::Beside(path) })
+    Ok(PyCapture { capture, views: TruthSource::Beside(path) })
 }
 
 /// A built-in scene, traced on demand.
@@ -48,11 +48,11 @@ pub fn demo(
     let spec = DemoSpec { cameras, frames, size, ..DemoSpec::new(name) };
     let demo = Demo::new(&spec).map_err(|error| to_exception(&error))?;
     let capture = demo.capture(&Settings::default().capture);
-    Ok(PyCapture { capture, views: Views::Traced(Arc::new(demo)) })
+    Ok(PyCapture { capture, views: TruthSource::Traced(Arc::new(demo)) })
 }
 
 /// Where the truth of new viewpoints comes from.
-enum Views {
+enum TruthSource {
     /// The folder `novel` of the capture at this path.
     Beside(PathBuf),
     /// The scene.
@@ -63,7 +63,7 @@ enum Views {
 #[pyclass(name = "Capture", module = "overlook", frozen)]
 pub struct PyCapture {
     capture: Capture,
-    views: Views,
+    views: TruthSource,
 }
 
 #[pymethods]
@@ -139,8 +139,8 @@ impl PyCapture {
     fn truth_views(&self, views: Option<PathBuf>) -> overlook_engine::error::Result<Vec<TruthView>> {
         let beside = match (&views, &self.views) {
             (Some(path), _) => Some(path.clone()),
-            (None, Views::Traced(demo)) => return Ok(demo.truth_views()),
-            (None, Views::Beside(path)) => transforms::truth_beside(path),
+            (None, TruthSource::Traced(demo)) => return Ok(demo.truth_views()),
+            (None, TruthSource::Beside(path)) => transforms::truth_beside(path),
         };
         let Some(path) = beside else {
             let what = "comes without truth views; give views=, or hold_out= with names of cameras";
@@ -153,7 +153,7 @@ impl PyCapture {
 /// Accuracy, speed and size of one setting, beside no pruning and first camera wins, as `overlook evaluate --json` gives them.
 ///
 /// # Errors
-/// `Error` as [`compare`], and where there is no truth; `KeyboardInterrupt`, and what `progress` raises.
+/// `Error` as [`compare`], and without any truth; `KeyboardInterrupt`, and what `progress` raises.
 #[pyfunction]
 #[pyo3(signature = (capture, *, views=None, hold_out=None, align_views=false, settings=None, progress=None))]
 pub fn evaluate<'py>(

@@ -1,4 +1,4 @@
-//! Long calls: the interpreter is let go, progress is told, and Ctrl-C stops the work.
+//! Long calls: other Python threads run on, progress is reported, and Ctrl-C stops the work.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -11,7 +11,7 @@ use super::exceptions::to_exception;
 use overlook_engine::error::Result;
 use overlook_engine::job::{Job, Progress};
 
-/// How often signals are asked for and progress is told.
+/// Time between two checks for signals and reports of progress.
 const EVERY: Duration = Duration::from_millis(50);
 
 /// Wakes the waiting thread when the work ends, even by a panic.
@@ -41,11 +41,11 @@ pub(super) fn run<T: Send>(
             work(&job)
         });
         let mut raised = None;
-        let mut told = Progress::default();
+        let mut reported = Progress::default();
         while !finished.load(Ordering::Acquire) {
             py.detach(|| thread::park_timeout(EVERY));
             if raised.is_none()
-                && let Err(error) = py.check_signals().and_then(|()| tell(progress, &job, &mut told))
+                && let Err(error) = py.check_signals().and_then(|()| report(progress, &job, &mut reported))
             {
                 job.cancel();
                 raised = Some(error);
@@ -55,18 +55,18 @@ pub(super) fn run<T: Send>(
         match (raised, result) {
             (Some(error), _) => Err(error),
             (None, Ok(result)) => result.map_err(|error| to_exception(&error)),
-            (None, Err(_)) => Err(PyRuntimeError::new_err("the engine failed; its message stands on stderr")),
+            (None, Err(_)) => Err(PyRuntimeError::new_err("the engine failed; its message is on stderr")),
         }
     })
 }
 
-/// Tells the progress if it is another than the one told last.
-fn tell(progress: Option<&Bound<'_, PyAny>>, job: &Job, told: &mut Progress) -> PyResult<()> {
+/// Reports the progress if it differs from the last report.
+fn report(progress: Option<&Bound<'_, PyAny>>, job: &Job, reported: &mut Progress) -> PyResult<()> {
     let Some(progress) = progress else { return Ok(()) };
     let now = job.progress();
-    if now != *told {
+    if now != *reported {
         progress.call1((now.stage.clone(), now.done, now.total))?;
-        *told = now;
+        *reported = now;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! What a rig got wrong is found and mended, and what is right keeps every bit.
+//! Alignment: the errors of a rig are found and corrected, correct values keep every bit, and conventions are recognized.
 
 #[path = "../common/draws.rs"]
 mod draws;

@@ -1,4 +1,4 @@
-//! What opens, as what, and what is refused: manifests, pictures, folders of other programs, and the built-in scenes.
+//! Captures that open and captures that are refused: manifests, pictures, folders of other programs, and the built-in scenes.
 
 #[path = "../common/analytic_scene.rs"]
 mod analytic_scene;

@@ -1,4 +1,4 @@
-//! What `overlook preprocess` tells beside the store.
+//! The output of `overlook preprocess` beside the store.
 
 use std::path::Path;
 

@@ -8,8 +8,8 @@ use overlook_engine::settings::Settings;
 
 use super::scene::Scene;
 
-/// Checks that for every dropped sample a kept one shows its surface point, or more cameras look past it than confirm it, and gives how many of them lie farther off the kept
-/// one's surface than the settings grant: none where normals are given.
+/// Checks every dropped sample: a kept one shows its surface point, or more cameras look past it than confirm it. Returns how many dropped
+/// samples are farther from the kept one's surface than the settings allow, which is none if normals are given.
 ///
 /// Where a sample lies and how its surface faces is traced anew in double precision: no recorded or estimated depth or normal
 /// takes part.

@@ -1,4 +1,4 @@
-//! Metrics, truth, sweeps, stress tests and tuning.
+//! Measuring: metrics, truth, sweeps, stress tests, tuning, and the published figures.
 
 #[path = "../common/small_capture.rs"]
 mod small_capture;

@@ -1,4 +1,4 @@
-//! Every metric gives what other programs give: `assets/metrics/make.py` made the pictures and asked them.
+//! Every metric equals that of other programs: `assets/metrics/make.py` made the pictures and ran these programs.
 
 use std::path::Path;
 

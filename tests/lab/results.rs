@@ -1,4 +1,4 @@
-//! RESULTS.md and its data are of the settings that the program comes with, and their small figures are made again and compared.
+//! RESULTS.md and its data were measured with the default settings, and their small figures are measured again and compared.
 
 use std::collections::BTreeMap;
 use std::path::Path;

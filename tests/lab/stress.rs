@@ -1,4 +1,4 @@
-//! Disturbances: each does nothing at the start of its dial and something at the end, and tells where methods fail.
+//! Disturbances: each does nothing at the start of its dial and something at the end, and shows where methods fail.
 
 use overlook_engine::job::Job;
 use overlook_engine::settings::Settings;

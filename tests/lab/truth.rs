@@ -1,4 +1,4 @@
-//! What truth says: a view of which nothing is known takes no part.
+//! Truth: a view without a known pixel takes no part.
 
 use std::sync::Arc;
 

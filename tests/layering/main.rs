@@ -1,5 +1,4 @@
-//! Keeps the walls of the architecture: a module imports only from those before it, neighbors do not import from each other in a circle,
-//! and each outside library stays where it belongs. The compiler keeps the walls between the crates; here is what lies within.
+//! The architecture within the crates: layers, no import circles, each outside library in its place, and the words of names and texts.
 
 mod imports;
 mod plurals;

@@ -1,4 +1,4 @@
-//! What is redundant in space and time, why, and the promises that hold for every capture.
+//! Preprocessing: samples redundant in space and time, the reason for each, and the promises that hold for every capture.
 
 #[path = "../common/coverage.rs"]
 mod coverage;

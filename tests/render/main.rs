@@ -1,4 +1,4 @@
-//! Pictures on the processor and on graphics cards, and that both are the same.
+//! Rendering: its promises, its quality, and the same pictures on the processor and on graphics cards.
 
 #[path = "../common/boxes.rs"]
 mod boxes;

@@ -1,4 +1,4 @@
-//! Stores: what is written comes back, damage is refused, and a second reader reads the same.
+//! Stores: written samples come back, damage is refused, a second reader reads the same, and playback reads only what it needs.
 
 #[path = "../common/builder.rs"]
 mod builder;

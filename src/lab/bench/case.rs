@@ -1,4 +1,4 @@
-//! What is measured, and what measuring needs.
+//! A measurement of stages, and its inputs.
 
 use super::measure::RepeatLimits;
 use super::report::MeasuredStage;

@@ -100,7 +100,7 @@ fn sum(numbers: &[u64]) -> u64 {
     shares.reduce(|| 0, u64::wrapping_add)
 }
 
-/// Projected points: each its pixel, and a key of which the larger wins.
+/// Projected points: the pixel of each, and its key; at a pixel the largest key wins.
 #[derive(Debug, PartialEq)]
 struct ScatterPoints {
     pixels: Vec<u32>,

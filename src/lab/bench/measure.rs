@@ -70,12 +70,12 @@ impl Times {
         self.sorted_ms.len()
     }
 
-    /// The time that half of the repeats stay below, milliseconds; 0 where there is no repeat.
+    /// Median time of a repeat, milliseconds; 0 without repeats.
     pub(crate) fn median_ms(&self) -> f64 {
         self.quantile_ms(0.5)
     }
 
-    /// How far the middle half of the repeats lies apart (interquartile range), milliseconds.
+    /// Interquartile range of the repeats, milliseconds.
     pub(crate) fn spread_ms(&self) -> f64 {
         self.quantile_ms(0.75) - self.quantile_ms(0.25)
     }

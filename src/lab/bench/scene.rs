@@ -128,7 +128,7 @@ impl BenchScene {
     }
 }
 
-/// The built-in scene, all of whose frames are traced and stay in memory.
+/// The built-in scene with all frames traced and in memory.
 fn recorded(size: (u32, u32), job: &Job) -> Result<(Demo, Capture)> {
     let spec = DemoSpec::new(SCENE).frames(FRAMES).size(size);
     let demo = Demo::new(&spec)?;

@@ -51,7 +51,7 @@ pub(super) struct ChartAxis {
     scale: Scale,
     low: f64,
     high: f64,
-    /// Where `low` and `high` lie on the sheet.
+    /// Positions of `low` and `high` on the sheet, pixels.
     from: f64,
     to: f64,
 }
@@ -72,7 +72,7 @@ impl ChartAxis {
         Self { scale, low: low - room, high: high + room, from, to }
     }
 
-    /// Where a value lies on the sheet.
+    /// Position of a value on the sheet, pixels.
     pub(super) fn at(&self, value: f64) -> f64 {
         let spread = if self.scale == Scale::Log { value.max(1e-12).ln() } else { value };
         self.from + (spread - self.low) / (self.high - self.low) * (self.to - self.from)
@@ -87,8 +87,8 @@ impl ChartAxis {
     }
 }
 
-/// The smallest step of 1, 2 or 5 times a power of ten that divides the range into at most `count` parts; the next finer one where
-/// that leaves less than two ticks, as one is no scale.
+/// The smallest step of 1, 2 or 5 times a power of ten that divides the range into at most `count` parts. If fewer than two ticks result,
+/// the next finer step is taken, because one tick is no scale.
 fn even_step(low: f64, high: f64, count: usize) -> f64 {
     const STEPS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
     let rough = (high - low) / count.max(1) as f64;

@@ -1,4 +1,4 @@
-//! Colors of charts: ink, grid lines, and series that the color-blind can tell apart (Masataka Okabe and Kei Ito, *Color
+//! Colors of charts: ink, grid lines, and series that color-blind people can distinguish (Masataka Okabe and Kei Ito, *Color
 //! Universal Design*, 2008).
 
 pub(super) const INK: &str = "#22262b";

@@ -1,4 +1,4 @@
-//! A true picture, what was rendered, and where the two differ, beside each other.
+//! A true picture, the rendered one, and a map of their difference, beside each other.
 
 use std::io::Cursor;
 

@@ -1,6 +1,6 @@
 //! Labels beside points, so that none covers another.
 //!
-//! Purpose: the charts name methods that lie close together. Source: greedy placement among fixed candidate positions (Christensen,
+//! Purpose: charts name points that are close together. Source: greedy placement among fixed candidate positions (Christensen,
 //! Marks, Shieber: An Empirical Study of Algorithms for Point-Feature Label Placement, 1995, section 3). What differs: candidates go
 //! on outward, in rows above and below the point, until one is free.
 
@@ -23,12 +23,12 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    /// No label yet; they stay within `plot` where that leaves a place.
+    /// No label yet. Labels stay within `plot` if a place there is free.
     pub(super) fn new(plot: Rectangle) -> Self {
         Self { plot, taken: Vec::new() }
     }
 
-    /// Writes a label beside a point whose marker has this radius; one that stands away from it gets a line to it.
+    /// Writes a label beside a point whose marker has this radius; a line joins a distant label to its point.
     pub(super) fn draw(
         &mut self,
         svg: &mut Svg,

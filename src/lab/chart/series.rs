@@ -1,4 +1,4 @@
-//! Points of a chart that are drawn alike, and the shapes that tell them apart.
+//! Series of a chart: points that are drawn alike, each series with a shape of its own.
 
 use crate::sweep::Series;
 

@@ -102,7 +102,7 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     }
 }
 
-/// Where a value between two values of the dial lies.
+/// Horizontal position of a value between two values of the dial.
 fn between(dials: &[f64], dial: f64, x_of: &dyn Fn(f64) -> f64) -> f64 {
     let pair = dials.windows(2).find(|pair| {
         let (low, high) = (pair[0].min(pair[1]), pair[0].max(pair[1]));

@@ -1,4 +1,4 @@
-//! How much fewer views show, and how accurate their pictures are, against their number.
+//! Coverage and accuracy of a model against its number of views.
 
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
@@ -12,7 +12,7 @@ const RIGHT: f64 = SIZE.0 - 90.0;
 const TOP: f64 = 110.0;
 const BOTTOM: f64 = SIZE.1 - 70.0;
 
-/// Draws what choosing views of a capture gave.
+/// Draws the result of choosing views of a capture.
 #[must_use]
 pub fn views(capture: &str, chosen: &ChosenViews) -> Chart {
     let mut svg = Svg::new(SIZE.0, SIZE.1);

@@ -1,6 +1,6 @@
-//! Where in a picture its error lies: on surfaces that no camera saw, at silhouettes, or elsewhere.
+//! The error of a picture by class: on surfaces that no camera saw, at silhouettes, or elsewhere.
 //!
-//! Purpose: the three have different causes (filling, antialiasing, interpolation), and a mean over the picture tells none of them.
+//! Purpose: the three have different causes (filling, antialiasing, interpolation), which a mean over the picture hides.
 //!
 //! Which pixel belongs to which class is decided by the truth alone, so that all methods are measured by the same pixels.
 
@@ -24,7 +24,7 @@ pub enum ErrorClass {
 }
 
 impl ErrorClass {
-    /// What maps of errors show it in, sRGB: pink, orange and blue, which color-blind people tell apart.
+    /// Its color in maps of errors, sRGB: pink, orange or blue, which color-blind people can distinguish.
     #[must_use]
     pub fn color(self) -> [u8; 3] {
         match self {

@@ -45,7 +45,7 @@ const WHITE: [f32; 3] = [0.950_428_55, 1.0, 1.088_900_4];
 type Color = [f32; 3];
 
 /// The difference at every pixel, 0 to 1, of two pictures of one size in linear Rec.709 (clipped to 0 to 1 here), seen at
-/// so many pixels per degree.
+/// `pixels_per_degree`.
 ///
 /// # Panics
 /// If the sizes differ: the caller has compared them.

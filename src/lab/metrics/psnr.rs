@@ -11,7 +11,7 @@ pub fn psnr_db(a: &[[f32; 3]], b: &[[f32; 3]], pixels: impl Iterator<Item = usiz
     Some((-10.0 * mean_squared_error.log10()).min(MAX_PSNR_DB))
 }
 
-/// Mean of the squared differences of all channels of the pixels named; `None` where none is.
+/// Mean of the squared differences of all channels of the pixels named; `None` if none is named.
 pub(crate) fn mean_squared_error(
     a: &[[f32; 3]],
     b: &[[f32; 3]],

@@ -3,14 +3,14 @@
 
 use overlook_engine::grid::Grid;
 
-/// How far from a step in depth a pixel may lie, pixels.
+/// Farthest distance of a silhouette pixel from a step in depth, pixels.
 pub(super) const REACH_PX: f64 = 3.0;
 
 /// A step is a second difference of inverse depth, which vanishes on every plane, of this share of the nearest depth
 /// involved. A crease that turns by 90° where a surface is 1000 pixels away gives a tenth of it.
 const STEP_RELATIVE: f32 = 0.02;
 
-/// Which pixels lie within [`REACH_PX`] of a step in depth, given inverse depths (0 at infinity, negative where unknown;
+/// The pixels within [`REACH_PX`] of a step in depth, given inverse depths (0 at infinity, negative where unknown;
 /// next to the unknown nothing is a step).
 pub(super) fn near_silhouettes(inverse_depth: &Grid<f32>) -> Grid<bool> {
     let (width, height) = inverse_depth.size();

@@ -27,7 +27,7 @@ pre { background: #f5f6f8; padding: .8em; overflow-x: auto; white-space: pre-wra
   .chart svg { max-height: 230mm; } figure { margin: .6em 0; } img { max-height: 225mm; } pre { overflow: visible; } }
 ";
 
-/// A page on captures that stands by itself: style, charts and pictures are in it, and it needs no script.
+/// A page on captures that needs no other file: style, charts and pictures are embedded, and there is no script.
 pub fn page(captures: &[CaptureResults]) -> String {
     let names: Vec<&str> = captures.iter().map(|capture| capture.name.as_str()).collect();
     let mut html = format!(

@@ -94,8 +94,8 @@ fn sweep(results: &CaptureResults) -> String {
     html += &table(&head, &shown.iter().map(|point| cells(point)).collect::<Vec<_>>());
     let _ = writeln!(
         html,
-        "<p class=\"note\">dB: PSNR over all pixels that some camera saw, holes filled alike. Unseen, edge, inner: PSNR there, and the share \
-         of the squared error. A star marks the Pareto front of bytes and dB. {left_out} less accurate settings are in sweep.csv.</p>"
+        "<p class=\"note\">dB: PSNR over all pixels that some camera saw, holes filled alike. Unseen, edge, inner: PSNR there, and the \
+         share of the squared error. A star marks the Pareto front of bytes and dB. {left_out} less accurate settings are in sweep.csv.</p>"
     );
     if !results.worst.is_empty() {
         html += "<h3>Worst viewpoints of the default</h3>\n<p class=\"note\">The truth, the picture, and its error: bright at 64 8-bit \

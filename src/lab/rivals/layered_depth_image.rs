@@ -5,8 +5,8 @@
 //! and each sample drawn as large as it appears.
 //!
 //! What differs: depths are alike within one hundredth; a z-buffer decides instead of the order in which samples are visited; a sample
-//! is a square of whole pixels, without the Gaussian of its four fixed sizes. The camera stands in the middle of all cameras, looks
-//! where they look on average, has their mean focal length, and a field of view that holds what they saw up to 150°.
+//! is a square of whole pixels, without the Gaussian of its four fixed sizes. The camera is in the middle of all cameras and looks
+//! where they look on average. It has their mean focal length, and a field of view up to 150° that holds everything they saw.
 
 use glam::{DMat3, DVec2, DVec3};
 

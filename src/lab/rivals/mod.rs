@@ -4,8 +4,8 @@
 //! what all cameras saw at a frame ─ build ─▶ RivalModel ─ render ─▶ Picture
 //! ```
 //!
-//! One method a file, each as its source describes it, and no better: what differs is said at the top of the file. All get the frames
-//! as they were recorded, with nothing pruned. Holes are left, so that whoever compares fills those of all methods alike.
+//! One method a file, each as its source describes it and no better; the top of the file lists the differences. All get the frames as
+//! they were recorded, with nothing pruned. Holes stay open, so that the caller fills those of all methods alike.
 
 mod layered_depth_image;
 mod model;
@@ -79,7 +79,7 @@ impl Rival {
     /// Builds the model of one frame.
     ///
     /// # Errors
-    /// `Invalid` where there is no camera, or none saw anything at a finite depth and the method needs that.
+    /// `Invalid` without any camera, or if the method needs a finite depth and no camera saw one.
     pub fn build(self, views: &[RecordedView]) -> Result<Box<dyn RivalModel>> {
         if views.is_empty() {
             return Err(Error::invalid(self.name(), "there is no camera to make a model of"));

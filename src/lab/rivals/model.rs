@@ -17,11 +17,11 @@ pub struct RecordedView {
 
 /// What a method keeps of one frame.
 pub trait RivalModel: Send + Sync {
-    /// The picture at a viewpoint. [`Picture::image`] is 0 where there is something, and [`NO_IMAGE`](overlook_engine::render::NO_IMAGE) in holes.
+    /// The picture at a viewpoint. [`Picture::image`] is [`NO_IMAGE`](overlook_engine::render::NO_IMAGE) in holes and 0 elsewhere.
     fn render(&self, target: &Camera) -> Picture;
 
-    /// Bytes of the model as a file, values rounded to 8 bits (depth to 24) and deflated; `None` where the method keeps all pictures as
-    /// they were recorded.
+    /// Bytes of the model as a file, with values rounded to 8 bits (depth to 24) and deflated; `None` if the method keeps all recorded
+    /// pictures.
     fn bytes(&self) -> Option<u64>;
 }
 

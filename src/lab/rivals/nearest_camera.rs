@@ -1,6 +1,6 @@
 //! The nearest camera, warped.
 //!
-//! Purpose: the least that anybody would do.
+//! Purpose: the simplest baseline.
 //!
 //! Source: L. `McMillan` and G. Bishop, *Plenoptic Modeling: An Image-Based Rendering System*, SIGGRAPH 1995, §3.3: every pixel of a
 //! picture with depth is carried forward to the new viewpoint by its generalized disparity, and drawn as large as it appears there.

@@ -1,4 +1,4 @@
-//! What lies behind everything: samples at infinity, for methods that know surfaces alone.
+//! The sky: samples at infinity, for methods that model only surfaces.
 
 use glam::DVec3;
 

@@ -49,7 +49,7 @@ impl Splatter {
         }
     }
 
-    /// Carries the pixel at `position` of the map's camera here, as a square that covers what is not nearer. An inverse depth of 0 is
+    /// Carries the pixel at `position` of the map's camera here, as a square over everything that is not nearer. An inverse depth of 0 is
     /// at infinity.
     pub(super) fn add(&mut self, map: &PixelMap, position: DVec2, inverse_depth: f32, color: [f32; 3]) {
         let ray = map.source.intrinsics.ray_in_camera(position);

@@ -2,11 +2,11 @@
 //!
 //! Source: S. Fachada, D. Bonatto, A. Schenkel and G. Lafruit, *Depth Image Based View Synthesis with Multiple Reference Views for
 //! Virtual Reality*, 3DTV-CON 2018, as in MPEG's Reference View Synthesizer (RVS). Pixel centers are corners of triangles, two for each
-//! four pixels, whatever lies between their depths. A triangle is the worse the longer its longest edge is at the viewpoint, and one
+//! four pixels, even across a step in depth. The quality of a triangle falls with its longest edge at the viewpoint, and a triangle
 //! that faces away is left out. Where triangles of one camera overlap, the cube of depth over quality decides. Cameras are blended by
 //! quality over depth, to the fifth power. Everything is rasterized twice as fine in both directions and averaged (RVS's precision 2).
 //!
-//! What differs: a pixel at infinity lies a thousand times as far as the farthest surface of its picture, since RVS has no infinity;
+//! What differs: a pixel at infinity is put a thousand times as far away as the farthest surface of its picture, since RVS has no infinity;
 //! one without depth belongs to no triangle. Colors are blended sRGB-encoded, as RVS blends the values of a video.
 
 use glam::{DVec2, DVec3};
@@ -21,14 +21,14 @@ use overlook_engine::render::{NO_IMAGE, Picture};
 /// Columns and rows of the raster to a pixel.
 const PRECISION: usize = 2;
 
-/// Quality of a triangle of no extent, and what it loses for each pixel of its longest edge; the least is 1.
+/// Quality of a triangle of no extent, and its loss for each pixel of the longest edge; the least quality is 1.
 const BEST_QUALITY: f32 = 10_000.0;
 const LOST_PER_PIXEL: f32 = 1_000.0;
 
 /// Power of quality over depth by which cameras are blended.
 const BLENDING_EXPONENT: i32 = 5;
 
-/// How far infinity lies, in depths of the farthest surface.
+/// Distance of pixels at infinity, in depths of the farthest surface.
 const INFINITY_FACTOR: f64 = 1_000.0;
 
 /// Cameras that are rasterized at a time.
@@ -45,7 +45,7 @@ struct Corner {
     color: [f32; 3],
 }
 
-/// One camera's mesh at the viewpoint; quality 0 where there is none.
+/// One camera's mesh at the viewpoint; quality is 0 outside of it.
 struct Raster {
     color: Grid<[f32; 3]>,
     depth: Grid<f32>,

@@ -2,10 +2,10 @@
 //!
 //! Source: B. Curless and M. Levoy, *A Volumetric Method for Building Complex Models from Range Images*, SIGGRAPH 1996, §3: each voxel
 //! keeps the weighted mean of its signed distances to the surfaces that cameras saw along their lines of sight, and the surface is
-//! where that crosses zero. Ray casting: S. Izadi et al., *`KinectFusion`*, UIST 2011. Blocks of voxels near surfaces alone: M. Nießner et
-//! al., *Real-time 3D Reconstruction at Scale Using Voxel Hashing*, SIGGRAPH Asia 2013. Constants and details are those of
-//! `Open3D`'s `VoxelBlockGrid`: distances along z, truncated at eight voxels, every observation of weight 1, colors averaged sRGB-encoded and
-//! interpolated over the eight voxels around the surface.
+//! the zero crossing of these means. Ray casting: S. Izadi et al., *`KinectFusion`*, UIST 2011. Blocks of voxels only near surfaces:
+//! M. Nießner et al., *Real-time 3D Reconstruction at Scale Using Voxel Hashing*, SIGGRAPH Asia 2013. Constants and details are those
+//! of `Open3D`'s `VoxelBlockGrid`: distances along z, truncated at eight voxels; every observation of weight 1; colors averaged
+//! sRGB-encoded and interpolated over the eight voxels around the surface.
 //!
 //! What differs: voxels twice as wide until there are at most 100,000 blocks. A ray that hits nothing shows the sky of the nearest
 //! camera that saw it in that direction.
@@ -25,7 +25,7 @@ use overlook_engine::render::{NO_IMAGE, Picture};
 /// Distance at which distances are truncated, in voxels.
 const TRUNCATION_VOXELS: f64 = 8.0;
 
-/// Every this many pixels blocks are looked for along a line of sight.
+/// Blocks are searched along the line of sight of one pixel in this many.
 const BLOCK_STRIDE: usize = 4;
 
 /// Most blocks, of 10 kB each.
@@ -241,7 +241,8 @@ impl Tsdf {
         None
     }
 
-    /// Distances at two points on either side of a surface, interpolated where that leaves them on their sides; else those given.
+    /// Distances at two points on either side of a surface. They are interpolated if that keeps their signs; otherwise they are the given
+    /// ones.
     fn ends(&self, front: (DVec3, f32), back: (DVec3, f32)) -> (f64, f64) {
         let distances = [front.0, back.0].map(|point| self.interpolated(point).map(|voxel| voxel.distance));
         let (in_front, behind) = match distances {

@@ -1,4 +1,4 @@
-//! Blocks of voxels near surfaces, found by their place.
+//! A sparse volume: blocks of voxels near surfaces, found by their place.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -13,7 +13,7 @@ pub(super) const SIDE: i32 = 8;
 /// Voxels of a block.
 pub(super) const VOXELS: usize = (SIDE * SIDE * SIDE) as usize;
 
-/// What a voxel knows.
+/// One voxel of a truncated signed distance field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Voxel {
     /// Distance to the nearest surface in front of the cameras, in truncation distances: -1 (behind) to 1 (in front).
@@ -24,7 +24,7 @@ pub(super) struct Voxel {
     pub(super) color: [f32; 3],
 }
 
-/// A cube of voxels.
+/// A cube of [`SIDE`]³ voxels.
 pub(super) struct VoxelBlock {
     /// Place, in blocks.
     pub(super) place: IVec3,
@@ -57,7 +57,7 @@ impl Hasher for PlaceHasher {
 /// Values by place.
 pub(super) type ByPlace<T> = HashMap<u64, T, BuildHasherDefault<PlaceHasher>>;
 
-/// A place in blocks, packed; `None` a million blocks from the origin.
+/// A place in blocks, packed; `None` if it is more than a million blocks from the origin.
 pub(super) fn packed(place: IVec3) -> Option<u64> {
     const HALF: i32 = 1 << 20;
     let coordinate = |value: i32| (-HALF..HALF).contains(&value).then_some((value + HALF) as u64);
@@ -93,7 +93,7 @@ impl Volume {
         self.blocks.get(*self.index.get(&packed(place)?)? as usize)
     }
 
-    /// The voxel at a place in voxels; `None` where there is no block.
+    /// The voxel at a place in voxels; `None` if no block holds it.
     pub(super) fn voxel(&self, place: IVec3) -> Option<&Voxel> {
         let block = self.block(IVec3::from_array(place.to_array().map(|value| value.div_euclid(SIDE))))?;
         let [x, y, z] = place.to_array().map(|value| value.rem_euclid(SIDE));

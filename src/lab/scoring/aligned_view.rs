@@ -1,8 +1,8 @@
-//! A view scored from where its own true picture says that it was taken, and at its own exposure.
+//! A view scored at the pose and exposure that its own true picture shows.
 //!
-//! Purpose: held-out pictures of a recording have wrong poses and exposures as its cameras do; scored at those, a better model may
-//! look worse. Nothing else is taken from the picture than its pose and one gain per channel. Source: none; poses are found by
-//! [`align_view`], gains are median ratios.
+//! Purpose: the held-out pictures of a recording have wrong poses and exposures, as its cameras do. Scored at these, a better model may
+//! look worse. Only the pose and one gain per channel are taken from the true picture. Source: none; [`align_view`] finds the pose, and
+//! the gains are median ratios.
 
 use std::sync::Arc;
 
@@ -101,7 +101,7 @@ fn as_frame(picture: &Picture) -> Frame {
     }
 }
 
-/// Colors that tell a ratio: neither dark nor possibly cut off, linear.
+/// Colors that a ratio is measured at, linear: neither dark nor possibly clipped.
 const USABLE: std::ops::Range<f32> = 0.01..0.85;
 
 /// Logarithms of the median ratios of the true colors to the painted ones, per channel.

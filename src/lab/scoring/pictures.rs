@@ -36,7 +36,7 @@ pub struct PictureScores {
     pub coverage: Option<f64>,
     /// Root mean square change of error from frame to frame, 8-bit steps; `None` where no vantage is seen at two frames.
     pub flicker_steps: Option<f64>,
-    /// Where the error lies, over all pixels of all views together.
+    /// Error by class, over all pixels of all views together.
     pub error_by_class: Option<ErrorByClass>,
 }
 
@@ -48,11 +48,11 @@ pub struct PictureScore {
     /// Closeness to the truth; `None` where no pixel of it is known.
     #[serde(flatten)]
     pub scores: Option<Scores>,
-    /// Where its error lies.
+    /// Error by class.
     pub error_by_class: Option<ErrorByClass>,
 }
 
-/// Scores pictures that another program made of views with known truth, all of which must have one. `on_picture` receives each.
+/// Scores the pictures of another program. Each view with known truth must have one; `on_picture` receives each.
 ///
 /// # Errors
 /// `Invalid` naming the first view without a picture; those of reading pictures; `Cancelled`.
@@ -105,7 +105,7 @@ pub fn score_pictures(
     })
 }
 
-/// A frame that another program rendered, as one of our pictures: what has no depth is a hole.
+/// A frame that another program rendered, as one of our pictures: a pixel without depth is a hole.
 #[must_use]
 pub fn picture_of_frame(frame: &Frame) -> Picture {
     let (width, height) = frame.size();

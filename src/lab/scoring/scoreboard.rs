@@ -124,8 +124,8 @@ pub fn evaluate(
 /// Takes each rendered view, its picture, and the classes of its error where they are known.
 pub(crate) type OnPicture<'a> = dyn FnMut(&TruthView, &Picture, Option<&ClassMap>) -> Result<()> + 'a;
 
-/// As [`evaluate()`], by class of error at the views whose `classes` are known, which are in the order of the views; `on_picture` takes
-/// each picture.
+/// As [`evaluate()`], also by class of error. `classes` has the classes of each view, in the order of the views, and is empty if none are
+/// known; `on_picture` receives each picture.
 pub(crate) fn evaluate_each(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,

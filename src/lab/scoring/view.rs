@@ -38,10 +38,10 @@ pub struct ViewScore {
     /// Closeness to the truth; `None` where no pixel of it is known.
     #[serde(flatten)]
     pub scores: Option<Scores>,
-    /// Closeness once the view is aligned by its own true picture; `None` where that was not asked for.
+    /// Closeness once the view is aligned by its own true picture; `None` if it was not aligned.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned: Option<AlignedScore>,
-    /// Where its error lies; `None` where the truth has no depth, or what cameras saw is not known.
+    /// Error by class; `None` if the truth has no depth, or if it is unknown what the cameras saw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_by_class: Option<ErrorByClass>,
     /// Wall-clock milliseconds of painting, and of filling holes where the settings fill.
@@ -122,7 +122,7 @@ pub struct PaintedView {
     pub score: ViewScore,
     /// The picture beside its truth, where that is known.
     pub(crate) pair: Option<Pair>,
-    /// Where its error lies.
+    /// Error by class.
     pub(crate) class_errors: Option<ClassErrors>,
     /// The part of [`ViewScore::milliseconds`] that filling holes took.
     pub(crate) fill_ms: f64,
@@ -162,7 +162,7 @@ pub(crate) fn unknown_truth_warning(view: &TruthView) -> String {
 ///
 /// # Errors
 ///
-/// `Gpu` where a graphics card that was asked for fails; what the truth's files cannot be read for; `Cancelled`.
+/// `Gpu` if the requested graphics card fails; those of reading the truth's files; `Cancelled`.
 pub fn render_view(
     renderer: &mut Renderer,
     samples: &Arc<SampleSet>,

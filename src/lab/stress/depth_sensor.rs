@@ -12,7 +12,7 @@ use overlook_engine::grid::Grid;
 use overlook_engine::median::median_f32;
 use overlook_engine::random::mix;
 
-/// One pixel in this many tells how far away most surfaces are.
+/// One pixel in this many is used for the median depth.
 const STRIDE: usize = 61;
 
 /// Inverse of the median depth of all cameras' first frames; 0 where nothing has depth.
@@ -29,7 +29,7 @@ pub(super) fn median_inverse_depth(capture: &Capture) -> Result<f32> {
 /// Pixels along which noise is correlated.
 const CORRELATED_PX: usize = 3;
 
-/// No sample comes nearer than so many times its distance, or goes farther than its inverse.
+/// Noise changes the distance of a sample at most by this factor, in either direction.
 const MOST_STRAYED: f32 = 10.0;
 
 /// Gaussian noise in depth, in proportion to the square of the depth: it is the same everywhere in inverse depth, where `sigma`
@@ -45,7 +45,7 @@ pub(super) fn sensor_noise(frame: &mut Frame, sigma: f32, at: FrameKey) {
     let across = Grid::from_fn(width, high, |x, y| {
         (x..x + CORRELATED_PX).map(|column| independent[(column, y)]).sum::<f32>()
     });
-    // The sum of so many numbers is as many times as wide as one.
+    // The sum of n × n independent numbers has n times the deviation of one.
     let scale = sigma / CORRELATED_PX as f32;
     for y in 0..height {
         for x in 0..width {
@@ -59,7 +59,7 @@ pub(super) fn sensor_noise(frame: &mut Frame, sigma: f32, at: FrameKey) {
     }
 }
 
-/// Before the sky, samples fly no farther than so many times as far as the foreground.
+/// In front of the sky, flying pixels are at most this many times as far as the foreground.
 const FARTHEST_FLIGHT: f32 = 2.0;
 
 /// Puts a share of the pixels on both sides of depth steps in the air, anywhere between the foreground and the background.
@@ -99,8 +99,8 @@ pub(super) fn flying_pixels(frame: &mut Frame, share: f32, at: FrameKey) {
 /// and a mirror, which shows things behind it.
 const MISREAD: [f32; 2] = [0.6, 1.5];
 
-/// A camera misreads what lies within the middle of its picture, `share` of the width and of the height: too near in the left
-/// half, too far in the right one.
+/// A camera misreads the middle of its picture, `share` of the width and of the height: too near in the left half, too far in the
+/// right one.
 pub(super) fn misread(frame: &mut Frame, share: f64) {
     let (width, height) = frame.size();
     let inside = |at: usize, length: usize| ((at as f64 + 0.5) / length as f64 - 0.5).abs() < 0.5 * share;

@@ -59,7 +59,7 @@ pub enum Disturbance {
     SensorNoise,
     /// Pixels at depth steps are put in the air between the foreground and the background.
     FlyingPixels,
-    /// One camera misreads what lies in the middle of its picture: half of it too near, half too far, as panes and mirrors do.
+    /// One camera misreads the surface in the middle of its picture: half of it too near, half too far, as panes and mirrors do.
     MisreadSurface,
     /// Depth is missing in squares of 12×12 pixels.
     DepthHoles,

@@ -95,7 +95,7 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
     if steps.is_empty() && !plan.disturbances.is_empty() {
         return Err(Error::invalid(
             &capture.name,
-            "is changed by no disturbance that was asked for; ask for others",
+            "is not changed by any of the chosen disturbances; choose others",
         ));
     }
     Ok(steps)

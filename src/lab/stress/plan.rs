@@ -15,7 +15,7 @@ pub struct Method {
     pub name: String,
     /// Its settings.
     pub settings: Settings,
-    /// The method of others that it is instead; its settings then say nothing.
+    /// A method of others; `settings` are then not used.
     pub rival: Option<Rival>,
 }
 

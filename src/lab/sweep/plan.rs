@@ -25,7 +25,7 @@ pub struct Planned {
 pub struct SweepPlan {
     /// In the order in which they are measured.
     pub trials: Vec<Planned>,
-    /// Says how many samples the baselines may keep.
+    /// The baselines keep as many samples as these settings do.
     pub reference: Settings,
     /// Points of an earlier run on the same capture and truth.
     pub done: Vec<Point>,
@@ -86,7 +86,7 @@ impl SweepPlan {
     /// The reference and every combination of the given values; an axis is the path of a setting and its values as text.
     ///
     /// # Errors
-    /// `Invalid` for an unknown setting, a value it does not take, and a setting given twice, of which only the last would count.
+    /// `Invalid` for an unknown setting, a value it does not take, and a setting given twice.
     pub fn grid(reference: &Settings, axes: &[(String, Vec<String>)], capture: &Capture) -> Result<Self> {
         let mut combinations = vec![(Vec::new(), reference.clone())];
         for (index, (path, values)) in axes.iter().enumerate() {
@@ -132,7 +132,7 @@ impl SweepPlan {
     }
 
     /// The point that an earlier run measured for this trial. A baseline with as many samples as the reference is known only if
-    /// the reference is known and has that many: the settings do not say which reference it was.
+    /// the reference is known and has that many, because the settings do not hold its reference.
     #[must_use]
     pub fn known(&self, planned: &Planned) -> Option<Point> {
         let Planned { trial, series } = planned;

@@ -92,7 +92,7 @@ impl Series {
         }
     }
 
-    /// Whether pictures of it are made otherwise than by our renderer, so that its settings say nothing.
+    /// Whether its pictures are not made by our renderer, so that its settings mean nothing.
     #[must_use]
     pub fn is_rival(self) -> bool {
         matches!(
@@ -111,7 +111,7 @@ impl Series {
 /// One setting and everything measured of it. Accuracy is over pixels that some camera saw, with holes filled; see [`Scores`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
-    /// Says in short what is special about it.
+    /// A short name of what is special about it.
     pub label: String,
     /// What it is: our default, a variation, or a baseline.
     pub series: Series,
@@ -121,12 +121,12 @@ pub struct Point {
     pub psnr_db: f64,
     /// Its standard error over vantages, see [`MeanEstimate::over_vantages`].
     pub psnr_db_se: f64,
-    /// The same over all of these pixels, holes filled (`pushpull`) whatever the settings say: neither leaving holes nor being
-    /// good at easy pixels improves it. Points are ranked by it.
+    /// The same over all of these pixels, with holes always filled by `pushpull`: neither leaving holes nor being good at easy pixels
+    /// improves it. Points are ranked by it.
     pub psnr_filled_db: f64,
-    /// Its standard error over vantages: mostly the vantages' own difference. What tells points apart is `behind_best_db_se`.
+    /// Its standard error over vantages, which is mostly their own difference. Compare points by `behind_best_db_se` instead.
     pub psnr_filled_db_se: f64,
-    /// What the point gives up of the most accurate one, dB: the mean of the differences at the vantages that both were scored at.
+    /// Loss against the most accurate point, dB: the mean of the differences at the vantages that both were scored at.
     /// See [`mark_behind_best`]; 0 until then.
     pub behind_best_db: f64,
     /// Its standard error.
@@ -145,7 +145,7 @@ pub struct Point {
     pub silhouette_steps: Option<f64>,
     /// Root mean square change of error from frame to frame at a still vantage, 8-bit steps.
     pub flicker_steps: Option<f64>,
-    /// Where the error lies, over all pixels of all views that show a surface; `None` where no truth has depth.
+    /// Error by class, over all pixels of all views that show a surface; `None` if no truth has depth.
     pub error_by_class: Option<ErrorByClass>,
     /// See [`Scores::coverage`].
     pub coverage: f64,
@@ -161,7 +161,7 @@ pub struct Point {
     pub samples_shared: u64,
     /// Different spans that hold a sample.
     pub spans: u64,
-    /// Milliseconds of painting one view, median, filling left out whatever the settings say; as noisy as the machine.
+    /// Milliseconds of painting one view, median, always without filling; as noisy as the machine.
     pub milliseconds: f64,
     /// Work of painting one view that is the same on every machine: samples times the kernel's cost.
     pub work: f64,
@@ -240,9 +240,9 @@ impl Point {
     }
 }
 
-/// Sets `behind_best_db` and `behind_best_db_se` of points that were scored at views of one truth. The most accurate point of those that were
-/// scored at the most vantages loses nothing. Figures of other programs are not known view by view: theirs is the difference of the
-/// means, without a standard error.
+/// Sets `behind_best_db` and `behind_best_db_se` of points that were scored at views of one truth. The best point is the most accurate of
+/// those with the most vantages; its loss is 0. Figures of other programs are not known view by view, so that their loss is the difference
+/// of the means, without a standard error.
 pub fn mark_behind_best<'a>(points: impl IntoIterator<Item = &'a mut Point>) {
     let mut points: Vec<&mut Point> = points.into_iter().collect();
     let accuracy = |a: &&mut Point, b: &&mut Point| {

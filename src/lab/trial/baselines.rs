@@ -16,7 +16,7 @@ use overlook_engine::median::{median, median_f32};
 use overlook_engine::random::mix;
 use overlook_engine::samples::{SampleImage, SampleSet, Span};
 
-/// Keeps `count` samples chosen at random, each with the same chance; all where there are no more.
+/// Keeps `count` samples chosen at random, each with the same chance; all if there are fewer.
 pub(super) fn random(set: &SampleSet, count: u64) -> SampleSet {
     thinned(set, count, &|_, _| 0)
 }
@@ -77,7 +77,7 @@ fn about_their_middle(mut points: Vec<Vec<SamplePosition>>) -> (Vec<Vec<SamplePo
     let mut distances = finite(&points, &|point| point.abs().max_element());
     let nth = ((distances.len() as f64 * (1.0 - OUTLYING)) as usize).min(distances.len().saturating_sub(1));
     let reach = (!distances.is_empty()).then(|| *distances.select_nth_unstable_by(nth, f64::total_cmp).1);
-    // Sky alone lies on a sphere of radius 1; if all samples are at one position, any cube does.
+    // Sky samples are on a sphere of radius 1; if all samples are at one position, any cube does.
     (points, reach.filter(|reach| *reach > 0.0).unwrap_or(1.0))
 }
 
@@ -109,14 +109,14 @@ fn thinned(set: &SampleSet, count: u64, rank: &dyn Fn(usize, usize) -> u64) -> S
     SampleSet { images: images.filter(|image| !image.is_empty()).collect(), ..set.clone() }
 }
 
-/// Where a sample lies.
+/// The position of a sample.
 struct SamplePosition {
     /// In world space; for a sample at infinity a direction, scaled so that cubes cut directions as they cut space.
     point: DVec3,
     at_infinity: bool,
 }
 
-/// Where every sample of an image lies, in storage order.
+/// The positions of all samples of an image, in storage order.
 fn sample_positions(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition> {
     let camera = &set.cameras[image.camera as usize];
     let depths = image.inverse_depths();

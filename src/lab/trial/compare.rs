@@ -1,4 +1,4 @@
-//! Ways to prune beside each other, on one capture.
+//! Compares ways to prune on one capture.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! Two settings measured at the same views: what counts is their difference, vantage by vantage.
+//! The difference of two settings that were measured at the same views, vantage by vantage.
 //!
 //! Purpose: vantages differ in accuracy far more than settings do at any one of them. The standard error of a mean over vantages is
 //! mostly that; the standard error of the mean *difference* is not.
@@ -59,8 +59,8 @@ impl PairedDifference {
         })
     }
 
-    /// What the difference exceeds with a probability of at most `risk`, dB. Infinite for a single vantage, which says nothing of
-    /// others, unless both are equally accurate at all of its views.
+    /// The bound that the true difference exceeds with a probability of at most `risk`, dB. Infinite for a single vantage, unless both
+    /// settings are equally accurate at all of its views.
     #[must_use]
     pub fn upper_bound_db(&self, risk: f64) -> f64 {
         if self.is_none {

@@ -17,7 +17,7 @@ use overlook_engine::render::fill::fill;
 use overlook_engine::render::{Painter, Picture, RenderStats};
 use overlook_engine::settings::{Fill, RenderSettings};
 
-/// What was measured of a fold, and the bytes that the method needs for all frames; `None` where it keeps all pictures.
+/// The measurements of a fold, and the bytes that the method needs for all frames; `None` if it keeps all pictures.
 pub(super) struct RivalResult {
     pub(super) result: TrialResult,
     pub(super) bytes: Option<u64>,
@@ -35,7 +35,7 @@ struct RenderedViews {
     seconds: f64,
 }
 
-/// Measures a method at all views of a fold. The models of the frames that have a view tell the size of those of all frames.
+/// Measures a method at all views of a fold. The size for all frames is estimated from the models of the frames that have a view.
 pub(super) fn measure(
     rival: Rival,
     fold: &Fold,

@@ -20,14 +20,14 @@ pub struct ShownView {
     pub picture: Arc<Picture>,
     /// Masked to what the cameras saw.
     pub truth: Frame,
-    /// Where the error may lie.
+    /// Classes of its error.
     pub classes: Option<Arc<ClassMap>>,
     /// Over all pixels that some camera saw.
     pub psnr_filled_db: f64,
 }
 
 impl Workbench {
-    /// Renders a trial of ours at the view of this name; `None` where there is none.
+    /// Renders a trial of ours at the view of this name; `None` if no view has it.
     ///
     /// # Errors
     /// As [`Workbench::measure`].

@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 pub struct MeanEstimate {
     /// Mean over the values; over vantages, the mean of theirs.
     pub mean: f64,
-    /// Standard deviation of what the mean is taken over, divided by the root of their number; 0 for a single one.
+    /// Standard deviation of the values, divided by the root of their number; 0 for a single one.
     pub standard_error: f64,
 }
 
 impl MeanEstimate {
-    /// Of some values; zero where there are none.
+    /// Mean and standard error of some values; zero without values.
     #[must_use]
     pub fn of(values: &[f64]) -> Self {
         let count = values.len().max(1) as f64;

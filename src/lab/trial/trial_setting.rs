@@ -22,7 +22,7 @@ pub enum Thinning {
 /// A setting to measure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
-    /// Says in short what is special about it.
+    /// A short name of what is special about it.
     pub label: String,
     /// Everything that can be set.
     pub settings: Settings,
@@ -30,7 +30,7 @@ pub struct Trial {
     pub thinning: Thinning,
     /// Names of the cameras that a model is made of; `None` for all.
     pub cameras: Option<Vec<String>>,
-    /// The method of others that is measured instead; of the settings, only how holes are filled then counts.
+    /// A method of others that is measured instead; of the settings, it uses only the filling of holes.
     pub rival: Option<Rival>,
 }
 

@@ -1,7 +1,7 @@
 //! One setting: preprocessed, stored, rendered and scored against the truth of every fold.
 //!
 //! ```text
-//! Trial ─ scan ─▶ prune ─▶ thin ─▶ store (bytes) ─▶ read ─▶ paint every view ─▶ Measured
+//! Trial ─ scan ─▶ prune ─▶ thin ─▶ store (bytes) ─▶ read ─▶ paint every view ─▶ TrialResult
 //!        └─ kept between trials that agree so far ─┘
 //! ```
 //!
@@ -43,18 +43,18 @@ pub(crate) struct FoldSamples {
 }
 
 impl FoldSamples {
-    /// One that was not through a file yet.
+    /// Samples that were not written to a file yet.
     fn unstored(samples: Arc<SampleSet>, report: Report, seconds: f64) -> Self {
         Self { samples, report, bytes: 0, bytes_record: 0, seconds }
     }
 
-    /// The views as they were taken, as far as what was corrected of the cameras tells.
+    /// The views, corrected as the cameras were.
     fn seen(&self, views: &[TruthView]) -> Vec<TruthView> {
         views_as_taken(self.report.alignment.as_ref(), views)
     }
 }
 
-/// A view, and what a trial shows it from.
+/// A view, and the samples that a trial shows it with.
 pub(super) struct ViewModel {
     pub(super) view: TruthView,
     /// Its classes of error.
@@ -74,7 +74,7 @@ type ScanKey = (AlignSettings, NormalSettings, SpanSettings, Option<Vec<String>>
 /// Scans and models cached per fold: those of the last trials, and the unpruned one that baselines thin.
 const KEPT: usize = 3;
 
-/// Measures settings on one capture; those that agree share scans and models.
+/// Measures settings on one capture. Settings that agree share scans and models.
 pub struct Workbench {
     folds: Vec<FoldState>,
     reference: Settings,
@@ -104,7 +104,7 @@ impl Workbench {
     /// Opens the renderers of the trials, so that a missing one is reported before anything is measured.
     ///
     /// # Errors
-    /// `Gpu` if a trial needs a GPU and there is none.
+    /// `Gpu` if a trial needs a GPU and the machine has none.
     pub fn open<'a>(&mut self, trials: impl IntoIterator<Item = &'a Trial>) -> Result<()> {
         trials
             .into_iter()
@@ -192,8 +192,8 @@ impl Workbench {
         opened(&mut self.renderers, backend)
     }
 
-    /// Measures a method of others on what ours is made of: the capture without what the rig got wrong. Where it keeps all pictures as
-    /// they were recorded, it is as large as our store of them.
+    /// Measures a method of others on the same corrected capture as ours. A method that keeps all recorded pictures counts as large as our
+    /// store of them.
     fn measure_rival(&mut self, rival: Rival, trial: &Trial, job: &Job) -> Result<TrialResult> {
         let mut parts = Vec::new();
         for fold in &mut self.folds {
@@ -283,7 +283,7 @@ impl FoldState {
         Ok((scan, seconds))
     }
 
-    /// The fold without what the rig got wrong.
+    /// The fold with its capture and views corrected.
     fn aligned(&mut self, trial: &Trial, job: &Job) -> Result<Fold> {
         let (scan, _) = self.scan(trial, job)?;
         let views = views_as_taken(scan.alignment(), &self.fold.views);

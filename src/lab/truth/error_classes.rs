@@ -1,4 +1,4 @@
-//! Which pixels of a true picture no camera saw, and which lie at silhouettes.
+//! Classes of a true picture's pixels: seen by no camera, at a silhouette, or neither.
 
 use std::sync::Arc;
 
@@ -18,10 +18,10 @@ const SAME_DEPTH: f64 = 0.015;
 /// Two pixels beside each other whose depths differ by more than this share have a step between them.
 const STEP: f64 = 0.05;
 
-/// How far from a step a pixel may lie to be an edge, in steps to one of the four neighbors.
+/// Most steps from a pixel at an edge to the step in depth, each to one of the four neighbors.
 const REACH_PX: usize = 2;
 
-/// Depth that stands for infinity and for none.
+/// Depth of pixels at infinity and of pixels without depth.
 const FAR: f64 = 1e6;
 
 /// The class of every pixel of the truth at `camera`; `None` where it has no depth, so that nothing is known.
@@ -72,7 +72,7 @@ pub fn class_maps(capture: &Capture, views: &[TruthView], job: &Job) -> Result<V
 ///
 /// # Errors
 ///
-/// What the frame's files cannot be read for.
+/// Those of reading the frame's files.
 pub fn seen_at(capture: &Capture, frame: usize) -> Result<Vec<RecordedView>> {
     let view = |index: usize| {
         Ok(RecordedView { camera: capture.cameras[index].clone(), frame: capture.frame(index, frame)? })

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! No method can render what no camera of a fold saw: such pixels are removed from the truth, so that a hole counts only where a
-//! method made it. A true picture without any depth does not say where its surfaces are: it stays whole, and unseen pixels count
-//! against every method alike.
+//! method made it. The surfaces of a true picture without any depth are unknown: it stays whole, and unseen pixels count against every
+//! method alike.
 
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ pub struct Fold {
     pub capture: Capture,
     /// Views whose truth is masked to what those cameras saw, ordered by vantage and frame.
     pub views: Vec<TruthView>,
-    /// Where the error of each view may lie; `None` where its truth has no depth, or nobody asked.
+    /// Classes of error of each view; `None` if its truth has no depth, or if classes were not requested.
     pub(crate) classes: Vec<Option<Arc<ClassMap>>>,
 }
 
@@ -198,8 +198,8 @@ fn mask_unseen(truth: &mut Frame, camera: &Camera, camera_views: &[CameraView]) 
     });
 }
 
-/// Views masked to what the cameras of a capture saw, as in a [`Fold`], with the picture of one camera at a time in memory. Views of which
-/// nothing is left are dropped.
+/// Views masked to what the cameras of a capture saw, as in a [`Fold`]. Only the picture of one camera is in memory at a time. Views
+/// without a remaining pixel are dropped.
 ///
 /// # Errors
 /// Those of loading frames and truth; `Cancelled`.

@@ -1,12 +1,12 @@
 //! Counters and times in the names of picture files.
 //!
-//! Purpose: a recording by one moving camera is a sequence, and the names of its pictures tell where in it each was taken.
+//! Purpose: a recording by one moving camera is a sequence, and the number in a picture's name is its position in the sequence.
 
 /// A file name taken apart at its last number.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PictureNumber {
     pub(super) number: f64,
-    /// What stands before the number, and after it: one sequence has the same in all names.
+    /// The text before and after the number, which is the same in all names of one sequence.
     around: [String; 2],
 }
 

@@ -12,7 +12,7 @@ pub(crate) const DERIVED_CACHE_BYTES: usize = 256 << 20;
 ///
 /// # Errors
 ///
-/// `Invalid` if no frame is asked for.
+/// `Invalid` if `count` is 0.
 pub fn frames(capture: &Capture, truth: Truth, count: usize) -> Result<(Capture, Truth)> {
     let chosen = choose(capture, &truth, count)?;
     Ok((only(capture, &chosen), truth_at(capture, truth, &chosen)))

@@ -1,10 +1,11 @@
-//! Corrects views that took no part as the cameras beside them were corrected.
+//! Corrects held-out views as the cameras beside them were corrected.
 //!
-//! Purpose: poses of a recording drift, and its exposure follows what it sees: a held-out picture is wrong as the pictures just before
-//! and after it are. Seen from its claimed pose, a capture that was corrected looks shifted. Source: none. Corrections of
-//! cameras are interpolated at the view, along the numbers of the pictures' files or between the nearest poses. Cross-validation tells
-//! whether that predicts anything: each camera is left out and predicted by the others, and the prediction has to correlate with
-//! what was found. The picture of the view is never looked at.
+//! Purpose: the poses of a recording drift, and its exposure adapts to the scene. So a held-out picture has the same errors as the
+//! pictures just before and after it, and a corrected capture looks shifted from its claimed pose.
+//!
+//! Source: none. The corrections of the cameras are interpolated at the view, along the numbers of the pictures' files or between the
+//! nearest poses. Cross-validation decides whether they are used: each camera is predicted by the others, and the predictions must
+//! correlate with the corrections found. The picture of the view itself is never used.
 
 use glam::{DAffine3, DQuat, DVec3};
 use serde::Serialize;
@@ -13,7 +14,7 @@ use super::picture_numbers::PictureNumber;
 use overlook_engine::alignment::{AlignedLens, Alignment, CameraCorrection};
 use overlook_engine::capture::TruthView;
 
-/// Corrections of fewer cameras predict nothing that could be told from chance.
+/// With fewer cameras, a prediction cannot be distinguished from chance.
 const LEAST_CAMERAS: u32 = 6;
 /// The least correlation of predicted and found corrections.
 const LEAST_CORRELATION: f64 = 0.5;
@@ -40,10 +41,10 @@ pub struct ViewCorrections<'a> {
 /// Ways to predict a correction from those of the cameras beside it, as far as they hold for the cameras themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 struct Predictors {
-    /// Along the numbers in the names of pictures; `None` where that predicts nothing.
+    /// Along the numbers in the names of pictures; `None` if that predicts nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     by_number: Option<CrossValidation>,
-    /// Between the nearest poses; `None` where that predicts nothing.
+    /// Between the nearest poses; `None` if that predicts nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     by_pose: Option<CrossValidation>,
 }
@@ -86,8 +87,8 @@ enum Along {
     Poses,
 }
 
-/// Views as they were taken, as far as the corrections of the cameras tell; as they claim to be where nothing was corrected.
-/// See [`ViewCorrections::correct`].
+/// The views with the poses, lenses and exposures that the corrections of the cameras predict for them; without corrections, the views
+/// as they are. See [`ViewCorrections::correct`].
 #[must_use]
 pub fn views_as_taken(corrected: Option<&Alignment>, views: &[TruthView]) -> Vec<TruthView> {
     let mut views = views.to_vec();
@@ -123,9 +124,9 @@ impl<'a> ViewCorrections<'a> {
         found
     }
 
-    /// Corrects views that were recorded with the capture, without looking at their pictures. Those that claim a lens are seen
-    /// through the color lens that was found in its place, since they were taken with the same sensor. They are moved and exposed as
-    /// the pictures beside them were, where those predict it.
+    /// Corrects views that were recorded with the capture, without looking at their pictures. A view with the claimed lens of a camera
+    /// gets the color lens that was found for that camera, because both used the same sensor. Its pose and exposure are corrected if the
+    /// cameras beside it predict how.
     pub fn correct(&self, views: &mut [TruthView]) -> CorrectedViews {
         let mut corrected = CorrectedViews::default();
         for view in views {
@@ -140,7 +141,7 @@ impl<'a> ViewCorrections<'a> {
         corrected
     }
 
-    /// How views are corrected, for people; `None` where nothing is predicted.
+    /// How views are corrected, in a sentence; `None` if nothing is predicted.
     #[must_use]
     pub fn sentence(&self) -> Option<String> {
         let of = |what: &str, by: &Predictors| {
@@ -212,7 +213,7 @@ impl<'a> ViewCorrections<'a> {
         Some(Neighborhood { shares: [(first, 1.0 - share), (second, share)], gap: near + far })
     }
 
-    /// The cameras that predict what is wrong with a view; `None` where none do.
+    /// The cameras that predict the errors of a view; `None` if none do.
     fn predicting(&self, by: &Predictors, at: &PicturePose) -> Option<Neighborhood> {
         let ways = [(Along::Numbers, by.by_number), (Along::Poses, by.by_pose)];
         ways.into_iter().find_map(|(along, validation)| {
@@ -221,7 +222,8 @@ impl<'a> ViewCorrections<'a> {
         })
     }
 
-    /// Corrects a view as the cameras beside it were, where they predict it. Returns whether its pose and its exposure changed.
+    /// Corrects pose and exposure of a view as far as the cameras beside it predict them. Returns whether the pose and the exposure
+    /// changed.
     fn correct_as_predicted(&self, view: &mut TruthView) -> [bool; 2] {
         let number = view.picture.as_deref().and_then(PictureNumber::of);
         let at = PicturePose { number: number.as_ref(), world_from_camera: view.camera.world_from_camera };
@@ -257,7 +259,7 @@ impl Predictors {
 }
 
 impl CrossValidation {
-    /// Predicts the values of each camera by its neighbors; `None` where that does not hold.
+    /// Predicts the values of each camera by its neighbors; `None` if the predictions do not correlate with the values.
     fn of<const N: usize>(neighbors: &[Option<Neighborhood>], values: &[[f64; N]]) -> Option<Self> {
         let (mut products, mut predicted_squares, mut found_squares) = (0.0, 0.0, 0.0);
         let (mut count, mut widest_gap) = (0_u32, 0.0_f64);
@@ -288,7 +290,7 @@ mod tests {
     use overlook_engine::alignment::CameraCorrections;
     use overlook_engine::capture::{Camera, Intrinsics};
 
-    /// So many cameras along a line, whose corrections follow `wave`.
+    /// `count` cameras along a line, whose corrections follow `wave`.
     fn aligned(count: usize, wave: impl Fn(usize) -> f64) -> Alignment {
         let of = |index: usize| CameraCorrection {
             picture: Some(format!("frame-{:04}.color", 10 * index)),

@@ -1,9 +1,11 @@
-//! Which cameras are needed: one is dropped if that surely costs no more than the plan allows, or, where cameras are the truth, if the
-//! others reproduce what it saw as accurately as held-out cameras are on average, less that much.
+//! The cameras that are needed.
 //!
-//! With given views, accuracy is measured there, without the camera. Otherwise the camera's own frames are the truth, in full:
-//! what no other camera saw counts against dropping it. Cameras with the fewest samples are tried first: of two alike, that is
-//! the one whose samples were pruned in favor of the other.
+//! - With given views, accuracy is measured at these, without the camera. The camera is dropped if the loss surely stays within the
+//!   bound of the plan.
+//! - Otherwise the camera's own frames are the truth, in full: surfaces that no other camera saw count against dropping it. The camera is
+//!   dropped if the others show its frames at most the bound worse than they show held-out cameras on average.
+//!
+//! Cameras with the fewest samples are tried first. Of two cameras alike that is the one whose samples were pruned in favor of the other.
 
 use super::plan::CameraCost;
 use super::search::SettingSearch;

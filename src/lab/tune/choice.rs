@@ -6,12 +6,12 @@
 //!
 //! Source: the simplest within one standard error, of Breiman, Friedman, Olshen and Stone, *Classification and Regression Trees*, 1984.
 //! What differs: the error is that of the difference, the bound is in dB, and the confidence is that of all comparisons together
-//! (Bonferroni): the simplest of many is easily one that was lucky. Where there are too few vantages to tell settings apart, the ones
-//! that the search began with stay, unless they are plainly worse.
+//! (Bonferroni), because the simplest of many is easily a lucky one. If there are too few vantages to choose by, the first settings of
+//! the search stay, unless they are plainly worse.
 
 use crate::trial::{PairedDifference, ViewAccuracy};
 
-/// The chance that any setting is taken that gives up more than the bound.
+/// The risk of taking any setting that gives up more than the bound.
 const RISK: f64 = 0.05;
 
 /// A measured setting.
@@ -56,7 +56,7 @@ impl LossRule {
             .is_some_and(|loss| loss.db.mean + loss.db.standard_error <= self.at_most_db)
     }
 
-    /// The candidate to choose, the first of which is what the search began with. `None` where there are none.
+    /// The index of the chosen candidate, and why. The first candidate is the one that the search began with. `None` without candidates.
     pub(super) fn choose(&self, candidates: &[CandidateSetting<'_>]) -> Option<(usize, Reason)> {
         let best = most_accurate(candidates)?;
         let good = (0..candidates.len())

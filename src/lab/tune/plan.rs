@@ -59,7 +59,7 @@ pub struct Tuned {
     pub best: Point,
     /// What may be given up of the best, dB. `None` where a budget decided.
     pub at_most_db: Option<f64>,
-    /// Whether there are too few vantages to tell settings apart, so that those that the search began with stay.
+    /// Whether the first settings of the search stay because there are too few vantages to choose by.
     pub cannot_tell: bool,
     /// The point that was chosen, all cameras still there.
     pub chosen: Point,

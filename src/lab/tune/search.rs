@@ -30,8 +30,8 @@ pub(super) struct SettingSearch<'a> {
     starts_beyond: bool,
 }
 
-/// A setting whose store is expected to exceed this multiple of the budget is not stored to find out. The expectation is rough:
-/// growth from the frames used to the whole capture depends on the setting.
+/// A setting is not stored whole if its store is expected to exceed this multiple of the budget. The margin covers a rough expectation:
+/// the growth from the frames used to the whole capture depends on the setting.
 const BYTES_MARGIN: f64 = 1.5;
 
 /// One setting that differs from the start, and what it gave.
@@ -103,7 +103,7 @@ impl<'a> SettingSearch<'a> {
         self.rule().is_good_enough(&point.views, &self.best().views)
     }
 
-    /// Whether too few vantages tell settings apart, so that the search ends where it began.
+    /// Whether there are too few vantages to choose by, so that the search ends at its first setting.
     pub(super) fn cannot_tell(&self) -> bool {
         matches!(self.rule().choose(&candidates(&self.points)), Some((_, Reason::CannotTell)))
     }

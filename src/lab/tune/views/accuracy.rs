@@ -1,4 +1,4 @@
-//! How accurate the pictures of fewer views are: at views whose truth is known, or at some of those that were not chosen.
+//! Accuracy of models of fewer views: measured at the given truth, or at some of the views that were not chosen.
 
 use crate::trial::{MeanEstimate, Trial, Workbench};
 use crate::truth::{self, Fold, Truth};
@@ -7,10 +7,10 @@ use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::settings::Settings;
 
-/// Views that are left out as truth, at most.
+/// Most views that are held out as truth.
 const LEFT_OUT: usize = 8;
 
-/// What one number of views gives.
+/// Accuracy and size of a model of some of the views.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubsetResult {
     /// PSNR over pixels that some view saw, holes filled, dB.
@@ -19,17 +19,17 @@ pub(super) struct SubsetResult {
     pub(super) bytes: u64,
 }
 
-/// Where accuracy is measured.
+/// The capture and the truth that subsets of its views are measured on.
 pub(super) struct AccuracyTest {
     fold: Fold,
     settings: Settings,
-    /// Names of the views that are left out as truth.
+    /// Names of the views that are held out as truth.
     pub(super) left_out: Vec<String>,
 }
 
 impl AccuracyTest {
-    /// At `views`, or without any at some of those that were not `chosen`. `None` where that leaves nothing. The capture is seen as it was
-    /// corrected.
+    /// Loads the truth: the given views, or else some of the views that were not `chosen`. `None` if no view has a known pixel.
+    /// `capture` must be corrected already.
     pub(super) fn new(
         capture: &Capture,
         truth: &Truth,
@@ -55,15 +55,15 @@ impl AccuracyTest {
         Ok(is_any.then(|| Self { fold, settings: settings.clone(), left_out }))
     }
 
-    /// Views that may take part.
+    /// Number of views that a model may be made of.
     pub(super) fn views(&self) -> usize {
         self.fold.capture.cameras.len()
     }
 
-    /// Measures what some views give, by their names; all that take part without.
+    /// Measures a model of the named views; without names, of all views that are not held out.
     pub(super) fn of(&self, names: Option<Vec<String>>, job: &Job) -> Result<SubsetResult> {
         let trial = Trial { cameras: names, ..Trial::new("fewer views", self.settings.clone()) };
-        // Nothing is kept from one number of views to the next.
+        // Each subset is a capture of its own: nothing of the one before can be used again.
         let result = Workbench::on(vec![self.fold.clone()], &self.settings).measure(&trial, job)?;
         let of_vantage = |views: &Vec<(String, crate::metrics::Scores)>| {
             views.iter().map(|(_, scores)| scores.psnr_all_db).collect()

@@ -1,37 +1,38 @@
-//! The views that are needed to show a share of everything, and the others by what each adds.
+//! The fewest views that show a share of all seen surfaces, and the order of the other views by what each adds.
 //!
-//! Source: [`GreedyCover`]. What differs: views that others make needless are dropped again, and each surface counts once, however many
-//! views saw it. As many views have a point of it as show it, so that a point weighs one over their number.
+//! Source: [`GreedyCover`]. What differs: a view is dropped again if the others show everything that it shows, and each surface counts
+//! once, however many views saw it. A surface that n views show has a point in each of them, so each point weighs 1/n.
 
 use super::visibility::{ShownOf, ShownPoints, all_bits, common_bits};
 use overlook_engine::capture::{Addition, GreedyCover, Shown};
 
-/// Weight of a point that a single view shows: a multiple of all numbers to 16. Sums are whole, and so the same in any order.
+/// Weight of a point that a single view shows. It is a multiple of 1 to 16, so that weights are whole and sums do not depend on their
+/// order.
 const WEIGHT: u64 = 720_720;
 
 /// What all views show.
 pub(super) struct Coverage {
     shown: Vec<ShownPoints>,
-    /// Of every point of every view.
+    /// Weight of every point of every view.
     weights: Vec<Vec<u64>>,
-    /// Of all points together.
+    /// Weight of all points together.
     pub(super) total: u64,
 }
 
 impl Coverage {
-    /// Weighs what views show; `counts` are the points of each.
+    /// Weighs the points; `counts` has the number of points of each [`SeenPoints`](super::surface_points::SeenPoints).
     pub(super) fn new(shown: Vec<ShownPoints>, counts: &[usize]) -> Self {
         let mut weights: Vec<Vec<u64>> = counts.iter().map(|count| vec![0; *count]).collect();
         for of in shown.iter().flatten() {
             common_bits(&of.bits, &of.bits).for_each(|nth| weights[of.seen][nth] += 1);
         }
-        // Each point is shown at least by the view that saw it.
+        // At least the view that saw a point shows it.
         weights.iter_mut().flatten().for_each(|views| *views = WEIGHT / (*views).max(1));
         Self { total: weights.iter().flatten().sum(), weights, shown }
     }
 
-    /// All views that add anything, in order, and how many of them are needed. Those come first: they show the `goal` of
-    /// [`Coverage::total`], and would miss it without any one of them.
+    /// All views that add a point, in order, and the number of needed ones, which come first. The needed views together show at least
+    /// `goal` of [`Coverage::total`]; without any one of them they would show less.
     pub(super) fn order(&self, goal: u64) -> (Vec<Addition>, usize) {
         let mut missing = self.all_points();
         let mut found = self.by_what_each_adds(0..self.shown.len(), &mut missing, goal);
@@ -49,7 +50,7 @@ impl Coverage {
         self.weights.iter().map(|weights| all_bits(weights.len())).collect()
     }
 
-    /// Takes some of `views` by what each adds, until they have added the `goal` or nothing is left to add.
+    /// Takes the view that adds most, again and again, until the views taken have added `goal` or no view adds anything.
     fn by_what_each_adds(
         &self,
         views: impl Iterator<Item = usize>,
@@ -68,8 +69,8 @@ impl Coverage {
         order
     }
 
-    /// Drops needless views: `views` reach the goal together, and still reach it without them. The view that shows the fewest points
-    /// of its own, which no other view shows, is tried first.
+    /// Drops each view whose absence leaves the others at the goal; `views` must reach it together. The view with the smallest weight
+    /// of points that it alone shows is tried first.
     fn without_needless(&self, mut views: Vec<usize>, goal: u64) -> Vec<usize> {
         let mut shown_by: Vec<Vec<u32>> = self.weights.iter().map(|weights| vec![0; weights.len()]).collect();
         for of in views.iter().flat_map(|view| &self.shown[*view]) {

@@ -5,10 +5,11 @@
 //!                                                                               └─ some numbers of them: preprocess, render, score
 //! ```
 //!
-//! Purpose: a recording by a camera that walks sees most surfaces in dozens of views. *Everything* is every surface that any view saw, at
-//! half of the sharpness at which it was seen; a surface counts once, however many views saw it. [`overlook_engine::capture::ViewChoice`] is the
-//! quick look when a recording is opened: it compares at most 256 views at a few points each, and measures no accuracy. Both take views
-//! by the same [`overlook_engine::capture::GreedyCover`].
+//! Purpose: a walking camera records most surfaces in dozens of views. A few views are enough if they show every surface that any view
+//! saw, at half of its sharpness or better. A surface counts once, however many views saw it.
+//!
+//! [`ViewChoice`](overlook_engine::capture::ViewChoice) is the quick look when a recording is opened: it compares at most 256 views at a
+//! few points each, and measures no accuracy. Both take views by the same [`GreedyCover`](overlook_engine::capture::GreedyCover).
 
 mod accuracy;
 mod greedy;
@@ -29,35 +30,35 @@ use overlook_engine::settings::{AlignSettings, Settings};
 use surface_points::seen_points;
 use visibility::shown_by_each;
 
-/// The share of what all views saw that is shown by default.
+/// The default share of all seen surfaces that the chosen views must show, 0 to 1.
 pub const SHOWN_AT_LEAST: f64 = 0.99;
 
-/// Frames that are looked at, at most.
+/// Most frames that surface points are taken from.
 const FRAMES: usize = 5;
 
-/// A view, and what it adds to those before it.
+/// A view, and what it adds to the views before it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AddedView {
     /// Its name.
     pub name: String,
-    /// The share of what all views saw that it adds.
+    /// The share of all seen surfaces that this view adds, 0 to 1.
     pub adds: f64,
-    /// The share that is shown with it.
+    /// The share of all seen surfaces that this view and those before it show, 0 to 1.
     pub shown: f64,
 }
 
-/// What a number of views gives.
+/// Coverage, accuracy and size of a model of the first views.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ViewCount {
-    /// How many.
+    /// Number of views.
     pub views: usize,
-    /// The share of what all views saw that they show.
+    /// The share of all seen surfaces that they show, 0 to 1.
     pub shown: f64,
     /// PSNR over pixels that some view saw, holes filled, dB.
     pub psnr_filled_db: f64,
     /// Its standard error over vantages.
     pub psnr_filled_db_se: f64,
-    /// Samples that are kept.
+    /// Samples kept of them.
     pub samples: u64,
     /// Bytes of their store.
     pub bytes: u64,
@@ -66,32 +67,33 @@ pub struct ViewCount {
 /// The views that were chosen, and how coverage and accuracy grow with their number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChosenViews {
-    /// Views that add anything, in the order of what they add: first those that are needed, then the others.
+    /// All views that add a surface: first the needed ones, then the others, each part in the order of what they add.
     pub order: Vec<AddedView>,
-    /// How many of them are needed.
+    /// Number of needed views; they come first in `order`.
     pub needed: usize,
-    /// How many there are.
+    /// Number of views of the capture.
     pub of: usize,
-    /// The share that was to be shown.
+    /// The share of all seen surfaces that the needed views had to show, 0 to 1.
     pub shown_at_least: f64,
-    /// Points of surfaces that were looked at.
+    /// Number of surface points that coverage was measured at.
     pub points: usize,
-    /// Names of views that took no part and are the truth; none where the truth is given.
+    /// Names of the views that were held out as truth; empty if the truth was given.
     pub left_out: Vec<String>,
-    /// Accuracy against the number of views; the last is of all that took part. Empty where there is no truth.
+    /// Accuracy by number of views; the last entry is of all views that were not held out. Empty without any truth.
     pub accuracy: Vec<ViewCount>,
-    /// What was chosen, one sentence each.
+    /// The result in sentences.
     pub words: Vec<String>,
 }
 
 impl ChosenViews {
-    /// Names of the views that are needed, what adds most first.
+    /// Names of the needed views; the one that adds most comes first.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.order[..self.needed].iter().map(|view| view.name.as_str())
     }
 }
 
-/// Chooses the fewest views that show a share of what all saw, and measures how accurate they and some fewer are.
+/// Chooses the fewest views that show a share of all seen surfaces, and measures the accuracy of these views and of some fewer.
+/// `shown_at_least` is that share, 0 to 1.
 ///
 /// # Errors
 /// Those of loading frames and truth, of preprocessing and rendering; `Cancelled`.
@@ -107,7 +109,7 @@ pub fn choose_views(
         Truth::Views(views) => Truth::Views(truth::views_as_taken(aligned.alignment.as_ref(), views)),
         Truth::HoldOut => Truth::HoldOut,
     };
-    // What the rig got wrong is known from all views.
+    // All views together corrected the rig; fewer views must not correct it again.
     let settings = Settings { align: AlignSettings::OFF, ..settings.clone() };
     let capture = aligned.capture;
     let frames: Vec<usize> = truth::evenly_spaced(capture.frame_count(), FRAMES).collect();
@@ -150,7 +152,7 @@ fn added_views(capture: &Capture, order: &[Addition], total: u64) -> Vec<AddedVi
     order.iter().map(view).collect()
 }
 
-/// Numbers of views at which accuracy is measured: each half as large again as the one before.
+/// Numbers of views that accuracy is measured with: each is half as large again as the one before.
 fn numbers(needed: usize) -> Vec<usize> {
     let next = |number: &usize| Some((number + 1).max(number * 3 / 2));
     let mut numbers: Vec<usize> =
@@ -170,7 +172,7 @@ fn accuracy(test: &AccuracyTest, chosen: &ChosenViews, job: &Job) -> Result<Vec<
         let found = test.of(names, job)?;
         counts.push(ViewCount {
             views: number,
-            // Those that are left out may alone have shown something.
+            // All views count as 1, although a held-out view may have shown a surface that no other view shows.
             shown: first.and_then(<[AddedView]>::last).map_or(1.0, |view| view.shown),
             psnr_filled_db: found.psnr_filled_db.mean,
             psnr_filled_db_se: found.psnr_filled_db.standard_error,
@@ -186,7 +188,7 @@ fn words(chosen: &ChosenViews) -> Vec<String> {
     let (needed, of) = (chosen.needed, chosen.of);
     let shown = chosen.order[..needed].last().map_or(0.0, |view| view.shown);
     let mut words = vec![format!(
-        "{} of {of} {} {} of what all of them saw, at half of the sharpness at least.",
+        "{} of {of} {} {} of all seen surfaces, at half of their sharpness or better.",
         counted(needed, "view"),
         either(needed, "shows", "show"),
         percent(shown),
@@ -194,7 +196,7 @@ fn words(chosen: &ChosenViews) -> Vec<String> {
     if let Some(first) = chosen.order.first().filter(|_| needed > 1) {
         let last = &chosen.order[needed - 1];
         words.push(format!(
-            "'{}' adds {}, '{}' as the last one {}.",
+            "'{}' adds {}; '{}', the last one, adds {}.",
             first.name,
             percent(first.adds),
             last.name,
@@ -204,7 +206,7 @@ fn words(chosen: &ChosenViews) -> Vec<String> {
     let at = |number: usize| chosen.accuracy.iter().find(|count| count.views == number);
     match (at(needed), chosen.accuracy.last()) {
         (Some(few), Some(all)) if all.views > few.views => words.push(format!(
-            "Pictures made of them have {:.2} dB in {:.2} MB; of {}, {:.2} dB in {:.2} MB.",
+            "A model of these views has {:.2} dB in {:.2} MB; one of {} has {:.2} dB in {:.2} MB.",
             few.psnr_filled_db,
             few.bytes as f64 / 1e6,
             counted(all.views, "view"),
@@ -212,12 +214,12 @@ fn words(chosen: &ChosenViews) -> Vec<String> {
             all.bytes as f64 / 1e6,
         )),
         (Some(few), _) => {
-            words.push(format!("Pictures made of them have {:.2} dB.", few.psnr_filled_db));
+            words.push(format!("A model of these views has {:.2} dB.", few.psnr_filled_db));
         }
-        _ => words.push("No view is left out that accuracy could be measured at.".to_owned()),
+        _ => words.push("No view is left to measure accuracy at.".to_owned()),
     }
     if !chosen.left_out.is_empty() {
-        words.push(format!("Accuracy is measured at {}, which took no part.", chosen.left_out.join(", ")));
+        words.push(format!("Accuracy is measured at held-out views: {}.", chosen.left_out.join(", ")));
     }
     words
 }

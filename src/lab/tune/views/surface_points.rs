@@ -1,4 +1,4 @@
-//! Points of what every view saw, spread over its pictures: what is to be shown.
+//! Surface points that the views saw, spread evenly over their pictures.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -7,12 +7,12 @@ use overlook_engine::capture::{Camera, Capture, Frame, PixelSide};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 
-/// Points of all views together, about, at most.
+/// About the most points of all views together.
 const POINTS: usize = 1 << 20;
-/// Points of a view, at least and at most.
+/// Fewest and most points of a view.
 const OF_VIEW: [usize; 2] = [64, 4096];
 
-/// A pixel whose depth differs from that of a neighbor by more than this share gives no point: it may lie on either surface.
+/// A pixel gives no point if its depth differs from a neighbor's by more than this share: it may show either surface.
 const STEP: f32 = 0.05;
 
 /// A point of a surface that a view saw.
@@ -33,7 +33,7 @@ pub(super) struct SeenPoints {
     pub(super) corners: [DVec3; 2],
 }
 
-/// What all views saw at some frames, view by view.
+/// The surface points of all views at some frames, view by view.
 ///
 /// # Errors
 /// Those of loading frames, and `Cancelled`.
@@ -54,7 +54,7 @@ pub(super) fn seen_points(capture: &Capture, frames: &[usize], job: &Job) -> Res
     seen.collect()
 }
 
-/// About so many points of one picture, on a lattice.
+/// About `count` points of one picture, on a lattice.
 fn points_of(camera: &Camera, frame: &Frame, count: usize) -> Vec<SurfacePoint> {
     let (width, height) = frame.size();
     let step = (width * height / count.max(1)).isqrt().max(1);

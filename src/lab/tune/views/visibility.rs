@@ -1,4 +1,4 @@
-//! Which points each view shows: one bit for each, so that a thousand views take a hundred megabytes at most.
+//! The points that each view shows, one bit each: a thousand views take at most a hundred megabytes.
 
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
@@ -9,25 +9,25 @@ use overlook_engine::capture::{Camera, Capture, Frame, PixelSide};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 
-/// A view shows a point only if its pixels are at most this many times as wide there as those of the view that saw it: a view from far
-/// away does not show what was recorded from near.
+/// A view shows a point only if its pixels there are at most this many times as wide as those of the view that saw the point. So a view
+/// from afar does not replace a view from nearby.
 const WIDER: f64 = 2.0;
 
 const BITS: usize = u64::BITS as usize;
 
-/// Some of the points of one [`SeenPoints`].
+/// The points of one [`SeenPoints`] that a view shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct ShownOf {
-    /// Which one.
+    /// Index of the [`SeenPoints`].
     pub(super) seen: usize,
-    /// Bit by bit.
+    /// One bit for each point, set if the view shows it.
     pub(super) bits: Vec<u64>,
 }
 
-/// What one view shows: an entry for each [`SeenPoints`] of which it shows any point.
+/// The points that one view shows; a [`SeenPoints`] without any of them has no entry.
 pub(super) type ShownPoints = Vec<ShownOf>;
 
-/// The places of the bits that are set in both.
+/// Indices of the bits that are set in both.
 pub(super) fn common_bits(a: &[u64], b: &[u64]) -> impl Iterator<Item = usize> {
     a.iter().zip(b).enumerate().flat_map(|(word, (a, b))| {
         let mut left = a & b;
@@ -39,7 +39,7 @@ pub(super) fn common_bits(a: &[u64], b: &[u64]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// So many bits, all set.
+/// `count` bits, all set.
 pub(super) fn all_bits(count: usize) -> Vec<u64> {
     let mut bits = vec![u64::MAX; count.div_ceil(BITS)];
     if let Some(last) = bits.last_mut().filter(|_| !count.is_multiple_of(BITS)) {
@@ -48,7 +48,7 @@ pub(super) fn all_bits(count: usize) -> Vec<u64> {
     bits
 }
 
-/// What every view shows. Pictures are held in memory only while they are looked at.
+/// The points that each view shows. Each thread holds one picture in memory at a time.
 ///
 /// # Errors
 /// Those of loading frames, and `Cancelled`.
@@ -71,7 +71,7 @@ pub(super) fn shown_by_each(capture: &Capture, seen: &[SeenPoints], job: &Job) -
     (0..capture.cameras.len()).into_par_iter().map(of_view).collect()
 }
 
-/// A view that looks at points.
+/// A view that points are projected into.
 struct Looker {
     camera: Camera,
     camera_from_world: DAffine3,
@@ -82,7 +82,7 @@ impl Looker {
         Self { camera_from_world: camera.camera_from_world(), camera: camera.clone() }
     }
 
-    /// What it shows of what a view saw; `None` if nothing.
+    /// The points of `seen`, whose index is `at`, that the view shows; `None` if it shows none.
     fn shown(&self, view: usize, picture: &Frame, at: usize, seen: &SeenPoints) -> Option<ShownOf> {
         if seen.points.is_empty() {
             return None;
@@ -102,7 +102,7 @@ impl Looker {
         bits.iter().any(|word| *word != 0).then_some(ShownOf { seen: at, bits })
     }
 
-    /// Whether a box lies beyond one side of what is in the picture.
+    /// Whether a box is wholly beyond one side of the view frustum.
     fn is_outside(&self, [low, high]: [DVec3; 2]) -> bool {
         let lens = &self.camera.intrinsics;
         let (width, height) = (f64::from(lens.width), f64::from(lens.height));
@@ -122,8 +122,8 @@ impl Looker {
         beyond.iter().any(|is_beyond| corners.iter().all(is_beyond))
     }
 
-    /// Whether the picture shows the point: finely enough, and as the nearest surface. Depth counts as evaluation counts it for the
-    /// classes of error ([`is_surface_at`]): of nine pixels one is within 1.5 %, so that noise needs no wider tolerance.
+    /// Whether the picture shows the point: finely enough, and as the nearest surface. Depth is compared as for the classes of error
+    /// ([`is_surface_at`]): one of nine pixels must be within 1.5 %, so that noise needs no wider tolerance.
     fn shows(&self, picture: &Frame, point: &SurfacePoint) -> bool {
         let in_camera = self.camera_from_world.transform_point3(point.in_world);
         let lens = &self.camera.intrinsics;
