@@ -41,7 +41,7 @@ fn held(set: &SampleSet) -> usize {
     set.images.iter().map(|image| 11 * image.color.len() + 88 * image.tiles.len()).sum()
 }
 
-/// Lets so many more bytes be allocated. An allocation beyond aborts the process.
+/// Allows `bytes` more bytes to be allocated. An allocation beyond aborts the process.
 fn limit_to(bytes: usize) {
     ALLOCATOR.set_limit(ALLOCATOR.allocated() + bytes).unwrap();
 }

@@ -23,7 +23,7 @@ fn passing_ball() -> Scene {
     scene
 }
 
-/// The scene as cameras record it of which one is late by some frames.
+/// The scene as recorded by cameras, one of which is late by some frames.
 struct Late {
     scene: Scene,
     cameras: Vec<Camera>,
@@ -57,12 +57,12 @@ fn record_late(cameras: Vec<Camera>, by: usize) -> Capture {
     Capture::new(parts, 256 << 20)
 }
 
-/// The passing ball, by cameras of which one looks lower than it is said to.
+/// The passing ball, recorded by cameras one of which looks lower than its declared pose.
 fn record_turned(count: usize, radians: f64) -> Capture {
     record_turned_by(count, DMat3::from_rotation_x(radians))
 }
 
-/// The passing ball, by cameras of which one is turned away from where it is said to look.
+/// The passing ball, recorded by cameras one of which is turned away from its declared pose.
 fn record_turned_by(count: usize, turn: DMat3) -> Capture {
     passing_ball().record(arc(count, 96), FRAMES).with_changed_cameras(|index, camera| {
         if index == WRONG.min(count - 1) {

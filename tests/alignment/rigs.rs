@@ -116,7 +116,7 @@ fn a_capture_that_is_right_is_left_alone_and_gives_the_samples_of_alignment_swit
     }
 }
 
-/// Cameras whose pictures are brighter by so many stops each.
+/// Cameras whose pictures are too bright, each by its own number of stops.
 struct Exposed {
     right: Capture,
     stops: Vec<f64>,
@@ -202,7 +202,7 @@ fn where_geometry_does_not_tell_a_pose_it_is_said_and_nothing_is_changed() {
     assert_eq!(found.capture.cameras, wrong.cameras);
 }
 
-/// Frames of a faster recording: every tenth, those of one camera taken by so many of the fast frames later.
+/// Every tenth frame of a faster recording. One camera is late by some of the fast frames.
 struct Late {
     demo: Demo,
     cameras: Vec<Camera>,

@@ -30,7 +30,7 @@ fn picture(window: &mut Window, name: &str) -> RgbaImage {
     image::imageops::crop_imm(&window.render().unwrap(), x, y, width, height).to_image()
 }
 
-/// Pixels of which something holds, as a share of all.
+/// The share of all pixels that the condition holds for.
 fn share(picture: &RgbaImage, holds: impl Fn([u8; 3]) -> bool) -> f64 {
     let all = f64::from(picture.width() * picture.height());
     picture.pixels().filter(|pixel| holds([pixel.0[0], pixel.0[1], pixel.0[2]])).count() as f64 / all

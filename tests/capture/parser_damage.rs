@@ -21,7 +21,7 @@ const FIXED: usize = 1 << 20;
 
 /// Damaged files of each format that are read in a second or two.
 const CASES: u64 = 4_000;
-/// Of so many cases one is a whole folder on disk.
+/// One case in this many is a whole folder on disk.
 const CASES_PER_FOLDER: u64 = 40;
 
 /// Damaged files of each format: `OVERLOOK_FUZZ_CASES`, or [`CASES`].

@@ -112,8 +112,8 @@ fn a_part_whose_picture_changed_is_refused_by_name_and_made_again() {
     assert!(said.contains("parts.ovl.measured: was made from another state of the pictures"), "{said}");
 }
 
-/// Records five cameras of the orrery into `scene`, of which the second is late by one frame: its pictures show what the others see a
-/// frame later. Gives the pictures of that camera.
+/// Records five cameras of the orrery into `scene`. The second is late by one frame: its pictures show what the others see a frame
+/// later. Returns the pictures of that camera.
 fn record_late(folder: &Path) -> Vec<PathBuf> {
     const FRAMES: i64 = 32;
     let demo = Demo::new(&DemoSpec::new("orrery").cameras(5).frames(96).size((160, 120))).unwrap();

@@ -174,8 +174,8 @@ impl Check<'_> {
         let is_known = self.inspection.cameras[witness].normal_in_world.as_slice()[at] != [0.0; 3];
         let along = if is_known { found.normal } else { self.cameras[witness].forward_in_world() };
         let off = self.excess(&dropped, &found, along);
-        // An estimated normal is now and then that of no surface, as beside a crease. Of 150,000 dropped samples 36 lay farther off
-        // than is granted, the worst by 1.2 times the tolerance, which was 1.8 footprints.
+        // An estimated normal is sometimes wrong, as beside a crease. Of 150,000 dropped samples, 36 exceeded the tolerance; the worst
+        // was off by 1.2 times the tolerance, which was 1.8 footprints.
         let footprint = dropped.footprint.max(found.footprint);
         let cap = footprint * (1.0 + f64::from(self.settings.pruning.depth_tolerance));
         assert!(off <= cap, "{off} farther off the witness's surface than is granted, {cap} at most");
@@ -217,8 +217,8 @@ impl Check<'_> {
         assert!(off < 0.51, "{off} pixels off the witness's");
     }
 
-    /// The share of its depth that a sample may be off: it has the mean depth of its span, and half floats are rounded by up to
-    /// 2⁻¹¹, which is granted on top of the tolerance.
+    /// The largest error of a sample as a share of its depth. A sample has the mean depth of its span, and half floats are rounded by up to
+    /// 2⁻¹¹, which is added to the tolerance.
     fn depth_error(&self) -> f64 {
         let rounded = if self.scene.half_depth { 2.0 / 2048.0 } else { 0.0 };
         f64::from(self.settings.spans.depth_tolerance) + rounded

@@ -175,7 +175,7 @@ fn what_a_camera_close_by_saw_of_a_thing_too_thin_for_all_others_is_not_contradi
     assert!(contradicted(&inspection, 5).is_empty());
 }
 
-/// The scene as cameras record it of which some are late by so many frames.
+/// The scene as recorded by cameras, some of which are late, each by its own number of frames.
 struct Unsynchronized {
     scene: Scene,
     cameras: Vec<Camera>,

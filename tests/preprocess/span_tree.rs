@@ -31,11 +31,11 @@ fn run(capture: &Capture, levels: SpanLevels) -> Preprocessed {
     preprocess(capture, &with_levels(levels), &Job::new()).unwrap()
 }
 
-/// What a channel of color shows: of the first three, neighbors are granted and the first and last are not. The third is of another
+/// Values of a color channel. Of the first three, neighbors are within the tolerance, the first and last are not. The third is of another
 /// class of brightness than the first two, 128 of 8-bit sRGB and above.
 const CHANNEL: [f32; 4] = [0.2108, 0.2155, 0.2203, 0.6];
 
-/// Inverse depths: none, at infinity, three of which neighbors are granted and the first and last are not, and one far from them.
+/// Inverse depths: none; infinity; three whose neighbors are within the tolerance, but not the first and last; one far from them.
 const INVERSE_DEPTH: [f32; 6] = [INVALID_INVERSE_DEPTH, 0.0, 0.5, 0.499_65, 0.499_3, 0.25];
 
 /// Pictures of `width` pixels in which a channel of a pixel or its depth changes now and then, and its normal always.

@@ -25,7 +25,7 @@ fn view_dependence(capture: &Capture) -> Grid<f32> {
     inspect_frame(capture, Some(&scan), &settings, 0, &Job::new()).unwrap().view_dependence(CAMERA)
 }
 
-/// The share of the pixels of which others can tell whose colors differ visibly, and how many pixels these are.
+/// The pixels that other cameras can judge: the share whose colors differ visibly, and their number.
 fn visible(found: &Grid<f32>) -> (f64, usize) {
     let known: Vec<f32> = found.as_slice().iter().copied().filter(|steps| !steps.is_nan()).collect();
     let visible = known.iter().filter(|steps| **steps >= VISIBLE_STEPS).count();

@@ -118,7 +118,7 @@ impl Difference {
         found
     }
 
-    /// As shares of so many times as many pixels.
+    /// The same shares for `times` as many pixels.
     fn over(&self, times: f64) -> Self {
         Self { image: self.image / times, depth: self.depth / times, color: self.color / times, ..*self }
     }

@@ -75,7 +75,7 @@ fn a_sampled_surface_has_no_crack_at_four_times_the_magnification() {
     }
 }
 
-/// A camera straight above the ground, with so many pixels.
+/// A camera straight above the ground, with a picture of the given size.
 fn above(name: &str, x: f64, (width, height): (u32, u32)) -> Camera {
     let (cx, cy) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
     let intrinsics = Intrinsics { width, height, fx: 150.0, fy: 150.0, cx, cy };
@@ -218,7 +218,8 @@ fn a_picture_from_a_pyramid_touches_what_it_shows_and_one_as_fine_as_the_recordi
     }
 }
 
-/// How close a picture is to the mean of so many by so many pixels of a finer one, where all of these show something, dB.
+/// PSNR of a picture against the means of `times` × `times` pixels of a finer one, dB; only pixels whose fine pixels all show something
+/// count.
 fn off_the_mean(coarse: &Picture, fine: &Picture, times: usize) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for y in 0..coarse.color.height() {

@@ -72,7 +72,7 @@ fn check(folder: &Folder, source: &str) {
     check_coarse(folder, source, 1.0);
 }
 
-/// The same where a pixel of depth is so many pixels of color wide.
+/// The same if a pixel of depth is `depth_pixel` pixels of color wide.
 fn check_coarse(folder: &Folder, source: &str, depth_pixel: f64) {
     let found = Source::find(&folder.path("")).unwrap();
     assert!(found.description().source.contains(source), "{:?}", found.description());

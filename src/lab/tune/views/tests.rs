@@ -7,7 +7,7 @@ use super::*;
 use overlook_engine::capture::{Camera, CaptureParts, Frame, FrameSource, Intrinsics, TruthView};
 use overlook_engine::grid::Grid;
 
-/// Cameras before a wall 2 away, each 1 above the next place: at `x`, and at a distance of so many times 2.
+/// Cameras before a wall, each at its own x and distance.
 struct Wall(Vec<Camera>);
 
 /// Each sees a stretch of the wall that is 2 wide and 1 high.
