@@ -6,7 +6,7 @@ use super::agreement::Consensus;
 use super::diagnostics::{Residuals, RunCounts, Tally};
 use super::layers::CameraLayer;
 use super::prepared_scan::PreparedScan;
-use super::pruning::{self, Decided, Masks, PrunedBackground, SpanStack, StackStep};
+use super::pruning::{self, LevelVerdicts, Masks, PrunedBackground, SpanStack, StackStep};
 use super::registration::CameraPairs;
 use super::temporal::{ROOT, SpanLevel, SpanTree, all_frames};
 use super::views::{Views, prune_views};
@@ -127,7 +127,7 @@ impl Packing<'_> {
         &self,
         (span, level): (Span, SpanLevel),
         layers: &[CameraLayer],
-        decided: &[Decided],
+        decided: &[LevelVerdicts],
         images: &mut ImageBuffer,
     ) -> Result<()> {
         let consensus = Consensus::new(self.pairs, layers, level, self.settings);

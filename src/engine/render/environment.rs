@@ -28,23 +28,23 @@ const FULL_COUNT: f32 = 16.0;
 const BESIDE_MISSING: f32 = 1.0 / 64.0;
 
 /// Weighted sums of red, green and blue, and the sum of weights.
-type Sum = [f32; 4];
+type CellSum = [f32; 4];
 
 /// The colors of samples at infinity, by direction.
 #[derive(Clone, Debug)]
 pub(crate) struct SkySums {
     /// The finest grid, by z, y and x; empty if no sample counts.
-    cells: Vec<Sum>,
+    cells: Vec<CellSum>,
 }
 
 /// Red, green, blue and 1; zeros in cells that do not touch the sphere.
-type Shown = [f32; 4];
+type CellColor = [f32; 4];
 
 /// The color at infinity in every direction.
 #[derive(Clone, Debug)]
 pub(crate) struct Environment {
     /// The finest grid, by z, y and x.
-    cells: Vec<Shown>,
+    cells: Vec<CellColor>,
 }
 
 impl SkySums {
@@ -136,7 +136,7 @@ fn cell_of(direction: Vec3) -> usize {
 }
 
 /// The next coarser grid of one with `side` cells along each side.
-fn halved(finer: &[Sum], side: usize) -> Vec<Sum> {
+fn halved(finer: &[CellSum], side: usize) -> Vec<CellSum> {
     let half = side / 2;
     let sum_of = |cell: usize| {
         let (x, y, z) = (cell % half, cell / half % half, cell / half / half);
@@ -152,7 +152,7 @@ fn halved(finer: &[Sum], side: usize) -> Vec<Sum> {
 }
 
 /// The colors of a grid with `side` cells along each side: those of its samples where it has enough, else filled from the coarser grid.
-fn filled(sums: &[Sum], side: usize) -> Vec<Shown> {
+fn filled(sums: &[CellSum], side: usize) -> Vec<CellColor> {
     let coarser = if side > 1 { filled(&halved(sums, side), side / 2) } else { Vec::new() };
     let color_of = |cell: usize| {
         let [red, green, blue, count] = sums[cell];
@@ -181,7 +181,7 @@ fn touches_sphere(center: Vec3, half_width: f32) -> bool {
 }
 
 /// The color in a direction of length 1, in a grid of `side` cells along each side: trilinear, among the cells that touch the sphere.
-fn interpolated(cells: &[Shown], side: usize, direction: Vec3) -> [f32; 3] {
+fn interpolated(cells: &[CellColor], side: usize, direction: Vec3) -> [f32; 3] {
     let at = (direction + Vec3::ONE) * (0.5 * side as f32) - Vec3::splat(0.5);
     let first = at.floor();
     let share = at - first;

@@ -241,13 +241,9 @@ impl Renderer {
         let on_gpu = self.painter.clone();
         let (cpu_picture, cpu) = self.on_cpu(request)?;
         let backend = if gpu.milliseconds < cpu.milliseconds { Backend::Gpu } else { Backend::Cpu };
-        self.faster.insert(request.settings.kernel, backend);
-        log::info!(
-            "{}: {:.1} ms on the GPU, {:.1} ms on the CPU",
-            request.settings.kernel,
-            gpu.milliseconds,
-            cpu.milliseconds
-        );
+        let kernel = request.settings.kernel;
+        self.faster.insert(kernel, backend);
+        log::info!("{kernel}: {:.1} ms on the GPU, {:.1} ms on the CPU", gpu.milliseconds, cpu.milliseconds);
         if backend == Backend::Cpu {
             return Ok((cpu_picture, cpu));
         }

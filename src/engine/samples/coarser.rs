@@ -35,9 +35,9 @@ pub(crate) fn halved_camera(camera: &Camera) -> Camera {
     Camera { intrinsics, ..camera.clone() }
 }
 
-/// One sample.
+/// The sample of one pixel.
 #[derive(Clone, Copy)]
-struct Part {
+struct PixelSample {
     color: [f32; 3],
     inverse_depth: f32,
     is_doubtful: bool,
@@ -45,7 +45,7 @@ struct Part {
 
 /// The samples of four tiles, row-major.
 struct Square {
-    parts: Vec<Option<Part>>,
+    parts: Vec<Option<PixelSample>>,
 }
 
 impl Square {
@@ -59,7 +59,7 @@ impl Square {
         let mut nth = 0;
         for (row, columns) in tile.rows.iter().enumerate() {
             for column in (0..TILE).filter(|column| columns >> column & 1 == 1) {
-                self.parts[(top + row) * SIDE + left + column] = Some(Part {
+                self.parts[(top + row) * SIDE + left + column] = Some(PixelSample {
                     color: image.color[tile.first as usize + nth].map(f16::to_f32),
                     inverse_depth: depths[nth],
                     is_doubtful: doubtful.is_some_and(|rows| rows[row] >> column & 1 == 1),
@@ -71,11 +71,11 @@ impl Square {
 
     /// The sample of the 2×2 pixels at a column and row of the coarser tile; inverse depths of one surface differ by no more than
     /// the share `tolerance`.
-    fn joined(&self, (column, row): (usize, usize), tolerance: f32) -> Option<Part> {
+    fn joined(&self, (column, row): (usize, usize), tolerance: f32) -> Option<PixelSample> {
         let first = 2 * row * SIDE + 2 * column;
         let parts = [first, first + 1, first + SIDE, first + SIDE + 1].map(|at| self.parts[at]);
         let same_as = |own: f32| {
-            let is_same = move |part: &&Part| {
+            let is_same = move |part: &&PixelSample| {
                 (part.inverse_depth - own).abs() <= tolerance * part.inverse_depth.max(own)
             };
             parts.iter().flatten().filter(is_same)
@@ -86,7 +86,7 @@ impl Square {
             .map(|part| part.inverse_depth)
             .max_by(|a, b| same_as(*a).count().cmp(&same_as(*b).count()).then(a.total_cmp(b)))?;
         let count = same_as(own).count() as f32;
-        let mut mean = Part { color: [0.0; 3], inverse_depth: 0.0, is_doubtful: true };
+        let mut mean = PixelSample { color: [0.0; 3], inverse_depth: 0.0, is_doubtful: true };
         for part in same_as(own) {
             (0..3).for_each(|channel| mean.color[channel] += part.color[channel] / count);
             mean.inverse_depth += part.inverse_depth / count;

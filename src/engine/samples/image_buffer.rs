@@ -54,7 +54,7 @@ pub(crate) struct ImageShape {
 }
 
 impl Record for SampleImage {
-    type Shape = ImageShape;
+    type RecordShape = ImageShape;
 
     fn bytes(&self) -> usize {
         self.bytes()

@@ -48,7 +48,7 @@ impl<'a> RecordWriter<'a> {
     /// `Io`.
     pub(crate) fn record<T: Record>(&mut self, record: &T) -> Result<()>
     where
-        T::Shape: Serialize,
+        T::RecordShape: Serialize,
     {
         let shape = self.to_json(&record.shape())?;
         let planes = record.planes();
@@ -104,10 +104,10 @@ impl<'a> RecordReader<'a> {
     /// `Io`; `Invalid` where it is none.
     pub(crate) fn record<T: Record>(&mut self) -> Result<T>
     where
-        T::Shape: DeserializeOwned,
+        T::RecordShape: DeserializeOwned,
     {
         let (shape, bytes) = self.record_head()?;
-        let shape: T::Shape = self.json_of(shape)?;
+        let shape: T::RecordShape = self.json_of(shape)?;
         let Self { reader, place } = self;
         T::read(&shape, |planes| {
             if planes.iter().map(|plane| plane.len() as u64).sum::<u64>() != bytes {

@@ -11,13 +11,13 @@ use crate::settings::Settings;
 /// What may be written to the file: planes of plain numbers, and what is needed to read them back.
 pub(crate) trait Record: Sized {
     /// What is kept in memory of a record in the file.
-    type Shape: std::fmt::Debug;
+    type RecordShape: std::fmt::Debug;
 
     /// Bytes that it takes in memory.
     fn bytes(&self) -> usize;
 
     /// What is kept of it in memory.
-    fn shape(&self) -> Self::Shape;
+    fn shape(&self) -> Self::RecordShape;
 
     /// Its planes, in the order of the file.
     fn planes(&self) -> Vec<&[u8]>;
@@ -26,7 +26,7 @@ pub(crate) trait Record: Sized {
     ///
     /// # Errors
     /// Whatever `fill` gives.
-    fn read(shape: &Self::Shape, fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>) -> Result<Self>;
+    fn read(shape: &Self::RecordShape, fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>) -> Result<Self>;
 }
 
 /// Where a record is.
@@ -35,7 +35,7 @@ pub(crate) enum RecordPlace<T: Record> {
     /// Within the bound.
     Memory(Arc<T>),
     /// In the file, from a byte on.
-    File(u64, T::Shape),
+    File(u64, T::RecordShape),
 }
 
 /// A bound on memory, and the file for what is beyond it.

@@ -18,7 +18,8 @@ use crate::job::Job;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer};
 use crate::preprocess::noise::{BRIGHTNESS_BINS, DEPTH_CLASSES, NoiseBetween, brightness_bin, depth_class};
 use crate::preprocess::registration::{
-    CameraPairs, HAS_DEPTH, IN_VIEW, PixelRun, Registration, RequiredTolerances, SameSurface,
+    CameraPairs, HAS_DEPTH, IN_VIEW, PixelRun, Registration, RequiredTolerances, SameSurface, SourceRun,
+    TargetRun,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT};
 use crate::simd::LANES;
@@ -32,8 +33,8 @@ const FEW_CAMERAS: usize = 9;
 /// Of two cameras that disagree either may be wrong: they do not tell noise from that.
 const MIN_CAMERAS: usize = 3;
 
-/// A class of depth, or of brightness, with fewer readings takes its value from the next that has as many.
-const MIN_READINGS: usize = 256;
+/// A class of depth, or of brightness, with fewer differences takes its value from the next that has as many.
+const MIN_DIFFERENCES: usize = 256;
 
 /// Surfaces that are farther apart than this, relative to their depth, are different ones.
 const FARTHEST_RELATIVE: f32 = 0.2;
@@ -69,7 +70,7 @@ pub(crate) fn noise_of_camera(
         return None;
     }
     let samples = (SAMPLES * FEW_CAMERAS / layers.len()).clamp(FEWEST_SAMPLES, SAMPLES);
-    Readings::of(pairs, layers, camera, samples).noise().map(Arc::new)
+    CameraDifferences::of(pairs, layers, camera, samples).noise().map(Arc::new)
 }
 
 /// The noise of all cameras, if most of them are noisy: a few are not noisy but wrong.
@@ -78,9 +79,9 @@ pub(crate) fn where_most_are_noisy(noise: Vec<Option<Arc<NoiseBetween>>>) -> Vec
     if is_noisy { noise } else { vec![None; noise.len()] }
 }
 
-/// What one sample shows beside another camera's.
+/// By how much one sample differs from what another camera shows there.
 #[derive(Clone, Copy)]
-struct Reading {
+struct SampleDifference {
     class: usize,
     /// Distance relative to the sample's depth, beyond what rounding explains.
     relative: f32,
@@ -91,13 +92,13 @@ struct Reading {
     color_steps: f32,
 }
 
-/// All of one camera.
-struct Readings(Vec<Reading>);
+/// Differences of one camera's samples from what the others show.
+struct CameraDifferences(Vec<SampleDifference>);
 
-impl Readings {
+impl CameraDifferences {
     fn of(pairs: &CameraPairs<'_>, layers: &[CameraLayer], camera: usize, samples: usize) -> Self {
         let layer = &layers[camera];
-        let mut readings = Vec::new();
+        let mut differences = Vec::new();
         let step = (layer.width * layer.height() / samples).isqrt().max(1);
         for row in (step / 2..layer.height()).step_by(step) {
             // Neighboring rows begin elsewhere, so that no column of the picture is left out.
@@ -113,42 +114,43 @@ impl Readings {
                 for (other, registration) in pairs.others(camera) {
                     let target = &layers[other];
                     if !target.geometry.is_empty() {
-                        add_readings(&mut readings, registration, (layer, &block), target);
+                        let source = SourceRun { layer, run: &block };
+                        add_differences(&mut differences, registration, source, target);
                     }
                 }
             }
         }
-        Self(readings)
+        Self(differences)
     }
 
     fn noise(mut self) -> Option<NoiseBetween> {
-        if self.0.len() < MIN_READINGS {
+        if self.0.len() < MIN_DIFFERENCES {
             return None;
         }
-        let mut footprints: Vec<f32> = self.0.iter().map(|reading| reading.footprints).collect();
+        let mut footprints: Vec<f32> = self.0.iter().map(|difference| difference.footprints).collect();
         let spread = spread(&mut footprints);
         let within = footprints.partition_point(|distance| *distance <= SIGMAS * spread);
         if SIGMAS * footprints[within / 4] / QUARTILE_PER_SIGMA <= 1.0 {
             return None;
         }
-        let of_class = |readings: &[Reading], class: usize| {
-            let of_class = readings.iter().filter(|reading| reading.class == class);
-            let mut relative: Vec<f32> = of_class.map(|reading| reading.relative).collect();
-            (relative.len() >= MIN_READINGS).then(|| spread_of_one(&mut relative))
+        let of_class = |differences: &[SampleDifference], class: usize| {
+            let of_class = differences.iter().filter(|difference| difference.class == class);
+            let mut relative: Vec<f32> = of_class.map(|difference| difference.relative).collect();
+            (relative.len() >= MIN_DIFFERENCES).then(|| spread_of_one(&mut relative))
         };
         let depths = (0..DEPTH_CLASSES).map(|class| of_class(&self.0, class)).collect::<Vec<_>>();
         let depth_relative = filled(&depths).unwrap_or_else(|| {
-            let mut relative: Vec<f32> = self.0.iter().map(|reading| reading.relative).collect();
+            let mut relative: Vec<f32> = self.0.iter().map(|difference| difference.relative).collect();
             vec![spread_of_one(&mut relative); DEPTH_CLASSES]
         });
         let depth_relative: [f32; DEPTH_CLASSES] = std::array::from_fn(|class| depth_relative[class]);
-        self.0.retain(|reading| {
-            reading.relative <= SIGMAS * std::f32::consts::SQRT_2 * depth_relative[reading.class]
+        self.0.retain(|difference| {
+            difference.relative <= SIGMAS * std::f32::consts::SQRT_2 * depth_relative[difference.class]
         });
         let of_bin = |bin: usize| {
-            let of_bin = self.0.iter().filter(|reading| brightness_bin(reading.brightness) == bin);
-            let mut steps: Vec<f32> = of_bin.map(|reading| reading.color_steps).collect();
-            (steps.len() >= MIN_READINGS).then(|| spread_of_one(&mut steps))
+            let of_bin = self.0.iter().filter(|difference| brightness_bin(difference.brightness) == bin);
+            let mut steps: Vec<f32> = of_bin.map(|difference| difference.color_steps).collect();
+            (steps.len() >= MIN_DIFFERENCES).then(|| spread_of_one(&mut steps))
         };
         let colors = filled(&(0..BRIGHTNESS_BINS).map(of_bin).collect::<Vec<_>>());
         let color_steps =
@@ -185,23 +187,20 @@ fn filled(values: &[Option<f32>]) -> Option<Vec<f32>> {
     (0..values.len()).map(nearest).collect()
 }
 
-fn add_readings(
-    readings: &mut Vec<Reading>,
+fn add_differences(
+    differences: &mut Vec<SampleDifference>,
     registration: &Registration,
-    (source, block): (&CameraLayer, &PixelRun),
+    source: SourceRun<'_>,
     target: &CameraLayer,
 ) {
+    let block = source.run;
     let reprojected = registration.reproject(block, target.width);
     let relevant = reprojected.bits.map(|bits| u32::from(bits & IN_VIEW != 0));
     let mut required = RequiredTolerances::new(0.0);
     let limits = SameSurface::geometry_within(1.0);
-    let matches = limits.compare_measuring::<LANES, true>(
-        registration,
-        (source, block),
-        (target, &reprojected),
-        relevant,
-        &mut required,
-    );
+    let target_run = TargetRun { layer: target, reprojected: &reprojected };
+    let matches =
+        limits.compare_measuring::<LANES, true>(registration, source, target_run, relevant, &mut required);
     for lane in 0..LANES {
         let w = block.inverse_depth[lane];
         let found = matches.pixel[lane] as usize;
@@ -217,7 +216,7 @@ fn add_readings(
         if relative > FARTHEST_RELATIVE {
             continue;
         }
-        readings.push(Reading {
+        differences.push(SampleDifference {
             class: depth_class(w),
             relative,
             footprints: required.depth[lane],

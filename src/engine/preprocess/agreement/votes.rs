@@ -17,7 +17,8 @@
 
 use crate::preprocess::layers::{CameraLayer, PackedGeometry};
 use crate::preprocess::registration::{
-    CameraPairs, HAS_DEPTH, IN_VIEW, NEARER, ON_SURFACE, PixelRun, Registration, ReprojectedRun, SameSurface,
+    CameraPairs, HAS_DEPTH, IN_VIEW, NEARER, ON_SURFACE, PixelRun, Registration, SameSurface, SourceRun,
+    TargetRun,
 };
 use crate::preprocess::temporal::{ROOT, SpanLevel};
 use crate::settings::{AgreementRule, PruningMethod, Settings};
@@ -139,12 +140,12 @@ impl VoteTest {
     pub(crate) fn add<const N: usize>(
         &self,
         registration: &Registration,
-        (source, block): (&CameraLayer, &PixelRun<N>),
+        source: SourceRun<'_, N>,
         target: &CameraLayer,
         asked: u32,
         votes: &mut VotedRun<N>,
     ) {
-        let reprojected = registration.reproject(block, target.width);
+        let reprojected = registration.reproject(source.run, target.width);
         let mut relevant = [0; N];
         let mut any = 0;
         for i in 0..N {
@@ -154,8 +155,9 @@ impl VoteTest {
         if any == 0 {
             return;
         }
-        let limits = self.limits.between(source, target);
-        let matches = limits.compare(registration, (source, block), (target, &reprojected), relevant);
+        let limits = self.limits.between(source.layer, target);
+        let target = TargetRun { layer: target, reprojected: &reprojected };
+        let matches = limits.compare(registration, source, target, relevant);
         let mut suspect = 0_u32;
         for i in 0..N {
             let bits = matches.bits[i];
@@ -167,8 +169,7 @@ impl VoteTest {
         while suspect != 0 {
             let lane = suspect.trailing_zeros() as usize;
             suspect &= suspect - 1;
-            let looks_past =
-                self.looks_past(&limits, registration, (source, block), (target, &reprojected), lane);
+            let looks_past = self.looks_past(&limits, registration, source, target, lane);
             votes.look_past[lane] += u32::from(looks_past);
         }
     }
@@ -180,10 +181,12 @@ impl VoteTest {
         &self,
         limits: &SameSurface,
         registration: &Registration,
-        (source, block): (&CameraLayer, &PixelRun<N>),
-        (target, reprojected): (&CameraLayer, &ReprojectedRun<N>),
+        source: SourceRun<'_, N>,
+        target: TargetRun<'_, N>,
         lane: usize,
     ) -> bool {
+        let SourceRun { layer: source, run: block } = source;
+        let TargetRun { layer: target, reprojected } = target;
         let depth = reprojected.point[2][lane];
         if block.inverse_depth[lane] <= 0.0
             || registration.target.side * depth > RESOLVES * registration.source_side
@@ -203,8 +206,7 @@ impl VoteTest {
                 // Samples of deeper levels are not there yet, and those of shorter spans may be late.
                 target.geometry[pixel] == PackedGeometry::ABSENT
                     || level > self.level
-                    || (level == ROOT
-                        && limits.is_behind(registration, (source, own), (target, pixel), depth))
+                    || (level == ROOT && limits.is_behind(registration, source, own, target, pixel, depth))
             },
         )
     }
@@ -240,7 +242,7 @@ impl VoteTest {
         pixel: u32,
     ) -> VoteCounts {
         let others = pairs.others(camera);
-        let votes = others.map(|(other, way)| self.vote(way, layers, (camera, pixel), other));
+        let votes = others.map(|(other, way)| self.vote(way, layers, camera, pixel, other));
         votes.fold(VoteCounts::default(), |mut counts, vote| {
             counts.confirm += u32::from(vote == Vote::Confirms);
             counts.look_past += u32::from(vote == Vote::LooksPast);
@@ -253,7 +255,8 @@ impl VoteTest {
         &self,
         registration: &Registration,
         layers: &[CameraLayer],
-        (camera, pixel): (usize, u32),
+        camera: usize,
+        pixel: u32,
         other: usize,
     ) -> Vote {
         let (layer, target) = (&layers[camera], &layers[other]);
@@ -263,7 +266,7 @@ impl VoteTest {
         let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
         let block = PixelRun::<1>::new(layer, x, y, 1);
         let mut votes = VotedRun::NONE;
-        self.add(registration, (layer, &block), target, 1, &mut votes);
+        self.add(registration, SourceRun { layer, run: &block }, target, 1, &mut votes);
         match votes.counts(0) {
             VoteCounts { confirm: 1, .. } => Vote::Confirms,
             VoteCounts { look_past: 1, .. } => Vote::LooksPast,
@@ -292,7 +295,7 @@ impl VoteTest {
                 return false;
             }
             left -= 1;
-            let vote = self.vote(way, layers, (camera, pixel), other);
+            let vote = self.vote(way, layers, camera, pixel, other);
             counts.confirm += u32::from(vote == Vote::Confirms);
             counts.look_past += u32::from(vote == Vote::LooksPast);
         }

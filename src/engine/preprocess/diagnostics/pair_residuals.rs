@@ -19,7 +19,8 @@ use crate::job::Job;
 use crate::preprocess::layers::{CameraLayer, is_mixed};
 use crate::preprocess::pruning::lanes_at;
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, Outcome, PixelRun, Registration, RequiredTolerances, SameSurface, lanes_of,
+    CameraPairs, IN_VIEW, Outcome, PixelRun, Registration, RequiredTolerances, SameSurface, SourceRun,
+    TargetRun, lanes_of,
 };
 use crate::preprocess::temporal::ROOT;
 use crate::samples::Span;
@@ -84,7 +85,7 @@ fn is_none(count: &u64) -> bool {
 
 /// Distances and colors while they are gathered.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Readings {
+pub(crate) struct ResidualHistograms {
     footprints: LogHistogram,
     color_steps: LogHistogram,
     /// Samples at some distance, wherever the other camera looks.
@@ -93,9 +94,9 @@ pub(crate) struct Readings {
 
 /// `[source * cameras + target]`: of samples of all frames, and of things that moved; `None` of a camera itself, and where the target
 /// sees nothing of what the source saw.
-pub(crate) type PairReadings = Vec<Option<Box<[Readings; 2]>>>;
+pub(crate) type PairHistograms = Vec<Option<Box<[ResidualHistograms; 2]>>>;
 
-impl Readings {
+impl ResidualHistograms {
     pub(crate) fn add(&mut self, other: &Self) {
         self.footprints.add(&other.footprints);
         self.color_steps.add(&other.color_steps);
@@ -117,7 +118,7 @@ impl Readings {
 pub(crate) struct Residuals<'a> {
     camera_pairs: &'a CameraPairs<'a>,
     frames: usize,
-    readings: PairReadings,
+    readings: PairHistograms,
     /// Per camera: samples that were looked for in cameras that see none of them.
     asked_unseen: Vec<u64>,
     /// Per camera: inverse depth on the lattice when it was last looked at.
@@ -234,7 +235,7 @@ impl<'a> Residuals<'a> {
     }
 
     /// What was gathered.
-    pub(crate) fn into_readings(mut self) -> PairReadings {
+    pub(crate) fn into_readings(mut self) -> PairHistograms {
         // Where no cameras can be compared, that is said of every pair.
         if !is_any_compared(&self.readings) {
             let cameras = self.asked_unseen.len();
@@ -249,14 +250,14 @@ impl<'a> Residuals<'a> {
     }
 }
 
-fn is_any_compared(readings: &PairReadings) -> bool {
+fn is_any_compared(readings: &PairHistograms) -> bool {
     readings.iter().flatten().flat_map(|pair| pair.iter()).any(|reading| reading.residual().is_some())
 }
 
 /// The residuals of readings of so many cameras: `[source][target]`.
-pub(crate) fn residuals_of(readings: &PairReadings, cameras: usize) -> Vec<Vec<PairResiduals>> {
+pub(crate) fn residuals_of(readings: &PairHistograms, cameras: usize) -> Vec<Vec<PairResiduals>> {
     let is_any_compared = is_any_compared(readings);
-    let of_pair = |pair: &Option<Box<[Readings; 2]>>| {
+    let of_pair = |pair: &Option<Box<[ResidualHistograms; 2]>>| {
         let Some([lasting, moving]) = pair.as_deref() else { return PairResiduals::default() };
         PairResiduals {
             lasting: lasting.residual(),
@@ -315,12 +316,12 @@ struct Compare<'a> {
 }
 
 impl VectorLoop for Compare<'_> {
-    type Output = Readings;
+    type Output = ResidualHistograms;
 
     #[inline(always)]
-    fn run(self) -> Readings {
+    fn run(self) -> ResidualHistograms {
         let Self { registration, source, target, blocks } = self;
-        let mut readings = Readings::default();
+        let mut readings = ResidualHistograms::default();
         if target.geometry.is_empty() {
             return readings;
         }
@@ -335,7 +336,8 @@ impl VectorLoop for Compare<'_> {
                 relevant[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
             }
             let mut required = RequiredTolerances::new(0.0);
-            let (source, target) = ((source, &block), (target, &carried));
+            let source = SourceRun { layer: source, run: &block };
+            let target = TargetRun { layer: target, reprojected: &carried };
             let answers = limits.compare_measuring::<LANES, true>(
                 registration,
                 source,

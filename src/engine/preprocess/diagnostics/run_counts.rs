@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::pair_residuals::{PairReadings, residuals_of};
+use super::pair_residuals::{PairHistograms, residuals_of};
 use super::report::{Report, SpanReport};
 use crate::samples::ImageFacts;
 
@@ -14,7 +14,7 @@ use crate::samples::ImageFacts;
 pub(crate) struct RunCounts {
     /// Without what the images say, and without residuals.
     pub(crate) report: Report,
-    pub(crate) readings: PairReadings,
+    pub(crate) readings: PairHistograms,
 }
 
 impl RunCounts {

@@ -11,7 +11,7 @@ use crate::median::median_f32;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
-use crate::preprocess::pruning::{Decided, Rule, Verdict};
+use crate::preprocess::pruning::{LevelVerdicts, Rule, Verdict};
 use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, SpanLevel, TemporalScan};
 use crate::samples::Span;
 use crate::settings::{NormalSource, Settings};
@@ -132,7 +132,7 @@ impl Tally {
     }
 
     /// Counts what was decided on the samples of one camera, where all samples are of all frames.
-    pub(crate) fn add_view(&mut self, camera: usize, decided: &Decided) {
+    pub(crate) fn add_view(&mut self, camera: usize, decided: &LevelVerdicts) {
         let kept = self.count(camera, decided);
         let counts = &mut self.report.cameras[camera];
         counts.background_pixels += decided.pixels.len() as u64;
@@ -140,7 +140,7 @@ impl Tally {
     }
 
     /// Counts what was decided on the samples of one span.
-    pub(crate) fn add(&mut self, span: Span, decided: &[Decided]) {
+    pub(crate) fn add(&mut self, span: Span, decided: &[LevelVerdicts]) {
         let mut kept_in_span = 0;
         let is_root = span.len() as u64 == self.frames && self.is_first;
         self.is_first = false;
@@ -170,7 +170,7 @@ impl Tally {
     }
 
     /// Samples kept.
-    fn count(&mut self, camera: usize, decided: &Decided) -> u64 {
+    fn count(&mut self, camera: usize, decided: &LevelVerdicts) -> u64 {
         let mut by_rule = [0_u64; Rule::ALL.len()];
         for verdict in &decided.verdicts {
             by_rule[verdict.rule as usize] += 1;

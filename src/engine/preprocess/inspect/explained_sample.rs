@@ -6,19 +6,34 @@ use super::frame::FrameInspection;
 use super::pixel_report::{CameraEvidence, PairQuantities};
 use crate::capture::Camera;
 use crate::color::steps_from_linear;
-use crate::preprocess::agreement::VoteTest;
+use crate::preprocess::agreement::{Vote, VoteTest};
 use crate::preprocess::layers::{CameraLayer, Rate, ViewingRays, footprint, has_unknown_normal, is_mixed};
 use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
 
-/// Column, row and index of the pixel at a position.
-fn pixel_of(position: DVec2, layer: &CameraLayer) -> Option<(usize, usize, usize)> {
+/// A pixel of a layer.
+#[derive(Clone, Copy)]
+struct Pixel {
+    x: usize,
+    y: usize,
+    /// `y * width + x`.
+    index: usize,
+}
+
+impl Pixel {
+    fn of_index(index: usize, layer: &CameraLayer) -> Self {
+        Self { x: index % layer.width, y: index / layer.width, index }
+    }
+}
+
+/// The pixel at a position; `None` outside the picture.
+fn pixel_at(position: DVec2, layer: &CameraLayer) -> Option<Pixel> {
     let inside = position.x >= 0.0
         && position.y >= 0.0
         && position.x < layer.width as f64
         && position.y < layer.height() as f64;
     inside.then(|| {
         let (x, y) = (position.x as usize, position.y as usize);
-        (x, y, y * layer.width + x)
+        Pixel { x, y, index: y * layer.width + x }
     })
 }
 
@@ -26,9 +41,7 @@ fn pixel_of(position: DVec2, layer: &CameraLayer) -> Option<(usize, usize, usize
 pub(super) struct ExplainedSample<'a> {
     inspection: &'a FrameInspection,
     camera: usize,
-    x: usize,
-    y: usize,
-    pixel: usize,
+    pixel: Pixel,
     source: &'a Camera,
     layer: &'a CameraLayer,
     inverse_depth: f64,
@@ -38,29 +51,27 @@ pub(super) struct ExplainedSample<'a> {
 /// What a camera has where the point falls.
 struct CandidatePixel {
     position: DVec2,
-    pixel: Option<(usize, usize, usize)>,
+    pixel: Option<Pixel>,
     depth_expected: f64,
 }
 
 impl<'a> ExplainedSample<'a> {
     pub(super) fn new(inspection: &'a FrameInspection, camera: usize, x: usize, y: usize) -> Self {
         let layer = &inspection.layers[camera];
-        let pixel = y * layer.width + x;
+        let pixel = Pixel { x, y, index: y * layer.width + x };
         Self {
             inspection,
             camera,
-            x,
-            y,
             pixel,
             source: &inspection.samples.cameras[camera],
             layer,
-            inverse_depth: f64::from(layer.inverse_depth[pixel]),
-            normal: layer.normal[pixel],
+            inverse_depth: f64::from(layer.inverse_depth[pixel.index]),
+            normal: layer.normal[pixel.index],
         }
     }
 
     fn center(&self) -> DVec2 {
-        DVec2::new(self.x as f64 + 0.5, self.y as f64 + 0.5)
+        DVec2::new(self.pixel.x as f64 + 0.5, self.pixel.y as f64 + 0.5)
     }
 
     pub(super) fn point_in_world(&self) -> Option<DVec3> {
@@ -77,7 +88,7 @@ impl<'a> ExplainedSample<'a> {
             let ray = target.camera_from_world().matrix3 * direction;
             (target.intrinsics.project(ray)?, f64::INFINITY)
         };
-        Some(CandidatePixel { position, pixel: pixel_of(position, layer), depth_expected })
+        Some(CandidatePixel { position, pixel: pixel_at(position, layer), depth_expected })
     }
 
     pub(super) fn quantities(
@@ -89,21 +100,28 @@ impl<'a> ExplainedSample<'a> {
         let target = &self.inspection.samples.cameras[other];
         let layer = &self.inspection.layers[other];
         let found = self.find(target, layer)?;
-        let (x, y, pixel) = found.pixel?;
-        if layer.inverse_depth[pixel] <= 0.0 {
+        let pixel = found.pixel?;
+        if layer.inverse_depth[pixel.index] <= 0.0 {
             return None;
         }
-        let (distance, _) = self.plane_distance(target, layer, &found, (x, y, pixel))?;
+        let (distance, _) = self.plane_distance(target, layer, found.depth_expected, pixel)?;
         Some(PairQuantities {
-            outcome: limits.explain(
-                pairs.registration(self.camera, other),
-                (self.layer, self.x, self.y),
-                layer,
-            ),
+            outcome: self.outcome(pairs, limits, other),
             plane_distance_footprints: distance as f32,
-            normal_angle_degrees: angle_degrees(self.normal, layer.normal[pixel]) as f32,
-            color_difference_steps: self.color_difference(layer, pixel) as f32,
+            normal_angle_degrees: angle_degrees(self.normal, layer.normal[pixel.index]) as f32,
+            color_difference_steps: self.color_difference(layer, pixel.index) as f32,
         })
+    }
+
+    fn outcome(&self, pairs: &CameraPairs<'_>, limits: &SameSurface, other: usize) -> Outcome {
+        let registration = pairs.registration(self.camera, other);
+        limits.explain(registration, self.layer, self.pixel.x, self.pixel.y, &self.inspection.layers[other])
+    }
+
+    fn vote(&self, pairs: &CameraPairs<'_>, other: usize) -> Vote {
+        let votes = VoteTest::new(&self.inspection.settings, self.layer.level[self.pixel.index]);
+        let (camera, pixel) = (self.camera, self.pixel.index as u32);
+        votes.vote(pairs.registration(camera, other), &self.inspection.layers, camera, pixel, other)
     }
 
     pub(super) fn evidence(
@@ -114,66 +132,49 @@ impl<'a> ExplainedSample<'a> {
     ) -> CameraEvidence {
         let target = &self.inspection.samples.cameras[other];
         let layer = &self.inspection.layers[other];
-        let own = other == self.camera;
-        let way = pairs.registration(self.camera, other);
-        let outcome = (!own).then(|| limits.explain(way, (self.layer, self.x, self.y), layer));
-        let mut evidence = CameraEvidence {
-            camera: other,
-            outcome,
-            vote: (!own).then(|| {
-                let votes = VoteTest::new(&self.inspection.settings, self.layer.level[self.pixel]);
-                votes.vote(way, &self.inspection.layers, (self.camera, self.pixel as u32), other)
-            }),
-            position: None,
-            pixel: None,
-            depth_expected: f64::NAN,
-            depth_found: f64::NAN,
-            footprint: f64::NAN,
-            plane_distance_footprints: f64::NAN,
-            incidence_degrees: f64::NAN,
-            normal_angle_degrees: f64::NAN,
-            color_difference_steps: f64::NAN,
-            paper_r: f64::NAN,
-            footprint_r: f64::NAN,
-            is_mixed: false,
-            is_unsure: false,
-            verdict: None,
-        };
+        let is_own = other == self.camera;
+        let mut evidence = CameraEvidence::not_found(other);
+        if !is_own {
+            evidence.outcome = Some(self.outcome(pairs, limits, other));
+            evidence.vote = Some(self.vote(pairs, other));
+        }
         let Some(found) = self.find(target, layer) else { return evidence };
         evidence.position = Some(found.position);
         evidence.depth_expected = found.depth_expected;
         // A test in single precision may fall into the pixel beside: what it named counts.
-        let pixel = match outcome {
-            Some(Outcome::Same(same)) => {
-                let same = same as usize;
-                Some((same % layer.width, same / layer.width, same))
-            }
-            _ if own => Some((self.x, self.y, self.pixel)),
+        let pixel = match evidence.outcome {
+            Some(Outcome::Same(same)) => Some(Pixel::of_index(same as usize, layer)),
+            _ if is_own => Some(self.pixel),
             _ => found.pixel,
         };
-        let Some((x, y, pixel)) = pixel else { return evidence };
-        evidence.pixel = Some(pixel as u32);
-        evidence.verdict = Some(self.inspection.cameras[other].verdict[(x, y)]);
-        let inverse_depth = layer.inverse_depth[pixel];
-        if inverse_depth < 0.0 {
+        let Some(pixel) = pixel else { return evidence };
+        evidence.pixel = Some(pixel.index as u32);
+        evidence.verdict = Some(self.inspection.cameras[other].verdict[(pixel.x, pixel.y)]);
+        if layer.inverse_depth[pixel.index] < 0.0 {
             return evidence;
         }
-        evidence.depth_found = 1.0 / f64::from(inverse_depth);
-        let rank = layer.ranks[pixel];
+        self.compare(&mut evidence, target, layer, pixel);
+        evidence
+    }
+
+    /// Adds how the sample found at a pixel of `layer` compares.
+    fn compare(&self, evidence: &mut CameraEvidence, target: &Camera, layer: &CameraLayer, pixel: Pixel) {
+        evidence.depth_found = 1.0 / f64::from(layer.inverse_depth[pixel.index]);
+        let rank = layer.ranks[pixel.index];
         (evidence.is_mixed, evidence.is_unsure) = (is_mixed(rank), has_unknown_normal(rank));
-        if let Some((distance, footprint)) = self.plane_distance(target, layer, &found, (x, y, pixel)) {
+        let distance = self.plane_distance(target, layer, evidence.depth_expected, pixel);
+        if let Some((distance, footprint)) = distance {
             evidence.plane_distance_footprints = distance;
             evidence.footprint = footprint;
         }
-        evidence.normal_angle_degrees = angle_degrees(self.normal, layer.normal[pixel]);
-        evidence.color_difference_steps = self.color_difference(layer, pixel);
-        let ray = ViewingRays::new(target).at(x, y);
-        evidence.incidence_degrees = angle_degrees(-ray, layer.normal[pixel]);
+        evidence.normal_angle_degrees = angle_degrees(self.normal, layer.normal[pixel.index]);
+        evidence.color_difference_steps = self.color_difference(layer, pixel.index);
+        let ray = ViewingRays::new(target).at(pixel.x, pixel.y);
+        evidence.incidence_degrees = angle_degrees(-ray, layer.normal[pixel.index]);
         let pruning = &self.inspection.settings.pruning;
         let deciding = Rate::resolve(pruning.rate, &self.inspection.samples.cameras);
-        [evidence.paper_r, evidence.footprint_r] = [Rate::Paper, deciding.with_focal_length()]
-            .map(|rate| self.ratio(rate, target, layer, (x, y, pixel)));
-        evidence
+        [evidence.paper_r, evidence.footprint_r] =
+            [Rate::Paper, deciding.with_focal_length()].map(|rate| self.ratio(rate, target, layer, pixel));
     }
 
     /// Distance to the tangent plane at the pixel found, in footprints, and the footprint; `None` at infinity.
@@ -181,19 +182,19 @@ impl<'a> ExplainedSample<'a> {
         &self,
         target: &Camera,
         layer: &CameraLayer,
-        found: &CandidatePixel,
-        (x, y, pixel): (usize, usize, usize),
+        depth_expected: f64,
+        pixel: Pixel,
     ) -> Option<(f64, f64)> {
         let point = self.point_in_world()?;
-        let inverse_depth = f64::from(layer.inverse_depth[pixel]);
+        let inverse_depth = f64::from(layer.inverse_depth[pixel.index]);
         if inverse_depth <= 0.0 {
             return None;
         }
         let depth = 1.0 / inverse_depth;
-        let surface = target.unproject(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), depth);
-        let normal = layer.normal[pixel].as_dvec3();
+        let surface = target.unproject(DVec2::new(pixel.x as f64 + 0.5, pixel.y as f64 + 0.5), depth);
+        let normal = layer.normal[pixel.index].as_dvec3();
         let distance = if normal == DVec3::ZERO {
-            (found.depth_expected - depth).abs()
+            (depth_expected - depth).abs()
         } else {
             normal.dot(point - surface).abs()
         };
@@ -203,26 +204,20 @@ impl<'a> ExplainedSample<'a> {
     }
 
     fn color_difference(&self, layer: &CameraLayer, pixel: usize) -> f64 {
-        let (a, b) = (self.layer.color[self.pixel], layer.color[pixel]);
+        let (a, b) = (self.layer.color[self.pixel.index], layer.color[pixel]);
         (0..3)
             .map(|c| f64::from((steps_from_linear(a[c]) - steps_from_linear(b[c])).abs()))
             .fold(0.0, f64::max)
     }
 
-    fn ratio(
-        &self,
-        rate: Rate,
-        target: &Camera,
-        layer: &CameraLayer,
-        (x, y, pixel): (usize, usize, usize),
-    ) -> f64 {
+    fn ratio(&self, rate: Rate, target: &Camera, layer: &CameraLayer, pixel: Pixel) -> f64 {
         let pruning = &self.inspection.settings.pruning;
-        let of = |camera: &Camera, layer: &CameraLayer, (x, y, pixel): (usize, usize, usize)| {
+        let of = |camera: &Camera, layer: &CameraLayer, pixel: Pixel| {
             let rays = ViewingRays::new(camera);
-            let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
-            f64::from(footprint(rate, &rays, rays.at(x, y), inverse_depth, normal, pruning))
+            let (inverse_depth, normal) = (layer.inverse_depth[pixel.index], layer.normal[pixel.index]);
+            f64::from(footprint(rate, &rays, rays.at(pixel.x, pixel.y), inverse_depth, normal, pruning))
         };
-        of(self.source, self.layer, (self.x, self.y, self.pixel)) / of(target, layer, (x, y, pixel))
+        of(self.source, self.layer, self.pixel) / of(target, layer, pixel)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::grid::Grid;
 use crate::preprocess::agreement::{SampleAgreement, VoteTest, VotedRun};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{Verdict, lanes_at};
-use crate::preprocess::registration::{CameraPairs, Outcome, PixelRun, SameSurface};
+use crate::preprocess::registration::{CameraPairs, Outcome, PixelRun, SameSurface, SourceRun};
 use crate::preprocess::temporal::{PixelClass, ROOT, SpanLevel};
 use crate::samples::{SampleSet, Span};
 use crate::settings::Settings;
@@ -67,7 +67,7 @@ impl FrameInspection {
                 (0..width).map(move |x| {
                     (0..self.layers.len())
                         .filter(|&other| other != camera && against.is_none_or(|only| only == other))
-                        .map(|other| self.log2_ratio(pairs, limits, (camera, x, y), other))
+                        .map(|other| self.log2_ratio(pairs, limits, camera, y * width + x, other))
                         // f32::max ignores NaN, so a camera that does not see the point changes nothing.
                         .fold(f32::NAN, f32::max)
                 })
@@ -103,7 +103,8 @@ impl FrameInspection {
                     for other in others().filter(|&other| !self.layers[other].geometry.is_empty()) {
                         let target = &self.layers[other];
                         let registration = pairs.registration(camera, other);
-                        votes.add(registration, (layer, &block), target, asked, &mut voted);
+                        let source = SourceRun { layer, run: &block };
+                        votes.add(registration, source, target, asked, &mut voted);
                     }
                     for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
                         found[column + lane] = Some(SampleAgreement::of(
@@ -124,15 +125,16 @@ impl FrameInspection {
         &self,
         pairs: &CameraPairs<'_>,
         limits: &SameSurface,
-        (camera, x, y): (usize, usize, usize),
+        camera: usize,
+        pixel: usize,
         other: usize,
     ) -> f32 {
         let (layer, target) = (&self.layers[camera], &self.layers[other]);
-        let pixel = y * layer.width + x;
         if layer.inverse_depth[pixel] < 0.0 {
             return f32::NAN;
         }
-        match limits.test(pairs.registration(camera, other), (layer, x, y), target) {
+        let (x, y) = (pixel % layer.width, pixel / layer.width);
+        match limits.test(pairs.registration(camera, other), layer, x, y, target) {
             Outcome::Same(found) => (layer.footprint[pixel] / target.footprint[found as usize]).log2(),
             _ => f32::NAN,
         }

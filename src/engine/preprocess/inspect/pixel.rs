@@ -48,7 +48,7 @@ pub fn explain_pixel(
         winner: None,
         votes: VoteCounts::default(),
         is_flying: layer.packed_colors[pixel as usize].is_flying(),
-        is_doubtful: is_doubtful(inspection, camera, (x, y)),
+        is_doubtful: is_doubtful(inspection, camera, x, y),
         evidence: Vec::new(),
         chain: Vec::new(),
     };
@@ -76,7 +76,7 @@ fn limits_of(inspection: &FrameInspection, layer: &CameraLayer, pixel: usize) ->
 }
 
 /// Whether the sample of a camera at a pixel was kept as a doubtful one.
-fn is_doubtful(inspection: &FrameInspection, camera: usize, (x, y): (usize, usize)) -> bool {
+fn is_doubtful(inspection: &FrameInspection, camera: usize, x: usize, y: usize) -> bool {
     let mut images = inspection.samples.images.iter().filter(|image| image.camera as usize == camera);
     images.any(|image| image.is_doubtful(x, y))
 }
@@ -115,7 +115,7 @@ fn samples_of_point(
     let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
     let shown_by = |other: usize| {
         let target = &inspection.layers[other];
-        match limits.test(pairs.registration(camera, other), (layer, x, y), target) {
+        match limits.test(pairs.registration(camera, other), layer, x, y, target) {
             Outcome::Same(found) => Some(Candidate::new(target, other, found)),
             _ => None,
         }

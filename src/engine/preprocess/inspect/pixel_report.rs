@@ -46,6 +46,31 @@ pub struct CameraEvidence {
     pub verdict: Option<Verdict>,
 }
 
+impl CameraEvidence {
+    /// Of a camera in which nothing was looked up.
+    pub(super) fn not_found(camera: usize) -> Self {
+        Self {
+            camera,
+            outcome: None,
+            vote: None,
+            position: None,
+            pixel: None,
+            depth_expected: f64::NAN,
+            depth_found: f64::NAN,
+            footprint: f64::NAN,
+            plane_distance_footprints: f64::NAN,
+            incidence_degrees: f64::NAN,
+            normal_angle_degrees: f64::NAN,
+            color_difference_steps: f64::NAN,
+            paper_r: f64::NAN,
+            footprint_r: f64::NAN,
+            is_mixed: false,
+            is_unsure: false,
+            verdict: None,
+        }
+    }
+}
+
 /// One step from a sample to its witness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChainLink {

@@ -47,11 +47,11 @@ impl FrameInspection {
             let (mut squares, mut count) = (0.0, 0.0_f32);
             for (other, target) in self.layers.iter().enumerate().filter(|(other, _)| *other != camera) {
                 let registration = pairs.registration(camera, other);
-                let source = (layer, pixel % width, pixel / width);
-                let Outcome::Same(found) = limits.test(registration, source, target) else { continue };
+                let (x, y) = (pixel % width, pixel / width);
+                let Outcome::Same(found) = limits.test(registration, layer, x, y, target) else { continue };
                 let coarser = target.footprint[found as usize] / layer.footprint[pixel];
                 if (ALIKE.recip()..=ALIKE).contains(&coarser) {
-                    squares += difference((layer, pixel), (target, found as usize)).powi(2);
+                    squares += difference(layer, pixel, target, found as usize).powi(2);
                     count += 1.0;
                 }
             }
@@ -78,7 +78,7 @@ fn is_beside_step(layer: &CameraLayer, pixel: usize) -> bool {
 
 /// By how many 8-bit sRGB steps a color lies outside the range of the 3×3 pixels around one of another camera, beyond what noise
 /// explains: of the channel where that is most.
-fn difference((layer, pixel): (&CameraLayer, usize), (target, found): (&CameraLayer, usize)) -> f32 {
+fn difference(layer: &CameraLayer, pixel: usize, target: &CameraLayer, found: usize) -> f32 {
     let own = layer.color[pixel].map(steps_from_linear);
     let mut range = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
     for at in around(target, found).filter(|at| target.inverse_depth[*at] >= 0.0) {

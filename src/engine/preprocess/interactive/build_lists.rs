@@ -19,7 +19,7 @@ use crate::preprocess::pruning::{
     rule_of_dropped,
 };
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface,
+    CameraPairs, IN_VIEW, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface, SourceRun, TargetRun,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::Settings;
@@ -121,7 +121,7 @@ impl VectorLoop for BandBuilder<'_> {
         let columns = layer.width.div_ceil(LANES);
         let lanes: Vec<u32> = rows.clone().flat_map(|row| lanes_with_samples(layer, row)).collect();
         let mut others =
-            other_cameras(builder.pairs, builder.layers, (camera, rows.clone()), &lanes, |other| {
+            other_cameras(builder.pairs, builder.layers, camera, rows.clone(), &lanes, |other| {
                 builder.limits.between(layer, &builder.layers[other])
             });
         let mut lists = BandCandidates {
@@ -136,7 +136,7 @@ impl VectorLoop for BandBuilder<'_> {
             for level in (0..builder.levels)
                 .filter(|level| layer.level[row * layer.width..][..layer.width].contains(level))
             {
-                builder.find_in_row(camera, (row, level), &mut others, &mut reprojected, &mut row_of);
+                builder.find_in_row(camera, row, level, &mut others, &mut reprojected, &mut row_of);
             }
             let counts = &mut lists.counts[index * layer.width..][..layer.width];
             sort_by_column(&row_of, counts, &mut sorted);
@@ -154,7 +154,7 @@ impl VectorLoop for BandBuilder<'_> {
                 }
                 let (own, others) = rest.split_at_mut(usize::from(*count));
                 rest = others;
-                *count |= builder.compare_ranks((camera, row * layer.width + x), own);
+                *count |= builder.compare_ranks(camera, row * layer.width + x, own);
                 lists.candidates.extend(own.iter().map(|found| found.candidate));
             }
         }
@@ -170,38 +170,52 @@ fn lanes_with_samples(layer: &CameraLayer, row: usize) -> impl Iterator<Item = u
         .map(move |column| lanes_at(layer, (column, row), |level| level != NO_SAMPLE))
 }
 
+/// Sixteen pixels of a row whose candidates are listed.
+struct ListedRun {
+    /// Which sixteen columns these are.
+    nth: usize,
+    /// Which of them hold a sample of the level.
+    lanes: u32,
+    pixels: PixelRun,
+}
+
 impl ListBuilder<'_> {
     /// Lists the candidates in all other cameras of the samples of a level in a row.
     #[inline(always)]
     fn find_in_row(
         &self,
         camera: usize,
-        (row, level): (usize, SpanLevel),
+        row: usize,
+        level: SpanLevel,
         others: &mut [OtherCamera<'_>],
         reprojected: &mut [ReprojectedRun],
         found: &mut Vec<FoundCandidate>,
     ) {
         let layer = &self.layers[camera];
-        let blocks: Vec<(usize, u32, PixelRun)> = (0..layer.width)
+        let blocks: Vec<ListedRun> = (0..layer.width)
             .step_by(LANES)
             .enumerate()
-            .map(|(at, column)| (at, lanes_at(layer, (column, row), |found| found == level)))
+            .map(|(nth, column)| (nth, lanes_at(layer, (column, row), |found| found == level)))
             .filter(|(_, lanes)| *lanes != 0)
-            .map(|(at, lanes)| (at, lanes, PixelRun::new(layer, at * LANES, row, lanes)))
+            .map(|(nth, lanes)| ListedRun {
+                nth,
+                lanes,
+                pixels: PixelRun::new(layer, nth * LANES, row, lanes),
+            })
             .collect();
         for other in others {
             let target = &self.layers[other.camera];
             let limits = other.limits.at_level(level).with_deeper(level + 1 < self.levels);
-            for ((at, _, block), run) in blocks.iter().zip(&mut *reprojected) {
+            for (block, run) in blocks.iter().zip(&mut *reprojected) {
                 run.bits = [0; LANES];
-                if other.may_see[*at] {
-                    *run = other.registration.reproject(block, target.width);
+                if other.may_see[block.nth] {
+                    *run = other.registration.reproject(&block.pixels, target.width);
                     run.prefetch_ranks(target);
                     run.prefetch(target);
                 }
             }
-            for ((at, lanes, block), run) in blocks.iter().zip(&*reprojected) {
-                self.find_in_run((camera, at * LANES, *lanes, block), (other, &limits), run, found);
+            for (block, run) in blocks.iter().zip(&*reprojected) {
+                self.find_in_run(layer, block, other, &limits, run, found);
             }
         }
     }
@@ -209,12 +223,14 @@ impl ListBuilder<'_> {
     #[inline(always)]
     fn find_in_run(
         &self,
-        (camera, left, lanes, block): (usize, usize, u32, &PixelRun),
-        (other, limits): (&OtherCamera<'_>, &SameSurface),
+        source: &CameraLayer,
+        block: &ListedRun,
+        other: &OtherCamera<'_>,
+        limits: &SameSurface,
         run: &ReprojectedRun,
         found: &mut Vec<FoundCandidate>,
     ) {
-        let (source, target) = (&self.layers[camera], &self.layers[other.camera]);
+        let (ListedRun { nth, lanes, pixels }, target) = (block, &self.layers[other.camera]);
         let mut relevant = [0; LANES];
         let mut any = 0;
         for i in 0..LANES {
@@ -227,8 +243,8 @@ impl ListBuilder<'_> {
         let mut required = RequiredTolerances::new(self.negligible_steps);
         let matches = limits.compare_measuring::<LANES, true>(
             other.registration,
-            (source, block),
-            (target, run),
+            SourceRun { layer: source, run: pixels },
+            TargetRun { layer: target, reprojected: run },
             relevant,
             &mut required,
         );
@@ -246,14 +262,14 @@ impl ListBuilder<'_> {
             };
             let required = codes_of(&required, lane);
             let candidate = ListedCandidate { verdict, required, is_sure: false };
-            found.push(FoundCandidate { x: (left + lane) as u32, rank, candidate });
+            found.push(FoundCandidate { x: (nth * LANES + lane) as u32, rank, candidate });
         }
     }
 
     /// Orders the candidates of a sample, best first, and notes how each compares with the sample. Gives the flags of the
     /// sample's count.
     #[inline(always)]
-    fn compare_ranks(&self, (camera, pixel): (usize, usize), candidates: &mut [FoundCandidate]) -> u16 {
+    fn compare_ranks(&self, camera: usize, pixel: usize, candidates: &mut [FoundCandidate]) -> u16 {
         let own = self.layers[camera].ranks[pixel];
         let flags = if self.layers[camera].level[pixel] != NO_SAMPLE && is_mixed(own) { IS_MIXED } else { 0 };
         let of = |found: &FoundCandidate| found.candidate.verdict.witness_camera;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::build_lists::build_lists;
 use super::candidate_lists::{CandidateLists, ToleranceRange};
-use super::replay;
+use super::replay::{self, FrameLists};
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::grid::Grid;
@@ -126,7 +126,8 @@ impl FrameLayers {
         let mut all = FrameVerdicts::none(&self.layers);
         for level in 0..self.path.len() as SpanLevel {
             let FrameVerdicts { verdicts, statuses } = &mut all;
-            replay::prune((lists, pairs), &self.layers, statuses, level, settings, verdicts, job)?;
+            let frame = FrameLists { lists, pairs, layers: &self.layers };
+            replay::prune(frame, statuses, level, settings, verdicts, job)?;
         }
         Ok(all)
     }

@@ -19,17 +19,26 @@ use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
 use crate::simd::LANES;
 
+/// The layers of a frame, and what can be listed of them before the settings are known.
+#[derive(Clone, Copy)]
+pub(crate) struct FrameLists<'a> {
+    pub(crate) lists: &'a CandidateLists,
+    pub(crate) pairs: &'a CameraPairs<'a>,
+    /// One per camera.
+    pub(crate) layers: &'a [CameraLayer],
+}
+
 /// Decides every sample of `level` of a frame whose lists serve the settings. `verdicts` has one for each pixel of
 /// each camera; those of other levels stay as they are.
 pub(crate) fn prune(
-    (lists, pairs): (&CandidateLists, &CameraPairs<'_>),
-    layers: &[CameraLayer],
+    frame: FrameLists<'_>,
     statuses: &Statuses,
     level: SpanLevel,
     settings: &Settings,
     verdicts: &mut [Vec<Verdict>],
     job: &Job,
 ) -> Result<()> {
+    let FrameLists { lists, pairs, layers } = frame;
     let limits = SameSurface::new(settings).at_level(level);
     let codes = codes(tolerances(&settings.pruning));
     let votes = VoteTest::new(settings, level);
@@ -104,7 +113,7 @@ impl ReplayContext<'_> {
             let start = block / columns * layer.width + left;
             let indices = start..start + LANES.min(layer.width - left);
             if levels[indices.clone()].contains(&self.level) {
-                self.find_in_block(band, (lists, first as usize), indices, levels, statuses);
+                self.find_in_block(band, first as usize, indices, levels, statuses);
             }
         }
     }
@@ -113,11 +122,12 @@ impl ReplayContext<'_> {
     fn find_in_block(
         &self,
         band: &mut ReplayBand<'_>,
-        (lists, mut first): (&BandCandidates, usize),
+        mut first: usize,
         indices: std::ops::Range<usize>,
         levels: &[SpanLevel],
         statuses: &[AtomicU8],
     ) {
+        let lists = self.lists(band);
         for index in indices {
             let count = lists.counts[index];
             let candidates = &lists.candidates[first..first + usize::from(count & COUNT)];
@@ -191,7 +201,7 @@ impl ReplayContext<'_> {
         let pixel = band.first + index;
         let (x, y) = (pixel % layer.width, pixel / layer.width);
         let registration = self.pairs.registration(band.camera, other);
-        let outcome = self.limits.test(registration, (layer, x, y), &self.layers[other]);
+        let outcome = self.limits.test(registration, layer, x, y, &self.layers[other]);
         outcome == Outcome::Same(candidate.verdict.witness_pixel)
     }
 

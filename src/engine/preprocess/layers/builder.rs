@@ -58,6 +58,17 @@ impl<'a> LayerBuilder<'a> {
         self.rate_with(layer, camera, pixels, None);
     }
 
+    /// Whether the settings treat mixed pixels other than clean ones.
+    fn distinguishes_mixed(&self) -> bool {
+        let pruning = &self.settings.pruning;
+        match pruning.mixed_pixels {
+            MixedPixels::Drop => true,
+            // The first camera's samples yield to none, mixed or not.
+            MixedPixels::Yield => pruning.method != PruningMethod::FirstCamera,
+            MixedPixels::Keep => false,
+        }
+    }
+
     /// The same where it may be known already which pixels are mixed: to find them takes longer than all else.
     pub(crate) fn rate_with(
         &self,
@@ -72,13 +83,7 @@ impl<'a> LayerBuilder<'a> {
         let pruning = &self.settings.pruning;
         let edge = self.settings.normals.edge;
         let is_first_camera = pruning.method == PruningMethod::FirstCamera;
-        // The first camera's samples yield to none, mixed or not.
-        let detects = match pruning.mixed_pixels {
-            MixedPixels::Drop => true,
-            MixedPixels::Yield => !is_first_camera,
-            MixedPixels::Keep => false,
-        };
-        let detects = detects && known.is_none();
+        let detects = self.distinguishes_mixed() && known.is_none();
         let compares = pruning.method == PruningMethod::HighestRate;
         let blended = (detects && self.antialiased).then(|| BlendedTest::new(layer, camera, edge));
         // Other cameras decide what becomes of a flying pixel.

@@ -82,10 +82,10 @@ fn read(frame: &Frame, (left, y): (usize, usize), to: &mut [f32]) {
 }
 
 type MotionBlock = [[f32; WIDTH]; HEIGHT];
-type Around = [[f32; WIDTH + 2 * REACH]; HEIGHT + 2 * REACH];
+type SearchArea = [[f32; WIDTH + 2 * REACH]; HEIGHT + 2 * REACH];
 
 /// Whether one displacement along the slopes explains the change: the least squares fit of `change = u·slope_x + v·slope_y`.
-fn slides(block: &MotionBlock, around: &Around) -> bool {
+fn slides(block: &MotionBlock, around: &SearchArea) -> bool {
     let (mut xx, mut xy, mut yy, mut xc, mut yc, mut cc) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     for (row, block) in block.iter().enumerate() {
         let (above, here, below) = (&around[row + REACH - 1], &around[row + REACH], &around[row + REACH + 1]);
@@ -113,7 +113,7 @@ fn slides(block: &MotionBlock, around: &Around) -> bool {
 }
 
 /// Whether displacing by whole pixels leaves little of the change.
-fn lies_elsewhere(block: &MotionBlock, around: &Around) -> bool {
+fn lies_elsewhere(block: &MotionBlock, around: &SearchArea) -> bool {
     let left_over = |right: usize, below: usize| -> f32 {
         let mut sums = [0.0; WIDTH];
         for (row, block) in block.iter().enumerate() {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::decision::Decided;
+use super::decision::LevelVerdicts;
 use super::pass::{Statuses, no_statuses};
 use super::search;
 use crate::capture::Capture;
@@ -22,7 +22,7 @@ pub(crate) struct PrunedBackground {
     pub(crate) layers: Vec<CameraLayer>,
     pub(crate) statuses: Statuses,
     /// The verdicts.
-    pub(crate) decided: Vec<Decided>,
+    pub(crate) decided: Vec<LevelVerdicts>,
 }
 
 impl PrunedBackground {
@@ -34,7 +34,7 @@ impl PrunedBackground {
 
     /// Layers on which nothing was decided.
     pub(crate) fn undecided(layers: Vec<CameraLayer>) -> Self {
-        let decided = layers.iter().map(|_| Decided::default()).collect();
+        let decided = layers.iter().map(|_| LevelVerdicts::default()).collect();
         Self { statuses: no_statuses(&layers), decided, layers }
     }
 

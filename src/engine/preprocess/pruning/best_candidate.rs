@@ -7,7 +7,7 @@ use super::pass::PruningPass;
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, Rank};
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, PixelRun, Registration, ReprojectedRun, SameSurface, lanes_of,
+    CameraPairs, IN_VIEW, PixelRun, Registration, ReprojectedRun, SameSurface, SourceRun, TargetRun, lanes_of,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::simd::{self, LANES};
@@ -29,7 +29,8 @@ pub(crate) struct OtherCamera<'a> {
 pub(crate) fn other_cameras<'a>(
     pairs: &'a CameraPairs<'_>,
     layers: &[CameraLayer],
-    (camera, rows): (usize, Range<usize>),
+    camera: usize,
+    rows: Range<usize>,
     lanes: &[u32],
     limits: impl Fn(usize) -> SameSurface,
 ) -> Vec<OtherCamera<'a>> {
@@ -208,8 +209,12 @@ impl BestCandidates {
         ComparedRun { reprojected, relevant }: &ComparedRun,
     ) -> u32 {
         let (source, target) = (&pass.layers[camera], &pass.layers[other.camera]);
-        let matches =
-            other.limits.compare(other.registration, (source, block), (target, reprojected), *relevant);
+        let matches = other.limits.compare(
+            other.registration,
+            SourceRun { layer: source, run: block },
+            TargetRun { layer: target, reprojected },
+            *relevant,
+        );
         let mut may_be_witness = *relevant;
         if !pass.all_may_be_witnesses[other.camera] {
             // Looked up one by one, and far apart in memory.

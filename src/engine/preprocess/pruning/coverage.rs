@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::decision::{Candidate, Decided, Rule, Verdict, may_be_witness};
+use super::decision::{Candidate, LevelVerdicts, Rule, Verdict, may_be_witness};
 use super::pass::{DROPPED, KEPT, PendingSample, PruningPass, SearchBand, UNDECIDED};
-use crate::preprocess::registration::{IN_VIEW, PixelRun};
+use crate::preprocess::registration::{IN_VIEW, PixelRun, SourceRun, TargetRun};
 use crate::simd::{self, VectorLoop};
 
 /// How many samples ahead the statuses of witnesses are prefetched.
@@ -107,7 +107,7 @@ impl Waiting {
 pub(crate) fn settle(
     pass: &PruningPass<'_>,
     camera: usize,
-    decided: &mut Decided,
+    decided: &mut LevelVerdicts,
     waiting: Option<Waiting>,
 ) -> Waiting {
     let is_first = waiting.is_none();
@@ -165,9 +165,11 @@ fn all_but_the_best(pass: &PruningPass<'_>, camera: usize, pixel: u32) -> Vec<Ca
         // Samples of this level that are dropped by now are candidates still; they will be passed over.
         let is_own_level = candidate.level == pass.level;
         let is_kept = pass.status(other, candidate.pixel) == KEPT;
+        let point = SourceRun { layer, run: &point };
+        let seen = TargetRun { layer: target, reprojected: &reprojected };
         if may_be_witness(is_own_level, is_kept, pass.settings.pruning.across_spans)
             && candidate.is_better_than(&sample)
-            && pass.limits.compare(registration, (layer, &point), (target, &reprojected), [1]).is_same(0)
+            && pass.limits.compare(registration, point, seen, [1]).is_same(0)
         {
             candidates.push(candidate);
         }

@@ -284,7 +284,7 @@ impl Verdict {
 
 /// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
-pub struct Decided {
+pub struct LevelVerdicts {
     /// Pixels that were decided, `y * width + x`, ascending.
     pub(crate) pixels: Vec<u32>,
     /// One verdict per pixel.
@@ -295,7 +295,7 @@ pub struct Decided {
     pub(crate) mixed_kept: u64,
 }
 
-impl Decided {
+impl LevelVerdicts {
     pub(crate) fn of_size(count: usize) -> Self {
         Self {
             pixels: vec![0; count],

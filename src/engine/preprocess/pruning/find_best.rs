@@ -11,7 +11,7 @@ use super::decision::{Rule, Verdict, rule_of_kept};
 use super::pass::{DROPPED, KEPT, PruningPass, SearchBand};
 use crate::preprocess::agreement::VotedRun;
 use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::registration::PixelRun;
+use crate::preprocess::registration::{PixelRun, SourceRun};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::PruningMethod;
 use crate::simd::{LANES, VectorLoop};
@@ -112,7 +112,8 @@ fn contradicted_lanes(
         }
         left -= 1;
         let target = &pass.layers[other.camera];
-        pass.votes.add(other.registration, (layer, &run.block), target, asked, &mut votes);
+        let source = SourceRun { layer, run: &run.block };
+        pass.votes.add(other.registration, source, target, asked, &mut votes);
     }
     asked & pass.votes.contradicted(&votes, flying, 0)
 }
@@ -132,7 +133,7 @@ fn lanes_of_band(band: &SearchBand<'_>, layer: &CameraLayer, level: SpanLevel) -
 /// The other cameras that may see something of the band.
 #[inline(always)]
 fn others_of_band<'a>(pass: &PruningPass<'a>, band: &SearchBand<'_>, lanes: &[u32]) -> Vec<OtherCamera<'a>> {
-    other_cameras(pass.pairs, pass.layers, (band.camera, band.rows.clone()), lanes, |other| {
+    other_cameras(pass.pairs, pass.layers, band.camera, band.rows.clone(), lanes, |other| {
         pass.limits
             .between(&pass.layers[band.camera], &pass.layers[other])
             .with_deeper(pass.has_deeper[other])

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use super::decision::Decided;
+use super::decision::LevelVerdicts;
 use super::pass::KEPT;
 use crate::preprocess::agreement::{AgreedSample, Consensus};
 use crate::preprocess::layers::CameraLayer;
@@ -23,7 +23,7 @@ impl Masks {
     }
 
     /// The samples of `layer` that were decided to be kept.
-    pub(crate) fn decided(layer: &CameraLayer, decided: &Decided) -> Self {
+    pub(crate) fn decided(layer: &CameraLayer, decided: &LevelVerdicts) -> Self {
         let mut masks = Self::none(layer);
         for (&pixel, verdict) in decided.pixels.iter().zip(&decided.verdicts) {
             if verdict.is_kept() {

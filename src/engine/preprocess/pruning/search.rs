@@ -24,7 +24,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use rayon::prelude::*;
 
 use super::coverage::{ResolvePending, resolve};
-use super::decision::{Decided, is_dropped_as_mixed, may_be_witness};
+use super::decision::{LevelVerdicts, is_dropped_as_mixed, may_be_witness};
 use super::find_best::FindBest;
 use super::pass::{BAND_ROWS, DROPPED, KEPT, PruningPass, SearchBand, Statuses, UNDECIDED};
 use crate::error::Result;
@@ -49,14 +49,14 @@ pub fn prune(
     level: SpanLevel,
     settings: &Settings,
     job: &Job,
-) -> Result<Vec<Decided>> {
+) -> Result<Vec<LevelVerdicts>> {
     let each = || layers.par_iter().zip(statuses);
     let mark = |(layer, statuses): (&CameraLayer, &Vec<AtomicU8>)| {
         mark_undecided(layer, statuses, level, settings.pruning.mixed_pixels)
     };
     let counts: Vec<Vec<usize>> = each().map(mark).collect();
-    let mut decided: Vec<Decided> =
-        counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
+    let mut decided: Vec<LevelVerdicts> =
+        counts.iter().map(|counts| LevelVerdicts::of_size(counts.iter().sum())).collect();
     let samples: usize = decided.iter().map(|decided| decided.pixels.len()).sum();
     let is_dense = samples > layers.iter().map(|layer| layer.level.len()).sum::<usize>() / DENSE_SHARE;
     let all_may_be_witnesses = each().map(|(layer, statuses)| {
@@ -124,14 +124,14 @@ pub(crate) fn pass_over_views<'a>(
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Result<Vec<Decided>> {
+pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Result<Vec<LevelVerdicts>> {
     let mark = |&camera: &usize| {
         let mixed_pixels = pass.settings.pruning.mixed_pixels;
         mark_undecided(&pass.layers[camera], &pass.statuses[camera], pass.level, mixed_pixels)
     };
     let counts: Vec<Vec<usize>> = cameras.par_iter().map(mark).collect();
-    let mut decided: Vec<Decided> =
-        counts.iter().map(|counts| Decided::of_size(counts.iter().sum())).collect();
+    let mut decided: Vec<LevelVerdicts> =
+        counts.iter().map(|counts| LevelVerdicts::of_size(counts.iter().sum())).collect();
     let each = cameras.iter().zip(counts.iter().zip(&mut decided));
     let mut bands: Vec<_> =
         each.flat_map(|(&camera, (counts, decided))| bands(pass.layers, camera, counts, decided)).collect();
@@ -203,7 +203,7 @@ fn bands<'a>(
     layers: &[CameraLayer],
     camera: usize,
     counts: &[usize],
-    decided: &'a mut Decided,
+    decided: &'a mut LevelVerdicts,
 ) -> Vec<SearchBand<'a>> {
     let mut bands = Vec::new();
     let (mut pixels, mut verdicts) = (&mut decided.pixels[..], &mut decided.verdicts[..]);

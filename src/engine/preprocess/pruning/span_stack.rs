@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::background::PrunedBackground;
-use super::decision::Decided;
+use super::decision::LevelVerdicts;
 use super::pass::{ABSENT, Statuses};
 use super::search;
 use crate::capture::{Capture, Frame};
@@ -41,7 +41,7 @@ pub(crate) struct StackStep {
     /// The samples, ascending.
     pub(crate) pixels: Vec<Vec<u32>>,
     /// The verdicts on them.
-    pub(crate) decided: Vec<Decided>,
+    pub(crate) decided: Vec<LevelVerdicts>,
 }
 
 impl<'a> SpanStack<'a> {

@@ -1,6 +1,6 @@
 //! The pixels around positions in a camera, where samples would be interpolated.
 
-use super::reproject::{Lens, ReprojectedRun};
+use super::reproject::{PinholeLens, ReprojectedRun};
 use crate::simd::whole;
 
 /// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
@@ -18,7 +18,12 @@ pub(super) struct Around<const N: usize> {
 
 impl<const N: usize> Around<N> {
     #[inline(always)]
-    pub(super) fn of(lens: &Lens, width: u32, reprojected: &ReprojectedRun<N>, relevant: [u32; N]) -> Self {
+    pub(super) fn of(
+        lens: &PinholeLens,
+        width: u32,
+        reprojected: &ReprojectedRun<N>,
+        relevant: [u32; N],
+    ) -> Self {
         let mut toward = [[0.0_f32; N]; 2];
         let mut pixels = [[0_u32; N]; 3];
         let mut inside = [0_u32; N];

@@ -12,6 +12,6 @@ mod tolerances;
 pub use camera_pairs::CameraPairs;
 pub use matches::Outcome;
 pub(crate) use matches::{HAS_DEPTH, IN_VIEW, NEARER, ON_SURFACE, RequiredTolerances};
-pub(crate) use reproject::{PixelRun, Registration, ReprojectedRun, lanes_of};
+pub(crate) use reproject::{PixelRun, Registration, ReprojectedRun, SourceRun, TargetRun, lanes_of};
 pub(crate) use same_surface::SameSurface;
 pub(crate) use sight::Sight;

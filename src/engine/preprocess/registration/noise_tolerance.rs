@@ -1,96 +1,113 @@
 //! Colors and depths that differ by more than the tolerance, but by no more than the noise of both cameras explains.
 
 use super::matches::{COLOR_AGREES, RequiredTolerances, SAME, SURROUNDED, SurfaceMatches};
-use super::reproject::{PixelRun, ReprojectedRun};
+use super::reproject::{ReprojectedRun, SourceRun, TargetRun};
+use super::tolerances::SurfaceTolerances;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry};
 use crate::simd::root_of_squares;
 
 /// All conditions that come before color matters.
 const BEFORE_COLOR: u32 = SAME & !(COLOR_AGREES | SURROUNDED);
 
-/// Grants what the measured noise of both explains to colors that differ by more than `color_steps`, and, where `MEASURING`, to
-/// the tolerance that each sample requires.
-#[cold]
-#[inline(never)]
-pub(crate) fn grant_color_noise<const N: usize, const MEASURING: bool>(
-    source: (&CameraLayer, &PixelRun<N>),
-    (target, packed_colors): (&CameraLayer, &[PackedColor; N]),
-    (color_steps, sigmas): (f32, f32),
-    relevant: [u32; N],
-    matches: &mut SurfaceMatches<N>,
-    required: &mut RequiredTolerances<N>,
-) {
-    for (lane, packed) in packed_colors.iter().enumerate() {
-        let bits = matches.bits[lane];
-        let may_matter = bits & BEFORE_COLOR == BEFORE_COLOR;
-        let is_open = may_matter && relevant[lane] != 0 && bits & COLOR_AGREES == 0;
-        let is_measured = MEASURING && may_matter && required.color[lane] > required.negligible_steps;
-        if !(is_open || is_measured) {
-            continue;
+/// The surfaces that the target found where the samples of a run lie.
+#[derive(Clone, Copy)]
+pub(crate) struct FoundSurfaces<'a, const N: usize> {
+    pub(crate) target: TargetRun<'a, N>,
+    pub(crate) facets: &'a [PackedGeometry; N],
+}
+
+/// What the noise of both cameras' colors is judged by.
+#[derive(Clone, Copy)]
+pub(super) struct ColorNoise<'a, const N: usize> {
+    pub(super) source: SourceRun<'a, N>,
+    pub(super) target: &'a CameraLayer,
+    /// The target's colors at the samples' positions.
+    pub(super) packed_colors: &'a [PackedColor; N],
+    pub(super) limits: &'a SurfaceTolerances,
+}
+
+impl<const N: usize> ColorNoise<'_, N> {
+    /// Grants what the measured noise of both explains to colors that differ by more than the tolerance, and, where `MEASURING`, to
+    /// the tolerance that each sample requires.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn grant<const MEASURING: bool>(
+        self,
+        relevant: [u32; N],
+        matches: &mut SurfaceMatches<N>,
+        required: &mut RequiredTolerances<N>,
+    ) {
+        for lane in 0..N {
+            let bits = matches.bits[lane];
+            let may_matter = bits & BEFORE_COLOR == BEFORE_COLOR;
+            let is_open = may_matter && relevant[lane] != 0 && bits & COLOR_AGREES == 0;
+            let is_measured = MEASURING && may_matter && required.color[lane] > required.negligible_steps;
+            if !(is_open || is_measured) {
+                continue;
+            }
+            let beyond = self.beyond_noise(lane, matches.pixel[lane] as usize);
+            if is_measured {
+                required.color[lane] = required.color[lane].min(beyond);
+            }
+            if is_open && beyond <= self.limits.color_steps {
+                matches.bits[lane] |= COLOR_AGREES;
+            }
         }
-        let beyond = beyond_noise(source, lane, (target, matches.pixel[lane], packed), sigmas);
-        if is_measured {
-            required.color[lane] = required.color[lane].min(beyond);
-        }
-        if is_open && beyond <= color_steps {
-            matches.bits[lane] |= COLOR_AGREES;
-        }
+    }
+
+    /// By how many 8-bit steps the color of a sample differs from that of the target's pixel `found` beyond what the noise of both
+    /// explains: of the channel where that is most.
+    #[inline(always)]
+    fn beyond_noise(&self, lane: usize, found: usize) -> f32 {
+        let (SourceRun { layer: source, run }, target) = (self.source, self.target);
+        let sigmas = self.limits.color_sigmas;
+        let pixel = run.row * source.width + run.column + lane;
+        let found_color = self.packed_colors[lane].color();
+        let of_channel = |channel: usize| {
+            let [a, b] =
+                [run.color[channel][lane], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
+            let noise = root_of_squares(source.color_noise(pixel, a), target.color_noise(found, b));
+            let between = root_of_squares(source.color_noise_between(a), target.color_noise_between(b));
+            let difference = (a - b).abs();
+            if difference <= sigmas * between { 0.0 } else { difference - sigmas * noise }
+        };
+        of_channel(0).max(of_channel(1)).max(of_channel(2))
     }
 }
 
-/// By how many 8-bit steps the color of a block's sample differs from one of the target beyond what the noise of both explains: of
-/// the channel where that is most.
-#[inline(always)]
-fn beyond_noise<const N: usize>(
-    (source, block): (&CameraLayer, &PixelRun<N>),
-    lane: usize,
-    (target, found, packed): (&CameraLayer, u32, &PackedColor),
-    sigmas: f32,
-) -> f32 {
-    let pixel = block.row * source.width + block.column + lane;
-    let found_color = packed.color();
-    let of_channel = |channel: usize| {
-        let [a, b] =
-            [block.color[channel][lane], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
-        let noise = root_of_squares(source.color_noise(pixel, a), target.color_noise(found as usize, b));
-        let between = root_of_squares(source.color_noise_between(a), target.color_noise_between(b));
-        let difference = (a - b).abs();
-        if difference <= sigmas * between { 0.0 } else { difference - sigmas * noise }
-    };
-    of_channel(0).max(of_channel(1)).max(of_channel(2))
-}
-
-/// How far `noise`, relative standard deviations of depth at pixels of both cameras, may put the points of a block off the surfaces
+/// How far `noise`, relative standard deviations of depth at pixels of both cameras, may put the points of a run off the surfaces
 /// that the target found.
 #[inline(always)]
 fn off_surfaces<const N: usize>(
-    (source, block): (&CameraLayer, &PixelRun<N>),
-    (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+    source: SourceRun<'_, N>,
+    found: FoundSurfaces<'_, N>,
     sigmas: f32,
     noise: impl Fn(&CameraLayer, usize) -> f32,
 ) -> [f32; N] {
+    let SourceRun { layer: source, run } = source;
+    let TargetRun { layer: target, reprojected } = found.target;
     let mut off = [0.0; N];
     for (lane, off) in off.iter_mut().enumerate() {
-        let (w, there) = (block.inverse_depth[lane], found[lane].inverse_depth);
+        let (w, there) = (run.inverse_depth[lane], found.facets[lane].inverse_depth);
         if w > 0.0 && there > 0.0 {
-            let pixel = block.row * source.width + block.column + lane;
+            let pixel = run.row * source.width + run.column + lane;
             let own = noise(source, pixel) * there;
-            *off = sigmas * root_of_squares(own, noise(target, carried.pixel[lane] as usize) * w);
+            *off = sigmas * root_of_squares(own, noise(target, reprojected.pixel[lane] as usize) * w);
         }
     }
     off
 }
 
-/// By how much the noise of both cameras may move the points of a block off the surfaces that the target found: for each its
+/// By how much the noise of both cameras may move the points of a run off the surfaces that the target found: for each its
 /// distance along the ray, times both inverse depths as in the [comparison](super::same_surface).
 #[cold]
 #[inline(never)]
 pub(crate) fn granted_depth_noise<const N: usize>(
-    (source, block): (&CameraLayer, &PixelRun<N>),
-    (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+    source: SourceRun<'_, N>,
+    found: FoundSurfaces<'_, N>,
     sigmas: f32,
 ) -> [f32; N] {
-    off_surfaces((source, block), (target, carried, found), sigmas, CameraLayer::depth_noise)
+    off_surfaces(source, found, sigmas, CameraLayer::depth_noise)
 }
 
 /// How far apart noise between cameras puts one surface: as [`granted_depth_noise`], but in place of the tolerance, not on top
@@ -98,11 +115,11 @@ pub(crate) fn granted_depth_noise<const N: usize>(
 #[cold]
 #[inline(never)]
 pub(crate) fn depth_noise_between<const N: usize>(
-    (source, block): (&CameraLayer, &PixelRun<N>),
-    (target, carried, found): (&CameraLayer, &ReprojectedRun<N>, &[PackedGeometry; N]),
+    source: SourceRun<'_, N>,
+    found: FoundSurfaces<'_, N>,
     sigmas: f32,
 ) -> [f32; N] {
-    off_surfaces((source, block), (target, carried, found), sigmas, CameraLayer::depth_noise_between)
+    off_surfaces(source, found, sigmas, CameraLayer::depth_noise_between)
 }
 
 /// The same for the samples that the target found and three of their neighbors each, which are as noisy: by corner.

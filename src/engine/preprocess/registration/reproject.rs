@@ -27,12 +27,12 @@ pub(crate) struct Registration {
     translation: Vec3,
     /// Side of a source pixel held perpendicular to the optical axis at depth 1.
     pub(crate) source_side: f32,
-    pub(crate) target: Lens,
+    pub(crate) target: PinholeLens,
 }
 
 /// A pinhole camera's intrinsics as the loops need them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lens {
+pub(crate) struct PinholeLens {
     pub(crate) focal: [f32; 2],
     pub(crate) center: [f32; 2],
     pub(crate) size: [f32; 2],
@@ -40,7 +40,7 @@ pub(crate) struct Lens {
     pub(crate) side: f32,
 }
 
-impl Lens {
+impl PinholeLens {
     fn new(camera: &Camera) -> Self {
         let k = camera.intrinsics;
         Self {
@@ -147,6 +147,20 @@ impl<const N: usize> PixelRun<N> {
     }
 }
 
+/// A run of pixels with the layer that it is of.
+#[derive(Clone, Copy)]
+pub(crate) struct SourceRun<'a, const N: usize = LANES> {
+    pub(crate) layer: &'a CameraLayer,
+    pub(crate) run: &'a PixelRun<N>,
+}
+
+/// Where the samples of a run lie in another camera, with that camera's layer.
+#[derive(Clone, Copy)]
+pub(crate) struct TargetRun<'a, const N: usize = LANES> {
+    pub(crate) layer: &'a CameraLayer,
+    pub(crate) reprojected: &'a ReprojectedRun<N>,
+}
+
 /// Where the samples of a block lie in the target.
 pub(crate) struct ReprojectedRun<const N: usize = LANES> {
     /// Points in target camera space, times the source's inverse depth.
@@ -171,8 +185,8 @@ impl Registration {
             per_row: (axes.y_axis / k.fy).as_vec3(),
             axes: [axes.x_axis.as_vec3(), axes.y_axis.as_vec3(), axes.z_axis.as_vec3()],
             translation: target_from_source.translation.as_vec3(),
-            source_side: Lens::new(source).side,
-            target: Lens::new(target),
+            source_side: PinholeLens::new(source).side,
+            target: PinholeLens::new(target),
         }
     }
 

@@ -18,9 +18,9 @@ use super::matches::{
     RequiredTolerances, SAME, SURROUNDED, SurfaceMatches,
 };
 use super::noise_tolerance::{
-    depth_noise_between, grant_color_noise, granted_depth_noise, granted_depth_noise_around,
+    ColorNoise, FoundSurfaces, depth_noise_between, granted_depth_noise, granted_depth_noise_around,
 };
-use super::reproject::{Lens, PixelRun, Registration, ReprojectedRun};
+use super::reproject::{PinholeLens, PixelRun, Registration, ReprojectedRun, SourceRun, TargetRun};
 use super::tolerances::{SurfaceTolerances, VisibleLevels};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
@@ -80,8 +80,10 @@ impl SameSurface {
     pub(crate) fn is_behind(
         &self,
         registration: &Registration,
-        (source, own): (&CameraLayer, usize),
-        (target, pixel): (&CameraLayer, usize),
+        source: &CameraLayer,
+        own: usize,
+        target: &CameraLayer,
+        pixel: usize,
         depth: f32,
     ) -> bool {
         let (w, there) = (source.inverse_depth[own], target.inverse_depth[pixel]);
@@ -100,7 +102,9 @@ impl SameSurface {
     pub(crate) fn test(
         &self,
         registration: &Registration,
-        (source, x, y): (&CameraLayer, usize, usize),
+        source: &CameraLayer,
+        x: usize,
+        y: usize,
         target: &CameraLayer,
     ) -> Outcome {
         let block = PixelRun::<1>::new(source, x, y, 1);
@@ -108,7 +112,9 @@ impl SameSurface {
         if reprojected.bits[0] & IN_VIEW == 0 {
             return if reprojected.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
-        self.compare(registration, (source, &block), (target, &reprojected), [1]).outcome(0)
+        let source = SourceRun { layer: source, run: &block };
+        let target = TargetRun { layer: target, reprojected: &reprojected };
+        self.compare(registration, source, target, [1]).outcome(0)
     }
 
     /// As [`SameSurface::test`], for display: where the target has samples that do not count because their spans are shorter, what
@@ -116,16 +122,18 @@ impl SameSurface {
     pub(crate) fn explain(
         &self,
         registration: &Registration,
-        source: (&CameraLayer, usize, usize),
+        source: &CameraLayer,
+        x: usize,
+        y: usize,
         target: &CameraLayer,
     ) -> Outcome {
-        let outcome = self.test(registration, source, target);
+        let outcome = self.test(registration, source, x, y, target);
         if self.visible.deepest == u32::from(SpanLevel::MAX)
             || !matches!(outcome, Outcome::NoDepth | Outcome::Seam)
         {
             return outcome;
         }
-        match self.at_level(SpanLevel::MAX).test(registration, source, target) {
+        match self.at_level(SpanLevel::MAX).test(registration, source, x, y, target) {
             Outcome::Same(_) => Outcome::ShorterSpan,
             of_all if outcome == Outcome::NoDepth => of_all,
             _ => outcome,
@@ -138,17 +146,12 @@ impl SameSurface {
     pub(crate) fn compare<const N: usize>(
         &self,
         registration: &Registration,
-        source: (&CameraLayer, &PixelRun<N>),
-        target: (&CameraLayer, &ReprojectedRun<N>),
+        source: SourceRun<'_, N>,
+        target: TargetRun<'_, N>,
         relevant: [u32; N],
     ) -> SurfaceMatches<N> {
-        self.compare_measuring::<N, false>(
-            registration,
-            source,
-            target,
-            relevant,
-            &mut RequiredTolerances::new(0.0),
-        )
+        let mut required = RequiredTolerances::new(0.0);
+        self.compare_measuring::<N, false>(registration, source, target, relevant, &mut required)
     }
 
     /// [`SameSurface::compare`]; where `MEASURING`, with what each sample needs to be the same, if anything within these thresholds
@@ -157,25 +160,26 @@ impl SameSurface {
     pub(crate) fn compare_measuring<const N: usize, const MEASURING: bool>(
         &self,
         registration: &Registration,
-        (source, block): (&CameraLayer, &PixelRun<N>),
-        (target, reprojected): (&CameraLayer, &ReprojectedRun<N>),
+        source_run: SourceRun<'_, N>,
+        target_run: TargetRun<'_, N>,
         relevant: [u32; N],
         required: &mut RequiredTolerances<N>,
     ) -> SurfaceMatches<N> {
+        let SourceRun { layer: source, run: block } = source_run;
+        let TargetRun { layer: target, reprojected } = target_run;
         let limits = &self.tolerances;
         let mut found = [PackedGeometry::ABSENT; N];
         for i in 0..N {
             found[i] = target.geometry[reprojected.pixel[i] as usize];
         }
+        let surfaces = FoundSurfaces { target: target_run, facets: &found };
         let mut granted = [0.0; N];
         if limits.depth_sigmas > 0.0 {
-            granted =
-                granted_depth_noise((source, block), (target, reprojected, &found), limits.depth_sigmas);
+            granted = granted_depth_noise(source_run, surfaces, limits.depth_sigmas);
         }
         let mut between = [0.0; N];
         if limits.between_sigmas > 0.0 {
-            between =
-                depth_noise_between((source, block), (target, reprojected, &found), limits.between_sigmas);
+            between = depth_noise_between(source_run, surfaces, limits.between_sigmas);
         }
         let mut matches = SurfaceMatches { bits: reprojected.bits, pixel: reprojected.pixel, level: [0; N] };
         let lens = &registration.target;
@@ -207,20 +211,8 @@ impl SameSurface {
                 | if there * qz > w { NEARER } else { 0 }
                 | if facing { NORMAL_AGREES } else { 0 };
         }
-        self.compare_colors::<N, MEASURING>(
-            (source, block),
-            (target, reprojected),
-            relevant,
-            &mut matches,
-            required,
-        );
-        self.surround::<N, MEASURING>(
-            &registration.target,
-            (target, reprojected, &found, &between),
-            &mut matches,
-            relevant,
-            required,
-        );
+        self.compare_colors::<N, MEASURING>(source_run, target_run, relevant, &mut matches, required);
+        self.surround::<N, MEASURING>(lens, surfaces, &between, &mut matches, relevant, required);
         matches
     }
 
@@ -228,12 +220,14 @@ impl SameSurface {
     #[inline(always)]
     fn compare_colors<const N: usize, const MEASURING: bool>(
         &self,
-        (source, block): (&CameraLayer, &PixelRun<N>),
-        (target, reprojected): (&CameraLayer, &ReprojectedRun<N>),
+        source: SourceRun<'_, N>,
+        target_run: TargetRun<'_, N>,
         relevant: [u32; N],
         matches: &mut SurfaceMatches<N>,
         required: &mut RequiredTolerances<N>,
     ) {
+        let block = source.run;
+        let TargetRun { layer: target, reprojected } = target_run;
         let limits = &self.tolerances;
         let mut packed_colors = [PackedColor::ABSENT; N];
         for i in 0..N {
@@ -258,14 +252,8 @@ impl SameSurface {
             }
         }
         if limits.color_sigmas > 0.0 {
-            grant_color_noise::<N, MEASURING>(
-                (source, block),
-                (target, &packed_colors),
-                (limits.color_steps, limits.color_sigmas),
-                relevant,
-                matches,
-                required,
-            );
+            let noise = ColorNoise { source, target, packed_colors: &packed_colors, limits };
+            noise.grant::<MEASURING>(relevant, matches, required);
         }
     }
 
@@ -273,18 +261,15 @@ impl SameSurface {
     #[inline(always)]
     fn surround<const N: usize, const MEASURING: bool>(
         &self,
-        lens: &Lens,
-        (target, reprojected, found, between): (
-            &CameraLayer,
-            &ReprojectedRun<N>,
-            &[PackedGeometry; N],
-            &[f32; N],
-        ),
+        lens: &PinholeLens,
+        surfaces: FoundSurfaces<'_, N>,
+        between: &[f32; N],
         matches: &mut SurfaceMatches<N>,
         mut relevant: [u32; N],
         required: &mut RequiredTolerances<N>,
     ) {
         const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
+        let FoundSurfaces { target: TargetRun { layer: target, reprojected }, facets: found } = surfaces;
         let mut candidates = 0;
         for i in 0..N {
             let so_far = matches.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;

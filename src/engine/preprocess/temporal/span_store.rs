@@ -71,7 +71,7 @@ const SAMPLE_BYTES: usize = size_of::<u32>() + size_of::<[f16; 3]>() + size_of::
 
 impl Record for SpanSamples {
     /// Samples, and whether they have normals.
-    type Shape = (usize, bool);
+    type RecordShape = (usize, bool);
 
     fn bytes(&self) -> usize {
         self.len() * SAMPLE_BYTES + size_of_val(self.normal.as_slice())

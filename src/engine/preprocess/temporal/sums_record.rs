@@ -6,7 +6,7 @@ use crate::samples::Record;
 
 impl Record for SpanSums {
     /// Frames, pixels, and whether there are normals.
-    type Shape = (u32, usize, bool);
+    type RecordShape = (u32, usize, bool);
 
     fn bytes(&self) -> usize {
         self.planes().iter().map(|plane| plane.len()).sum()

@@ -6,7 +6,7 @@ use crate::preprocess::registration::CameraPairs;
 
 /// Views that are worked on together.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Group {
+pub(super) struct ViewGroup {
     /// Those that are worked on.
     pub(super) cameras: Vec<usize>,
     /// These and all that may see their samples, ascending.
@@ -48,10 +48,10 @@ pub(super) fn groups<I: Iterator<Item = usize>>(
     bytes: impl Fn(usize) -> usize,
     bound: usize,
     others: impl Fn(usize) -> I,
-) -> Vec<Group> {
+) -> Vec<ViewGroup> {
     let needed_by = |camera: usize| bytes(camera) + others(camera).map(&bytes).sum::<usize>();
     let bound = order.iter().map(|camera| needed_by(*camera)).fold(bound, usize::max);
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<ViewGroup> = Vec::new();
     let mut is_held = vec![false; order.len()];
     let mut held_bytes = 0;
     for &camera in order {
@@ -64,7 +64,7 @@ pub(super) fn groups<I: Iterator<Item = usize>>(
             is_held.fill(false);
             held_bytes = 0;
             more = needed(&is_held);
-            groups.push(Group { cameras: Vec::new(), held: Vec::new() });
+            groups.push(ViewGroup { cameras: Vec::new(), held: Vec::new() });
         }
         held_bytes += more.iter().map(|other| bytes(*other)).sum::<usize>();
         for other in &more {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::neighborhoods::{Group, neighborhood_order};
+use super::neighborhoods::{ViewGroup, neighborhood_order};
 use super::recording::Views;
 use super::verdict_store::VerdictStore;
 use super::window::LayerWindow;
@@ -31,7 +31,7 @@ fn samples_of(waiting: &[Waiting]) -> usize {
 pub(super) struct Pruning<'a> {
     views: Views<'a>,
     pairs: &'a CameraPairs<'a>,
-    groups: Vec<Group>,
+    groups: Vec<ViewGroup>,
     window: LayerWindow<'a>,
     statuses: Statuses,
     verdicts: VerdictStore,

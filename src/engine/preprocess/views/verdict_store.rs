@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::Result;
-use crate::preprocess::pruning::{Decided, Verdict};
+use crate::preprocess::pruning::{LevelVerdicts, Verdict};
 use crate::samples::{Record, RecordPlace, SpillFile, samples_in_memory};
 use crate::settings::Settings;
 
@@ -16,7 +16,7 @@ struct ViewVerdicts {
 }
 
 impl ViewVerdicts {
-    fn of(decided: &Decided) -> Self {
+    fn of(decided: &LevelVerdicts) -> Self {
         let verdicts = decided.verdicts.iter().map(|verdict| verdict.to_bits());
         Self { pixels: decided.pixels.clone(), verdicts: verdicts.collect() }
     }
@@ -24,7 +24,7 @@ impl ViewVerdicts {
 
 impl Record for ViewVerdicts {
     /// Samples.
-    type Shape = usize;
+    type RecordShape = usize;
 
     fn bytes(&self) -> usize {
         self.pixels.len() * (size_of::<u32>() + size_of::<u64>())
@@ -63,7 +63,7 @@ impl VerdictStore {
     ///
     /// # Errors
     /// `Io` where the temporary file cannot be written.
-    pub(super) fn put(&mut self, camera: usize, decided: &Decided) -> Result<()> {
+    pub(super) fn put(&mut self, camera: usize, decided: &LevelVerdicts) -> Result<()> {
         let place = self.spill.put(ViewVerdicts::of(decided))?;
         self.places.insert(camera, place);
         Ok(())
@@ -73,7 +73,7 @@ impl VerdictStore {
     ///
     /// # Errors
     /// As [`VerdictStore::put`].
-    pub(super) fn replace(&mut self, camera: usize, decided: &Decided) -> Result<()> {
+    pub(super) fn replace(&mut self, camera: usize, decided: &LevelVerdicts) -> Result<()> {
         let Some(place) = self.places.get_mut(&camera) else { return Ok(()) };
         self.spill.replace(place, ViewVerdicts::of(decided))
     }
@@ -82,13 +82,13 @@ impl VerdictStore {
     ///
     /// # Errors
     /// `Io` where the temporary file cannot be read.
-    pub(super) fn get(&self, camera: usize) -> Result<Decided> {
-        let Some(place) = self.places.get(&camera) else { return Ok(Decided::default()) };
+    pub(super) fn get(&self, camera: usize) -> Result<LevelVerdicts> {
+        let Some(place) = self.places.get(&camera) else { return Ok(LevelVerdicts::default()) };
         let stored = self.spill.get(place)?;
-        Ok(Decided {
+        Ok(LevelVerdicts {
             pixels: stored.pixels.clone(),
             verdicts: stored.verdicts.iter().map(|bits| Verdict::from_bits(*bits)).collect(),
-            ..Decided::default()
+            ..LevelVerdicts::default()
         })
     }
 }
@@ -106,10 +106,10 @@ mod tests {
             witness_camera: (nth * 9001) as u16,
             witness_pixel: nth.wrapping_mul(0x9e37_79b9),
         };
-        let decided = |first: u32| Decided {
+        let decided = |first: u32| LevelVerdicts {
             pixels: (0..50).map(|pixel| pixel * 3).collect(),
             verdicts: (first..first + 50).map(verdict).collect(),
-            ..Decided::default()
+            ..LevelVerdicts::default()
         };
         for bound in [0, 700, usize::MAX] {
             let mut store = VerdictStore { places: BTreeMap::new(), spill: SpillFile::new(bound) };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::neighborhoods::{Group, groups};
+use super::neighborhoods::{ViewGroup, groups};
 use super::recording::Views;
 use crate::error::Result;
 use crate::job::Job;
@@ -72,9 +72,9 @@ impl<'a> LayerWindow<'a> {
         &mut self,
         order: &[usize],
         others: impl Fn(usize) -> I,
-    ) -> Vec<Group> {
+    ) -> Vec<ViewGroup> {
         let groups = groups(order, |camera| self.bytes(camera), self.bound, others);
-        let of_group = |group: &Group| group.held.iter().map(|camera| self.bytes(*camera)).sum();
+        let of_group = |group: &ViewGroup| group.held.iter().map(|camera| self.bytes(*camera)).sum();
         self.bound = groups.iter().map(of_group).fold(self.bound, usize::max);
         groups
     }

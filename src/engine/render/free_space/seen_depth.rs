@@ -25,7 +25,7 @@ pub(super) const UNSEEN: f32 = f32::INFINITY;
 
 /// What one camera saw.
 #[derive(Clone, Debug)]
-struct SeenCamera {
+struct CellDepths {
     /// Columns of cells with the border.
     across: usize,
     /// The nearest surface in each cell: the bits of the inverse depth plus one, whose order is that of nearness; 0 where the camera
@@ -52,7 +52,7 @@ pub(super) struct FreeDepths {
 /// What each camera saw; `None` for cameras that nobody asked about yet.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SeenDepths {
-    cameras: Vec<Option<SeenCamera>>,
+    cameras: Vec<Option<CellDepths>>,
 }
 
 impl SeenDepths {
@@ -81,15 +81,15 @@ impl SeenDepths {
         let missing: Vec<usize> =
             wanted.iter().copied().filter(|camera| self.cameras[*camera].is_none()).collect();
         let share = missing.len().div_ceil(rayon::current_num_threads()).max(1);
-        let found: Vec<(usize, SeenCamera)> = missing
+        let found: Vec<(usize, CellDepths)> = missing
             .par_chunks(share)
             .flat_map_iter(|missing| {
                 let cells: Vec<Camera> =
                     missing.iter().map(|camera| halved_camera(&cameras[*camera])).collect();
                 let already = |camera: &usize| before.and_then(|before| before.cameras[*camera].clone());
                 let seen = missing.iter().zip(&cells);
-                let mut seen: Vec<SeenCamera> = seen
-                    .map(|(camera, cells)| already(camera).unwrap_or_else(|| SeenCamera::empty(cells)))
+                let mut seen: Vec<CellDepths> = seen
+                    .map(|(camera, cells)| already(camera).unwrap_or_else(|| CellDepths::empty(cells)))
                     .collect();
                 carry(frame, tiles, &cells, &mut seen);
                 missing.iter().copied().zip(seen).collect::<Vec<_>>()
@@ -108,7 +108,7 @@ impl SeenDepths {
 }
 
 /// Carries tiles into some cameras, whose cells `cells` have as pixels.
-fn carry(frame: &FrameSamples<'_>, tiles: &Range<usize>, cells: &[Camera], seen: &mut [SeenCamera]) {
+fn carry(frame: &FrameSamples<'_>, tiles: &Range<usize>, cells: &[Camera], seen: &mut [CellDepths]) {
     let into_cells = |cells| frame.set.cameras.iter().map(|source| Projector::new(source, cells)).collect();
     let projectors: Vec<Vec<Projector>> = cells.iter().map(into_cells).collect();
     let no_reach = FootprintReach { pixels: 0.0, source_pixels: 0.0 };
@@ -126,7 +126,7 @@ struct CarryTiles<'a, 'b> {
     bounds: Vec<Vec<TileBounds>>,
     /// The cameras of the cells.
     cells: &'a [Camera],
-    seen: &'a mut [SeenCamera],
+    seen: &'a mut [CellDepths],
 }
 
 impl VectorLoop for CarryTiles<'_, '_> {
@@ -149,7 +149,7 @@ impl VectorLoop for CarryTiles<'_, '_> {
     }
 }
 
-impl SeenCamera {
+impl CellDepths {
     /// A camera that saw nothing, by the camera of its cells.
     fn empty(cells: &Camera) -> Self {
         let (width, height) = cells.intrinsics.size();

@@ -35,12 +35,12 @@ const SQUARES_AROUND: usize = 2;
 
 /// Inverse depths of the nearest and the farthest surface, not counting the sky; 0 and infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct DepthRange {
+pub(super) struct SurfaceRange {
     pub(super) nearest: f32,
     pub(super) farthest: f32,
 }
 
-impl DepthRange {
+impl SurfaceRange {
     const NONE: Self = Self { nearest: 0.0, farthest: f32::INFINITY };
 
     #[inline(always)]
@@ -59,9 +59,9 @@ pub(super) struct Surroundings {
     /// Columns of squares.
     squares_across: usize,
     /// The surfaces in each square.
-    squares: Vec<DepthRange>,
+    squares: Vec<SurfaceRange>,
     /// The surfaces in each square and those around it.
-    around: Vec<DepthRange>,
+    around: Vec<SurfaceRange>,
 }
 
 impl Surroundings {
@@ -90,7 +90,7 @@ impl Surroundings {
         });
         let squares_across = width.div_ceil(SQUARE);
         let depths = picture.inverse_depth.as_slice().par_chunks(width * SQUARE);
-        let squares: Vec<DepthRange> =
+        let squares: Vec<SurfaceRange> =
             depths.flat_map_iter(|rows| ranges(rows, width, squares_across)).collect();
         self.around =
             (0..squares.len()).map(|square| joined_around(&squares, squares_across, square)).collect();
@@ -105,7 +105,7 @@ impl Surroundings {
 
     /// The surfaces around a pixel of the picture.
     #[inline(always)]
-    pub(super) fn range_at(&self, (x, y): (usize, usize)) -> DepthRange {
+    pub(super) fn range_at(&self, (x, y): (usize, usize)) -> SurfaceRange {
         self.around[y / SQUARE * self.squares_across + x / SQUARE]
     }
 
@@ -183,13 +183,13 @@ impl Surroundings {
 }
 
 /// The surfaces in each square of a row of squares, from the inverse depths of its pixels.
-fn ranges(rows: &[f32], width: usize, squares_across: usize) -> Vec<DepthRange> {
-    let mut squares = vec![DepthRange::NONE; squares_across];
+fn ranges(rows: &[f32], width: usize, squares_across: usize) -> Vec<SurfaceRange> {
+    let mut squares = vec![SurfaceRange::NONE; squares_across];
     for line in rows.chunks(width) {
         for (square, line) in squares.iter_mut().zip(line.chunks(SQUARE)) {
             for &w in line {
                 let farthest = if w > 0.0 { w } else { f32::INFINITY };
-                *square = square.joined(DepthRange { nearest: w.max(0.0), farthest });
+                *square = square.joined(SurfaceRange { nearest: w.max(0.0), farthest });
             }
         }
     }
@@ -197,7 +197,7 @@ fn ranges(rows: &[f32], width: usize, squares_across: usize) -> Vec<DepthRange> 
 }
 
 /// The surfaces in a square and those around it.
-fn joined_around(squares: &[DepthRange], across: usize, square: usize) -> DepthRange {
+fn joined_around(squares: &[SurfaceRange], across: usize, square: usize) -> SurfaceRange {
     let down = squares.len() / across;
     let (column, row) = (square % across, square / across);
     let span = |middle: usize, count: usize| {
@@ -205,7 +205,7 @@ fn joined_around(squares: &[DepthRange], across: usize, square: usize) -> DepthR
     };
     let rows = span(row, down).map(|row| &squares[row * across..][..across]);
     let around = rows.flat_map(|squares| &squares[span(column, across)]);
-    around.fold(DepthRange::NONE, |all, square| all.joined(*square))
+    around.fold(SurfaceRange::NONE, |all, square| all.joined(*square))
 }
 
 #[cfg(test)]
@@ -307,11 +307,11 @@ mod tests {
         let mut picture = patches((100, 100), 1, u32::MAX, 0);
         picture.inverse_depth = Grid::filled(100, 100, 0.0);
         picture.inverse_depth[(40, 40)] = -1.0;
-        assert_eq!(Surroundings::new(&picture).range_at((50, 50)), DepthRange::NONE);
+        assert_eq!(Surroundings::new(&picture).range_at((50, 50)), SurfaceRange::NONE);
         picture.inverse_depth[(50, 52)] = 0.5;
         picture.inverse_depth[(70, 30)] = 0.25;
         picture.inverse_depth[(99, 99)] = 2.0;
         let range = Surroundings::new(&picture).range_at((50, 50));
-        assert_eq!(range, DepthRange { nearest: 0.5, farthest: 0.25 });
+        assert_eq!(range, SurfaceRange { nearest: 0.5, farthest: 0.25 });
     }
 }

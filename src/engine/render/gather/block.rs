@@ -7,10 +7,10 @@ use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
 use super::surface_points::{StripPixel, SurfacePoints};
 use super::target::{BLOCK, PictureRows};
 use super::view_weights::SourceViews;
-use super::visibility_votes::{VotedPoints, Votes, vote};
+use super::visibility_votes::{VisibilityVotes, VotedPoints, vote};
 use crate::render::input::{FrameSamples, TileCaches};
 use crate::render::splat::{inverse_depth_of, slot_of};
-use crate::render::vantage::{NO_FRONT, NO_IMAGE};
+use crate::render::vantage::{FrontColor, NO_FRONT, NO_IMAGE};
 
 /// Tiles are prefetched for this many cameras, the best ones: most points read no more.
 const PREFETCHED_CAMERAS: usize = 3;
@@ -27,7 +27,7 @@ pub(crate) struct GatherScratch {
     /// Pixels at steps in depth, row by row.
     edge_pixels: Vec<EdgePixel>,
     voted_points: VotedPoints,
-    votes: Vec<Votes>,
+    votes: Vec<VisibilityVotes>,
     points: SurfacePoints,
 }
 
@@ -167,10 +167,7 @@ impl GatherScratch {
                 && let Some(depths) = depths.first_chunk_mut::<BLOCK>()
                 && keys.iter().all(|key| *key != 0)
             {
-                let mut cameras = [0; BLOCK];
-                for ((key, camera), image) in keys.iter().zip(&mut cameras).zip(images) {
-                    (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
-                }
+                let cameras = set_images(keys, frame, images);
                 colors.fill([0.0; 3]);
                 if let Some(fronts) = rows.fronts.get_mut(start..start + columns) {
                     fronts.fill(NO_FRONT);
@@ -182,35 +179,15 @@ impl GatherScratch {
                 colors[column] = [0.0; 3];
                 let pixel =
                     StripPixel { x: (patch.left + column) as f32, at: (start + column) as u32, ..first };
-                let mut front = NO_FRONT;
                 let mut push = |key, shares| {
                     let own = frame.camera_of(slot_of(key));
                     self.points.push((key, inverse_depth_of(key)), own, pixel, shares);
                 };
-                let mut key = patch.keys[row + RING][column + RING];
+                let (mut key, mut front) = (patch.keys[row + RING][column + RING], NO_FRONT);
                 if edges[row] >> column & 1 == 1 {
                     let Some(edge_pixel) = edge_pixels.next() else { continue };
                     let votes = edge_pixel.voted_key().and_then(|_| votes.next().copied());
-                    key = match edge_pixel.decide(votes.unwrap_or_default(), 1) {
-                        PixelSurfaces::Hole => 0,
-                        PixelSurfaces::One(key) => {
-                            push(key, (1.0, 0.0));
-                            key
-                        }
-                        PixelSurfaces::Two { near, far, share } => {
-                            let has_front = (0.5..1.0).contains(&share);
-                            if has_front {
-                                front[3] = inverse_depth_of(far);
-                            }
-                            let front_share = if has_front { 1.0 } else { 0.0 };
-                            for (key, share, front) in [(near, share, front_share), (far, 1.0 - share, 0.0)] {
-                                if share > 0.0 {
-                                    push(key, (share, front));
-                                }
-                            }
-                            if share >= 0.5 { near } else { far }
-                        }
-                    };
+                    (key, front) = push_surfaces(edge_pixel.decide(votes.unwrap_or_default(), 1), push);
                 } else if key != 0 {
                     push(key, (1.0, 0.0));
                 }
@@ -222,4 +199,42 @@ impl GatherScratch {
             }
         }
     }
+}
+
+/// Sets the images of a row without holes or edges. Gives the cameras of its samples.
+#[inline(always)]
+fn set_images(keys: &[u64; BLOCK], frame: &FrameSamples<'_>, images: &mut [u32]) -> [u16; BLOCK] {
+    let mut cameras = [0; BLOCK];
+    for ((key, camera), image) in keys.iter().zip(&mut cameras).zip(images) {
+        (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
+    }
+    cameras
+}
+
+/// Gives `push` each surface that an edge pixel shows, as its key, its share of the pixel, and its share of the pixel's front. Returns the
+/// key of the surface that covers most of the pixel, 0 in a hole, and the pixel's front.
+#[inline(always)]
+fn push_surfaces(surfaces: PixelSurfaces, mut push: impl FnMut(u64, (f32, f32))) -> (u64, FrontColor) {
+    let mut front = NO_FRONT;
+    let key = match surfaces {
+        PixelSurfaces::Hole => 0,
+        PixelSurfaces::One(key) => {
+            push(key, (1.0, 0.0));
+            key
+        }
+        PixelSurfaces::Two { near, far, share } => {
+            let has_front = (0.5..1.0).contains(&share);
+            if has_front {
+                front[3] = inverse_depth_of(far);
+            }
+            let front_share = if has_front { 1.0 } else { 0.0 };
+            for (key, share, front) in [(near, share, front_share), (far, 1.0 - share, 0.0)] {
+                if share > 0.0 {
+                    push(key, (share, front));
+                }
+            }
+            if share >= 0.5 { near } else { far }
+        }
+    };
+    (key, front)
 }

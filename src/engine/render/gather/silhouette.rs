@@ -11,7 +11,7 @@
 //! than a pixel and is painted as a blend.
 
 use super::target::BLOCK;
-use super::visibility_votes::Votes;
+use super::visibility_votes::VisibilityVotes;
 use crate::render::splat::{CORE, TRUSTED, inverse_depth_of, key, nearness, slot_of};
 use crate::simd::joined;
 
@@ -92,7 +92,7 @@ impl EdgePixel {
     /// The surfaces of the pixel, by the votes on [`EdgePixel::voted_key`]; it is one of so many along a side of a pixel of the
     /// picture.
     #[inline(always)]
-    pub(super) fn decide(&self, votes: Votes, subpixels: usize) -> PixelSurfaces {
+    pub(super) fn decide(&self, votes: VisibilityVotes, subpixels: usize) -> PixelSurfaces {
         let (offset, gain) = match self {
             _ if subpixels == 1 => OWN_SHARE,
             Self::Crack { .. } => SUBPIXEL_CRACK_SHARE,

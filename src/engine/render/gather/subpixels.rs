@@ -9,7 +9,7 @@
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING};
 use super::surface_points::{StripPixel, SurfacePoints};
 use super::target::{BLOCK, PictureRows};
-use super::visibility_votes::Votes;
+use super::visibility_votes::VisibilityVotes;
 use crate::render::input::FrameSamples;
 use crate::render::splat::{inverse_depth_of, slot_of};
 use crate::render::vantage::{FrontColor, NO_FRONT, NO_IMAGE};
@@ -31,7 +31,7 @@ pub(super) struct DecidedEdges<'a> {
     /// In the order of the pixels of the picture, and of the sub-pixels of each.
     pub(super) pixels: &'a [EdgePixel],
     /// The votes on those of `pixels` that are voted on.
-    pub(super) votes: &'a [Votes],
+    pub(super) votes: &'a [VisibilityVotes],
 }
 
 /// A surface that some sub-pixels of a pixel show. Sums over these, weighted by their shares.

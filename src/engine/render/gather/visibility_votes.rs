@@ -22,7 +22,7 @@ pub(super) struct VotedPoints {
 
 /// Votes on a surface point.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Votes {
+pub(super) struct VisibilityVotes {
     /// Sum of the votes for it.
     pub(super) agree: f32,
     /// Sum of all votes.
@@ -59,7 +59,7 @@ pub(super) fn vote(
     points: &VotedPoints,
     cameras: &[u16],
     caches: &mut TileCaches,
-    votes: &mut Vec<Votes>,
+    votes: &mut Vec<VisibilityVotes>,
 ) {
     votes.clear();
     let count = points.x.len();
@@ -71,7 +71,8 @@ pub(super) fn vote(
             add_votes(views, camera, &TargetPoints { x, y, w }, which, caches, &mut sums);
         }
         let [agree, total, max_weight] = sums;
-        let votes_on = |i: usize| Votes { agree: agree[i], total: total[i], max_weight: max_weight[i] };
+        let votes_on =
+            |i: usize| VisibilityVotes { agree: agree[i], total: total[i], max_weight: max_weight[i] };
         votes.extend((0..LANES.min(count - first)).map(votes_on));
     }
 }

@@ -49,14 +49,14 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// The compiled stage, and the textures that it wrote.
 #[derive(Debug)]
-pub(crate) struct Display {
+pub(crate) struct DisplayPass {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
     /// Textures that are no longer shown are written again.
     textures: Vec<ScreenTexture>,
 }
 
-impl Display {
+impl DisplayPass {
     /// Compiles the stage.
     pub(crate) fn new(context: &Context) -> Self {
         let device = &context.device;

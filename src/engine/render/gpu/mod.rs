@@ -42,7 +42,7 @@ use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::settings::{Kernel, RenderSettings};
 use context::Context;
-use display::Display;
+use display::DisplayPass;
 use layout::{FRONT_WORDS, PICTURE_WORDS, SURFACE_WORDS};
 use memory::SampleMemory;
 use pipelines::Pipelines;
@@ -76,7 +76,7 @@ pub struct GpuRenderer {
     target: Option<GpuTarget>,
     /// What the background layer of `target` was painted from.
     background: Option<BackgroundKey>,
-    display: Option<Display>,
+    display: Option<DisplayPass>,
     finisher: Finisher,
 }
 
@@ -200,7 +200,7 @@ impl GpuRenderer {
         let started = Instant::now();
         let mut display = match self.display.take() {
             Some(display) => display,
-            None => self.context.guarded(|| Ok(Display::new(&self.context)))?,
+            None => self.context.guarded(|| Ok(DisplayPass::new(&self.context)))?,
         };
         let shown = self.paint(samples, vantage, settings, job, |context, target, encoder| {
             display.show(context, target, encoder, holes)

@@ -56,13 +56,13 @@ struct RowScratch {
     /// The level that each pixel shows.
     levels: Vec<f32>,
     /// Roots of color and share of what is no hole, weighted.
-    sums: Vec<Shown>,
+    sums: Vec<ColorRoots>,
     /// The largest weight of a level, and which it is.
     most: Vec<(f32, usize)>,
     /// Between which rows of each level the row lies.
     down: Vec<Taps>,
     /// The row between those of a level.
-    between: Vec<Shown>,
+    between: Vec<ColorRoots>,
 }
 
 impl RowScratch {
@@ -81,7 +81,7 @@ impl RowScratch {
 }
 
 /// Square roots of red, green and blue, and 1; zeros in holes.
-type Shown = [f32; 4];
+type ColorRoots = [f32; 4];
 
 /// The root of a color, of either sign.
 fn root(color: f32) -> f32 {
@@ -96,7 +96,7 @@ fn squared(root: f32) -> f32 {
 struct ShownLevel<'a> {
     level: usize,
     picture: &'a Picture,
-    shown: Vec<Shown>,
+    shown: Vec<ColorRoots>,
     /// Of the pixels of a row.
     across: Vec<Taps>,
 }
@@ -188,7 +188,7 @@ impl Taps {
     }
 
     /// Between four values: cubic within their range, linear beside holes.
-    fn interpolated(&self, [a, b, c, d]: [Shown; 4]) -> Shown {
+    fn interpolated(&self, [a, b, c, d]: [ColorRoots; 4]) -> ColorRoots {
         let t = self.along;
         if a[3].min(b[3]).min(c[3]).min(d[3]) < 1.0 {
             return std::array::from_fn(|i| b[i] + (c[i] - b[i]) * t);

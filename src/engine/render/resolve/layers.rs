@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::render::gather::{BLOCK, BlockOrigin, Patch, RING, SIDE, ScratchPool, SourceViews};
-use crate::render::splat::{LEAST_WEIGHT, StageInput, Sum, inverse_depth_of, slot_of};
+use crate::render::splat::{BlendSum, LEAST_WEIGHT, StageInput, inverse_depth_of, slot_of};
 use crate::render::vantage::Picture;
 
 /// The z-buffer and the blended colors of some tiles, row-major.
@@ -12,7 +12,7 @@ pub(crate) struct PaintedLayer {
     /// Z-buffer keys; 0 where nothing was painted.
     pub(crate) keys: Vec<u64>,
     /// Blended colors; empty for kernels that do not blend.
-    pub(crate) sums: Vec<Sum>,
+    pub(crate) sums: Vec<BlendSum>,
 }
 
 impl PaintedLayer {
@@ -108,7 +108,7 @@ impl ResolveInput<'_> {
     #[inline(always)]
     pub(super) fn blended(&self, pixel: usize, key: u64) -> [f32; 3] {
         let limit = inverse_depth_of(key) * self.stage.surface_ratio;
-        let mut sum: Sum = [0.0; 4];
+        let mut sum: BlendSum = [0.0; 4];
         for layer in [Some(self.background), self.foreground].into_iter().flatten() {
             if let Some(part) = layer.sums.get(pixel)
                 && inverse_depth_of(layer.keys[pixel]) >= limit

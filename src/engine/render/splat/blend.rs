@@ -25,7 +25,7 @@ use crate::settings::Kernel;
 use crate::simd::{self, VectorLoop};
 
 /// One pixel's sum of weighted colors, and of weights.
-pub(crate) type Sum = [f32; 4];
+pub(crate) type BlendSum = [f32; 4];
 
 /// Weights that sum to less give no color: the fixed-point sums of the GPU would be too inexact. Only samples that lie far apart in
 /// the picture and outermost parts of kernels sum to so little.
@@ -46,7 +46,12 @@ pub(crate) const BLEND_REACH: FootprintReach =
     FootprintReach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
 
 /// Adds up the colors in `bands` of the samples that lie on the nearest surface, by the z-buffer `keys`.
-pub(crate) fn blend(input: &StageInput<'_>, bands: &[RowBand], keys: &[u64], sums: &mut [Sum]) -> Result<()> {
+pub(crate) fn blend(
+    input: &StageInput<'_>,
+    bands: &[RowBand],
+    keys: &[u64],
+    sums: &mut [BlendSum],
+) -> Result<()> {
     let parts: Vec<BandBlend<'_>> = split_at_bands(bands, input.width, sums)
         .into_iter()
         .map(|(band, sums)| {
@@ -61,7 +66,7 @@ struct BandBlend<'a> {
     input: &'a StageInput<'a>,
     band: &'a RowBand,
     keys: &'a [u64],
-    sums: &'a mut [Sum],
+    sums: &'a mut [BlendSum],
 }
 
 impl VectorLoop for BandBlend<'_> {
@@ -159,7 +164,7 @@ struct BandSums<'a> {
     rows: Range<usize>,
     keys: &'a [u64],
     surface_ratio: f32,
-    sums: &'a mut [Sum],
+    sums: &'a mut [BlendSum],
 }
 
 impl BandSums<'_> {

@@ -6,7 +6,7 @@ mod input;
 mod surface;
 mod zkey;
 
-pub(crate) use blend::{BLEND_REACH, LEAST_WEIGHT, Sum, blend};
+pub(crate) use blend::{BLEND_REACH, BlendSum, LEAST_WEIGHT, blend};
 pub(crate) use input::StageInput;
 pub(crate) use surface::surface;
 pub(crate) use zkey::{CORE, TRUSTED, inverse_depth_of, key, nearness, slot_of};

@@ -5,7 +5,7 @@
 //! worth a table of their own share one.
 
 use super::integers::{join, split};
-use super::rans::{SCALE, TOKENS, Table};
+use super::rans::{FrequencyTable, SCALE, TOKENS};
 use super::table_fit::{TokenCounts, frequencies, share_tables};
 use crate::plural::counted;
 use crate::store::container::{ByteReader, push_varint};
@@ -98,7 +98,7 @@ impl Counts {
 struct PlaneModel {
     /// Which table each context uses.
     table_of: Vec<u16>,
-    tables: Vec<Table>,
+    tables: Vec<FrequencyTable>,
 }
 
 /// Contexts of the mask.
@@ -118,7 +118,7 @@ pub(crate) struct FrequencyTables {
 impl FrequencyTables {
     /// The table of a context.
     #[inline(always)]
-    pub(crate) fn table(&self, plane: CodedPlane, context: usize) -> &Table {
+    pub(crate) fn table(&self, plane: CodedPlane, context: usize) -> &FrequencyTable {
         let model = &self.planes[plane as usize];
         &model.tables[model.table_of[context] as usize]
     }
@@ -141,7 +141,7 @@ impl FrequencyTables {
             let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
             for (length, histogram) in share_tables(contexts) {
                 model.table_of.resize(model.table_of.len() + length, model.tables.len() as u16);
-                model.tables.push(Table::new(&frequencies(&histogram))?);
+                model.tables.push(FrequencyTable::new(&frequencies(&histogram))?);
             }
             models.push(model);
         }
@@ -224,7 +224,7 @@ impl FrequencyTables {
     }
 }
 
-fn decode_table(reader: &mut ByteReader, tokens: usize) -> Result<Table, String> {
+fn decode_table(reader: &mut ByteReader, tokens: usize) -> Result<FrequencyTable, String> {
     let listed = reader.varint()?;
     if listed > tokens as u64 {
         return Err(format!("a table of {listed} tokens"));
@@ -244,7 +244,7 @@ fn decode_table(reader: &mut ByteReader, tokens: usize) -> Result<Table, String>
             frequencies.resize(frequencies.len() + more as usize, 0);
         }
     }
-    Table::new(&frequencies)
+    FrequencyTable::new(&frequencies)
 }
 
 #[cfg(test)]

@@ -29,22 +29,22 @@ const LOWEST: u32 = 1 << 16;
 /// Interleaved streams, each with a state of its own.
 pub(super) const STREAMS: usize = 4;
 
-/// Slots that share one entry of [`Table::first`], as a power of 2.
+/// Slots that share one entry of [`FrequencyTable::first`], as a power of 2.
 const COARSE_BITS: u32 = 4;
 
-/// Entries of [`Table::starts`]: more than there are tokens, so that none that fits into a byte lies beyond.
+/// Entries of [`FrequencyTable::starts`]: more than there are tokens, so that none that fits into a byte lies beyond.
 const STARTS: usize = 258;
 
 /// Frequencies of the tokens in one context.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Table {
+pub(crate) struct FrequencyTable {
     /// Where the slots of each token begin; all that follow the last token are [`SCALE`].
     starts: [u16; STARTS],
     /// The token of every 16th slot: where to begin to look.
     first: [u8; (SCALE >> COARSE_BITS) as usize],
 }
 
-impl Table {
+impl FrequencyTable {
     /// From one frequency a token; those that are not listed are 0.
     ///
     /// # Errors
@@ -140,7 +140,7 @@ impl<'a> Decoder<'a> {
 
     /// The next token.
     #[inline(always)]
-    pub(super) fn next(&mut self, stream: usize, table: &Table) -> usize {
+    pub(super) fn next(&mut self, stream: usize, table: &FrequencyTable) -> usize {
         let before = self.states[stream];
         let slot = before & (SCALE - 1);
         let mut token = table.first[(slot >> COARSE_BITS) as usize] as usize;
@@ -186,10 +186,10 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn tables() -> [Table; 3] {
+    fn tables() -> [FrequencyTable; 3] {
         let mut skewed = [1_u16; TOKENS];
         skewed[0] = (SCALE - TOKENS as u32 + 1) as u16;
-        [&[1, 4095_u16][..], &[0, 0, 4096], &skewed].map(|f| Table::new(f).unwrap())
+        [&[1, 4095_u16][..], &[0, 0, 4096], &skewed].map(|f| FrequencyTable::new(f).unwrap())
     }
 
     fn words(encoder: RansEncoder) -> Vec<[u8; 2]> {
@@ -241,9 +241,9 @@ mod tests {
 
     #[test]
     fn frequencies_that_do_not_fill_the_slots_are_refused() {
-        assert!(Table::new(&[]).is_err());
-        assert!(Table::new(&[4095]).is_err());
-        assert!(Table::new(&[4096, 1]).is_err());
-        assert!(Table::new(&[32; 129]).is_err());
+        assert!(FrequencyTable::new(&[]).is_err());
+        assert!(FrequencyTable::new(&[4095]).is_err());
+        assert!(FrequencyTable::new(&[4096, 1]).is_err());
+        assert!(FrequencyTable::new(&[32; 129]).is_err());
     }
 }

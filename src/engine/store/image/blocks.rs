@@ -39,7 +39,7 @@ pub(crate) struct BlockTiles {
 
 /// One block of an image, with its samples.
 #[derive(Clone, Copy)]
-pub(crate) struct Block<'a> {
+pub(crate) struct ImageBlock<'a> {
     pub(crate) image: &'a SampleImage,
     pub(crate) tiles: &'a BlockTiles,
 }
@@ -88,10 +88,10 @@ pub(crate) fn find<'a>(
     image: &'a SampleImage,
     blocks: &'a [BlockTiles],
     place: (u16, u16),
-) -> Option<Block<'a>> {
+) -> Option<ImageBlock<'a>> {
     let order = |block: &BlockTiles| (block.place.1, block.place.0);
     let index = blocks.binary_search_by_key(&(place.1, place.0), order).ok()?;
-    Some(Block { image, tiles: &blocks[index] })
+    Some(ImageBlock { image, tiles: &blocks[index] })
 }
 
 /// Samples in a block, and the bits of its smallest and largest inverse depth.
@@ -120,7 +120,7 @@ impl BlockCoding<'_> {
     }
 
     /// Puts the samples of a block where a traversal finds them.
-    fn spread(&self, Block { image, tiles }: Block<'_>, pixels: &mut BlockPixels) {
+    fn spread(&self, ImageBlock { image, tiles }: ImageBlock<'_>, pixels: &mut BlockPixels) {
         pixels.clear();
         let mut depths = [0.0; TILE_SAMPLES];
         for (inside, &index) in tiles.index.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
@@ -149,12 +149,17 @@ impl BlockCoding<'_> {
     }
 
     /// Counts the tokens of a block.
-    pub(crate) fn count(&self, block: Block<'_>, reference: Option<Block<'_>>, counts: &mut Counts) {
+    pub(crate) fn count(
+        &self,
+        block: ImageBlock<'_>,
+        reference: Option<ImageBlock<'_>>,
+        counts: &mut Counts,
+    ) {
         CodingScratch::with(|scratch| self.traverse(&mut TokenCounter(counts), scratch, block, reference));
     }
 
     /// The code of a block.
-    pub(crate) fn encode(&self, block: Block<'_>, reference: Option<Block<'_>>) -> Vec<u8> {
+    pub(crate) fn encode(&self, block: ImageBlock<'_>, reference: Option<ImageBlock<'_>>) -> Vec<u8> {
         CodingScratch::with(|scratch| {
             if self.plain {
                 let mut writer = PlainWriter::default();
@@ -172,8 +177,8 @@ impl BlockCoding<'_> {
         &self,
         coder: &mut C,
         scratch: &mut CodingScratch,
-        block: Block<'_>,
-        reference: Option<Block<'_>>,
+        block: ImageBlock<'_>,
+        reference: Option<ImageBlock<'_>>,
     ) {
         self.spread(block, &mut scratch.pixels);
         let reference = reference.map(|block| {
@@ -191,7 +196,7 @@ impl BlockCoding<'_> {
         place: (u16, u16),
         tiles: u16,
         code: &[u8],
-        reference: Option<Block<'_>>,
+        reference: Option<ImageBlock<'_>>,
     ) -> Result<SampleImage, String> {
         CodingScratch::with(|scratch| {
             scratch.pixels.clear();

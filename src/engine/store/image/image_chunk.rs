@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::blocks::{Block, BlockCoding, assemble, blocks_of, depth_bounds, find, summary};
+use super::blocks::{BlockCoding, ImageBlock, assemble, blocks_of, depth_bounds, find, summary};
 use crate::capture::Camera;
 use crate::plural::counted;
 use crate::samples::{SampleImage, TILE, TileMask};
@@ -127,7 +127,7 @@ pub(crate) fn count(
     let before = reference.map(|reference| (reference, blocks_of(reference)));
     for tiles in &blocks_of(image) {
         let before = before.as_ref().and_then(|(image, blocks)| find(image, blocks, tiles.place));
-        coding.count(Block { image, tiles }, before, counts);
+        coding.count(ImageBlock { image, tiles }, before, counts);
     }
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn encode(
         .iter()
         .map(|tiles| {
             let before = before.as_ref().and_then(|(image, blocks)| find(image, blocks, tiles.place));
-            coding.encode(Block { image, tiles }, before)
+            coding.encode(ImageBlock { image, tiles }, before)
         })
         .collect();
 
