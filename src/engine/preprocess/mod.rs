@@ -104,7 +104,7 @@ fn preprocess_into(
 ) -> Result<BufferedResult> {
     let started = Instant::now();
     let scan = scan(capture, settings, job)?;
-    let mut spooled = prune_into(images, (capture, &scan), settings, job)?;
+    let mut spooled = prune_into(images, capture, &scan, settings, job)?;
     spooled.report.seconds = started.elapsed().as_secs_f64();
     Ok(spooled)
 }
@@ -124,12 +124,13 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Pre
 /// # Errors
 /// As [`preprocess`].
 pub fn prune(capture: &Capture, scan: &PreparedScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    prune_into(ImageBuffer::new(usize::MAX), (capture, scan), settings, job)?.into_memory()
+    prune_into(ImageBuffer::new(usize::MAX), capture, scan, settings, job)?.into_memory()
 }
 
 fn prune_into(
     images: ImageBuffer,
-    (capture, scan): (&Capture, &PreparedScan),
+    capture: &Capture,
+    scan: &PreparedScan,
     settings: &Settings,
     job: &Job,
 ) -> Result<BufferedResult> {

@@ -35,7 +35,7 @@ pub(crate) fn prune_run(
     job.start("Pruning the background", 1);
     let background = PrunedBackground::of(capture, scan, settings, job)?;
     let normal_errors = scan.normal_errors(&settings.normals, job)?;
-    let mut tally = Tally::new((capture, scan), &normal_errors, settings);
+    let mut tally = Tally::new(capture, scan, &normal_errors, settings);
     tally.add_noise_between(&capture.cameras, &background.layers)?;
     let pairs = CameraPairs::new(&capture.cameras);
     let packing = Packing { pairs: &pairs, settings };
@@ -43,7 +43,7 @@ pub(crate) fn prune_run(
     let all = all_frames(scan.frames);
     if run.contains(0) || scan.frames == 0 {
         tally.add(all, &background.decided);
-        packing.pack_all((all, ROOT), &background.layers, &background.decided, &mut images)?;
+        packing.pack_all(all, ROOT, &background.layers, &background.decided, &mut images)?;
         residuals.add_lasting(&background.layers, job)?;
     } else {
         tally.pass_over_all_frames();
@@ -99,7 +99,7 @@ impl SpanTraversal<'_> {
             if self.run.contains(child.start as usize) {
                 self.tally.add(child, &step.decided);
                 let layers = &self.stack.layers;
-                self.packing.pack_all((child, level + 1), layers, &step.decided, &mut self.images)?;
+                self.packing.pack_all(child, level + 1, layers, &step.decided, &mut self.images)?;
             }
             // Of a single frame the paper's two levels are as long as each other.
             if child.len() < span.len() {
@@ -125,7 +125,8 @@ impl Packing<'_> {
     /// Adds the kept samples of every camera over one span, which lies at `level`.
     fn pack_all(
         &self,
-        (span, level): (Span, SpanLevel),
+        span: Span,
+        level: SpanLevel,
         layers: &[CameraLayer],
         decided: &[LevelVerdicts],
         images: &mut ImageBuffer,

@@ -318,9 +318,10 @@ fn paint_foreground(input: &PictureInput<'_>, mut cache: VantageCache) -> Result
     painted.touched.join(&touched);
     let picture = Arc::make_mut(&mut painted.picture);
     input.resolve(&cache, Some(&cache.foreground), Some(&background_picture), &painted.touched, picture)?;
-    let shape = (input.picture_size().0, input.subpixels);
+    let (columns, _) = input.picture_size();
+    let is_hole = |image: &u32| *image == NO_IMAGE;
     let holes_in =
-        |picture: &Picture| touched.count(shape, picture.image.as_slice(), |image| *image == NO_IMAGE);
+        |picture: &Picture| touched.count(picture.image.as_slice(), columns, input.subpixels, is_hole);
     painted.holes = background_holes - holes_in(&background_picture) + holes_in(picture);
     painted.touched = touched.clone();
     cache.pictures.insert(0, painted);

@@ -64,7 +64,7 @@ fn set(stage: &mut WorldBuilder) {
     stage.add(side, DVec3::new(-2.3, 0.0, 1.3), brick());
     let skirting = block([2.2, 0.02, 0.07], 0.008);
     stage.add(skirting, DVec3::new(0.0, 1.79, 0.07), walnut());
-    props::arch(stage, DVec3::new(0.55, 1.72, 0.0), (0.52, 1.15));
+    props::arch(stage, DVec3::new(0.55, 1.72, 0.0), 0.52, 1.15);
     props::rug(stage, DVec3::new(0.0, -0.1, 0.0), (1.75, 1.3));
     props::plinth(stage, DVec3::new(-1.55, 1.2, 0.0), 0.85);
     stage.add(sphere(0.2), DVec3::new(-1.55, 1.2, 1.09), marble());

@@ -56,8 +56,8 @@ pub(crate) fn hourglass(stage: &mut WorldBuilder, place: DVec3) {
     }
 }
 
-/// A brick arch against a wall at `place`: `(half width, height of its springing)`, m.
-pub(crate) fn arch(stage: &mut WorldBuilder, place: DVec3, (half_width, springing): (f64, f64)) {
+/// A brick arch against a wall at `place`: half its width, and the height of its springing, m.
+pub(crate) fn arch(stage: &mut WorldBuilder, place: DVec3, half_width: f64, springing: f64) {
     let pillar = block([0.11, 0.13, 0.5 * springing], 0.0);
     for side in [-1.0, 1.0] {
         let pillar_place = place + DVec3::new(side * (half_width + 0.11), 0.0, 0.5 * springing);

@@ -68,7 +68,7 @@ pub(crate) fn better_reading(cameras: &[Camera], layers: &[CameraLayer]) -> Opti
     let mut misfits = Misfits::new();
     for source in 0..layers.len() {
         let targets: Vec<usize> = (0..layers.len()).filter(|target| *target != source).collect();
-        misfits.add((cameras, layers), source, &targets);
+        misfits.add(cameras, layers, source, &targets);
     }
     misfits.better()
 }
@@ -87,12 +87,13 @@ impl Misfits {
     /// Compares what one camera saw with what some others did.
     pub(crate) fn add(
         &mut self,
-        (cameras, layers): (&[Camera], &[CameraLayer]),
+        cameras: &[Camera],
+        layers: &[CameraLayer],
         source: usize,
         targets: &[usize],
     ) {
         self.0.par_iter_mut().for_each(|(reading, off)| {
-            add_misfits((cameras, layers), (source, targets), *reading, off);
+            add_misfits(cameras, layers, source, targets, *reading, off);
         });
     }
 
@@ -112,8 +113,10 @@ fn misfit(mut off: Vec<f64>) -> Option<f64> {
 }
 
 fn add_misfits(
-    (cameras, layers): (&[Camera], &[CameraLayer]),
-    (source, targets): (usize, &[usize]),
+    cameras: &[Camera],
+    layers: &[CameraLayer],
+    source: usize,
+    targets: &[usize],
     reading: DepthReading,
     off: &mut Vec<f64>,
 ) {

@@ -41,7 +41,8 @@ pub(crate) struct Tally {
 impl Tally {
     /// Nothing is counted yet. `normal_errors` are those of each camera under `settings`.
     pub(crate) fn new(
-        (capture, scan): (&Capture, &TemporalScan),
+        capture: &Capture,
+        scan: &TemporalScan,
         normal_errors: &[Vec<NormalErrors>],
         settings: &Settings,
     ) -> Self {

@@ -1,23 +1,22 @@
 //! The kept samples of all runs together.
 
-use super::measured::Measured;
-use crate::capture::Capture;
+use super::measured::MeasuredCapture;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::diagnostics::RunCounts;
 use crate::preprocess::{BufferedResult, aligned_settings, sample_set};
 use crate::samples::{ImageBuffer, ReadSeek, RecordReader, SampleImage, samples_in_memory};
-use crate::settings::Settings;
 
 /// Joins what [`prune_part`](super::prune_part()) wrote of all runs, in order, each with its name for errors.
 ///
 /// # Errors
 /// `Io`; `Invalid` where a part is none; `Cancelled`.
 pub fn join_pruned<'a>(
-    (capture, measured, settings): (&Capture, &Measured, &Settings),
+    of: MeasuredCapture<'_>,
     parts: Vec<(String, Box<dyn ReadSeek + 'a>)>,
     job: &Job,
 ) -> Result<BufferedResult> {
+    let MeasuredCapture { capture, measured, settings } = of;
     let aligned = measured.aligned(capture);
     let mut images = ImageBuffer::new(samples_in_memory(settings));
     let mut all: Option<RunCounts> = None;

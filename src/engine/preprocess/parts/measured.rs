@@ -24,6 +24,17 @@ pub struct Measured {
     frames_read: BTreeSet<(usize, usize)>,
 }
 
+/// A capture with what was measured of it, and the settings that all parts are made with.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasuredCapture<'a> {
+    /// The capture as it was recorded.
+    pub capture: &'a Capture,
+    /// What was measured of this capture.
+    pub measured: &'a Measured,
+    /// The settings that it was measured with.
+    pub settings: &'a Settings,
+}
+
 impl Measured {
     /// Measures a capture: reads a few of its frames.
     ///

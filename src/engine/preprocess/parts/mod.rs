@@ -19,7 +19,7 @@ mod scan_part;
 
 pub use join_pruned::join_pruned;
 pub use join_spans::join_spans;
-pub use measured::Measured;
+pub use measured::{Measured, MeasuredCapture};
 pub use prune_part::{prune_part, scan_parts_read_by};
 pub use runs::run_of_part;
 pub use scan_part::scan_part;

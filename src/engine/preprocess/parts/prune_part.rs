@@ -7,10 +7,9 @@
 use std::io::Write;
 
 use super::join_spans::{read_short, read_span};
-use super::measured::Measured;
+use super::measured::{Measured, MeasuredCapture};
 use super::runs::run_of_part;
 use crate::alignment::Aligned;
-use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 use crate::part::Part;
@@ -40,16 +39,17 @@ pub fn scan_parts_read_by(frames: usize, part: Part) -> Vec<Part> {
 /// # Errors
 /// As [`preprocess`](crate::preprocess::preprocess()), and `Invalid` where a part is none.
 pub fn prune_part<'a>(
-    (capture, measured, settings): (&Capture, &Measured, &Settings),
+    of: MeasuredCapture<'_>,
     part: Part,
     spans: (String, Box<dyn ReadSeek + 'a>),
     scans: Vec<(String, Box<dyn ReadSeek + 'a>)>,
     writer: &mut dyn Write,
     job: &Job,
 ) -> Result<()> {
+    let MeasuredCapture { capture, measured, settings } = of;
     let aligned = measured.aligned(capture);
     let run = run_of_part(aligned.capture.frame_count(), part);
-    let scan = read_scan((&aligned, measured, settings), run, spans, scans, job)?;
+    let scan = read_scan(&aligned, measured, settings, run, spans, scans, job)?;
     let scan = PreparedScan::of(scan, aligned, &settings.align);
     let images = ImageBuffer::new(samples_in_memory(settings));
     let (images, counts): (ImageBuffer, RunCounts) = prune_run(images, &scan, settings, run, job)?;
@@ -64,9 +64,11 @@ pub fn prune_part<'a>(
 
 /// What a run needs of a scan of all frames.
 fn read_scan<'a>(
-    (aligned, measured, settings): (&Aligned, &Measured, &Settings),
+    aligned: &Aligned,
+    measured: &Measured,
+    settings: &Settings,
     run: Span,
-    (place, spans): (String, Box<dyn ReadSeek + 'a>),
+    spans: (String, Box<dyn ReadSeek + 'a>),
     scans: Vec<(String, Box<dyn ReadSeek + 'a>)>,
     job: &Job,
 ) -> Result<TemporalScan> {
@@ -76,6 +78,7 @@ fn read_scan<'a>(
         let overlaps = span.start < run.end && run.start < span.end;
         overlaps || before.is_some_and(|before| span.contains(before)) || span.len() == frames
     };
+    let (place, spans) = spans;
     let mut spans = RecordReader::new(spans, place);
     let mut scans: Vec<RecordReader<'a>> =
         scans.into_iter().map(|(place, reader)| RecordReader::new(reader, place)).collect();

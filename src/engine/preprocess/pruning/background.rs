@@ -82,7 +82,7 @@ pub(crate) fn static_layers(
     let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
     let of_camera = |index: usize| {
         job.check()?;
-        static_layer(&builder, (capture, scan, settings), index)
+        static_layer(&builder, capture, scan, settings, index)
     };
     (0..scan.cameras.len()).into_par_iter().map(of_camera).collect()
 }
@@ -93,7 +93,9 @@ pub(crate) fn static_layers(
 /// `Io` where the temporary file cannot be read.
 pub(crate) fn static_layer(
     builder: &LayerBuilder<'_>,
-    (capture, scan, settings): (&Capture, &TemporalScan, &Settings),
+    capture: &Capture,
+    scan: &TemporalScan,
+    settings: &Settings,
     index: usize,
 ) -> Result<StaticLayer> {
     let (camera, of_camera) = (&capture.cameras[index], &scan.cameras[index]);

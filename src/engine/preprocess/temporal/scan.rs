@@ -220,7 +220,7 @@ fn scan_ranges(capture: &Capture, camera: usize, settings: &Settings, job: &Job)
     let mut sum = CameraSum::new(width, height);
     let mut coarsest = 0.0_f32;
     let batches = Batches::of_all(capture, camera, settings);
-    pass_over((capture, camera), (0, batches), &preview.held, job, |frames| {
+    pass_over(capture, camera, batches, &preview.held, job, |frames| {
         for frame in frames {
             coarsest = coarsest.max(frame.depth_step_relative);
             sum.add(frame);
@@ -244,7 +244,7 @@ fn scan_spans(
     let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames);
     let mut split = Split::new(capture.cameras[camera].intrinsics.pixel_count(), frames, test);
     let batches = Batches::of_all(capture, camera, settings);
-    pass_over((capture, camera), (0, batches), &preview.held, job, |frames| {
+    pass_over(capture, camera, batches, &preview.held, job, |frames| {
         let given = split.add(frames);
         let mut store = store.lock().unwrap_or_else(PoisonError::into_inner);
         given.into_iter().try_for_each(|(span, samples)| store.insert(camera, span, samples))
@@ -282,8 +282,8 @@ pub(crate) fn scan_run(
     let mut split = Split::of_run(pixels, frames, run.start, test);
     let mut short = SpanStore::new(samples_in_memory(settings) / SIDE_BY_SIDE);
     let batch = batch_size(capture, camera, settings);
-    let batches = Batches { end: run.end as usize, size: batch, is_aligned: true };
-    pass_over((capture, camera), (run.start as usize, batches), &BTreeMap::new(), job, |frames| {
+    let batches = Batches { first: run.start as usize, end: run.end as usize, size: batch, is_aligned: true };
+    pass_over(capture, camera, batches, &BTreeMap::new(), job, |frames| {
         split.add(frames).into_iter().try_for_each(|(span, samples)| short.insert(camera, span, samples))
     })?;
     let invalid = split.invalid();
@@ -293,6 +293,7 @@ pub(crate) fn scan_run(
 /// How frames are taken together.
 #[derive(Clone, Copy)]
 struct Batches {
+    first: usize,
     /// One past the last frame.
     end: usize,
     /// Frames of a batch, at most: a power of two.
@@ -304,7 +305,12 @@ struct Batches {
 impl Batches {
     /// Those of all frames.
     fn of_all(capture: &Capture, camera: usize, settings: &Settings) -> Self {
-        Self { end: capture.frame_count(), size: batch_size(capture, camera, settings), is_aligned: false }
+        Self {
+            first: 0,
+            end: capture.frame_count(),
+            size: batch_size(capture, camera, settings),
+            is_aligned: false,
+        }
     }
 
     /// The batch that begins with a frame.
@@ -319,21 +325,21 @@ impl Batches {
     }
 }
 
-/// Gives the frames of a camera from `start` on to `take`, a batch at a time; meanwhile the next batch is decoded.
+/// Gives the frames of a camera to `take`, a batch at a time; meanwhile the next batch is decoded.
 fn pass_over(
-    (capture, camera): (&Capture, usize),
-    (start, batches): (usize, Batches),
+    capture: &Capture,
+    camera: usize,
+    batches: Batches,
     held: &BTreeMap<usize, Arc<Frame>>,
     job: &Job,
     mut take: impl FnMut(&[Arc<Frame>]) -> Result<()> + Send,
 ) -> Result<()> {
-    let range_from = |start: usize| batches.from(start);
-    let mut done = start;
-    let mut current = decode(capture, camera, range_from(done), held, job)?;
+    let mut done = batches.first;
+    let mut current = decode(capture, camera, batches.from(done), held, job)?;
     while done < batches.end {
         done += current.len();
         let (taken, decoded) =
-            rayon::join(|| take(&current), || decode(capture, camera, range_from(done), held, job));
+            rayon::join(|| take(&current), || decode(capture, camera, batches.from(done), held, job));
         taken?;
         current = decoded?;
     }

@@ -269,7 +269,7 @@ impl SplitBand {
         for given in &mut *long {
             let Some(left) = open.pop() else { break };
             list_uncertain([&left, &sums], batch.test, uncertain);
-            sums = union(left, &sums, batch.test, (first, uncertain), given);
+            sums = union(left, &sums, batch.test, first, uncertain, given);
         }
         if batch.is_last {
             let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
@@ -292,12 +292,13 @@ fn run_of(frame: &Frame, first: usize) -> FrameRun<'_> {
 }
 
 /// The sums over two spans together. Where they are not static, which is tested for the `uncertain` pixels, the static ones of the two
-/// become samples.
+/// become samples. `first` is the index of the first pixel.
 fn union(
     mut left: SpanSums,
     right: &SpanSums,
     test: &StaticTest,
-    (first, uncertain): (usize, &[u16]),
+    first: usize,
+    uncertain: &[u16],
     given: &mut [SpanSamples; 2],
 ) -> SpanSums {
     for pixel in uncertain.iter().map(|pixel| *pixel as usize) {

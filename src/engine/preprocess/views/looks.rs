@@ -55,7 +55,7 @@ pub(super) fn better_reading(
         };
         let held: Vec<usize> = targets.iter().copied().chain([source]).collect();
         window.hold(&held, job)?;
-        misfits.add((cameras, &window.layers), source, &targets);
+        misfits.add(cameras, &window.layers, source, &targets);
     }
     Ok(misfits.better())
 }

@@ -56,7 +56,7 @@ pub(crate) fn prune_views(
     let sights = views.sights(job)?;
     let pairs = CameraPairs::of_sights(&capture.cameras, &sights);
     let mut window = LayerWindow::new(views, &pairs);
-    let mut tally = Tally::new((capture, scan), normal_errors, settings);
+    let mut tally = Tally::new(capture, scan, normal_errors, settings);
     if settings.pruning.agreement != AgreementRule::Off {
         let noise = noise_between(&pairs, &mut window, job)?;
         window.set_noise(noise);

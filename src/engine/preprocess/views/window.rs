@@ -128,7 +128,7 @@ impl<'a> LayerWindow<'a> {
 
     fn layer(&self, index: usize) -> Result<CameraLayer> {
         let Views { capture, scan, settings, .. } = self.views;
-        let (mut layer, pixels) = static_layer(&self.builder, (capture, scan, settings), index)?;
+        let (mut layer, pixels) = static_layer(&self.builder, capture, scan, settings, index)?;
         let known = self.mixed[index].as_ref();
         self.builder.rate_with(&mut layer, &capture.cameras[index], &pixels, known);
         layer.noise_between.clone_from(&self.noise[index]);

@@ -4,7 +4,7 @@
 use super::interpolate::find_colors;
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
 use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
-use super::surface_points::{StripPixel, SurfacePoints};
+use super::surface_points::{PixelShares, StripPixel, SurfacePoints};
 use super::target::{BLOCK, PictureRows};
 use super::view_weights::SourceViews;
 use super::visibility_votes::{VisibilityVotes, VotedPoints, vote};
@@ -181,7 +181,7 @@ impl GatherScratch {
                     StripPixel { x: (patch.left + column) as f32, at: (start + column) as u32, ..first };
                 let mut push = |key, shares| {
                     let own = frame.camera_of(slot_of(key));
-                    self.points.push((key, inverse_depth_of(key)), own, pixel, shares);
+                    self.points.push(key, inverse_depth_of(key), own, pixel, shares);
                 };
                 let (mut key, mut front) = (patch.keys[row + RING][column + RING], NO_FRONT);
                 if edges[row] >> column & 1 == 1 {
@@ -189,7 +189,7 @@ impl GatherScratch {
                     let votes = edge_pixel.voted_key().and_then(|_| votes.next().copied());
                     (key, front) = push_surfaces(edge_pixel.decide(votes.unwrap_or_default(), 1), push);
                 } else if key != 0 {
-                    push(key, (1.0, 0.0));
+                    push(key, PixelShares::WHOLE);
                 }
                 if let Some(place) = rows.fronts.get_mut(start + column) {
                     *place = front;
@@ -211,15 +211,15 @@ fn set_images(keys: &[u64; BLOCK], frame: &FrameSamples<'_>, images: &mut [u32])
     cameras
 }
 
-/// Gives `push` each surface that an edge pixel shows, as its key, its share of the pixel, and its share of the pixel's front. Returns the
-/// key of the surface that covers most of the pixel, 0 in a hole, and the pixel's front.
+/// Gives `push` the key and the shares of each surface that an edge pixel shows. Returns the key of the surface that covers most of
+/// the pixel, 0 in a hole, and the pixel's front.
 #[inline(always)]
-fn push_surfaces(surfaces: PixelSurfaces, mut push: impl FnMut(u64, (f32, f32))) -> (u64, FrontColor) {
+fn push_surfaces(surfaces: PixelSurfaces, mut push: impl FnMut(u64, PixelShares)) -> (u64, FrontColor) {
     let mut front = NO_FRONT;
     let key = match surfaces {
         PixelSurfaces::Hole => 0,
         PixelSurfaces::One(key) => {
-            push(key, (1.0, 0.0));
+            push(key, PixelShares::WHOLE);
             key
         }
         PixelSurfaces::Two { near, far, share } => {
@@ -228,9 +228,9 @@ fn push_surfaces(surfaces: PixelSurfaces, mut push: impl FnMut(u64, (f32, f32)))
                 front[3] = inverse_depth_of(far);
             }
             let front_share = if has_front { 1.0 } else { 0.0 };
-            for (key, share, front) in [(near, share, front_share), (far, 1.0 - share, 0.0)] {
-                if share > 0.0 {
-                    push(key, (share, front));
+            for (key, pixel, front) in [(near, share, front_share), (far, 1.0 - share, 0.0)] {
+                if pixel > 0.0 {
+                    push(key, PixelShares { pixel, front });
                 }
             }
             if share >= 0.5 { near } else { far }

@@ -7,7 +7,7 @@
 //! SIGGRAPH 1993). What differs: a surface is looked up once, in the middle of the sub-pixels that show it, at their mean depth.
 
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING};
-use super::surface_points::{StripPixel, SurfacePoints};
+use super::surface_points::{PixelShares, StripPixel, SurfacePoints};
 use super::target::{BLOCK, PictureRows};
 use super::visibility_votes::VisibilityVotes;
 use crate::render::input::FrameSamples;
@@ -67,7 +67,7 @@ impl PixelParts {
         for (key, share) in parts.into_iter().filter(|(_, share)| *share > 0.0) {
             let w = inverse_depth_of(key);
             let is_same = |surface: &SharedSurface| {
-                is_same_surface((surface.key, inverse_depth_of(surface.key)), (key, w), surface_ratio)
+                is_same_surface(surface.key, inverse_depth_of(surface.key), key, w, surface_ratio)
             };
             let known = self.surfaces[..self.count].iter().position(is_same);
             let nth = known.unwrap_or(self.count) % MOST_SURFACES;
@@ -119,7 +119,7 @@ pub(super) fn set_surfaces_of_pairs(
             let is_edge = (edges[row] | edges[row + 1]) & 3 << column != 0;
             if let Some((key, w)) = one_surface(&surfaces, is_edge, patch.surface_ratio) {
                 let pixel = StripPixel { x: x + 0.5, y: y + 0.5, at: at as u32 };
-                points.push((key, w), frame.camera_of(slot_of(key)), pixel, (1.0, 0.0));
+                points.push(key, w, frame.camera_of(slot_of(key)), pixel, PixelShares::WHOLE);
                 rows.inverse_depth[at] = w;
                 if let Some(front) = rows.fronts.get_mut(at) {
                     *front = NO_FRONT;
@@ -151,7 +151,7 @@ fn one_surface(surfaces: &[PixelSurfaces; 4], is_edge: bool, surface_ratio: f32)
         *key = one;
     }
     let w = keys.map(inverse_depth_of);
-    let is_same = |key: u64, other: f32| is_same_surface((keys[0], w[0]), (key, other), surface_ratio);
+    let is_same = |key: u64, other: f32| is_same_surface(keys[0], w[0], key, other, surface_ratio);
     if is_edge && !(1..4).all(|nth| is_same(keys[nth], w[nth])) {
         return None;
     }
@@ -160,7 +160,7 @@ fn one_surface(surfaces: &[PixelSurfaces; 4], is_edge: bool, surface_ratio: f32)
 
 /// Whether two samples, with their keys and inverse depths, show one surface: a sample alone does, however slanted.
 #[inline(always)]
-fn is_same_surface((a, a_w): (u64, f32), (b, b_w): (u64, f32), surface_ratio: f32) -> bool {
+fn is_same_surface(a: u64, a_w: f32, b: u64, b_w: f32, surface_ratio: f32) -> bool {
     slot_of(a) == slot_of(b) || a_w.min(b_w) >= a_w.max(b_w) * surface_ratio
 }
 
@@ -203,7 +203,8 @@ fn push_parts(
         let own = frame.camera_of(slot_of(surface.key));
         let is_front = has_front && !is_farthest(surface);
         let front_share = if is_front { surface.share / before } else { 0.0 };
-        points.push((surface.key, w), own, place, (surface.share / all, front_share));
+        let shares = PixelShares { pixel: surface.share / all, front: front_share };
+        points.push(surface.key, w, own, place, shares);
         if surface.share > largest && (is_front || !has_front) {
             largest = surface.share;
             (pixel.inverse_depth, pixel.image) = (w, frame.image_of(slot_of(surface.key)));

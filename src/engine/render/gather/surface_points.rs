@@ -22,6 +22,20 @@ pub(super) struct StripPixel {
     pub(super) at: u32,
 }
 
+/// How much of a pixel a surface takes, 0 to 1.
+#[derive(Clone, Copy)]
+pub(super) struct PixelShares {
+    /// Of the whole pixel.
+    pub(super) pixel: f32,
+    /// Of what the pixel shows in front of its farthest surface.
+    pub(super) front: f32,
+}
+
+impl PixelShares {
+    /// All of a pixel without a front.
+    pub(super) const WHOLE: Self = Self { pixel: 1.0, front: 0.0 };
+}
+
 /// The surface points of a block, and the sums of their colors.
 #[derive(Debug)]
 pub(super) struct SurfacePoints {
@@ -84,16 +98,9 @@ impl SurfacePoints {
         self.coverage[..count].fill(0.0);
     }
 
-    /// Adds the surface of a key, a sample of camera `own`, at inverse depth `w`, which takes `share` of a pixel, and `front_share` of what
-    /// it shows in front of its farthest surface.
+    /// Adds the surface of a key, a sample of camera `own`, at inverse depth `w`, which takes `shares` of a pixel.
     #[inline(always)]
-    pub(super) fn push(
-        &mut self,
-        (key, w): (u64, f32),
-        own: u16,
-        pixel: StripPixel,
-        (share, front_share): (f32, f32),
-    ) {
+    pub(super) fn push(&mut self, key: u64, w: f32, own: u16, pixel: StripPixel, shares: PixelShares) {
         let at = self.count % MOST;
         self.count = at + 1;
         self.x[at] = pixel.x;
@@ -101,8 +108,8 @@ impl SurfacePoints {
         self.w[at] = w;
         self.key[at] = key;
         self.own[at] = own;
-        self.share[at] = share;
-        self.front_share[at] = front_share;
+        self.share[at] = shares.pixel;
+        self.front_share[at] = shares.front;
         self.pixel[at] = pixel.at;
     }
 

@@ -36,11 +36,10 @@ use super::finish::{Finisher, changes_pictures, wants_fronts};
 use super::input::{BackgroundKey, FrameSamples};
 use super::supersample::{finer, subpixels};
 use super::vantage::{Picture, RenderStats, Vantage};
-use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
-use crate::settings::{Kernel, RenderSettings};
+use crate::settings::RenderSettings;
 use context::Context;
 use display::DisplayPass;
 use layout::{FRONT_WORDS, PICTURE_WORDS, SURFACE_WORDS};
@@ -48,7 +47,7 @@ use memory::SampleMemory;
 use pipelines::Pipelines;
 use recorder::Recorder;
 use scene::{SceneBindings, SceneInput};
-use target::GpuTarget;
+use target::{GpuTarget, TargetLayout};
 
 /// How a [`GpuRenderer`] is set up.
 #[derive(Clone, Copy, Debug)]
@@ -237,8 +236,9 @@ impl GpuRenderer {
         let context = &*context;
         let result = context.guarded(|| {
             let camera = &finer(&vantage.camera, subpixels);
-            let target =
-                target_for(target, context, pipelines, (camera, subpixels, with_fronts), settings.kernel)?;
+            let (width, height) = camera.intrinsics.size();
+            let layout = TargetLayout { width, height, subpixels, kernel: settings.kernel, with_fronts };
+            let target = target_for(target, context, pipelines, layout)?;
             let input = SceneInput { frame: &frame, camera, subpixels, with_fronts, settings };
             let scene = SceneBindings::new(context, pipelines, memory, target, input)?;
             job.check()?;
@@ -266,22 +266,16 @@ impl GpuRenderer {
     }
 }
 
-/// Buffers of the right size: the existing ones if they fit, else new ones.
+/// Buffers of this layout: the existing ones if they have it, else new ones.
 fn target_for<'a>(
     target: &'a mut Option<GpuTarget>,
     context: &Context,
     pipelines: &Pipelines,
-    (camera, subpixels, with_fronts): (&Camera, usize, bool),
-    kernel: Kernel,
+    layout: TargetLayout,
 ) -> Result<&'a GpuTarget> {
-    let size = camera.intrinsics.size();
-    let fits = |target: &GpuTarget| {
-        (target.width, target.height) == size
-            && (target.subpixels, target.with_fronts, target.kernel) == (subpixels, with_fronts, kernel)
-    };
-    let found = match target.take().filter(fits) {
+    let found = match target.take().filter(|target| target.layout == layout) {
         Some(found) => found,
-        None => GpuTarget::new(context, pipelines, size, (subpixels, with_fronts), kernel)?,
+        None => GpuTarget::new(context, pipelines, layout)?,
     };
     Ok(target.insert(found))
 }

@@ -3,7 +3,7 @@
 use super::layout::GROUPS_ACROSS;
 use super::pipelines::Pipelines;
 use super::scene::SceneBindings;
-use super::target::GpuTarget;
+use super::target::{GpuTarget, TargetLayout};
 use crate::render::gather::BLOCK;
 
 /// Records the stages of one picture.
@@ -41,6 +41,7 @@ impl Recorder<'_> {
     /// Makes the picture from both layers.
     pub(super) fn resolve(&mut self) {
         let stage = [SceneBindings::stage_offset(0, 0)];
+        let TargetLayout { width, height, .. } = self.target.layout;
         if let Some(gather_group) = &self.scene.gather_group {
             let blocks = |pixels: usize| pixels.div_ceil(BLOCK) as u32;
             let stages = [("silhouette", &self.pipelines.silhouette), ("gather", &self.pipelines.gather)];
@@ -49,14 +50,14 @@ impl Recorder<'_> {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, &self.scene.group, &stage);
                 pass.set_bind_group(1, gather_group, &[]);
-                pass.dispatch_workgroups(blocks(self.target.width), blocks(self.target.height), 1);
+                pass.dispatch_workgroups(blocks(width), blocks(height), 1);
             }
         } else {
             let mut pass = compute_pass(self.encoder, "resolve");
             pass.set_pipeline(&self.pipelines.resolve);
             pass.set_bind_group(0, &self.scene.group, &stage);
             pass.set_bind_group(1, &self.target.resolve_group, &[]);
-            dispatch(&mut pass, (self.target.width * self.target.height).div_ceil(256) as u32);
+            dispatch(&mut pass, (width * height).div_ceil(256) as u32);
         }
     }
 }

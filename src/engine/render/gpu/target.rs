@@ -31,9 +31,9 @@ impl PaintedImages {
     }
 }
 
-/// The buffers of a picture.
-#[derive(Debug)]
-pub(super) struct GpuTarget {
+/// What the buffers of a picture are made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TargetLayout {
     /// Columns of the z-buffer.
     pub(super) width: usize,
     /// Rows of the z-buffer.
@@ -43,6 +43,12 @@ pub(super) struct GpuTarget {
     pub(super) kernel: Kernel,
     /// Whether the picture tells what pixels show in front of their farthest surface.
     pub(super) with_fronts: bool,
+}
+
+/// The buffers of a picture.
+#[derive(Debug)]
+pub(super) struct GpuTarget {
+    pub(super) layout: TargetLayout,
     /// Background and foreground.
     pub(super) layers: [PaintedImages; 2],
     pub(super) picture: wgpu::Buffer,
@@ -51,14 +57,9 @@ pub(super) struct GpuTarget {
 }
 
 impl GpuTarget {
-    /// Buffers for a z-buffer of this size, of which each pixel of the picture has `subpixels` along its sides.
-    pub(super) fn new(
-        context: &Context,
-        pipelines: &Pipelines,
-        (width, height): (usize, usize),
-        (subpixels, with_fronts): (usize, bool),
-        kernel: Kernel,
-    ) -> Result<Self> {
+    /// Buffers for a z-buffer and a picture of this layout.
+    pub(super) fn new(context: &Context, pipelines: &Pipelines, layout: TargetLayout) -> Result<Self> {
+        let TargetLayout { width, height, subpixels, kernel, with_fronts } = layout;
         let pixels = (width * height) as u64;
         let blends = matches!(kernel, Kernel::Block | Kernel::Surfel);
         let layer = || PaintedImages::new(context, pipelines, pixels, blends);
@@ -72,17 +73,18 @@ impl GpuTarget {
         let buffers = [&layers[0].keys, &layers[0].sums, &layers[1].keys, &layers[1].sums, &picture];
         let resources = buffers.map(wgpu::Buffer::as_entire_binding);
         let resolve_group = bind(&context.device, &pipelines.resolve_layout, resources);
-        Ok(Self { width, height, subpixels, kernel, with_fronts, layers, picture, resolve_group, readback })
+        Ok(Self { layout, layers, picture, resolve_group, readback })
     }
 
     /// Whether the kernel blends the samples of a surface.
     pub(super) fn blends(&self) -> bool {
-        matches!(self.kernel, Kernel::Block | Kernel::Surfel)
+        matches!(self.layout.kernel, Kernel::Block | Kernel::Surfel)
     }
 
     /// Columns and rows of the picture.
     pub(super) fn picture_size(&self) -> (usize, usize) {
-        (self.width / self.subpixels, self.height / self.subpixels)
+        let TargetLayout { width, height, subpixels, .. } = self.layout;
+        (width / subpixels, height / subpixels)
     }
 
     /// Records a copy of the picture to where the CPU can read it.
@@ -104,7 +106,7 @@ impl GpuTarget {
                 color: Grid::from_vec(width, height, color.to_vec()),
                 inverse_depth: Grid::from_vec(width, height, bytemuck::cast_slice(depth).to_vec()),
                 image: Grid::from_vec(width, height, image.to_vec()),
-                fronts: if self.with_fronts { fronts[..pixels].to_vec() } else { Vec::new() },
+                fronts: if self.layout.with_fronts { fronts[..pixels].to_vec() } else { Vec::new() },
             }
         })
     }

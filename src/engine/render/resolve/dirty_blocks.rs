@@ -64,8 +64,9 @@ impl BlockSet {
     /// `subpixels` of the z-buffer along its sides.
     pub(crate) fn count<T: Sync>(
         &self,
-        (width, subpixels): (usize, usize),
         plane: &[T],
+        width: usize,
+        subpixels: usize,
         is: impl Fn(&T) -> bool + Sync,
     ) -> u64 {
         let side = BLOCK / subpixels;

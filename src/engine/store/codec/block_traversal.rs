@@ -51,6 +51,21 @@ struct SamplePixel {
     near: Neighbors,
 }
 
+/// One of the numbers of a sample, and the plane that it is coded in.
+#[derive(Clone, Copy)]
+struct CodedNumber {
+    number: usize,
+    plane: CodedPlane,
+}
+
+impl CodedNumber {
+    const GREEN: Self = Self { number: 1, plane: CodedPlane::Green };
+    const RED: Self = Self { number: 2, plane: CodedPlane::Red };
+    const BLUE: Self = Self { number: 3, plane: CodedPlane::Blue };
+    const NORMAL_X: Self = Self { number: 4, plane: CodedPlane::NormalX };
+    const NORMAL_Y: Self = Self { number: 5, plane: CodedPlane::NormalY };
+}
+
 /// Working memory of traversing a block, reused from block to block.
 pub(crate) struct BlockTraversal {
     /// Zigzag residuals of each number, by [`cell`].
@@ -167,12 +182,12 @@ impl BlockTraversal {
             return;
         }
         self.depth(coder, shape.depth_shift, &mut values[0], place);
-        let green = self.channel(coder, (1, CodedPlane::Green), (shape.colors, 0), values, place);
-        self.channel(coder, (2, CodedPlane::Red), (shape.colors, green), values, place);
-        self.channel(coder, (3, CodedPlane::Blue), (shape.colors, green), values, place);
+        let green = self.channel(coder, CodedNumber::GREEN, shape.colors, 0, values, place);
+        self.channel(coder, CodedNumber::RED, shape.colors, green, values, place);
+        self.channel(coder, CodedNumber::BLUE, shape.colors, green, values, place);
         if shape.normals {
-            self.coordinate(coder, (4, CodedPlane::NormalX), values, place);
-            self.coordinate(coder, (5, CodedPlane::NormalY), values, place);
+            self.coordinate(coder, CodedNumber::NORMAL_X, values, place);
+            self.coordinate(coder, CodedNumber::NORMAL_Y, values, place);
         }
     }
 
@@ -202,7 +217,8 @@ impl BlockTraversal {
         let context = kind * ACTIVITIES + activity(&self.residuals[0], place);
         code_number(
             coder,
-            (CodedPlane::Depth, context),
+            CodedPlane::Depth,
+            context,
             prediction,
             &mut depths[at],
             &mut self.residuals[0][at],
@@ -215,11 +231,13 @@ impl BlockTraversal {
     fn channel<C: Coder>(
         &mut self,
         coder: &mut C,
-        (number, plane): (usize, CodedPlane),
-        (colors, green): (usize, i32),
+        coded: CodedNumber,
+        colors: usize,
+        green: i32,
         values: &mut [PerPixel<i32>; NUMBERS],
         place: CodingContext<'_>,
     ) -> i32 {
+        let CodedNumber { number, plane } = coded;
         let CodingContext { at, near, before } = place;
         let channel = &mut values[number];
         let kind = if near.has(W | N) {
@@ -238,7 +256,7 @@ impl BlockTraversal {
             context = context * 8 + bit_length(zigzag(green)).min(14) / 2;
         }
         let residual = &mut self.residuals[number][at];
-        code_number(coder, (plane, context), prediction.wrapping_add(green), &mut channel[at], residual);
+        code_number(coder, plane, context, prediction.wrapping_add(green), &mut channel[at], residual);
         unzigzag(*residual)
     }
 
@@ -246,10 +264,11 @@ impl BlockTraversal {
     fn coordinate<C: Coder>(
         &mut self,
         coder: &mut C,
-        (number, plane): (usize, CodedPlane),
+        coded: CodedNumber,
         values: &mut [PerPixel<i32>; NUMBERS],
         place: CodingContext<'_>,
     ) {
+        let CodedNumber { number, plane } = coded;
         let CodingContext { at, near, before } = place;
         let axis = &mut values[number];
         let (prediction, kind) = match (before, near.first(at)) {
@@ -258,7 +277,7 @@ impl BlockTraversal {
             (None, None) => (0, 0),
         };
         let context = kind * ACTIVITIES + activity(&self.residuals[number], place);
-        code_number(coder, (plane, context), prediction, &mut axis[at], &mut self.residuals[number][at]);
+        code_number(coder, plane, context, prediction, &mut axis[at], &mut self.residuals[number][at]);
     }
 }
 
@@ -272,7 +291,8 @@ fn eight(bits: u64) -> u64 {
 #[inline(always)]
 fn code_number<C: Coder>(
     coder: &mut C,
-    (plane, context): (CodedPlane, usize),
+    plane: CodedPlane,
+    context: usize,
     prediction: i32,
     value: &mut i32,
     residual: &mut u32,

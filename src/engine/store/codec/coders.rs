@@ -3,7 +3,7 @@
 use super::block_traversal::Coder;
 use super::integers::{BitReader, BitWriter, join, split};
 use super::model::{CodedPlane, Counts, FrequencyTables, MASK_CONTEXTS, MaskSplits};
-use super::rans::{Decoder, RansEncoder};
+use super::rans::{Decoder, RansEncoder, SlotRange};
 
 /// Counts tokens, so that a model can be fitted.
 pub(crate) struct TokenCounter<'a>(pub &'a mut Counts);
@@ -39,7 +39,7 @@ impl<'a> ModelWriter<'a> {
     }
 
     fn push(&mut self, stream: usize, plane: CodedPlane, context: usize, token: usize) {
-        let (start, frequency) = self.model.table(plane, context).range(token);
+        let SlotRange { start, frequency } = self.model.table(plane, context).range(token);
         self.tokens.push((stream as u8, start as u16, frequency as u16));
     }
 
@@ -47,7 +47,8 @@ impl<'a> ModelWriter<'a> {
     pub(crate) fn finish(self) -> Vec<u8> {
         let mut encoder = RansEncoder::default();
         for (stream, start, frequency) in self.tokens.into_iter().rev() {
-            encoder.push(usize::from(stream), (u32::from(start), u32::from(frequency)));
+            let slots = SlotRange { start: u32::from(start), frequency: u32::from(frequency) };
+            encoder.push(usize::from(stream), slots);
         }
         let words = encoder.finish();
         let mut code = Vec::from((words.len() as u16).to_be_bytes());

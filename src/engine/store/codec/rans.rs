@@ -44,6 +44,14 @@ pub(crate) struct FrequencyTable {
     first: [u8; (SCALE >> COARSE_BITS) as usize],
 }
 
+/// The slots of a token.
+#[derive(Clone, Copy)]
+pub(crate) struct SlotRange {
+    pub(crate) start: u32,
+    /// How many there are.
+    pub(crate) frequency: u32,
+}
+
 impl FrequencyTable {
     /// From one frequency a token; those that are not listed are 0.
     ///
@@ -71,16 +79,16 @@ impl FrequencyTable {
         Ok(Self { starts, first })
     }
 
-    /// Where a token's slots begin, and how many it has.
+    /// The slots of a token.
     #[inline(always)]
-    pub(crate) fn range(&self, token: usize) -> (u32, u32) {
+    pub(crate) fn range(&self, token: usize) -> SlotRange {
         let start = u32::from(self.starts[token]);
-        (start, u32::from(self.starts[token + 1]) - start)
+        SlotRange { start, frequency: u32::from(self.starts[token + 1]) - start }
     }
 
     /// The frequency of a token.
     pub(crate) fn frequency(&self, token: usize) -> u32 {
-        self.range(token).1
+        self.range(token).frequency
     }
 }
 
@@ -99,9 +107,9 @@ impl Default for RansEncoder {
 }
 
 impl RansEncoder {
-    /// Codes the token that stands before all those coded so far, given where its slots begin and how many it has, which must not
-    /// be none.
-    pub(super) fn push(&mut self, stream: usize, (start, frequency): (u32, u32)) {
+    /// Codes the token before all those coded so far, given its slots: at least one.
+    pub(super) fn push(&mut self, stream: usize, slots: SlotRange) {
+        let SlotRange { start, frequency } = slots;
         debug_assert!(frequency > 0, "a token that cannot be coded");
         let state = &mut self.states[stream];
         if u64::from(*state) >= u64::from(frequency) << (32 - SCALE_BITS) {
@@ -149,7 +157,7 @@ impl<'a> Decoder<'a> {
         while u32::from(table.starts[token + 1]) <= slot {
             token += 1;
         }
-        let (start, frequency) = table.range(token);
+        let SlotRange { start, frequency } = table.range(token);
         self.advance(stream, frequency * (before >> SCALE_BITS) + slot - start);
         token
     }
@@ -210,7 +218,7 @@ mod tests {
             let mut decoder = Decoder::new(&words);
             for (nth, &(table, token)) in coded.iter().enumerate() {
                 if table == 0 {
-                    let second = decoder.next_of_two(nth % STREAMS, tables[0].range(1).0 as u16);
+                    let second = decoder.next_of_two(nth % STREAMS, tables[0].range(1).start as u16);
                     prop_assert_eq!(usize::from(second), token);
                 } else {
                     prop_assert_eq!(decoder.next(nth % STREAMS, &tables[table]), token);

@@ -20,7 +20,8 @@ use overlook_engine::job::Job;
 use overlook_engine::part::Part;
 use overlook_engine::preprocess::BufferedResult;
 use overlook_engine::preprocess::parts::{
-    Measured, join_pruned, join_spans, prune_part, run_of_part, scan_part, scan_parts_read_by,
+    Measured, MeasuredCapture, join_pruned, join_spans, prune_part, run_of_part, scan_part,
+    scan_parts_read_by,
 };
 use overlook_engine::samples::{ReadSeek, RecordReader, RecordWriter};
 use overlook_engine::settings::{CaptureSettings, Settings};
@@ -204,7 +205,7 @@ impl Stages<'_> {
             let read = scan_parts_read_by(self.capture.frame_count(), part).into_iter();
             let read =
                 read.map(|part| Ok(self.open_scan(&measurement, part)?.0)).collect::<Result<Vec<_>>>()?;
-            let from = (self.capture, &measurement.measured, self.settings);
+            let from = self.measured_capture(&measurement);
             files.write(part, |writer| prune_part(from, part, named(spans), read, writer, job))?;
         }
         Ok(files.path(part))
@@ -222,7 +223,11 @@ impl Stages<'_> {
         }
         let opened = Part::all(of).map(|part| Ok(named(self.prune_files(&scans, &spans, part)?.open(part)?)));
         let parts = opened.collect::<Result<Vec<_>>>()?;
-        let result = join_pruned((self.capture, &measurement.measured, self.settings), parts, job)?;
+        let result = join_pruned(self.measured_capture(&measurement), parts, job)?;
         Ok((result, input::summed_up(sums.into_iter())))
+    }
+
+    fn measured_capture<'b>(&'b self, measurement: &'b Measurement) -> MeasuredCapture<'b> {
+        MeasuredCapture { capture: self.capture, measured: &measurement.measured, settings: self.settings }
     }
 }
