@@ -54,7 +54,7 @@ fn said(error: &std::io::Error) -> String {
         ErrorKind::NotFound => "there is no such file or folder; check the path",
         ErrorKind::PermissionDenied => "this user has no permission; allow it, or choose another place",
         ErrorKind::IsADirectory => "is a folder where a file is expected; name a file",
-        ErrorKind::NotADirectory => "a file stands where a folder is expected; check the path",
+        ErrorKind::NotADirectory => "a file is in place of a folder; check the path",
         ErrorKind::ReadOnlyFilesystem => "the disk can only be read; choose another place",
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "the disk is full; free some space, or choose another place"
@@ -63,7 +63,7 @@ fn said(error: &std::io::Error) -> String {
         _ => {
             let text = error.to_string();
             let words = text.split(" (os error").next().unwrap_or_default();
-            return format!("the system says \"{words}\"; try again, or choose another place");
+            return format!("the system reports \"{words}\"; try again, or choose another place");
         }
     };
     advice.to_owned()

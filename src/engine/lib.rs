@@ -16,7 +16,7 @@
 //! | registration | [`preprocess::registration`] | carries samples into the other cameras: which of them saw the same surface point? |
 //! | sampling rate | `preprocess::layers` | of two samples of one point, which is denser? (the paper's `r`) |
 //! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one; a sample is dropped only if a kept one represents it |
-//! | explanation | [`preprocess::inspect`] | says for each pixel by which rule it was kept or dropped |
+//! | explanation | [`preprocess::inspect`] | gives for each pixel the rule that kept or dropped it |
 //! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |
 //! | rendering | [`render`] | paints foreground over background into any vantage |
 //!

@@ -21,7 +21,7 @@ use crate::settings::{
     SpanSettings,
 };
 
-/// The pass over all frames of one capture, and what was last made of it.
+/// The pass over all frames of one capture, with the last results made from it.
 #[derive(Debug)]
 pub struct PreparedScan {
     scan: TemporalScan,
@@ -33,7 +33,7 @@ pub struct PreparedScan {
 }
 
 impl PreparedScan {
-    /// Mends what the rig got wrong, and passes over all frames.
+    /// Corrects the rig's errors, and passes over all frames.
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be written, and `Cancelled`.
@@ -43,7 +43,7 @@ impl PreparedScan {
         Ok(Self::of(scan, aligned, &settings.align))
     }
 
-    /// A scan of what was aligned with these settings.
+    /// A scan of a capture that was aligned with these settings.
     pub(crate) fn of(scan: TemporalScan, aligned: Aligned, align: &AlignSettings) -> Self {
         Self {
             scan,
@@ -61,13 +61,13 @@ impl PreparedScan {
         &self.aligned.capture
     }
 
-    /// What was mended; `None` where nothing was.
+    /// The corrections to the rig; `None` if nothing was corrected.
     #[must_use]
     pub fn alignment(&self) -> Option<&Alignment> {
         self.aligned.alignment.as_ref()
     }
 
-    /// What was looked for.
+    /// The settings that the capture was aligned with.
     #[must_use]
     pub fn align_settings(&self) -> &AlignSettings {
         &self.align
@@ -99,7 +99,7 @@ type StaticKey = (NormalSettings, SpanSettings);
 /// Per camera.
 type AllNormalErrors = Arc<Vec<Vec<NormalErrors>>>;
 
-/// What the layers of a frame depend on.
+/// Everything that the layers of a frame depend on.
 #[derive(Clone, Debug, PartialEq)]
 struct PreparedFrameKey {
     frame: usize,
@@ -112,7 +112,7 @@ struct PreparedFrameKey {
     agreement: AgreementRule,
 }
 
-/// The last result, with what it was made with.
+/// The last result, with the key that it was made for.
 #[derive(Debug)]
 struct Last<K, V>(Mutex<Option<(K, V)>>);
 

@@ -60,7 +60,7 @@ pub(crate) fn prune_run(
     Ok((images, RunCounts { report: tally.into_report(), readings: residuals.into_readings() }))
 }
 
-/// Notes what is seen at a frame, whose samples are put and taken away again without a decision.
+/// Notes the depths of a frame. Its samples are added and removed again without a decision.
 fn note_frame(
     stack: &mut SpanStack<'_>,
     residuals: &mut Residuals<'_>,

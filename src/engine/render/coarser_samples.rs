@@ -1,6 +1,6 @@
 //! Samples as coarse as a picture: of a pyramid over those of a frame, the level whose resolution is nearest to the picture's.
 //!
-//! Purpose: a picture that is coarser than what was recorded takes the time of what it shows, not of what was recorded.
+//! Purpose: the time of a picture that is coarser than the recording depends on the picture, not on the recording.
 //!
 //! Source: Lance Williams, *Pyramidal Parametrics*, SIGGRAPH 1983. What differs: one level serves the whole picture, so that it is a set of
 //! samples like any other, which every kernel renders on the CPU and the GPU. It is chosen by what the finer parts of the picture need.
@@ -16,24 +16,24 @@ use super::vantage::Vantage;
 use crate::samples::{SampleImage, SampleSet, halved_camera};
 use crate::settings::{Coarse, RenderSettings};
 
-/// A coarser level begins where at least so many recorded pixels lie along a pixel of the picture.
+/// A coarser level begins where a pixel of the picture is at least this many recorded pixels wide.
 const LEAST_RATE: f32 = 1.75;
 
-/// Samples of the chosen level along a pixel of the picture are at least so many, and fewer than twice as many.
+/// A pixel of the picture is at least this many samples of the chosen level wide, and less than twice that.
 const REMAINING_RATE: f32 = 0.75;
 
-/// The share of a picture that has at least the rate which decides: the level serves what was recorded more finely as well.
+/// The level is chosen by the rate that this share of a picture reaches: it serves the finer recorded parts as well.
 const SHARE: f64 = 0.75;
 
 /// Coarsest level: 64 recorded pixels along one of its samples.
 const COARSEST: usize = 6;
 
-/// The level for a picture with so many recorded pixels along one of its pixels; 0 are the samples themselves.
+/// The level for a picture whose pixels are this many recorded pixels wide; 0 are the samples themselves.
 fn level_of(rate: f32) -> usize {
     if rate < LEAST_RATE { 0 } else { ((rate / REMAINING_RATE).log2() as usize).clamp(1, COARSEST) }
 }
 
-/// The levels that were asked for last, kept while the samples of the frame stay the same.
+/// The levels that were used last, kept while the samples of the frame stay the same.
 #[derive(Debug, Default)]
 pub(super) struct CoarserSamples {
     /// From the first coarser one on.

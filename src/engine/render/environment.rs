@@ -1,6 +1,6 @@
 //! The sky, continued into directions that no camera saw.
 //!
-//! What lies at infinity depends on direction alone. Its colors are summed up in the cells of grids over the cube around the unit
+//! What is at infinity depends on direction alone. Its colors are summed up in the cells of grids over the cube around the unit
 //! sphere, each grid half as fine as the one before. Where a grid knows little, its cells are filled from the coarser one, so that a
 //! direction is looked up in the finest grid alone. Grids in space have no seams, unlike the faces of a cube or the poles of a map.
 //!
@@ -20,11 +20,12 @@ use crate::samples::TILE;
 /// Cells along each side of the finest grid: some two degrees each.
 const FINEST: usize = 64;
 
-/// A cell with fewer samples than this is filled from the coarser grid by the share that it lacks: a few at the rim of what was seen may be blended with a
-/// surface.
+/// A cell with fewer samples than this takes the missing share from the coarser grid: a few samples at the rim of what was seen may be
+/// blended with a surface.
 const FULL_COUNT: f32 = 16.0;
 
-/// What a sample counts beside which others are missing: pruning may have dropped those of a surface that it is blended with.
+/// Weight of a sample with a missing neighbor. Pruning may have dropped the neighbor from a surface whose color this sample is blended
+/// with.
 const BESIDE_MISSING: f32 = 1.0 / 64.0;
 
 /// Weighted sums of red, green and blue, and the sum of weights.
@@ -107,7 +108,7 @@ impl PixelDirections {
     }
 }
 
-/// What a sample counts, given the inverse depths of its tile: nothing unless it lies at infinity with no surface beside it, else its
+/// Weight of a sample, given the inverse depths of its tile: zero unless it is at infinity with no surface beside it, else its
 /// color may be blended with one.
 fn weight_of_sky(rows: &[[f32; TILE]], column: usize, row: usize) -> f32 {
     if rows[row][column] != 0.0 {
@@ -203,7 +204,7 @@ fn interpolated(cells: &[CellColor], side: usize, direction: Vec3) -> [f32; 3] {
 mod tests {
     use super::*;
 
-    /// The environment of samples with these directions and colors, so many of each.
+    /// The environment of samples with these directions and colors, and the number of each.
     fn environment_of(samples: impl Iterator<Item = (Vec3, [f32; 3], f32)>) -> Environment {
         let mut cells = vec![[0.0; 4]; FINEST * FINEST * FINEST];
         for (direction, [red, green, blue], count) in samples {

@@ -26,7 +26,7 @@ enum Adapter {
     Unknown,
     /// There is no graphics card, but perhaps a software adapter.
     NoCard,
-    /// There is none, or it was lost: the reason.
+    /// There is no adapter, or it was lost: the reason.
     Missing(String),
     Open(Box<GpuRenderer>),
 }
@@ -79,7 +79,7 @@ impl Renderer {
     /// As [`Renderer::new`], but opens the GPU at once if `backend` is the GPU.
     ///
     /// # Errors
-    /// `Gpu` where there is none.
+    /// `Gpu` if there is no adapter.
     pub fn strict(backend: Backend) -> Result<Self> {
         let adapter = match backend {
             Backend::Gpu => Adapter::Open(Box::new(GpuRenderer::new(AdapterChoice::Any)?)),

@@ -18,7 +18,7 @@ use crate::capture::{Camera, Intrinsics};
 /// Columns and rows of the four tiles that one coarser tile is made of.
 const SIDE: usize = 2 * TILE;
 
-/// Inverse depths in a square that differ by no more than so many footprints are of one surface, as slanted as it may be.
+/// Inverse depths in a square that differ by at most this many footprints are of one surface, however slanted it is.
 const SAME_FOOTPRINTS: f32 = 8.0;
 
 /// The same camera with pixels twice as wide and high. Of an odd number of columns or rows the last is joined with nothing.

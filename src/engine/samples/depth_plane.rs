@@ -157,7 +157,7 @@ impl DepthPlane {
         self.low.len()
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.low.is_empty()

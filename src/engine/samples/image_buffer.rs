@@ -150,7 +150,7 @@ impl ImageBuffer {
         self.images.len()
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.images.is_empty()

@@ -102,7 +102,7 @@ impl SampleImage {
         found.ok().map(|at| &self.doubtful[at].rows)
     }
 
-    /// Whether the sample at a pixel is doubtful; not where there is none.
+    /// Whether the sample at a pixel is doubtful; false without a sample.
     #[must_use]
     pub fn is_doubtful(&self, x: usize, y: usize) -> bool {
         let place = ((y / TILE) as u16, (x / TILE) as u16);

@@ -71,12 +71,12 @@ choice! {
 }
 
 choice! {
-    /// What happens to samples whose color is blended across a silhouette, or whose depth lies in the air between its sides.
+    /// What happens to samples with a color blended across a silhouette, or a depth in the air between its sides.
     pub enum MixedPixels {
         /// They are samples like any other.
         Keep = "keep",
-        /// They lose against clean samples of the same surface, whatever the rates; flying pixels are contradicted by their own camera, and
-        /// blended ones of the sky are dropped, as the sky is continued over them.
+        /// They lose against clean samples of the same surface, whatever the rates. Their own camera contradicts flying pixels. Blended
+        /// pixels of the sky are dropped, and the sky is continued over them.
         Yield = "yield",
         /// They are removed before anything else.
         Drop = "drop",
@@ -86,7 +86,7 @@ choice! {
 choice! {
     /// What becomes of samples that other cameras contradict, and how noise between cameras is treated.
     pub enum AgreementRule {
-        /// Nothing is asked of other cameras, and noise between them is not measured.
+        /// Other cameras are not consulted, and noise between them is not measured.
         Off = "off",
         /// A sample is dropped where more cameras contradict it than confirm it.
         Majority = "majority",
@@ -98,13 +98,13 @@ choice! {
     pub enum Precision {
         /// Every bit.
         Lossless = "lossless",
-        /// Color to half a step of a display with 16 bits, depth as `depth_precision` says.
+        /// Color to half a step of a display with 16 bits, depth to `depth_precision`.
         Bits16 = "bits16",
-        /// Color to half a step of a display with 12 bits, depth as `depth_precision` says.
+        /// Color to half a step of a display with 12 bits, depth to `depth_precision`.
         Bits12 = "bits12",
-        /// Color to half a step of a display with 10 bits, depth as `depth_precision` says.
+        /// Color to half a step of a display with 10 bits, depth to `depth_precision`.
         Bits10 = "bits10",
-        /// Color to half a step of a display with 8 bits, depth as `depth_precision` says.
+        /// Color to half a step of a display with 8 bits, depth to `depth_precision`.
         Bits8 = "bits8",
     }
 }
@@ -163,7 +163,7 @@ choice! {
 }
 
 choice! {
-    /// How parts of a picture are rendered that show more finely than any camera recorded.
+    /// How parts of a picture that are finer than any camera recorded are rendered.
     pub enum Magnified {
         /// As the rest. Gaps and steps as wide as a recorded pixel can be seen.
         Direct = "direct",

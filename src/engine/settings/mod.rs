@@ -32,9 +32,9 @@ use section::section;
 section! {
     /// Reading the capture.
     pub struct CaptureSettings in "capture" {
-        /// Memory for decoded frames that may be asked for again.
+        /// Memory for decoded frames that may be needed again.
         cache: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
-        /// How many views are read at most: those that together show the most, as a moving camera records many that repeat others.
+        /// The largest number of views that are read. Those that together show the most are chosen: many views of a moving camera repeat others.
         /// 0 reads all.
         views: u32 = 0, "views", ValueKind::Integer { min: 0, max: 4096 };
     }
@@ -43,17 +43,16 @@ section! {
 section! {
     /// What the rig got wrong, corrected before anything else.
     pub struct AlignSettings in "align" {
-        /// Whether cameras are turned and moved so that they agree about where surfaces are. Views between them are moved as they
-        /// were, where that can be predicted.
+        /// Whether cameras are turned and moved so that they agree about where surfaces are. Views between them are moved alike where
+        /// their error can be predicted.
         poses: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
-        /// Whether color is seen through a lens and from a place of its own, where the capture says that it shares those of depth. Views
-        /// that claim the same lens are rendered through the one that was found.
+        /// Whether a lens and a position of its own are found for the color camera, if the capture gives color those of depth. Views that
+        /// claim the same lens are rendered through the one that was found.
         lens: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
         /// Whether colors are multiplied so that cameras agree about them: exposure and white balance. Views between them are exposed
-        /// as they were, where that can be predicted.
+        /// alike where their error can be predicted.
         exposure: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
-        /// Whether cameras whose pictures were taken whole frames later or earlier than those of most are moved in time. Fractions of a
-        /// frame are reported.
+        /// Whether cameras that lag or lead most others by whole frames are moved in time. Fractions of a frame are reported.
         clock: Correction = Correction::Auto, "", ValueKind::Choice(Correction::NAMES);
     }
 }
@@ -102,7 +101,7 @@ section! {
         method: PruningMethod = PruningMethod::HighestRate, "", ValueKind::Choice(PruningMethod::NAMES);
         /// How the sampling rate of a pixel is measured.
         rate: RateModel = RateModel::Auto, "", ValueKind::Choice(RateModel::NAMES);
-        /// Two samples show the same surface while one lies this close to the other's tangent plane.
+        /// Two samples show the same surface while one is this close to the other's tangent plane.
         depth_tolerance: f32 = 1.0, "footprints", ValueKind::Number { min: 0.05, max: 16.0, log: true };
         /// Two samples show the same surface while their normals differ by less than this.
         normal_tolerance: f32 = 30.0, "degrees", ValueKind::Number { min: 1.0, max: 90.0, log: false };
@@ -115,14 +114,14 @@ section! {
         /// Whether a sample is dropped only where its witness's camera shows the surface on all four pixels around the
         /// point: what is left then overlaps by a pixel at depth edges, and can be interpolated there.
         overlap: bool = true, "", ValueKind::Switch;
-        /// What happens to samples whose color is blended across a silhouette, or, where other cameras are asked, whose depth lies in the
-        /// air between its sides.
+        /// What happens to samples with a color blended across a silhouette. With agreement, also to samples with a depth in the air
+        /// between the two sides of a silhouette.
         mixed_pixels: MixedPixels = MixedPixels::Yield, "", ValueKind::Choice(MixedPixels::NAMES);
-        /// What becomes of samples that other cameras contradict, as they see through to what lies behind. Where cameras are asked, noise between them is measured, and
-        /// granted where it exceeds the tolerances.
+        /// What becomes of samples that other cameras contradict because they see past them. Agreement also measures the noise between
+        /// cameras, and grants it where it exceeds the tolerances.
         agreement: AgreementRule = AgreementRule::Majority, "", ValueKind::Choice(AgreementRule::NAMES);
-        /// By how many the cameras that contradict a sample must outnumber those that confirm it, its own among them, for it to
-        /// be dropped.
+        /// A sample is dropped if the cameras that contradict it outnumber those that confirm it, its own included, by at least this
+        /// many.
         agreement_margin: u32 = 1, "cameras", ValueKind::Integer { min: 1, max: 64 };
     }
 }
@@ -148,8 +147,8 @@ section! {
         kernel: Kernel = Kernel::Gather, "", ValueKind::Choice(Kernel::NAMES);
         /// How pixels without any sample are filled.
         fill: Fill = Fill::PushPull, "", ValueKind::Choice(Fill::NAMES);
-        /// Whether what nearer surfaces enclose shows what is behind them only where cameras have seen the line of sight free, by
-        /// kernels that interpolate.
+        /// Whether gaps between nearer surfaces show what is behind only where a camera has seen the line of sight free. Only kernels that
+        /// interpolate test this.
         free_space: bool = true, "", ValueKind::Switch;
         /// Samples this close behind the nearest one belong to the same surface and are blended with it.
         depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
@@ -161,7 +160,7 @@ section! {
         /// How a picture that is coarser than what was recorded is rendered where it is antialiased. The window renders from a pyramid
         /// while a view moves, whatever is chosen here.
         coarse: Coarse = Coarse::Average, "", ValueKind::Choice(Coarse::NAMES);
-        /// How parts of a picture are rendered that show more finely than any camera recorded, by kernels that interpolate.
+        /// How parts of a picture that are finer than any camera recorded are rendered, by kernels that interpolate.
         magnified: Magnified = Magnified::Upsampled, "", ValueKind::Choice(Magnified::NAMES);
         /// What renders.
         backend: Backend = Backend::Auto, "", ValueKind::Choice(Backend::NAMES);
@@ -310,7 +309,7 @@ impl Settings {
     }
 }
 
-/// Where the byte at `offset` of a text stands, lines and characters counted from 1.
+/// Line and character of the byte at `offset` of a text, both counted from 1.
 fn line_and_column(place: &str, text: &str, offset: usize) -> String {
     let before = text.get(..offset).unwrap_or(text);
     let line = before.matches('\n').count() + 1;

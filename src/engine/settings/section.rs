@@ -26,12 +26,12 @@ pub enum ValueKind {
     Choice(&'static [(&'static str, &'static str)]),
 }
 
-/// One setting: where it stands, what it means, what it takes.
+/// One setting: its name, its meaning, and the values that it takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Field {
     /// Section and name, as in `pruning.rate`.
     pub path: &'static str,
-    /// Unit of the value; empty where there is none.
+    /// Unit of the value; empty if it has none.
     pub unit: &'static str,
     /// Help text.
     pub help: &'static str,

@@ -4,9 +4,9 @@
 //! SampleSet ─ precision ─▶ images ─ blocks ─▶ numbers ─ codec ─▶ bytes ─ iff ─▶ file
 //! ```
 //!
-//! Source: the paper, §3.2: tiles, of which empty ones are skipped, "simple run-length encoding", a "customized IFF
-//! format". What differs: prediction and entropy coding in place of runs, of which half floats have few; checksums, a version,
-//! an index for random access. The file holds exactly what the set holds, unless a precision is asked for.
+//! Source: the paper, §3.2: tiles (empty ones are skipped), "simple run-length encoding", a "customized IFF
+//! format". What differs: prediction and entropy coding in place of runs, which are rare in half floats; checksums, a version,
+//! an index for random access. The file holds exactly what the set holds, unless the settings name a precision.
 
 mod codec;
 mod container;

@@ -4,15 +4,16 @@
 //! vain. Colors of noisy cameras are averaged as well: where depth or pose are off, so is the color that one camera puts on a
 //! surface.
 //!
-//! A sample that nobody confirms, although several cameras had a free view of its place, is *doubtful*: it may be a stray one that too
-//! few of them look past to contradict it. Renderers show it where there is nothing else. A free view is one that nothing nearer
-//! blocks, of pixels that are fine enough: what lies farther there, or nothing at all. What only one camera could have seen, and
-//! things one pixel wide, which slip between pixels, are not doubtful.
+//! A sample is *doubtful* if no other camera confirms it although several had a free view of its place: it may be a stray sample, but
+//! too few cameras look past it to contradict it. Renderers show it where there is nothing else. A camera has a free view if its pixels
+//! are fine enough and it recorded nothing nearer there. A sample that only one camera could have seen is not doubtful; neither is a
+//! thing one pixel wide, which slips between pixels.
 //!
 //! Source: the inverse-variance mean, as of any independent measurements; the surface that another camera saw is interpolated
 //! between its pixels, each smoothed over its neighbors ([`super::smooth_depth`]). Colors weigh as densely as they were sampled, and
-//! are averaged as they are seen, in sRGB. What differs: it is robust. Cameras take part within three standard deviations of the sample, and count once more within three of the first mean, so that one that is far off does not
-//! pull it. Colors are averaged however far apart they are: leaving out those beyond the tolerances of color costs 0.2 to 0.5 dB on
+//! are averaged as they are seen, in sRGB. What differs: it is robust. Cameras take part within three standard deviations of the
+//! sample. The mean is taken again over those within three standard deviations of the first mean, so that an outlier does not pull
+//! it. Colors are averaged however far apart they are: leaving out those beyond the tolerances of color costs 0.2 to 0.5 dB on
 //! recordings, where poses are off by a pixel or two.
 
 use std::sync::Arc;
@@ -28,25 +29,25 @@ use crate::preprocess::temporal::SpanLevel;
 use crate::settings::{AgreementRule, PruningMethod, Settings};
 use crate::simd::{self, VectorLoop, root_of_squares};
 
-/// Pixels between which a surface is interpolated may be so many times as far off, since it may be slanted.
+/// A surface is interpolated between pixels up to this many times as far off as the limit, since it may be slanted.
 const ACROSS: f32 = 2.0;
 
-/// What is farther off than so many standard deviations takes no part.
+/// Samples farther off than this many standard deviations take no part.
 const SIGMAS: f32 = 3.0;
 
-/// Colors of pixels so many times as large as the sample's would blur it.
+/// Colors of pixels this many times as large as the sample's would blur it.
 const COARSEST: f32 = 2.0;
 
-/// Colors count where depth differs by no more than so many standard deviations: what is farther off may be beside the surface.
+/// Colors count where depth differs by at most this many standard deviations: a pixel farther off may be beside the surface.
 const COLOR_SIGMAS: f32 = 2.0;
 
-/// Of the pixels around a sample at least this share shows its surface, for their color to count.
+/// Colors around a sample count only if at least this share of the pixels shows its surface.
 const MOST: f32 = 0.5;
 
-/// Depths that differ by less than so many footprints are of one surface, however small the noise is.
+/// Depths that differ by less than this many footprints are of one surface, however small the noise is.
 const LEAST_FOOTPRINTS: f32 = 2.0;
 
-/// A sample that no camera confirms is doubtful if at least so many had a free view of it. One alone may have missed it.
+/// A sample that no camera confirms is doubtful if at least this many had a free view of it. One alone may have missed it.
 const MISSED_BY: u32 = 2;
 
 /// Refines depths and colors of samples of noisy cameras.
@@ -128,7 +129,7 @@ impl<'a> Consensus<'a> {
             && is_noisy
     }
 
-    /// With depths that are smoothed already, as far as they were asked for.
+    /// With depths that other consensuses of the same layers have smoothed so far.
     pub(crate) fn smoothed(
         pairs: &'a CameraPairs<'a>,
         layers: &'a [CameraLayer],
@@ -222,7 +223,7 @@ impl<'a> Consensus<'a> {
     #[inline(always)]
     fn sighting(&self, there: &Corners, other: usize, noise: [f32; 2]) -> Option<Sighting> {
         let [own, its] = noise;
-        // A camera that is not noisy itself is off by no more than the others know.
+        // A camera without measured noise counts as noisy as the sample.
         let variance = if its > 0.0 { its * its } else { own * own };
         let limit = SIGMAS * (own * own + variance).sqrt();
         // Inverse depth is linear over a plane, so that interpolating it is exact, however slanted the plane is.
@@ -238,12 +239,12 @@ impl<'a> Consensus<'a> {
         (farther.abs() <= limit).then_some(Sighting { farther, variance })
     }
 
-    /// The color that camera `other` gives to the surface of a sample with so much noise, 8-bit sRGB steps; `None` where most of the
+    /// The color that camera `other` gives to the surface of a sample with this noise, 8-bit sRGB steps; `None` where most of the
     /// pixels around it show something else.
     #[inline(always)]
     fn color_seen(&self, there: &Corners, other: usize, noise: f32) -> Option<[f32; 3]> {
         let its_noise = self.noise_of(other, there.expected);
-        // A camera that is not noisy itself is off by no more than the others know.
+        // A camera without measured noise counts as noisy as the sample.
         let its_noise = if its_noise > 0.0 { its_noise } else { noise };
         let limit = (COLOR_SIGMAS * root_of_squares(noise, its_noise)).max(LEAST_FOOTPRINTS * there.side);
         let mut color = ColorSum::default();

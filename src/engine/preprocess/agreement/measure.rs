@@ -24,13 +24,13 @@ use crate::preprocess::registration::{
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT};
 use crate::simd::LANES;
 
-/// Samples of each camera that are looked for in each other one, about; with many cameras fewer.
+/// About this many samples of each camera are looked for in each other one; with many cameras fewer.
 const SAMPLES: usize = 8192;
 const FEWEST_SAMPLES: usize = 512;
-/// Cameras up to which nothing is spared.
+/// The number of samples falls with more cameras than this.
 const FEW_CAMERAS: usize = 9;
 
-/// Of two cameras that disagree either may be wrong: they do not tell noise from that.
+/// Two cameras that disagree are not enough to tell noise from a wrong camera.
 const MIN_CAMERAS: usize = 3;
 
 /// A class of depth, or of brightness, with fewer differences takes its value from the next that has as many.
@@ -39,7 +39,7 @@ const MIN_DIFFERENCES: usize = 256;
 /// Surfaces that are farther apart than this, relative to their depth, are different ones.
 const FARTHEST_RELATIVE: f32 = 0.2;
 
-/// Distances beyond so many standard deviations belong to other surfaces.
+/// Distances beyond this many standard deviations belong to other surfaces.
 const SIGMAS: f32 = 3.0;
 
 /// Φ⁻¹(0.75) and Φ⁻¹(0.625): the median and the lower quartile of the magnitude of a normal draw.
@@ -60,7 +60,7 @@ pub(crate) fn measure_noise_between(
     Ok(where_most_are_noisy(noise))
 }
 
-/// The noise of one camera as the others see it, of which only those that may see its samples need to be there.
+/// The noise of one camera as the others see it. Only layers of cameras that may see its samples need to be filled.
 pub(crate) fn noise_of_camera(
     pairs: &CameraPairs<'_>,
     layers: &[CameraLayer],
@@ -159,7 +159,7 @@ impl CameraDifferences {
     }
 }
 
-/// The standard deviation that the magnitudes speak for which lie within three of it. Sorts them; there is at least one.
+/// The standard deviation of the magnitudes, estimated from those within three of it. Sorts them; there is at least one.
 fn spread(magnitudes: &mut [f32]) -> f32 {
     magnitudes.sort_unstable_by(f32::total_cmp);
     let mut within = magnitudes.len();
@@ -173,12 +173,12 @@ fn spread(magnitudes: &mut [f32]) -> f32 {
     }
 }
 
-/// The same of one of the two that each is a difference of.
+/// The standard deviation of either side of these differences.
 fn spread_of_one(magnitudes: &mut [f32]) -> f32 {
     spread(magnitudes) * std::f32::consts::FRAC_1_SQRT_2
 }
 
-/// Those that are missing are as their nearest neighbors; `None` where all are.
+/// Fills missing values from their nearest neighbors; `None` if all are missing.
 fn filled(values: &[Option<f32>]) -> Option<Vec<f32>> {
     let known: Vec<(usize, f32)> =
         values.iter().enumerate().filter_map(|(at, value)| Some((at, (*value)?))).collect();

@@ -1,8 +1,8 @@
-//! What the votes on a sample come to, in one word, for display.
+//! The outcome of the votes on a sample, for display.
 
 use super::votes::VoteCounts;
 
-/// How a sample stands among the other cameras.
+/// Whether other cameras agree with a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleAgreement {
     /// At least one other camera confirms it, and not too many look past it.
@@ -14,7 +14,7 @@ pub enum SampleAgreement {
 }
 
 impl SampleAgreement {
-    /// What `counts` come to where a sample, flying or not, is contradicted by a margin of so many cameras.
+    /// The outcome of `counts` for a sample, flying or not. A sample is contradicted by a margin of `margin` cameras.
     #[must_use]
     pub fn of(counts: VoteCounts, margin: u32, is_flying: bool) -> Self {
         if counts.contradict(margin, is_flying) {

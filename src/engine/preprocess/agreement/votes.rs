@@ -23,18 +23,18 @@ use crate::preprocess::registration::{
 use crate::preprocess::temporal::{ROOT, SpanLevel};
 use crate::settings::{AgreementRule, PruningMethod, Settings};
 
-/// What one camera says about a sample of another.
+/// The vote of one camera on a sample of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vote {
     /// It sees the surface where the sample has it, whatever its normal and color.
     Confirms,
-    /// It sees nothing but what is farther there.
+    /// It sees only farther surfaces there.
     LooksPast,
     /// It does not look there, something is in the way, or it may have missed the surface.
     CannotTell,
 }
 
-/// How many other cameras vote in which way on a sample.
+/// The numbers of other cameras that vote for and against a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct VoteCounts {
     /// Those that confirm it.
@@ -44,8 +44,8 @@ pub struct VoteCounts {
 }
 
 impl VoteCounts {
-    /// Whether the cameras that look past the sample outnumber those that confirm it by `margin`. Its own camera is one of these;
-    /// but one that saw a flying pixel saw what is before and what is behind it, and counts among those that look past it.
+    /// Whether the cameras that look past the sample outnumber those that confirm it by `margin`. Its own camera is one of these.
+    /// For a flying pixel the own camera counts among those that look past it, since it saw what is in front and what is behind.
     #[must_use]
     pub fn contradict(self, margin: u32, is_flying: bool) -> bool {
         let (confirm, look_past) =
@@ -54,7 +54,7 @@ impl VoteCounts {
     }
 }
 
-/// A pixel of the target may be so many times as large as the sample's own, and whatever the sample shows cannot slip between.
+/// A pixel of the target may be this many times as large as the sample's own: a surface that the sample shows cannot slip between.
 pub(super) const RESOLVES: f32 = 2.0;
 
 /// Neighbors in one picture are of one surface while their depths differ by no more than this, or by what noise explains.
@@ -64,7 +64,7 @@ const SIGMAS: f32 = 3.0;
 /// The directions in which a thing may be thin.
 const ACROSS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
 
-/// Asks other cameras about samples.
+/// Lets other cameras vote on samples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VoteTest {
     limits: SameSurface,
@@ -82,7 +82,7 @@ pub(crate) struct VotedRun<const N: usize> {
 }
 
 impl<const N: usize> VotedRun<N> {
-    /// Nobody was asked.
+    /// No votes.
     pub(crate) const NONE: Self = Self { confirm: [0; N], look_past: [0; N] };
 
     pub(crate) fn counts(&self, lane: usize) -> VoteCounts {
@@ -108,12 +108,12 @@ impl VoteTest {
         Self { limits: self.limits.at_level(level), level, ..self }
     }
 
-    /// This test where things count as thin only if they stand out by so many footprints.
+    /// This test, with this many footprints by which a thing has to be in front of its surroundings to count as thin.
     pub(crate) fn thin_beyond(self, depth_footprints: f32) -> Self {
         Self { depth_footprints, ..self }
     }
 
-    /// Whether anybody is asked.
+    /// Whether other cameras vote.
     pub(crate) fn is_on(&self) -> bool {
         self.is_on
     }
@@ -123,7 +123,7 @@ impl VoteTest {
         self.is_on && counts.contradict(self.margin, is_flying)
     }
 
-    /// Which samples the votes contradict if so many more cameras look past each; `flying` ones fly.
+    /// Which samples the votes contradict if `more` cameras look past each beside those that voted. `flying` is the set of flying samples.
     #[inline(always)]
     pub(crate) fn contradicted<const N: usize>(&self, votes: &VotedRun<N>, flying: u32, more: u32) -> u32 {
         let mut contradicted = 0;
@@ -250,7 +250,7 @@ impl VoteTest {
         })
     }
 
-    /// What camera `other` says about the sample of `camera` at `pixel`.
+    /// The vote of camera `other` on the sample of `camera` at `pixel`.
     pub(crate) fn vote(
         &self,
         registration: &Registration,
@@ -289,7 +289,7 @@ impl VoteTest {
         let others = pairs.others(camera);
         let (mut counts, mut left) = (VoteCounts::default(), others.len() as u32);
         for (other, way) in others {
-            // Those who are left cannot contradict it any more.
+            // The remaining cameras are too few to contradict it.
             let most = VoteCounts { look_past: counts.look_past + left, ..counts };
             if !most.contradict(self.margin, is_flying) {
                 return false;

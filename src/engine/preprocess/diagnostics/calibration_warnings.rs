@@ -8,12 +8,12 @@ use crate::median::median_f32;
 pub struct CalibrationWarning {
     /// The camera, by its index.
     pub camera: usize,
-    /// Whether it is suspect in what moves alone: its frames may be early or late. Else its pose may be wrong. (A pose that is
-    /// off along a plane that fills the picture shows only in what stands out of it, which may be what moves.)
+    /// Whether only moving things disagree: then the frames of the camera may be early or late. Else its pose may be wrong. (If a plane
+    /// fills the picture, a pose that is off along it shows only at things in front of it, and these may be the moving ones.)
     pub over_time: bool,
-    /// How far the camera that fits it best is off, in footprints: most samples, or over time the median.
+    /// Distance from the camera that fits it best, in footprints: of most samples, or over time the median.
     pub footprints: f32,
-    /// How far the other cameras are off that fit each other best; `None` where none of them can be compared.
+    /// Distance between the other two cameras that fit each other best; `None` if none of them can be compared.
     pub usual_footprints: Option<f32>,
 }
 
@@ -25,7 +25,7 @@ impl CalibrationWarning {
         let compared = format!("{:.2} footprints where it fits best{others}", self.footprints);
         if self.over_time {
             format!(
-                "camera '{name}' agrees with no other about what moves ({compared}); its frames may be early or late, or its pose off where little stands out"
+                "camera '{name}' agrees with no other about what moves ({compared}); its frames may be early or late, or its pose may be off in a direction that flat scenery does not show"
             )
         } else {
             format!(
@@ -35,11 +35,11 @@ impl CalibrationWarning {
     }
 }
 
-/// No two cameras agree about what never moves: what they have in common is wrong.
+/// No two cameras agree about what never moves: something that they share is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SharedWarning {
-    /// How far the two cameras are off that fit each other best, most samples, in footprints; `None` where no camera finds
-    /// anything that another sees.
+    /// Distance between the two cameras that fit each other best, in footprints, of most samples; `None` if no camera finds anything
+    /// that another sees.
     pub footprints: Option<f32>,
 }
 

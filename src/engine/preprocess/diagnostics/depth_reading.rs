@@ -1,8 +1,8 @@
 //! Whether depth would fit between cameras if it were read otherwise than the capture says.
 //!
-//! Purpose: cameras that disagree may be noisy, or what all of them have in common is wrong. It is wrong only if something else
-//! would be better: distances along the ray taken for depths along the axis, or the other way around, or another unit. Narrow lenses
-//! hardly change how many points agree ([`crate::capture::conventions`]); how far apart they are still tells.
+//! Purpose: cameras that disagree may be noisy, or a convention that they share may be wrong. It is wrong only if another one fits
+//! better: depths are distances along the ray and not along the axis, or the other way around, or have another unit. Behind narrow
+//! lenses the number of points that agree hardly changes ([`crate::capture::conventions`]); their distances still show it.
 //!
 //! Source: none in the paper, which takes depth for granted. The samples of a lattice are carried into the other cameras under
 //! each reading; how far they are off there, relative to their depth, is compared by the median.
@@ -23,7 +23,7 @@ pub enum DepthReading {
     RayDistance,
     /// As depth along the optical axis, where it was read as distance along the pixel's ray.
     PlanarZ,
-    /// In a unit that is so many times as large.
+    /// In a unit that is this many times as large.
     Scaled(f64),
 }
 
@@ -36,7 +36,7 @@ const CLAIMED: DepthReading = DepthReading::Scaled(1.0);
 /// Another reading has to leave less than this share of the distances.
 const BETTER: f64 = 0.5;
 
-/// Samples of each camera that are looked at, about, and the fewest readings that say anything.
+/// About this many samples of each camera are compared, and at least this many distances have to result.
 const SAMPLES: usize = 512;
 const MIN_READINGS: usize = 512;
 
@@ -107,7 +107,7 @@ impl Misfits {
     }
 }
 
-/// `None` where too few can be compared.
+/// The median distance; `None` where too few samples can be compared.
 fn misfit(mut off: Vec<f64>) -> Option<f64> {
     if off.len() >= MIN_READINGS { median(&mut off) } else { None }
 }

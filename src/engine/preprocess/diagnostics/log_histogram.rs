@@ -14,9 +14,9 @@ pub(crate) struct LogHistogram {
 impl LogHistogram {
     /// Low bits of an `f32` that the bin does not depend on.
     const SHIFT: u32 = 19;
-    /// What is smaller counts as 0.
+    /// Smaller values count as 0.
     const SMALLEST: f32 = 1.0 / 4096.0;
-    /// What is larger counts as this.
+    /// Larger values count as this.
     const LARGEST: f32 = 4096.0;
     /// The bin before that of [`LogHistogram::SMALLEST`].
     const FIRST: u32 = (Self::SMALLEST.to_bits() >> Self::SHIFT) - 1;

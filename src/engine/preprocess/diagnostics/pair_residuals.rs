@@ -26,8 +26,8 @@ use crate::preprocess::temporal::ROOT;
 use crate::samples::Span;
 use crate::simd::{self, LANES, VectorLoop};
 
-/// What is nearer than a sample by more than this, in footprints, hides it. Much more, and what is hidden by something close by
-/// passes for disagreement.
+/// A surface that is nearer than a sample by more than this, in footprints, hides it. With a much larger bound, samples hidden by a
+/// surface close to them would count as disagreement.
 const HIDING_FOOTPRINTS: f32 = 2.0;
 
 /// The share of the samples that do not exceed [`Residual::most_footprints`]: on the silhouettes of correct captures up to one in
@@ -37,22 +37,22 @@ const MOST: f64 = 0.85;
 /// Pairs with fewer samples have no residual.
 const MIN_SAMPLES: u64 = 48;
 
-/// Samples of each camera that are compared with another one, about: with many cameras fewer, so that all together are no more.
+/// About this many samples of each camera are compared with another one. With many cameras there are fewer, so that the total does not grow.
 const LATTICE_SAMPLES: usize = 8192;
 const FEWEST_LATTICE_SAMPLES: usize = 1024;
-/// Cameras up to which nothing is spared.
+/// The number of samples falls with more cameras than this.
 const FEW_CAMERAS: usize = 9;
 
-/// So many times more where what moves is looked for.
+/// Moving samples are searched for this many times as densely.
 const MOVING_DENSITY: usize = 4;
 
-/// Frames at which what moves is looked at, at most: spread over all.
+/// Moving samples are compared at no more than this many frames, spread over all.
 const FRAMES: usize = 8;
 
-/// What changes its inverse depth by less of itself did not move.
+/// A sample whose inverse depth changes by a smaller share did not move.
 const MOVED_RELATIVE: f32 = 0.02;
 
-/// How far the samples of one camera that nothing hides from another are off.
+/// How far samples of one camera are from the surfaces that another camera saw, over samples that nothing hides from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Residual {
     /// Samples that were compared.
@@ -165,14 +165,14 @@ impl<'a> Residuals<'a> {
         self.asked_unseen[source] = asked_of(layer, &blocks);
     }
 
-    /// The frame before a run that the first of its frames to look at is compared with; `None` where there is none.
+    /// The frame before a run with which the first compared frame of the run is compared; `None` if there is no such frame.
     pub(crate) fn frame_before(frames: usize, run: Span) -> Option<usize> {
         let apart = frames_apart(frames);
         let first = (run.start as usize).next_multiple_of(apart);
         (run.start > 0 && first < run.end as usize).then(|| first - apart)
     }
 
-    /// Notes what is seen at a frame before those that are compared.
+    /// Notes the depths of a frame without comparing it.
     pub(crate) fn note(&mut self, layers: &[CameraLayer]) {
         let asked = self.asked() * MOVING_DENSITY;
         layers.par_iter().zip(&mut self.before).for_each(|(layer, before)| {
@@ -183,7 +183,7 @@ impl<'a> Residuals<'a> {
     }
 
     /// Compares what is nearer or farther at `frame` than it was when pixels were last looked at, where this is one of the
-    /// frames to look at; `layers` hold all its samples. What changes its light alone is left out: of such there may be a lot.
+    /// frames to look at; `layers` hold all its samples. Samples that change their light alone are left out: there may be many.
     pub(crate) fn add_moving(&mut self, frame: usize, layers: &[CameraLayer], job: &Job) -> Result<()> {
         if !frame.is_multiple_of(frames_apart(self.frames)) {
             return Ok(());
@@ -204,7 +204,7 @@ impl<'a> Residuals<'a> {
         self.add(layers, &blocks, 1, job)
     }
 
-    /// Samples to compare of each pair, about, were all pixels of the kind that is compared.
+    /// About how many samples of each pair are compared if all pixels take part.
     fn asked(&self) -> usize {
         let cameras = self.camera_pairs.cameras().len().max(1);
         (LATTICE_SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_LATTICE_SAMPLES, LATTICE_SAMPLES)
@@ -236,7 +236,7 @@ impl<'a> Residuals<'a> {
 
     /// What was gathered.
     pub(crate) fn into_readings(mut self) -> PairHistograms {
-        // Where no cameras can be compared, that is said of every pair.
+        // If no cameras at all can be compared, every pair counts its unmatched samples.
         if !is_any_compared(&self.readings) {
             let cameras = self.asked_unseen.len();
             for (pair, readings) in self.readings.iter_mut().enumerate() {
@@ -254,7 +254,7 @@ fn is_any_compared(readings: &PairHistograms) -> bool {
     readings.iter().flatten().flat_map(|pair| pair.iter()).any(|reading| reading.residual().is_some())
 }
 
-/// The residuals of readings of so many cameras: `[source][target]`.
+/// The residuals of this many cameras: `[source][target]`.
 pub(crate) fn residuals_of(readings: &PairHistograms, cameras: usize) -> Vec<Vec<PairResiduals>> {
     let is_any_compared = is_any_compared(readings);
     let of_pair = |pair: &Option<Box<[ResidualHistograms; 2]>>| {
@@ -269,12 +269,12 @@ pub(crate) fn residuals_of(readings: &PairHistograms, cameras: usize) -> Vec<Vec
     (0..cameras).map(|_| pairs.by_ref().take(cameras).collect()).collect()
 }
 
-/// Every how many frames what moves is looked at.
+/// The distance between frames at which moving samples are compared.
 fn frames_apart(frames: usize) -> usize {
     frames.div_ceil(FRAMES).max(1)
 }
 
-/// Columns and rows of blocks of pixels of a layer, spread evenly, so that they hold about so many pixels.
+/// Columns and rows of blocks of pixels of a layer, spread evenly, that together hold about this many pixels.
 fn lattice(layer: &CameraLayer, pixels: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
     let (width, height) = (layer.width, layer.height());
     let step = (width * height / pixels).isqrt().max(1);

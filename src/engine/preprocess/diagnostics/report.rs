@@ -51,14 +51,14 @@ pub struct CameraReport {
     pub ranges: RangeFacts,
     /// Estimated against given normals on the first frame; empty where none are given.
     pub normal_errors: Vec<NormalErrors>,
-    /// How far half of the given normals are off those of the depth on the first frame, degrees, where that is so far that they
-    /// must be in another space, and they are used.
+    /// Median angle between given normals and those of the depth on the first frame, degrees; `None` unless the given normals are used
+    /// and the angle shows that they are in another space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normals_off_degrees: Option<f32>,
 }
 
 impl CameraReport {
-    /// What was measured of its noise between cameras, as a sentence; `None` where that is nothing.
+    /// Its noise between cameras, as a sentence; `None` if none was measured.
     #[must_use]
     pub fn noise_between(&self) -> Option<String> {
         let [near, far] = [self.depth_noise_between.first()?, self.depth_noise_between.last()?];

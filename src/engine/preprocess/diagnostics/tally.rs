@@ -78,7 +78,7 @@ impl Tally {
         Self { report, frames, depth_claim, pose_convention, is_first: true }
     }
 
-    /// Notes how noisy cameras are beside each other, and, where they are, whether depth fits better if it is read otherwise.
+    /// Notes how noisy cameras are beside each other. If any is, notes also whether another reading of its depth fits better.
     ///
     /// # Errors
     /// None of its own.
@@ -97,10 +97,11 @@ impl Tally {
         Ok(())
     }
 
-    /// Notes whether depth of noisy cameras fits better if it is read otherwise, or else whether it is `better` in another way.
+    /// Notes whether another convention makes the pictures of noisy cameras agree; if none does, notes the reading of depth that
+    /// `better` finds.
     ///
     /// # Errors
-    /// Those of what is given.
+    /// Those of `inverse_depths` and `better`.
     pub(crate) fn add_reading(
         &mut self,
         cameras: &[Camera],
@@ -132,7 +133,7 @@ impl Tally {
         report.color_noise_between_steps = median_f32(&mut steps).unwrap_or_default();
     }
 
-    /// Counts what was decided on the samples of one camera, where all samples are of all frames.
+    /// Counts the verdicts on the samples of one camera, for captures with samples of all frames only.
     pub(crate) fn add_view(&mut self, camera: usize, decided: &LevelVerdicts) {
         let kept = self.count(camera, decided);
         let counts = &mut self.report.cameras[camera];
@@ -140,7 +141,7 @@ impl Tally {
         counts.background_kept += kept;
     }
 
-    /// Counts what was decided on the samples of one span.
+    /// Counts the verdicts on the samples of one span.
     pub(crate) fn add(&mut self, span: Span, decided: &[LevelVerdicts]) {
         let mut kept_in_span = 0;
         let is_root = span.len() as u64 == self.frames && self.is_first;
@@ -201,12 +202,12 @@ impl Tally {
         kept
     }
 
-    /// That the samples of all frames are counted elsewhere.
+    /// Skips the samples of all frames, which another part counts.
     pub(crate) fn pass_over_all_frames(&mut self) {
         self.is_first = false;
     }
 
-    /// What was counted: a report without what the images say.
+    /// The counts: a report without facts about the images.
     pub(crate) fn into_report(self) -> Report {
         self.report
     }

@@ -1,4 +1,4 @@
-//! What one camera says about the sample that is explained, in numbers.
+//! What one camera shows of the explained sample, in numbers.
 
 use glam::{DVec2, DVec3, Vec3};
 

@@ -22,11 +22,12 @@ pub struct CameraInspection {
     pub frame: Arc<Frame>,
     /// Over how many frames each pixel is the same, in words.
     pub class: Arc<Grid<PixelClass>>,
-    /// The level of each pixel's sample, an index into [`FrameInspection::path`]; [`NO_SAMPLE`](crate::preprocess::temporal::NO_SAMPLE) where there is none.
+    /// The level of each pixel's sample, an index into [`FrameInspection::path`];
+    /// [`NO_SAMPLE`](crate::preprocess::temporal::NO_SAMPLE) without a sample.
     pub level: Arc<Grid<SpanLevel>>,
     /// Why each pixel was kept or dropped.
     pub verdict: Grid<Verdict>,
-    /// World-space normals that were used, given or estimated; zero where there is none.
+    /// World-space normals that were used, given or estimated; zero where the normal is not known.
     pub normal_in_world: Arc<Grid<[f32; 3]>>,
 }
 
@@ -46,7 +47,7 @@ pub struct FrameInspection {
     pub samples: Arc<SampleSet>,
     pub(crate) layers: Arc<Vec<CameraLayer>>,
     pub(crate) settings: Settings,
-    /// Per camera, once it was asked for.
+    /// Per camera, once it was needed.
     pub(crate) agreement: Arc<Vec<OnceLock<Arc<AgreementGrid>>>>,
 }
 
@@ -76,14 +77,14 @@ impl FrameInspection {
         Grid::from_vec(width, height, values)
     }
 
-    /// How the sample of every pixel of `camera` stands among the other cameras, whether or not the settings drop what is
-    /// contradicted; `None` where there is no depth. It is worked out once.
+    /// Whether other cameras agree with the sample of each pixel of `camera`, whether or not the settings drop contradicted samples;
+    /// `None` without depth. It is worked out once.
     #[must_use]
     pub fn agreement(&self, camera: usize) -> Arc<Grid<Option<SampleAgreement>>> {
         self.agreement[camera].get_or_init(|| Arc::new(self.asked_about(camera))).clone()
     }
 
-    /// Asks all other cameras about every sample of `camera`.
+    /// Lets all other cameras vote on every sample of `camera`.
     fn asked_about(&self, camera: usize) -> AgreementGrid {
         let pairs = CameraPairs::new(&self.samples.cameras);
         let votes = VoteTest::new(&self.settings, ROOT);

@@ -1,6 +1,6 @@
 //! The explanation of one pixel: what every camera shows of its surface point, in the numbers that the rules compare.
 //!
-//! Purpose: a verdict names a rule and a witness; this says why that rule applies. For each camera: where the point falls,
+//! Purpose: a verdict names a rule and a witness; this explains why that rule applies. For each camera: where the point falls,
 //! the depth expected and found there, how far apart the two surfaces lie in footprints, the angle of incidence, both
 //! forms of the sampling rate, and how far colors and normals differ.
 //!
@@ -138,7 +138,7 @@ fn best_other(
 }
 
 /// What the same-surface test compares, for at most `at_most` pairs spread evenly over all pixels of all cameras.
-/// Pairs of which one side has no depth, or lies at infinity, are left out.
+/// Pairs are left out if either side has no depth or is at infinity.
 #[must_use]
 pub fn pair_quantities(inspection: &FrameInspection, at_most: usize) -> Vec<PairQuantities> {
     let cameras = inspection.layers.len();

@@ -14,7 +14,7 @@ pub struct CameraEvidence {
     pub camera: usize,
     /// Whether it sees the point; `None` for the camera whose own pixel is explained.
     pub outcome: Option<Outcome>,
-    /// What it says about the sample; `None` for the camera whose own pixel is explained.
+    /// Its vote on the sample; `None` for the camera whose own pixel is explained.
     pub vote: Option<Vote>,
     /// Where the point falls in its picture, pixels; `None` behind the camera. It may lie outside the picture.
     pub position: Option<DVec2>,
@@ -99,7 +99,7 @@ pub struct PixelExplanation {
     pub class: PixelClass,
     /// The verdict, worked out from what the other cameras show and what was decided there.
     pub verdict: Verdict,
-    /// How many other cameras confirm the sample and how many look past it, whether or not the settings ask them.
+    /// How many other cameras confirm the sample and how many look past it, whether or not the settings let them vote.
     pub votes: VoteCounts,
     /// Whether it is a flying pixel, in the air between foreground and background: then its own camera looks past it, too.
     pub is_flying: bool,
@@ -117,7 +117,7 @@ pub struct PixelExplanation {
 /// What the same-surface test compares for one sample and one other camera that has depth there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairQuantities {
-    /// What the test said.
+    /// The outcome of the test.
     pub outcome: Outcome,
     /// See [`CameraEvidence::plane_distance_footprints`].
     pub plane_distance_footprints: f32,

@@ -1,7 +1,7 @@
 //! How much the color of a surface depends on where it is seen from: highlights, mirrors, and exposures that differ.
 //!
 //! Purpose: methods that put recorded pixels on surfaces are exact where surfaces look the same from everywhere. Where they do not,
-//! a picture is wrong between cameras, however dense these are, and no threshold mends it. This says where.
+//! a picture is wrong between cameras, however dense these are, and no threshold mends it. This shows where.
 //!
 //! Source: the residual beside a color that is the same in all directions, as it decides where a light field needs more (D. N.
 //! Wood et al., *Surface Light Fields for 3D Photography*, SIGGRAPH 2000, §4). What differs: cameras that are a fraction of a pixel off
@@ -17,7 +17,7 @@ use crate::preprocess::layers::{CameraLayer, is_mixed};
 use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
 use crate::simd::root_of_squares;
 
-/// A color that two cameras see differently by at least so many 8-bit sRGB steps depends on the view.
+/// A color depends on the view if two cameras see it differently by at least this many 8-bit sRGB steps.
 pub const VISIBLE_STEPS: f32 = 8.0;
 
 /// Only pixels whose areas on the surface differ by at most this factor show equally much of a texture.
@@ -26,7 +26,7 @@ const ALIKE: f32 = 4.0;
 /// What is beside a pixel is of the same surface while inverse depths differ by no more than this share.
 const ONE_SURFACE: f32 = 0.05;
 
-/// Differences of less than so many standard deviations are noise.
+/// Differences of less than this many standard deviations are noise.
 const SIGMAS: f32 = 3.0;
 
 impl FrameInspection {

@@ -25,7 +25,7 @@ use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::Settings;
 use crate::simd::{self, LANES, VectorLoop};
 
-/// The candidate lists of a frame of so many `levels`, for tolerances around those of `settings`; `None` where they would take
+/// The candidate lists of a frame with this number of `levels`, for tolerances around those of `settings`; `None` where they would take
 /// more than `bytes`, or a sample could have more candidates than are counted.
 pub(crate) fn build_lists(
     pairs: &CameraPairs<'_>,
@@ -322,7 +322,8 @@ impl ListBuilder<'_> {
         if level == NO_SAMPLE || !self.votes.is_on() {
             return false;
         }
-        // Where tolerances are larger, more confirm and fewer look past; that some confirm here says nothing of others.
+        // Larger tolerances let more cameras confirm and fewer look past. Confirmations are left out, because other tolerances need not give
+        // them.
         let counts = self.votes.at_level(level).counts(self.pairs, self.layers, camera, pixel as u32);
         let is_flying = self.layers[camera].packed_colors[pixel].is_flying();
         self.votes.is_contradicted(VoteCounts { confirm: 0, ..counts }, is_flying)

@@ -49,16 +49,16 @@ pub(crate) struct CameraPlanes {
     pub(crate) class: Arc<Grid<PixelClass>>,
     /// The level of each pixel's sample.
     pub(crate) level: Arc<Grid<SpanLevel>>,
-    /// World-space normals; zero where there is none.
+    /// World-space normals; zero where the normal is not known.
     pub(crate) normal_in_world: Arc<Grid<[f32; 3]>>,
 }
 
 impl FrameLayers {
-    /// The layers of `frame` where nothing is known of other frames.
+    /// The layers of `frame`, made without other frames.
     ///
     /// # Errors
     ///
-    /// What a frame's files cannot be read for; `Cancelled`.
+    /// Whatever the capture gives (naming file and frame); `Cancelled`.
     pub fn unscanned(
         capture: &Capture,
         pairs: &CameraPairs<'_>,

@@ -3,7 +3,7 @@
 //! Purpose: an anti-aliased silhouette carries a color that belongs to no surface; left alone it is painted as a bright or
 //! dark fringe wherever it lands. Source: none in the paper, which reports that anti-aliased input looked worse (§4).
 //! Rule: across a depth step the pixel's color lies between its own side's and the other side's, away from its own. A pixel of the sky
-//! beside any surface is blended as well if its color differs from that of the sky around: what it is blended with may be too thin to
+//! beside any surface is blended as well if its color differs from that of the sky around: the surface that it is blended with may be too thin to
 //! be seen beside it.
 //!
 //! Limit: a sample is looked at when its span is decided, and samples of shorter spans are not there yet. Where the other
@@ -74,7 +74,7 @@ impl<'a> BlendedTest<'a> {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// The pixels at most so many columns and rows from `(x, y)`.
+    /// The pixels at most this many columns and rows from `(x, y)`.
     fn around(&self, x: usize, y: usize, reach: usize) -> impl Iterator<Item = usize> {
         let (width, height) = (self.layer.width, self.layer.height());
         let columns = x.saturating_sub(reach)..(x + reach + 1).min(width);

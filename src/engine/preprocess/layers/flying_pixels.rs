@@ -14,17 +14,17 @@
 //!           └─────────────▶ pixels of a row, column or diagonal
 //! ```
 //!
-//! A surface is two neighbors whose depths differ by less than an edge. Noise is told from flight by how far these two are apart.
+//! A surface is two neighbors whose depths differ by less than an edge. The distance between these two separates noise from flight.
 //! On exact depth 0.02 to 0.15 % of the samples are taken for flying ones; without the test of what continues it is several times as
 //! many where stems stand before each other.
 
 use super::layer::CameraLayer;
 use crate::capture::Camera;
 
-/// A surface begins within so many pixels of the sample: next to it, or behind another flying pixel.
+/// A surface begins within this many pixels of the sample: next to it, or behind another flying pixel.
 const REACH: isize = 2;
 
-/// A sample flies if it is so many times as far off a surface as two neighbors of that are apart.
+/// A sample flies if its distance from a surface is at least this many times the distance between two neighbors on the surface.
 const BEYOND_ROUGHNESS: f32 = 3.0;
 
 /// A sample is off a surface by more than this share of an edge. With a whole edge, of the flights by more than 3 % of the depth in

@@ -29,7 +29,7 @@ pub struct CameraLayer {
     pub(crate) geometry: Vec<PackedGeometry>,
     /// How each looks; read last.
     pub(crate) packed_colors: Vec<PackedColor>,
-    /// The level of each pixel's sample; [`NO_SAMPLE`] where there is none.
+    /// The level of each pixel's sample; [`NO_SAMPLE`] without a sample.
     pub(crate) level: Vec<SpanLevel>,
     /// Noise of a single frame. Samples of one frame carry it.
     pub(crate) noise: CameraNoise,

@@ -1,8 +1,8 @@
 //! Noise between cameras: how far apart two cameras put one surface, and how differently they color it.
 //!
-//! Purpose: noise over time says nothing of what a sensor gets wrong in every frame alike, nor of captures of one frame; nor of
-//! poses and lenses that are slightly off, which part the surfaces of different cameras just as noise does. It is measured per
-//! camera and class of depth, since the noise of depth sensors grows with depth.
+//! Purpose: noise over time does not contain errors that a sensor makes in every frame alike, and captures of one frame have none.
+//! Poses and lenses that are slightly off also separate the surfaces of different cameras, just as noise does. Noise between cameras
+//! is measured per camera and class of depth, since the noise of depth sensors grows with depth.
 
 use super::estimate::{BRIGHTNESS_BINS, brightness_bin};
 

@@ -1,8 +1,8 @@
 //! Whether colors change because patterns move over the picture, which is no noise.
 //!
 //! Purpose: a pattern that slides over a surface, as on a globe that spins, changes every pixel at the same depth, each by an
-//! amount of its own, as noise does. Unlike noise it was there before, a little further on. A block of pixels has moved where
-//! most of its change is that of the picture before it, displaced: by so many whole pixels, or along its slope by a part of one.
+//! amount of its own, as noise does. Unlike noise it was there before, a little further on. A block of pixels has moved if
+//! displacing the earlier picture, by whole pixels or along its slope by part of one, explains most of the change.
 //!
 //! Source: block matching by sums of absolute differences; for parts of a pixel Lucas and Kanade, *An Iterative Image
 //! Registration Technique*, IJCAI 1981, without iterations. What differs: where a block went to does not matter.

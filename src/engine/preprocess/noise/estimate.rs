@@ -57,7 +57,7 @@ const MEDIAN_DIFFERENCE_PER_SIGMA: f32 = 0.953_87;
 /// If fewer than one in this many pixels of resting surfaces change at all, light moves and nothing is noisy.
 const FEWEST_REDRAWN: u64 = 10;
 
-/// Depth that changes by more than this, or by so many times its noise, is that of another surface.
+/// Depth that changes by more than this, or by this many times its noise, is that of another surface.
 const SAME_SURFACE_RELATIVE: f32 = 1e-3;
 const SAME_SURFACE_SIGMAS: f32 = 6.0;
 
@@ -225,7 +225,7 @@ impl ColorChange {
     }
 }
 
-/// What a change has of its own beside those on both sides of it, as wide as a change where they are independent.
+/// The part of a change that its two neighbors do not share, scaled to the spread of a change when all three are independent.
 fn own_part([left, here, right]: [f32; 3]) -> f32 {
     (left - 2.0 * here + right) / SECOND_DIFFERENCE
 }

@@ -22,7 +22,7 @@ pub(crate) struct NoiseFrames {
 }
 
 impl NoiseFrames {
-    /// Those of a camera that has so many frames.
+    /// The frames of a camera with this number of frames.
     pub(crate) fn of(frames: usize, load: impl Fn(usize) -> Result<Arc<Frame>> + Sync) -> Result<Self> {
         let places = places(frames);
         let mut looked_at: Vec<usize> = places.iter().flatten().copied().chain(0..frames.min(1)).collect();
@@ -51,7 +51,7 @@ impl NoiseFrames {
         Ok(Self { pairs, held })
     }
 
-    /// Successive frames that differ; none where there are nothing but repeats.
+    /// Successive frames that differ; empty if all frames are repeats.
     pub(crate) fn pairs(&self) -> Vec<[&Frame; 2]> {
         self.pairs.iter().map(|pair| pair.map(|frame| &*self.held[&frame])).collect()
     }
@@ -77,9 +77,8 @@ fn is_same_picture(a: &Frame, b: &Frame) -> bool {
 /// Two frames next to each other that differ, each with its index or how far it is away.
 type FramePair = [(usize, Arc<Frame>); 2];
 
-/// Two frames next to each other of which the nearer is the same as `still` and the other is not, each with how far it is away;
-/// that one frame away is known to be the same. `at` gives those up to `farthest` away. Nothing where none of those that are looked
-/// at differs.
+/// Two successive frames, each with its distance: the nearer is the same as `still`, the other is not. The frame at distance 1 is known
+/// to be the same. `at` gives frames by distance, up to `farthest`. `None` if no frame that was compared differs.
 fn next_change(
     still: &Arc<Frame>,
     farthest: usize,

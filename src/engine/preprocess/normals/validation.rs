@@ -25,11 +25,11 @@ pub struct NormalErrors {
 /// Normals of another space than the poses are off by more, those of bumps and smooth shading by far less, degrees.
 const WRONG_SPACE_DEGREES: f32 = 30.0;
 
-/// Where fewer
+/// With a smaller share of trusted estimates the errors show nothing.
 const MIN_TRUSTED: f32 = 0.1;
 
-/// How far given normals are off those of the depth, degrees, by the estimator that they fit best; `None` where they may well be
-/// what the depth shows.
+/// The median angle between given normals and those of the depth, degrees, by the estimator that they fit best; `None` if the angle is
+/// small enough for normals in the same space.
 pub(crate) fn contradiction(errors: &[NormalErrors]) -> Option<f32> {
     let trusted = errors.iter().filter(|errors| errors.trusted >= MIN_TRUSTED);
     let best = trusted.map(|errors| errors.median_degrees).min_by(f32::total_cmp);

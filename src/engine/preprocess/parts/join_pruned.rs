@@ -10,7 +10,7 @@ use crate::samples::{ImageBuffer, ReadSeek, RecordReader, SampleImage, samples_i
 /// Joins what [`prune_part`](super::prune_part()) wrote of all runs, in order, each with its name for errors.
 ///
 /// # Errors
-/// `Io`; `Invalid` where a part is none; `Cancelled`.
+/// `Io`; `Invalid` if a part is damaged or of another kind; `Cancelled`.
 pub fn join_pruned<'a>(
     of: MeasuredCapture<'_>,
     parts: Vec<(String, Box<dyn ReadSeek + 'a>)>,

@@ -20,7 +20,7 @@ use crate::settings::Settings;
 /// as a whole or that were open at its end.
 ///
 /// # Errors
-/// `Io`; `Invalid` where a part is none; `Cancelled`.
+/// `Io`; `Invalid` if a part is damaged or of another kind; `Cancelled`.
 pub fn join_spans<'a>(
     capture: &Capture,
     measured: &Measured,
@@ -78,7 +78,7 @@ pub(super) fn read_span(part: &mut RecordReader<'_>) -> Result<Span> {
     Ok(Span { start: part.number()? as u32, end: part.number()? as u32 })
 }
 
-/// Passes what was read of the short spans of a run to `take`, where it is asked for.
+/// Passes the short spans of a run that are needed to `take`.
 pub(super) fn read_short(
     part: &mut RecordReader<'_>,
     is_needed: impl Fn(Span) -> bool,

@@ -19,8 +19,8 @@ use crate::preprocess::{PreparedScan, prune_run};
 use crate::samples::{ImageBuffer, ReadSeek, RecordReader, RecordWriter, Span, samples_in_memory};
 use crate::settings::Settings;
 
-/// The parts of the scan that pruning a part reads: that of its own run, and that of the frame before it that what moves is compared
-/// with.
+/// The parts of the scan that pruning a part reads: the part of its own run, and the part with the earlier frame that moving samples
+/// are compared with.
 #[must_use]
 pub fn scan_parts_read_by(frames: usize, part: Part) -> Vec<Part> {
     let run = run_of_part(frames, part);
@@ -37,7 +37,7 @@ pub fn scan_parts_read_by(frames: usize, part: Part) -> Vec<Part> {
 /// are kept, and what was counted.
 ///
 /// # Errors
-/// As [`preprocess`](crate::preprocess::preprocess()), and `Invalid` where a part is none.
+/// As [`preprocess`](crate::preprocess::preprocess()), and `Invalid` if a part is damaged or of another kind.
 pub fn prune_part<'a>(
     of: MeasuredCapture<'_>,
     part: Part,

@@ -24,7 +24,8 @@ pub(crate) struct OtherCamera<'a> {
     pub(crate) improved: u32,
 }
 
-/// The other cameras that may see something of a camera's rows, of whose sixteen columns each some `lanes` take part.
+/// The other cameras that may see something of a camera's rows. `lanes` are the pixels that take part, for each row and each sixteen
+/// columns.
 #[inline(always)]
 pub(crate) fn other_cameras<'a>(
     pairs: &'a CameraPairs<'_>,

@@ -103,7 +103,7 @@ impl Waiting {
     }
 }
 
-/// Decides those of a camera's samples that can be: all for the first time, or those that are `waiting`. Gives those that wait on.
+/// Decides the samples of a camera as far as possible: all for the first time, or those that are `waiting`. Gives those that still wait.
 pub(crate) fn settle(
     pass: &PruningPass<'_>,
     camera: usize,
@@ -162,7 +162,7 @@ fn all_but_the_best(pass: &PruningPass<'_>, camera: usize, pixel: u32) -> Vec<Ca
         }
         // Whether it is better is known at once, whether it is the same surface takes long.
         let candidate = Candidate::new(target, other, reprojected.pixel[0]);
-        // Samples of this level that are dropped by now are candidates still; they will be passed over.
+        // Samples of this level stay candidates after they are dropped: they are passed over later.
         let is_own_level = candidate.level == pass.level;
         let is_kept = pass.status(other, candidate.pixel) == KEPT;
         let point = SourceRun { layer, run: &point };

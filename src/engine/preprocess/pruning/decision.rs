@@ -227,11 +227,11 @@ impl Rule {
 pub struct Verdict {
     /// The rule that decided.
     pub rule: Rule,
-    /// Level of the witness, see [`FrameInspection::path`](crate::preprocess::inspect::FrameInspection::path); [`NO_SAMPLE`] where there is none.
+    /// Level of the witness, see [`FrameInspection::path`](crate::preprocess::inspect::FrameInspection::path); [`NO_SAMPLE`] without a witness.
     pub witness_level: SpanLevel,
-    /// Camera of the witness; [`Verdict::NO_CAMERA`] where there is none.
+    /// Camera of the witness; [`Verdict::NO_CAMERA`] without a witness.
     pub witness_camera: u16,
-    /// Pixel of the witness, `y * width + x`; 0 where there is none.
+    /// Pixel of the witness, `y * width + x`; 0 without a witness.
     pub witness_pixel: u32,
 }
 

@@ -1,6 +1,6 @@
 //! The best candidate of every sample of a band, sixteen samples at a time, and the verdict if that candidate is kept.
 //!
-//! A sample without a candidate would be kept: here the other cameras are asked whether they contradict it.
+//! A sample without a candidate would be kept: here the other cameras vote on it.
 
 use std::cmp::Reverse;
 
@@ -16,7 +16,7 @@ use crate::preprocess::temporal::SpanLevel;
 use crate::settings::PruningMethod;
 use crate::simd::{LANES, VectorLoop};
 
-/// Rows are compared together until they have so many runs. With fewer, what was read of another camera has left the cache before the
+/// Rows are compared together until they have this many runs. With fewer, the data of another camera has left the cache before the
 /// next row needs it; with more, the runs themselves do not fit.
 const RUNS_TOGETHER: usize = 64;
 
@@ -77,7 +77,7 @@ impl VectorLoop for FindBest<'_, '_> {
     }
 }
 
-/// Which samples of a run are to be kept but for the other cameras, which contradict them.
+/// The samples of a run that would be kept if other cameras did not contradict them.
 #[inline(always)]
 fn contradicted_lanes(
     pass: &PruningPass<'_>,
@@ -105,7 +105,7 @@ fn contradicted_lanes(
     let mut left = voters().count() as u32;
     let mut votes = VotedRun::NONE;
     for other in voters() {
-        // Nobody is asked about samples that all who are left cannot contradict any more.
+        // The remaining cameras need not vote on samples that all of them together cannot contradict.
         asked &= pass.votes.contradicted(&votes, flying, left);
         if asked == 0 {
             return 0;
@@ -148,7 +148,7 @@ fn verdict_without_pruning(pass: &PruningPass<'_>, camera: usize, pixel: usize) 
     Verdict::without_witness(Rule::PruningOff)
 }
 
-/// The verdict on a sample if its best candidate is kept. Keeps the sample where there is none.
+/// The verdict on a sample if its best candidate is kept. Keeps the sample if it has no candidate.
 #[inline(always)]
 fn first_verdict(
     pass: &PruningPass<'_>,

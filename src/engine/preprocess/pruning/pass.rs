@@ -1,4 +1,4 @@
-//! One pruning pass: what is decided together, and what is known of it meanwhile.
+//! One pruning pass: the samples that are decided together, and their statuses meanwhile.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -50,7 +50,7 @@ pub(crate) struct PruningPass<'a> {
     pub(crate) is_only_level: bool,
 }
 
-/// Some rows of one camera: the samples to decide and what is known of each. Until it is resolved, a verdict names the
+/// Some rows of one camera: the samples to decide, and the verdict on each so far. Until it is resolved, a verdict names the
 /// sample's best candidate as if that one were kept.
 pub(crate) struct SearchBand<'a> {
     pub(crate) camera: usize,
@@ -69,7 +69,7 @@ pub(crate) struct PendingSample {
     /// All candidates but the best, worst first; found only where the best was dropped. The verdict names the one that is
     /// waited for.
     pub(crate) others: Option<Vec<Candidate>>,
-    /// Whether other cameras contradict it, where that was asked before it mattered.
+    /// Whether other cameras contradict it, if that was found out before it mattered.
     pub(crate) is_contradicted: Option<bool>,
 }
 

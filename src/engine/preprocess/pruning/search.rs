@@ -36,7 +36,7 @@ use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::{MixedPixels, Settings};
 use crate::simd;
 
-/// Decides every sample of `level`; samples of other levels take part as `statuses` says and stay as they are.
+/// Decides every sample of `level`; samples of other levels take part with their `statuses`, which stay as they are.
 ///
 /// Levels are decided in ascending order, from the span of all frames down to the frame.
 ///
@@ -98,7 +98,7 @@ fn find_best(pass: &PruningPass<'_>, bands: &mut [SearchBand<'_>], job: &Job) ->
     })
 }
 
-/// What a pass over samples of all frames shares where there are no others, before anything is decided.
+/// The pass over a capture with samples of all frames only, before anything is decided.
 pub(crate) fn pass_over_views<'a>(
     pairs: &'a CameraPairs<'a>,
     layers: &'a [CameraLayer],

@@ -17,7 +17,7 @@ struct OthersOf {
     itself: Registration,
     /// Ascending.
     others: Vec<u32>,
-    /// As many.
+    /// One for each of `others`.
     registrations: Vec<Registration>,
 }
 
@@ -28,11 +28,10 @@ impl<'a> CameraPairs<'a> {
         Self::where_seen(cameras, |_, _| true)
     }
 
-    /// The pairs of which the target may see what the source saw. All others say nothing about each other: no sample of the one
-    /// lies in the picture of the other.
+    /// The pairs whose target may see what the source saw. No sample of any other source is in the picture of its target.
     ///
-    /// A target that sees nothing as far as what the source saw is not left out. Whether it saw the same surface is decided by the
-    /// distance from a tangent plane, which a surface seen from its edge is close to at any depth.
+    /// A target that saw only nearer surfaces is not left out: the distance from a tangent plane decides whether both saw the same
+    /// surface, and a surface seen from its edge is close to that plane at any depth.
     pub(crate) fn of_sights(cameras: &'a [Camera], sights: &[Sight]) -> Self {
         Self::where_seen(cameras, |source, registration| sights[source].may_be_seen(registration))
     }

@@ -46,7 +46,7 @@ impl SameSurface {
         Self { tolerances: SurfaceTolerances::of_geometry(footprints), visible: VisibleLevels::ALL }
     }
 
-    /// As with the tolerances of `settings`, whatever normals and colors are, and at pixels alone.
+    /// With the depth tolerances of `settings`. Normals, colors and neighboring pixels do not matter.
     pub(crate) fn geometry_of(settings: &Settings) -> Self {
         Self { tolerances: SurfaceTolerances::of(settings).geometry_alone(), visible: VisibleLevels::ALL }
     }
@@ -70,7 +70,7 @@ impl SameSurface {
         self
     }
 
-    /// This test for a target of which is known whether it has samples of deeper levels.
+    /// This test for a target that has samples of deeper levels, or has none.
     pub(crate) fn with_deeper(self, has_deeper: bool) -> Self {
         Self { visible: VisibleLevels { hides_any: has_deeper, ..self.visible }, ..self }
     }
@@ -117,8 +117,8 @@ impl SameSurface {
         self.compare(registration, source, target, [1]).outcome(0)
     }
 
-    /// As [`SameSurface::test`], for display: where the target has samples that do not count because their spans are shorter, what
-    /// they would give.
+    /// As [`SameSurface::test`], for display. Where samples of shorter spans would decide the outcome, but do not count, the outcome names
+    /// them.
     pub(crate) fn explain(
         &self,
         registration: &Registration,

@@ -24,7 +24,7 @@ fn union(blocks: &[[f32; 2]]) -> [f32; 2] {
 }
 
 impl Sight {
-    /// What a camera of so many columns and rows saw: the inverse depths of some of its pixels, `y * width + x`.
+    /// What a camera with this width and height saw: inverse depths by pixel, `y * width + x`.
     pub(crate) fn new((width, height): (usize, usize), samples: impl Iterator<Item = (u32, f32)>) -> Self {
         let across = width.div_ceil(BLOCK);
         let mut blocks = vec![NOTHING; across * height.div_ceil(BLOCK)];

@@ -99,7 +99,7 @@ impl BatchRanges {
 }
 
 impl ShortSpans {
-    /// With room for so many samples of each span at first.
+    /// With room for this many samples of each span at first.
     pub(crate) fn new(batch: &Batch<'_>, room: usize) -> Self {
         let mut spans = vec![batch.span];
         let mut nodes = Vec::new();

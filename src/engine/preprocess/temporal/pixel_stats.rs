@@ -41,7 +41,7 @@ pub(crate) struct SpanSums {
 }
 
 impl SpanSums {
-    /// The sums over the first `pixels` pixels of some frames, of which there is at least one.
+    /// The sums over the first `pixels` pixels of some frames, at least one.
     pub(super) fn of(frames: &[FrameRun<'_>], pixels: usize) -> Self {
         let normals = frames.first().map_or(0, |frame| frame.normal.len().min(3 * pixels));
         let mut sums = Self {

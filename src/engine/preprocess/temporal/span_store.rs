@@ -23,7 +23,7 @@ pub struct SpanSamples {
     pub color: Vec<[f16; 3]>,
     /// 1/z, one per pixel; 0 at infinity, never negative.
     pub inverse_depth: Vec<f32>,
-    /// Given world-space normals, one per pixel (zero where there is none); empty where the capture gives none.
+    /// Given world-space normals, one per pixel (zero if not given); empty if the capture gives none.
     pub normal: Vec<Vec3>,
 }
 
@@ -34,7 +34,7 @@ impl SpanSamples {
         self.pixels.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.pixels.is_empty()
@@ -139,7 +139,7 @@ impl SpanStore {
         self.places.keys().copied().collect()
     }
 
-    /// The samples of `camera` over `span`; `None` where there is none.
+    /// The samples of `camera` over `span`; `None` if it has none.
     ///
     /// # Errors
     /// `Io` where the temporary file cannot be read.

@@ -24,7 +24,7 @@ pub struct SpanTree {
 }
 
 impl SpanTree {
-    /// The spans that `levels` allows over `frames` frames, of which there is at least one.
+    /// The spans that `levels` allows over `frames` frames, at least one.
     #[must_use]
     pub fn new(frames: usize, levels: SpanLevels) -> Self {
         Self { frames, levels }

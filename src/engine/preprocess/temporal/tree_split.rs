@@ -105,7 +105,7 @@ impl Split {
         Self { added: start, is_run: true, ..Self::new(pixels, frames, test) }
     }
 
-    /// The spans that wait for the one beside them, in order, with what is known of their pixels.
+    /// The spans that wait for the span beside them, in order, with the sums of their pixels.
     pub(crate) fn into_open(self) -> Vec<(Span, OpenSums)> {
         let mut chunks: Vec<_> =
             self.bands.into_iter().flat_map(|band| band.chunks).map(Vec::into_iter).collect();
@@ -113,7 +113,7 @@ impl Split {
         self.open.into_iter().map(sums_of_next).collect()
     }
 
-    /// Adds a span that follows, of which only this is known. Gives the samples of the spans that are finished now.
+    /// Adds the following span, given by its open sums alone. Gives the samples of the spans that are finished now.
     pub(crate) fn add_sums(&mut self, span: Span, sums: OpenSums) -> FinishedSpans {
         self.added = span.end;
         let carry = self.carry(span);
@@ -137,8 +137,8 @@ impl Split {
         join(found.collect(), &batch, self.tree.root())
     }
 
-    /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time; at the end, what is left. Gives
-    /// the samples of the spans that are finished now.
+    /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time, and at the end the rest.
+    /// Gives the samples of the spans that are finished now.
     pub fn add(&mut self, frames: &[Arc<Frame>]) -> FinishedSpans {
         let span = Span { start: self.added, end: self.added + frames.len() as u32 };
         self.added = span.end;
@@ -316,7 +316,7 @@ fn union(
     left
 }
 
-/// Adds the samples of all open pixels of `sums`, the first of which is `first`. Of the span of all frames these are most.
+/// Adds the samples of all open pixels of `sums`, whose first pixel is `first`. In the span of all frames most pixels are open.
 fn take_open(samples: &mut SpanSamples, first: usize, sums: &SpanSums) {
     let mut color = vec![[f16::ZERO; 3]; sums.pixels()];
     let mut inverse_depth = vec![0.0; sums.pixels()];

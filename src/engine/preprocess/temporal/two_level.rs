@@ -36,7 +36,7 @@ pub struct SequenceRanges {
     pub mean_color: Grid<[f16; 3]>,
     /// Mean inverse depth over time; invalid where some frame has no depth at the pixel.
     pub mean_inverse_depth: Grid<f32>,
-    /// Mean given normal in world space; zero where there is none. `None` where the capture gives none.
+    /// Mean given normal in world space; zero if not given. `None` if the capture gives none.
     pub mean_normal: Option<Grid<[f32; 3]>>,
 }
 
@@ -144,7 +144,7 @@ impl CameraSum {
         self.has_normals |= frame.normal_in_world.is_some();
     }
 
-    /// Ranges and means over so many frames, and pixels without depth.
+    /// Ranges and means over this many frames, and the number of pixels without depth.
     pub(crate) fn finish(self, frames: usize) -> (SequenceRanges, u64) {
         let (width, height) = (self.width, self.pixels.len() / self.width.max(1));
         let grid = |values| Grid::from_vec(width, height, values);

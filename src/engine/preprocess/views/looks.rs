@@ -13,8 +13,9 @@ use crate::preprocess::diagnostics::{DepthReading, Misfits};
 use crate::preprocess::noise::NoiseBetween;
 use crate::preprocess::registration::CameraPairs;
 
-/// Views up to which all are looked at to tell whether depth was misread; of more so many, each beside some of those that see it.
+/// At most this many views are compared to find out whether depth was misread, spread over all views.
 const LOOKED_AT: usize = 32;
+/// Each is compared with at most this many views that see it.
 const LOOKED_AT_BESIDE: usize = 16;
 
 /// The noise of every view as others see it.

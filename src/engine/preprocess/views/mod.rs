@@ -34,8 +34,8 @@ use looks::{better_reading, noise_between};
 use steps::Pruning;
 use window::LayerWindow;
 
-/// By which share of its depth a sample is moved at most where noisy cameras are averaged: other views are within 3 √2 standard
-/// deviations of it, and what it is smoothed to within 3, and within a half (see [`super::agreement`]).
+/// The largest share of its depth by which averaging noisy cameras moves a sample. Other views take part within 3 √2 standard
+/// deviations of the sample; smoothing moves it by at most 3 of them, and at most by half its depth (see [`super::agreement`]).
 fn moved_at_most(noise: f32) -> f32 {
     let smoothed = (3.0 * noise).min(0.5);
     (3.0 * std::f32::consts::SQRT_2 * noise).max(smoothed / (1.0 - smoothed))

@@ -85,7 +85,7 @@ pub(super) fn groups<I: Iterator<Item = usize>>(
 mod tests {
     use super::*;
 
-    /// Views along a way, each seen by those up to three steps away; `shuffled` tells which one stands where.
+    /// Views along a way, each seen by those up to three steps away; `shuffled` has the view at each place.
     fn others(place: usize, shuffled: &[usize]) -> Vec<usize> {
         let near = place.saturating_sub(3)..(place + 4).min(shuffled.len());
         near.filter(|other| *other != place).map(|other| shuffled[other]).collect()

@@ -25,7 +25,7 @@ pub(crate) struct Views<'a> {
 
 /// The share of the memory setting that layers take, and what is held of all views beside them.
 const SHARE: usize = 2;
-/// Bytes that are held of four pixels of every view: whether a sample is kept, and whether it is mixed.
+/// Bytes held for four pixels of every view: whether each sample is kept, and whether it is mixed.
 const OF_FOUR_PIXELS: usize = 5;
 
 impl<'a> Views<'a> {

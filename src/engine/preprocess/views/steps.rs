@@ -18,7 +18,7 @@ use crate::preprocess::temporal::all_frames;
 use crate::samples::ImageBuffer;
 use crate::settings::MixedPixels;
 
-/// Views of which verdicts are held in memory together, where they need not be for all of a group.
+/// The verdicts of this many views are held in memory at once by steps that do not need those of a whole group.
 const VERDICTS_TOGETHER: usize = 16;
 /// Samples that wait before some of them are decided, each with all its candidates: some 150 bytes.
 const MOST_WAITING: usize = 1 << 19;
@@ -110,7 +110,8 @@ impl<'a> Pruning<'a> {
         Ok(())
     }
 
-    /// Decides what can be decided of some views, for the first time or of what is `waiting`. Gives what waits on.
+    /// Decides the samples of some views as far as possible: all for the first time, or those that are `waiting`. Gives those that still
+    /// wait.
     fn settle(
         &mut self,
         cameras: &[usize],

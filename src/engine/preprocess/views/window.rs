@@ -30,7 +30,7 @@ pub(super) struct LayerWindow<'a> {
     pub(super) layers: Vec<CameraLayer>,
     /// Depths of these layers.
     pub(super) smooth: Arc<SmoothDepths>,
-    /// Per view, when it was last asked for; 0 where its layer is not held.
+    /// Per view, when it was last needed; 0 if its layer is not held.
     used: Vec<u64>,
     turn: u64,
     /// Bytes that layers may take: what the recording gives them, or what the largest group so far took.

@@ -137,8 +137,8 @@ fn sources_where(picture: &Picture, counts: impl Fn(f32) -> bool + Sync) -> Vec<
     depths.map(|depth| if counts(*depth) { 0 } else { NO_IMAGE }).collect()
 }
 
-/// Whether a pixel sees the sky across its hole, and surfaces that face each other in one direction at most: a surface goes on only
-/// between what is seen of it on both sides. A pixel that sees nothing at all shows the sky.
+/// Whether a pixel sees the sky across its hole, and has surfaces on both sides in at most one direction: a surface continues only
+/// between its parts on both sides. A pixel that sees nothing at all shows the sky.
 fn is_open_to_sky(rays: &HoleRays, depths: &[f32], pixel: (usize, usize)) -> bool {
     let seen = rays.neighbors(pixel);
     let inverse_depth =
@@ -174,7 +174,7 @@ fn fill_sky(
 mod tests {
     use super::*;
 
-    /// The inverse depths of a picture, of which `?` is an open hole, `s` the sky, `d` a surface, and `h` a hole of another kind.
+    /// The inverse depths of a picture: `?` is an open hole, `s` the sky, `d` a surface, and `h` a hole of another kind.
     fn depths(rows: &[&str]) -> (Vec<f32>, (usize, usize)) {
         let of = |letter: char| match letter {
             '?' => OPEN_HOLE,
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn beyond_the_corner_of_a_surface_is_the_sky_and_between_its_parts_the_surface() {
-        // Surfaces in five of eight directions, of which two lie opposite of each other.
+        // Surfaces in five of eight directions, two of them opposite.
         assert!(is_open(&["ddddd", "d???s", "d???s", "d???s", "dssss"], (2, 2)));
         assert!(!is_open(&["ddsdd", "d???d", "d???d", "d???d", "ddddd"], (2, 2)));
         assert!(!is_open(&["sssss", "sd?ds", "sd?ds", "sd?ds", "sssss"], (2, 2)), "a narrow gap");

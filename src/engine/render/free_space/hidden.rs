@@ -47,7 +47,7 @@ pub(crate) fn hidden_surface_limit(hole: f32) -> f32 {
     if hole > OPEN_HOLE && hole < HOLE { HOLE - hole } else { 0.0 }
 }
 
-/// Turns pixels into holes that nearer surfaces enclose and whose line of sight passes space that no camera has seen free, and
+/// Turns pixels into holes if nearer surfaces enclose them and their line of sight passes space that no camera has seen free, and
 /// marks all holes: their inverse depths become [`HOLE`], [`OPEN_HOLE`], [`SKY_HOLE`], or `−1 − w` where the surface that is hidden
 /// is no farther than inverse depth `w`. `fronts` are those of the picture; inverse depths that differ by no more than the factor
 /// `tolerance` belong to one surface.
@@ -98,7 +98,7 @@ pub(crate) fn mark_holes(
     blended
 }
 
-/// The inverse depth of the farthest surface that a pixel shows, of which most shows `w`.
+/// The inverse depth of the farthest surface that a pixel shows; most of the pixel shows `w`.
 #[inline(always)]
 fn farthest_shown(fronts: &[FrontColor], pixel: usize, w: f32) -> f32 {
     fronts.get(pixel).map_or(w, |front| if front[3] >= 0.0 { front[3] } else { w })
@@ -197,7 +197,7 @@ impl VectorLoop for MarkSquares<'_> {
         let Self { test, surroundings, fronts, hidden_until, images, width, row, marks } = self;
         let (top, first) = (row * SQUARE, row * SQUARE * width);
         let is_hidden = |there: usize| {
-            // Only positions that lie in the picture are asked for: beyond it every surface is nearer.
+            // Only positions in the picture are looked up: beyond it every surface counts as nearer.
             let (x, y) = (there % surroundings.across - REACH, there / surroundings.across - REACH);
             hidden_until[y * width + x] >= 0.0
         };

@@ -1,6 +1,6 @@
 //! Free space: what may be seen behind a nearer surface.
 //!
-//! A sample behind a nearer surface says that its own line of sight is free, not that the vantage's is. Where nearer surfaces
+//! A sample behind a nearer surface shows that its own line of sight is free, not that the vantage's is. Where nearer surfaces
 //! enclose a pixel, it shows what is behind them only if cameras have seen its whole line of sight free. Else the surfaces
 //! around it go on there, and the pixel is a hole to be filled from them.
 //!

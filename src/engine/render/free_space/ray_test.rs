@@ -16,7 +16,7 @@ const DEPTHS: usize = GROUPS * LANES;
 /// What a camera saw counts as behind a point only if it is farther by this many cells' footprints.
 const BEHIND_FOOTPRINTS: f32 = 1.0;
 
-/// What cameras say about a line of sight.
+/// What cameras know about a line of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LineOfSight {
     /// Cameras have seen all of it free.
@@ -32,7 +32,7 @@ pub(crate) struct RayTest<'a> {
     views: Vec<CellView<'a>>,
 }
 
-/// A camera that is asked.
+/// A camera whose lines of sight are compared.
 struct CellView<'a> {
     free: &'a FreeDepths,
     cells_from_target: Projector,
@@ -40,10 +40,10 @@ struct CellView<'a> {
     behind_ratio: f32,
 }
 
-/// Most cameras that are asked. Those that stand far from the vantage seldom see what the nearest do not.
+/// At most this many cameras are consulted: those far from the vantage seldom see what the nearest do not.
 const MOST_CAMERAS: usize = 12;
 
-/// The cameras that are asked about the lines of sight of `target`, nearest first: those answer most questions.
+/// The cameras that are consulted about the lines of sight of `target`. The nearest come first, because they decide most.
 pub(crate) fn cameras_to_ask(cameras: &[Camera], target: &Camera) -> Vec<usize> {
     let center = target.position_in_world();
     let mut order: Vec<usize> = (0..cameras.len()).collect();
@@ -54,7 +54,7 @@ pub(crate) fn cameras_to_ask(cameras: &[Camera], target: &Camera) -> Vec<usize> 
 }
 
 impl<'a> RayTest<'a> {
-    /// For lines of sight of `target`, of which what `cameras_to_ask` saw must be known.
+    /// For lines of sight of `target`. What `cameras_to_ask` saw must be in `seen` already.
     pub(crate) fn new(seen: &'a SeenDepths, cameras: &[Camera], target: &Camera) -> Self {
         let view = |camera: usize| {
             let cells = halved_camera(&cameras[camera]);

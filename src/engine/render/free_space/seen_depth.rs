@@ -37,8 +37,7 @@ struct CellDepths {
 /// How far the lines of sight of a camera are free at the corners between its cells: the least inverse depth that was seen in the
 /// four cells at each corner.
 ///
-/// The farthest of the four counts, because cells widen surfaces: whether the space right beside a silhouette is free cannot be
-/// told otherwise.
+/// The farthest of the four counts, because cells widen surfaces: otherwise the space right beside a silhouette would count as blocked.
 #[derive(Clone, Debug)]
 pub(super) struct FreeDepths {
     /// Columns of corners, one less than those of cells with the border.
@@ -49,7 +48,7 @@ pub(super) struct FreeDepths {
     pub(super) farthest: Vec<f32>,
 }
 
-/// What each camera saw; `None` for cameras that nobody asked about yet.
+/// What each camera saw; `None` for cameras that were not needed yet.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SeenDepths {
     cameras: Vec<Option<CellDepths>>,
@@ -100,7 +99,7 @@ impl SeenDepths {
         }
     }
 
-    /// How far the lines of sight of a camera are free; `None` if nobody asked about it.
+    /// How far the lines of sight of a camera are free; `None` if the camera was not needed yet.
     #[inline(always)]
     pub(super) fn free_depths(&self, camera: usize) -> Option<&FreeDepths> {
         self.cameras.get(camera)?.as_ref().map(|seen| &seen.free)

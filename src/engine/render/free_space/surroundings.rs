@@ -5,11 +5,11 @@ use rayon::prelude::*;
 use crate::render::vantage::Picture;
 use crate::simd::mask;
 
-/// How far is looked for a nearer surface, pixels.
+/// Nearer surfaces are searched for this far, pixels.
 pub(super) const REACH: usize = 16;
 
-/// A surface is nearer than what a pixel shows if its inverse depth is more than this many times as large: what lies as near as
-/// that is left to the silhouettes, which the cameras vote on.
+/// A surface is nearer than what a pixel shows if its inverse depth is more than this many times as large. Surfaces closer together are
+/// left to the silhouettes, which the cameras vote on.
 const NEARER: f32 = 2.0;
 
 /// Beyond the picture there may be anything.
@@ -33,7 +33,7 @@ pub(super) const SQUARE: usize = REACH;
 /// Surfaces are looked for in this many squares on each side of a pixel's own.
 const SQUARES_AROUND: usize = 2;
 
-/// Inverse depths of the nearest and the farthest surface, not counting the sky; 0 and infinite where there is none.
+/// Inverse depths of the nearest and the farthest surface, not counting the sky; 0 and infinite without a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SurfaceRange {
     pub(super) nearest: f32,

@@ -141,8 +141,8 @@ impl GatherScratch {
         }
     }
 
-    /// Sets depth and image of the pixels of `which`, of which those of `edges` are decided by the votes, and lists their surface
-    /// points. Both are masks of columns per row.
+    /// Sets depth and image of the pixels of `which`, and lists their surface points. The votes decide the pixels of `edges`. Both are
+    /// masks of columns per row.
     #[inline(always)]
     fn set_surfaces(
         &mut self,

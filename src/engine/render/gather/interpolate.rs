@@ -12,7 +12,7 @@ use crate::simd::{LANES, joined, mask};
 /// A camera that covers a smaller share of the pixel gives no color.
 const LEAST_COVERAGE: f32 = 1e-3;
 
-/// The weight of a camera of whose 2×2 samples some lie on another surface, whose colors may be blended into the others.
+/// The weight of a camera if some of its 2×2 samples are on another surface: the color of that surface may be blended into the others.
 const BESIDE_EDGE: f32 = 0.3;
 
 /// Depths that differ by less than this part of the tolerance are taken as equal.

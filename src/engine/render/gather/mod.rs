@@ -1,6 +1,6 @@
 //! The gather stage: surface first, color second.
 //!
-//! The surface stage says at which depth the surface lies in each pixel. [`block`] decides what each pixel of a block shows; at
+//! The surface stage finds the depth of the surface in each pixel. [`block`] decides what each pixel of a block shows; at
 //! steps in depth the cameras vote on it ([`silhouette`], [`visibility_votes`]), for each of four sub-pixels ([`subpixels`]).
 //! [`interpolate`] then carries each surface point back into the cameras ([`reproject`]) and interpolates its color among their
 //! samples: bilinearly over the 2×2 samples around it, as far as they lie on the same surface, averaged over cameras by sampling

@@ -3,8 +3,8 @@
 //! A footprint reaches half a pixel of its camera beyond the last sample of a surface, whether the surface does or not, and
 //! the z-buffer keeps what any camera shows: surfaces grow. So at a step in depth all cameras vote: how much of the 2×2 samples
 //! around the point shows the nearer surface there, and how much shows what is behind it? The share that supports the nearer
-//! surface is the pixel's blend between the two. Cracks, a pixel of the farther surface between two of a nearer one, are decided
-//! in the same way, and so is the fringe of magnified samples, which covers wider gaps.
+//! surface is the pixel's blend between the two. A crack is a pixel of the farther surface between two of a nearer
+//! one; the cameras vote on it alike, and on the fringe of magnified samples, which covers wider gaps.
 //!
 //! Source: for free space seen by one camera that overrules what another shows, Merrell et al., *Real-Time Visibility-Based
 //! Fusion of Depth Maps*, ICCV 2007. What differs: votes are bilinear shares instead of counts, so that the boundary is finer
@@ -29,7 +29,7 @@ const SUBPIXEL_CRACK_SHARE: (f32, f32) = (-1.3, 4.1);
 /// Shares of less than this are none: rounding alone must not blend.
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 
-/// A share that is none or all where it is nearly that.
+/// The share, rounded to 0 or 1 where it is close to either.
 #[inline(always)]
 fn snapped(share: f32) -> f32 {
     if share < LEAST_SHARE {
@@ -176,7 +176,7 @@ impl Patch {
                 let far = far[y + 1][x].min(far[y + 2][x]).min(far[y + 3][x]);
                 bits[x] = u32::from((far < own * self.surface_ratio) | (own < 0.0)) << x;
             }
-            // In front of a crack lie two opposite neighbors, of which the farther one is near enough.
+            // Two opposite neighbors in front of a crack; the farther one is near enough.
             let flat = w.as_flattened();
             let middle = (y + RING) * SIDE + RING;
             for (ahead, back) in &CRACK_STEPS[..self.crack_widths()] {
@@ -288,7 +288,7 @@ impl Patch {
 
 /// What surfaces lie around the pixels of a row of a block. Steps lead to a neighbor in the keys of a [`Patch`].
 pub(super) struct EdgeRow {
-    /// Inverse depth of the nearest surface that two opposite neighbors show in front of the pixel; negative if there is none.
+    /// Inverse depth of the nearest surface that two opposite neighbors show in front of the pixel; negative without such a surface.
     crack_w: [f32; BLOCK],
     /// To one of these neighbors.
     crack_step: [i32; BLOCK],

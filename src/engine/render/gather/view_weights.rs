@@ -54,7 +54,7 @@ pub(crate) struct SourceViews<'a> {
 }
 
 impl<'a> SourceViews<'a> {
-    /// Over the tiles of a table, and with so many `subpixels` of the target along each side of a pixel of the picture.
+    /// Over the tiles of a table, with `subpixels` of the target along each side of a pixel of the picture.
     pub(crate) fn new(
         frame: &'a FrameSamples<'a>,
         table: CellTable,

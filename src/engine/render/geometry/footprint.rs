@@ -102,7 +102,7 @@ pub(crate) struct PlaneAt {
     pub(crate) across: f32,
     /// The same in rows.
     pub(crate) down: f32,
-    /// Whether it lies in the footprint without its fringe.
+    /// Whether the center is in the footprint without its fringe.
     pub(crate) is_core: bool,
 }
 

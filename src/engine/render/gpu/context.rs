@@ -24,7 +24,7 @@ pub enum AdapterChoice {
 pub struct SharedDevice {
     /// What the device runs on.
     pub adapter: wgpu::Adapter,
-    /// The device, opened as [`device_descriptor`] says.
+    /// The device, opened with [`device_descriptor`].
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
@@ -94,7 +94,7 @@ impl Context {
     /// Opens the best adapter.
     ///
     /// # Errors
-    /// `Gpu` where there is none, or none can run the stages.
+    /// `Gpu` if there is no adapter, or no adapter can run the stages.
     pub(crate) fn new(choice: AdapterChoice) -> Result<Self> {
         let none =
             || gpu_error("there is no adapter that can compute; use the CPU instead (render.backend = cpu)");

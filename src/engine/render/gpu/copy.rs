@@ -16,7 +16,7 @@ impl GpuCopy {
     /// Two buffers of `bytes`, or of what the adapter takes at most, on the best adapter of a choice.
     ///
     /// # Errors
-    /// `Gpu` where there is none.
+    /// `Gpu` if there is no adapter.
     pub fn new(adapter: AdapterChoice, bytes: u64) -> Result<Self> {
         let context = Context::new(adapter)?;
         let bytes = bytes.min(context.max_binding());

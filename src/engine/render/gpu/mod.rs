@@ -83,7 +83,7 @@ impl GpuRenderer {
     /// Opens the best adapter of a choice.
     ///
     /// # Errors
-    /// `Gpu` where there is none.
+    /// `Gpu` if there is no adapter.
     pub fn new(adapter: AdapterChoice) -> Result<Self> {
         Self::with_options(&GpuOptions { adapter, ..GpuOptions::default() })
     }
@@ -91,7 +91,7 @@ impl GpuRenderer {
     /// Opens an adapter.
     ///
     /// # Errors
-    /// `Gpu` where there is none.
+    /// `Gpu` if there is no adapter.
     pub fn with_options(options: &GpuOptions) -> Result<Self> {
         Self::on(Context::new(options.adapter)?, options)
     }
@@ -99,7 +99,7 @@ impl GpuRenderer {
     /// Shares the device of a window, for [`GpuRenderer::show`].
     ///
     /// # Errors
-    /// `Gpu` where `options` exclude its adapter, or it was not opened as [`device_descriptor`] says.
+    /// `Gpu` where `options` exclude its adapter, or it was not opened with [`device_descriptor`].
     pub fn sharing(shared: &SharedDevice, options: &GpuOptions) -> Result<Self> {
         Self::on(Context::share(shared, options.adapter)?, options)
     }

@@ -40,7 +40,7 @@ pub(super) struct SceneInput<'a> {
     pub(super) camera: &'a Camera,
     /// Pixels of the z-buffer along each side of a pixel of the picture.
     pub(super) subpixels: usize,
-    /// Whether the picture tells what pixels show in front of their farthest surface.
+    /// Whether the picture holds the colors that pixels show in front of their farthest surface.
     pub(super) with_fronts: bool,
     pub(super) settings: &'a RenderSettings,
 }

@@ -41,7 +41,7 @@ pub(super) struct TargetLayout {
     /// Pixels of the z-buffer along each side of a pixel of the picture.
     pub(super) subpixels: usize,
     pub(super) kernel: Kernel,
-    /// Whether the picture tells what pixels show in front of their farthest surface.
+    /// Whether the picture holds the colors that pixels show in front of their farthest surface.
     pub(super) with_fronts: bool,
 }
 

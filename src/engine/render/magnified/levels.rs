@@ -19,7 +19,7 @@ const COARSEST: usize = 4;
 /// A level serves if at least this share of the picture asks for it.
 const LEAST_SHARE: f64 = 0.1;
 
-/// The coarsest level of which a picture shows a part; 0 if it shows nothing but itself.
+/// The coarsest level that a picture shows a part of; 0 if it shows nothing but itself.
 pub(crate) fn coarsest_level(rates: &RecordedRates, settings: &RenderSettings) -> usize {
     let applies = settings.magnified == Magnified::Upsampled && settings.kernel.interpolates();
     let rate = if applies { rates.of_share(1.0 - LEAST_SHARE) } else { 0.0 };

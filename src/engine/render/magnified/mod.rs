@@ -1,7 +1,7 @@
-//! Close-ups: what a picture shows more finely than any camera recorded is rendered coarser, and upsampled.
+//! Close-ups: parts of a picture that are finer than any camera recorded are rendered coarser, and upsampled.
 //!
 //! Purpose: where a recorded pixel covers many pixels of the picture, gaps between samples and steps along silhouettes are as wide as
-//! that, and cameras cannot tell on which side of them a pixel lies. At most a few pixels to a sample there is neither.
+//! a recorded pixel, and cameras do not show which side of them a pixel is on. With a few pixels to a sample there are neither.
 //!
 //! Levels are pictures of the same view with half, a quarter, … of its columns and rows. A pixel that is magnified by the factor `m`
 //! shows level `log₂(m / 2.5)`, between two levels a blend of both: below, a coarser level would lose detail.
@@ -69,7 +69,7 @@ mod tests {
         Renderer::new().render(samples, view, settings, &Job::new()).unwrap().0
     }
 
-    /// Samples, and their view with so many times the columns and rows.
+    /// Samples, and their view with this many times the columns and rows.
     fn magnified(times: usize) -> (Arc<SampleSet>, Vantage) {
         let (samples, view) = scene(DemoSpec::new("orrery").cameras(3).size((64, 48)), 0);
         let camera = finer(&view.camera, times);

@@ -13,7 +13,7 @@ use crate::render::vantage::{NO_IMAGE, Picture};
 /// Inverse depths that differ by no more than this share are interpolated.
 const ONE_SURFACE: f32 = 0.02;
 
-/// A picture out of its levels: each pixel as the map says. Holes are those of the level that a pixel shows most of.
+/// A picture blended from its levels by the map. A pixel is a hole where the level that it shows most of has a hole.
 pub(super) fn blended(
     levels: &[(usize, Arc<Picture>)],
     map: &LevelMap,
@@ -102,7 +102,7 @@ struct ShownLevel<'a> {
 }
 
 impl<'a> ShownLevel<'a> {
-    /// For a picture of so many columns.
+    /// For a picture of this width, pixels.
     fn new(level: usize, picture: &'a Picture, width: usize) -> Self {
         let pixel = |((color, w), image): ((&[f32; 3], &f32), &u32)| {
             let [red, green, blue] = color.map(root);
@@ -173,7 +173,7 @@ struct Taps {
 }
 
 impl Taps {
-    /// Of the pixel at a position of the picture; the level has `size` pixels, of which the outermost go on beyond it.
+    /// Of the pixel at a position of the picture; the level has `size` pixels, and the outermost go on beyond it.
     fn new(level: usize, position: usize, size: usize) -> Self {
         let scale = (1_usize << level) as f32;
         let there = (position as f32 + 0.5) / scale - 0.5;

@@ -60,8 +60,8 @@ impl BlockSet {
         });
     }
 
-    /// Pixels of the blocks for which `is` holds, in a plane of the picture, `width` columns wide, of whose pixels each has
-    /// `subpixels` of the z-buffer along its sides.
+    /// Counts the pixels of the blocks for which `is` holds, in a plane of the picture that is `width` columns wide. Each of its pixels has
+    /// `subpixels` pixels of the z-buffer along its sides.
     pub(crate) fn count<T: Sync>(
         &self,
         plane: &[T],

@@ -189,7 +189,7 @@ impl<R: ReadAt> FormReader<R> {
             let stated = u64::from(length) + CHUNK_HEADER;
             return Err(malformed(
                 4,
-                format!("the file says it has {} but has {size}; copy it again", counted(stated, "byte")),
+                format!("the file should have {} but has {size}; copy it again", counted(stated, "byte")),
             ));
         }
         Ok(Self { inner, size })

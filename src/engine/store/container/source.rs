@@ -1,7 +1,7 @@
 //! Bytes at any place of a file, read from many threads at once.
 //!
 //! Positioned reads rather than a memory map: a map of a file that somebody cuts short while it plays ends the program with a
-//! signal, and needs `unsafe`; a read gives an error that says what happened. The system's cache serves both alike.
+//! signal, and needs `unsafe`; a read gives an error with the reason. The system's cache serves both alike.
 
 use std::fs::File;
 use std::io;
@@ -17,7 +17,7 @@ pub trait ReadAt: Send + Sync {
     /// Fills `bytes` with what begins at `offset`.
     ///
     /// # Errors
-    /// Where there are not so many, and where the file refuses.
+    /// If the file has fewer bytes, or cannot be read.
     fn read_exact_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()>;
 }
 

@@ -22,7 +22,7 @@ const MAX_TOTAL_PIXELS: usize = 1 << 34;
 /// How far axes may be from those of a rotation, and `up` from unit length.
 const RIGID_TOLERANCE: f64 = 1e-3;
 
-/// What `HEAD` says.
+/// The contents of `HEAD`.
 pub(crate) struct HeadChunk {
     pub(crate) name: String,
     pub(crate) up_in_world: DVec3,
@@ -47,7 +47,7 @@ pub struct ImageEntry {
     pub offset: u64,
     /// Bytes of the chunk's payload.
     pub length: u32,
-    /// Bytes of the payload's head, which says where its blocks are.
+    /// Bytes of the payload's head, which lists its blocks.
     pub head: u32,
 }
 
@@ -57,7 +57,7 @@ pub(crate) const MAX_REFERENCES: usize = 7;
 /// No reference, in the index.
 const NO_REFERENCE: u32 = u32::MAX;
 
-/// The payload of `HEAD`; the version depends on whether the store says which samples are doubtful.
+/// The payload of `HEAD`; the version depends on whether the store lists doubtful samples.
 pub(crate) fn encode_head(samples: &SampleSet, has_doubtful: bool) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     bytes.extend_from_slice(&VERSION.0.to_be_bytes());
@@ -143,7 +143,7 @@ fn decode_camera(reader: &mut ByteReader) -> Result<Camera, String> {
     Ok(Camera { name, intrinsics: Intrinsics { width, height, fx, fy, cx, cy }, world_from_camera })
 }
 
-/// The version, which stands first whatever else changes.
+/// The version, which comes first whatever else changes.
 pub(crate) fn decode_version(head: &[u8]) -> Result<(u16, u16), String> {
     let mut reader = ByteReader::new(head);
     Ok((reader.u16()?, reader.u16()?))
@@ -179,7 +179,7 @@ pub(crate) fn decode_index(
     let stated = reader.u64()?;
     if stated != file_size {
         return Err(format!(
-            "the file says it has {} but has {file_size}; copy it again",
+            "the file should have {} but has {file_size}; copy it again",
             counted(stated, "byte")
         ));
     }

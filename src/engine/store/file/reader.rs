@@ -161,7 +161,7 @@ impl Store {
         }
     }
 
-    /// An image of which only the head is read.
+    /// An image with only its head read.
     fn undecoded(&self, index: usize) -> Result<Decoded> {
         let head = self.head(index)?;
         Ok(Decoded {
@@ -232,7 +232,7 @@ impl Store {
         let entry = &self.info.images[index];
         let header = self.form.header_at(entry.offset).map_err(|error| from_iff(&self.path, error))?;
         let header = header.filter(|header| header.id == IMAGE && header.length == u64::from(entry.length));
-        header.ok_or_else(|| self.damaged(index, "there is no image of the length that the index says"))
+        header.ok_or_else(|| self.damaged(index, "there is no image of the length in the index"))
     }
 
     fn bytes(&self, chunk: &ChunkHeader, range: std::ops::Range<u64>) -> Result<Vec<u8>> {
@@ -256,7 +256,7 @@ impl Store {
         let samples: u64 = head.blocks.iter().map(|block| u64::from(block.samples)).sum();
         let tiles: u32 = head.blocks.iter().map(|block| block.tiles.count_ones()).sum();
         if (samples, tiles) != (u64::from(entry.samples), entry.tiles) {
-            return Err(self.damaged(index, "the index says something else"));
+            return Err(self.damaged(index, "it differs from the index"));
         }
         Ok(head)
     }

@@ -126,7 +126,7 @@ impl ColorRanks {
         i32::from(self.ranks[place.min(self.ranks.len() - 1)])
     }
 
-    /// The color of a rank, or `None` where there is none.
+    /// The color of a rank, or `None` if there is no such rank.
     #[inline(always)]
     pub(crate) fn color(&self, rank: i32) -> Option<f16> {
         self.halves.get(usize::try_from(rank).ok()?).copied()
@@ -165,7 +165,7 @@ impl ColorRanks {
             codes.extend((first..next).map(|code| code as u16));
         }
         if codes.is_empty() || codes.iter().any(|code| !half_of(*code).is_finite()) {
-            return Err("a color is not finite, or there is none".to_owned());
+            return Err("a color is not finite, or no color is listed".to_owned());
         }
         Ok(Self::of(codes))
     }

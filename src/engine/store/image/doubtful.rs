@@ -1,4 +1,4 @@
-//! Which samples of an image are doubtful, as the chunk `DOUB` says it: as runs of pixels, tile by tile.
+//! The doubtful samples of an image in the chunk `DOUB`: runs of pixels, tile by tile.
 //!
 //! Purpose: one bit a sample that older readers may skip, and that is known of a block before any other is decoded. Source: run
 //! lengths, as fax machines code them. What differs: pixels without a sample count as whatever makes runs longer, so that a tile with

@@ -87,7 +87,7 @@ pub(crate) fn check(image: &SampleImage, cameras: &[Camera], frames: usize) -> R
         let beyond_right = |row: &u16| (width - left) < TILE && row >> (width - left) != 0;
         let beyond_bottom = tile.rows.iter().skip(height - top).any(|row| *row != 0);
         if tile.rows.iter().any(beyond_right) || beyond_bottom {
-            return Err("a sample lies outside the picture".to_owned());
+            return Err("a sample is outside the picture".to_owned());
         }
         if tile.first as usize != first || tile.count() == 0 {
             return Err("a tile is empty or its samples are out of order".to_owned());
@@ -194,7 +194,7 @@ pub(crate) fn decode_head(head: &[u8], length: usize, camera: &Camera) -> Result
     let mut blocks = Vec::with_capacity(reader.rest.len() / ENTRY_BYTES);
     for place in places {
         if place >= across * down {
-            return Err("a block lies outside the picture".to_owned());
+            return Err("a block is outside the picture".to_owned());
         }
         let (tiles, samples) = (reader.u16()?, u32::from(reader.u16()?) + 1);
         let bounds = [reader.u16()?, reader.u16()?].map(|half| f32::from_bits(u32::from(half) << 16));
@@ -258,7 +258,7 @@ pub(crate) fn decode<'a>(
         let (farthest, nearest) = depth_bounds(&samples);
         let (least, most) = (block.inverse_depth.0.to_bits(), block.inverse_depth.1.to_bits());
         if samples.color.len() != block.samples as usize || farthest < least || nearest > most {
-            return Err("it does not hold what its image says".to_owned());
+            return Err("its contents differ from its image's head".to_owned());
         }
         Ok(samples)
     };

@@ -11,7 +11,7 @@ use crate::color::steps_from_linear;
 use crate::samples::{DepthPlane, SampleImage};
 use crate::settings::{Precision, StoreSettings};
 
-/// The largest error of color that the settings grant, in 8-bit display steps; 0 where there is none.
+/// The largest error of color that the settings grant, in 8-bit display steps; 0 for none.
 fn color_error(settings: &StoreSettings) -> f32 {
     match settings.precision {
         Precision::Lossless => 0.0,
