@@ -4,7 +4,7 @@ use std::ops::{Index, IndexMut};
 
 /// A row-major image of `width × height` values.
 ///
-/// Pixel `(x, y)` is column `x` from the left and row `y` from the top; its center lies at `(x + 0.5, y + 0.5)`.
+/// Pixel `(x, y)` is column `x` from the left and row `y` from the top; its center is at `(x + 0.5, y + 0.5)`.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Grid<T> {
     width: usize,

@@ -27,7 +27,7 @@
 //!
 //! - Camera space: x right, y down, z forward. World space: right-handed, meters unless the capture says otherwise.
 //! - Transforms are named `target_from_source`; points and normals carry their space (`point_in_world`).
-//! - Pixel `(x, y)` is column x, row y; its center lies at `+0.5`. Images are row-major.
+//! - Pixel `(x, y)` is column x, row y; its center is at `+0.5`. Images are row-major.
 //! - Depth is planar z and is carried as **inverse depth** `1/z`: 0 is at infinity (sky), negative is no sample.
 //! - Color is linear Rec.709; tolerances and metrics count 8-bit steps of its sRGB encoding ([`color`]).
 //!

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 /// As many links as operating systems follow.
 const MOST_LINKS: usize = 40;
 
-/// Where a file of this name lies: the name itself or, where it is a link, what that leads to, which need not be there.
+/// The path that a file of this name is written to: the name itself, or the target of a link, which need not exist.
 pub(crate) fn place_of(path: &Path) -> PathBuf {
     let mut place = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -29,7 +29,7 @@ pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Makes a file beside `path`, in the folder and so on the disk where that lies, which is removed unless [`persist`] gives it that
+/// Makes a file beside `path`, in its folder and so on its disk. It is removed unless [`persist`] gives it that
 /// name. Temporary files are private by default; this one is for everybody the umask allows, as any new file is.
 ///
 /// # Errors

@@ -205,7 +205,7 @@ impl Demo {
         Capture::new(parts, settings.cache as usize * 1024 * 1024)
     }
 
-    /// Vantages where no camera stands, with truth: three, each at up to five frames spread over the animation.
+    /// Vantages without a camera, with truth: three, each at up to five frames spread over the animation.
     #[must_use]
     pub fn truth_views(&self) -> Vec<TruthView> {
         let count = TRUTH_FRAMES.min(self.frames);
@@ -224,7 +224,7 @@ impl Demo {
         views
     }
 
-    /// A place no camera stands at from which the scene looks well.
+    /// A position without a camera, with a good view of the scene.
     #[must_use]
     pub fn home(&self) -> Camera {
         self.novel[0].clone()

@@ -89,7 +89,7 @@ struct SpanTraversal<'a> {
 }
 
 impl SpanTraversal<'_> {
-    /// Everything that lives in shorter spans within `span`, which lies at `level`.
+    /// Everything that lives in shorter spans within `span`, which is at `level`.
     fn below(&mut self, span: Span, level: SpanLevel) -> Result<()> {
         for child in self.tree.children(span) {
             if child.end <= self.run.start || self.run.end <= child.start {
@@ -122,7 +122,7 @@ struct Packing<'a> {
 }
 
 impl Packing<'_> {
-    /// Adds the kept samples of every camera over one span, which lies at `level`.
+    /// Adds the kept samples of every camera over one span, which is at `level`.
     fn pack_all(
         &self,
         span: Span,

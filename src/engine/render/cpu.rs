@@ -42,7 +42,7 @@ struct VantageCache {
     key: BackgroundKey,
     /// The index of the background's tiles; moves on to the next frame.
     tile_index: TileIndex,
-    /// Where these tiles lie in the cameras, for the gather kernel.
+    /// Where these tiles are in the cameras, for the gather kernel.
     cells: Option<CellTable>,
     background: PaintedLayer,
     /// The picture of the background alone, and its holes; made for the second frame at the same vantage.

@@ -130,7 +130,7 @@ fn weight_of_sky(rows: &[[f32; TILE]], column: usize, row: usize) -> f32 {
     }
 }
 
-/// The cell of the finest grid that a direction of length 1 lies in.
+/// The cell of the finest grid that a direction of length 1 is in.
 fn cell_of(direction: Vec3) -> usize {
     let index = |part: f32| (((part + 1.0) * (0.5 * FINEST as f32)) as usize).min(FINEST - 1);
     (index(direction.z) * FINEST + index(direction.y)) * FINEST + index(direction.x)

@@ -30,14 +30,14 @@ const LEAST_REFINED_RATE: f32 = 0.65;
 /// Most pixels of the finer picture: a picture of 1280×720 at three times its size.
 const MAX_FINER_PIXELS: usize = 1 << 23;
 
-/// Whether the settings ask for pictures that are coarser than what was recorded to be averaged or rendered from coarser samples:
-/// kernels that are simple on purpose stay so.
+/// Whether pictures coarser than the recording are averaged or rendered from coarser samples under these settings. Kernels that are
+/// simple on purpose stay so.
 pub(crate) fn filters(settings: &RenderSettings) -> bool {
     settings.antialias && settings.kernel.interpolates()
 }
 
-/// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than what was recorded, and for
-/// kernels that are simple on purpose.
+/// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than the recording, and for kernels
+/// that are simple on purpose.
 pub(super) fn supersampling_factor(
     rates: &RecordedRates,
     vantage: &Vantage,
@@ -56,7 +56,7 @@ pub(super) fn supersampling_factor(
 }
 
 /// Pixels of the z-buffer along each side of a pixel of the picture: 2 for the gather kernel, unless the picture is much finer
-/// than what was recorded, where silhouettes are interpolated anyway, or so large that it takes too long.
+/// than the recording, where silhouettes are interpolated anyway, or so large that it takes too long.
 pub(crate) fn subpixels(samples: &SampleSet, vantage: &Vantage, settings: &RenderSettings) -> usize {
     let pixels = vantage.camera.intrinsics.pixel_count();
     let refines = settings.antialias && settings.kernel == Kernel::Gather && pixels <= MAX_FINER_PIXELS / 4;

@@ -1,6 +1,7 @@
 //! Samples at half the resolution: one of each surface for every 2×2 pixels of a camera.
 //!
-//! Purpose: a picture that is coarser than what was recorded costs what it shows. Each level of a pyramid is made of the next finer one.
+//! Purpose: the cost of a picture coarser than the recording depends on the picture alone. Each level of a pyramid is made of the next
+//! finer one.
 //!
 //! Source: Lance Williams, *Pyramidal Parametrics*, SIGGRAPH 1983. What differs: samples of different surfaces are kept apart, so that no
 //! level has depths in the air between them. Of the surfaces in a square the one that most of its samples show stays, of two with as

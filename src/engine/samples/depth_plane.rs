@@ -1,6 +1,6 @@
 //! The inverse depths of a sample image in three bytes each, bit for bit.
 //!
-//! The depths of one tile lie close together, and positive floats order like integers: what is kept is the distance from
+//! The depths of one tile are close together, and positive floats order like integers: what is kept is the distance from
 //! the tile's smallest depth, counted in representable floats. Three bytes hold 2²⁴ of them, two octaves of depth; tiles that
 //! span more (a silhouette before the sky, whose inverse depth is 0) keep a fourth byte.
 //!

@@ -30,7 +30,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// Whether `frame` lies in the span.
+    /// Whether `frame` is in the span.
     #[must_use]
     pub fn contains(self, frame: usize) -> bool {
         (self.start as usize..self.end as usize).contains(&frame)

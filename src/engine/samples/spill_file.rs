@@ -1,5 +1,5 @@
 //! Records that are held in memory up to a bound, and beyond it in a temporary file without a name, which grows at its end, is
-//! read anywhere and is gone with its last user. It lies where the system keeps such files (`TMPDIR`).
+//! read anywhere and is gone with its last user. It is in the system's folder for such files (`TMPDIR`).
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};

@@ -152,7 +152,7 @@ choice! {
 }
 
 choice! {
-    /// How pictures that are coarser than what was recorded are rendered.
+    /// How pictures coarser than the recording are rendered.
     pub enum Coarse {
         /// Finer, and averaged: takes a third to two thirds of the time of a picture as fine as the recording.
         Average = "average",

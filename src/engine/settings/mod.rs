@@ -34,8 +34,8 @@ section! {
     pub struct CaptureSettings in "capture" {
         /// Memory for decoded frames that may be needed again.
         cache: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
-        /// The largest number of views that are read. Those that together show the most are chosen: many views of a moving camera repeat others.
-        /// 0 reads all.
+        /// The largest number of views that are read. Those that together show the most are chosen: many views of a moving camera
+        /// repeat others. 0 reads all.
         views: u32 = 0, "views", ValueKind::Integer { min: 0, max: 4096 };
     }
 }
@@ -154,11 +154,11 @@ section! {
         depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
         /// Cameras whose colors `gather` averages at each point where nothing was pruned; pruning leaves the sample of one.
         views: u32 = 2, "cameras", ValueKind::Integer { min: 1, max: 8 };
-        /// Whether a picture that is coarser than what was recorded is rendered finer and averaged, by kernels that interpolate, and
-        /// silhouettes are found at half a pixel by `gather`.
+        /// Whether a picture coarser than the recording is rendered finer and averaged, by kernels that interpolate, and `gather` finds
+        /// silhouettes at half a pixel.
         antialias: bool = true, "", ValueKind::Switch;
-        /// How a picture that is coarser than what was recorded is rendered where it is antialiased. The window renders from a pyramid
-        /// while a view moves, whatever is chosen here.
+        /// How a picture coarser than the recording is rendered if it is antialiased. The window renders from a pyramid while a view moves,
+        /// whatever is chosen here.
         coarse: Coarse = Coarse::Average, "", ValueKind::Choice(Coarse::NAMES);
         /// How parts of a picture that are finer than any camera recorded are rendered, by kernels that interpolate.
         magnified: Magnified = Magnified::Upsampled, "", ValueKind::Choice(Magnified::NAMES);

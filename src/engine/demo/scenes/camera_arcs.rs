@@ -1,4 +1,4 @@
-//! Where the cameras of a demo scene stand.
+//! The positions of the cameras of a demo scene.
 
 use glam::DVec3;
 
@@ -19,7 +19,7 @@ pub(crate) fn vantage(name: &'static str, eye: [f64; 3], target: [f64; 3], angle
     SceneVantage { name, eye: eye.into(), target: target.into(), angle_x_deg }
 }
 
-/// The cameras of a scene: named ones, the arcs that further ones stand on, and viewpoints without a camera.
+/// The cameras of a scene: named ones, the arcs of further ones, and viewpoints without a camera.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneCameras {
     /// The scene's own cameras; the last is the close-up.
@@ -28,7 +28,7 @@ pub(crate) struct SceneCameras {
     pub(crate) novel: Vec<SceneVantage>,
     /// What further cameras look at.
     pub(crate) target: DVec3,
-    /// Nearest and farthest that further cameras stand from `target`, m.
+    /// Smallest and largest distance of further cameras from `target`, m.
     pub(crate) distance: (f64, f64),
     /// Azimuths of further cameras around `target`, degrees from x toward y.
     pub(crate) azimuth_deg: (f64, f64),

@@ -1,4 +1,4 @@
-//! Things that stand about in the demo scenes.
+//! Props of the demo scenes.
 
 use std::f64::consts::PI;
 

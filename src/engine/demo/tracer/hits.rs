@@ -67,7 +67,7 @@ impl SolidShape {
         let half = self.half_extents();
         let (enter, leave) = slab(origin, direction.recip(), -half, half);
         let speed = direction.length();
-        // A face may lie in the side of the box: the last bit must not decide whether the way out is within it.
+        // A face may be in the side of the box: the last bit must not decide whether the way out is within it.
         let (mut t, end) = (enter.max(t_min), (leave + BOX_MARGIN_M / speed).min(t_max));
         // A ray that starts inside follows the negative distance to its exit.
         let side = self.distance(origin + direction * t).signum();

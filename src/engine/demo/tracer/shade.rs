@@ -125,7 +125,7 @@ fn free_distances(world: &World, hit: &SurfaceHit) -> [f64; CONTACT_TAPS.len()] 
         for (free, (share, _)) in free.iter_mut().zip(CONTACT_TAPS) {
             let distance = solid.shape.distance(foot + up * (share * reach));
             *free = free.min(distance);
-            // A solid that leaves the highest tap free leaves every lower one free: they lie within its clear ball.
+            // A solid that leaves the highest tap free leaves every lower one free: they are within its clear ball.
             if share == 1.0 && distance >= reach {
                 break;
             }

@@ -1,4 +1,4 @@
-//! Which solids may stand between a point and the sun.
+//! Which solids may be between a point and the sun.
 //!
 //! Seen along the sun's rays every solid covers a rectangle of the plane across them. A grid over that plane lists the
 //! solids of each cell, penumbra included, so that a shadow looks only at solids that can cast it.
@@ -31,7 +31,7 @@ pub(crate) struct ShadowMap {
     /// Where each cell's list starts in `items`; one more than there are cells.
     starts: Vec<u32>,
     items: Vec<u32>,
-    /// Height along the sun's rays that no lit point lies below, m.
+    /// Height along the sun's rays that no lit point is below, m.
     deepest: f64,
 }
 

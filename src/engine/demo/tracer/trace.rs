@@ -12,9 +12,9 @@ use crate::grid::Grid;
 
 /// Where in the pixel the color of an edge is sampled besides its center: five points of a rotated grid.
 const SUBPIXELS: [(f64, f64); 5] = [(0.1, 0.3), (0.3, 0.9), (0.5, 0.1), (0.7, 0.7), (0.9, 0.45)];
-/// Neighbors whose normals differ by more than this cosine lie on two sides of an edge.
+/// Neighbors whose normals differ by more than this cosine are on two sides of an edge.
 const EDGE_COSINE: f32 = 0.9;
-/// Neighbors whose colors differ by more than this share of the brighter lie on two sides of an edge.
+/// Neighbors whose colors differ by more than this share of the brighter are on two sides of an edge.
 const EDGE_CONTRAST: f32 = 0.2;
 /// Samples of one pixel whose normals agree to this cosine share their light.
 const SAME_SURFACE_COSINE: f32 = 0.995;
@@ -32,7 +32,7 @@ pub(crate) struct WantedPlanes {
     pub(crate) noise: Option<RenderNoise>,
 }
 
-/// What stands at one pixel's center.
+/// What one pixel's center shows.
 struct Surfel {
     color: Vec3,
     irradiance: Vec3,

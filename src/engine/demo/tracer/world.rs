@@ -13,7 +13,7 @@ pub(crate) struct Solid {
     pub(crate) shape: SolidShape,
     /// Rotation from the solid's space to world space.
     world_from_local: DMat3,
-    /// Where the solid's origin lies, in world space, m.
+    /// The solid's origin in world space, m.
     position: DVec3,
     material: Material,
 }
@@ -67,7 +67,7 @@ pub(crate) struct Light {
     pub(crate) lamp: Option<Lamp>,
 }
 
-/// A lamp that lights what lies within its reach, without shadows.
+/// A lamp that lights what is within its reach, without shadows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lamp {
     /// Where it hangs, in world space, m.
@@ -158,7 +158,7 @@ pub(crate) fn upright_to(axis: DVec3) -> DMat3 {
 
 impl World {
     /// The first surface along `origin + t · direction`, `t > 0`. With a direction of camera-space `z = 1`, `t` is
-    /// planar depth. Where faces lie in one plane, the solid that the hierarchy visits first is met.
+    /// planar depth. Where faces are in one plane, the solid that the hierarchy visits first is met.
     pub(crate) fn hit(&self, (origin, direction): Ray) -> Option<SurfaceHit> {
         let mut nearest = None;
         self.bvh.for_each_before(origin, direction, f64::INFINITY, |index, t_max| {

@@ -1,8 +1,7 @@
 //! Consensus: where the cameras that confirm a sample put its surface, and which color they give it, on average.
 //!
-//! Purpose: surfaces of different cameras lie on each other, although each is noisy, and what is dropped has not been recorded in
-//! vain. Colors of noisy cameras are averaged as well: where depth or pose are off, so is the color that one camera puts on a
-//! surface.
+//! Purpose: surfaces of different cameras coincide although each is noisy, and dropped samples still improve the kept ones.
+//! Colors of noisy cameras are averaged as well: where depth or pose are off, so is the color that one camera puts on a surface.
 //!
 //! A sample is *doubtful* if no other camera confirms it although several had a free view of its place: it may be a stray sample, but
 //! too few cameras look past it to contradict it. Renderers show it where there is nothing else. A camera has a free view if its pixels
@@ -145,7 +144,7 @@ impl<'a> Consensus<'a> {
         simd::run(AgreeOn { consensus: self, camera, pixels })
     }
 
-    /// The sample of `camera` at `pixel`, refined; as recorded where it is at infinity or its noise lies below a footprint. `sightings`
+    /// The sample of `camera` at `pixel`, refined; as recorded where it is at infinity or its noise is below a footprint. `sightings`
     /// is scratch.
     #[inline(always)]
     fn sample(&self, camera: usize, pixel: usize, sightings: &mut Vec<Sighting>) -> AgreedSample {
@@ -210,7 +209,7 @@ impl<'a> Consensus<'a> {
         self.pairs.others(camera).filter(|(other, _)| !self.layers[*other].geometry.is_empty())
     }
 
-    /// Where a sample of a camera lies in another one; `None` outside its picture.
+    /// Where a sample of a camera is in another one; `None` outside its picture.
     #[inline(always)]
     fn corners(&self, registration: &Registration, block: &PixelRun<1>, other: usize) -> Option<Corners> {
         let reprojected = registration.reproject(block, self.layers[other].width);
@@ -303,7 +302,7 @@ impl VectorLoop for AgreeOn<'_, '_> {
     }
 }
 
-/// Where a sample lies among the pixels of another camera.
+/// Where a sample is among the pixels of another camera.
 struct Corners {
     /// Column and row of the 2×2 pixels around it, `None` beside the picture, and their bilinear weights.
     pixels: [(Option<[usize; 2]>, f32); 4],
@@ -346,7 +345,7 @@ impl Corners {
     }
 }
 
-/// The inverse-variance mean, and once more of what lies close to it.
+/// The inverse-variance mean, and once more of what is close to it.
 #[inline(always)]
 fn robust_mean(sightings: &[Sighting]) -> f32 {
     let first = mean(sightings.iter());

@@ -1,5 +1,5 @@
-//! Agreement between cameras: how noisy they are beside each other, which samples the others contradict, and where most of them
-//! put a surface, of which color.
+//! Agreement between cameras: how noisy they are beside each other, which samples the others contradict, and the mean position and
+//! color that confirming cameras give a surface.
 //!
 //! ```text
 //! layers ─▶ measure: noise between cameras ─▶ votes on each sample: confirms, looks past, cannot tell ─▶ consensus

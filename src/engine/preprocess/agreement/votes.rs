@@ -4,7 +4,7 @@
 //! that look past it contradict it.
 //!
 //! Source: support and free-space violations are counted as in P. Merrell et al., *Real-Time Visibility-Based Fusion of Depth
-//! Maps*, ICCV 2007; that a whole neighborhood has to lie behind is the depth quality check of the MPEG immersive video test
+//! Maps*, ICCV 2007; that a whole neighborhood has to be behind is the depth quality check of the MPEG immersive video test
 //! model. What differs: a camera that may have missed a thing cannot tell. That holds for
 //! - all cameras where the thing is one pixel wide, and cameras that resolve it less than half as well as the sample's own: thin
 //!   things slip between pixels;
@@ -174,7 +174,7 @@ impl VoteTest {
         }
     }
 
-    /// Whether all that the target sees around a point lies behind it, and it would have seen the sample's surface.
+    /// Whether all that the target sees around a point is behind it, and it would have seen the sample's surface.
     #[cold]
     #[inline(never)]
     fn looks_past<const N: usize>(
@@ -211,7 +211,7 @@ impl VoteTest {
         )
     }
 
-    /// Whether a sample belongs to a thing one pixel wide in its own picture: what is on both sides of it lies behind, and what is
+    /// Whether a sample belongs to a thing one pixel wide in its own picture: what is on both sides of it is behind, and what is
     /// beside it elsewhere does not. A sample all by itself is a stray one. `side` is that of a pixel at depth 1.
     pub(super) fn is_thin(&self, layer: &CameraLayer, pixel: usize, side: f32) -> bool {
         let (x, y) = (pixel % layer.width, pixel / layer.width);

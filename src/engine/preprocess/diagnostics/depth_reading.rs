@@ -73,7 +73,7 @@ pub(crate) fn better_reading(cameras: &[Camera], layers: &[CameraLayer]) -> Opti
     misfits.better()
 }
 
-/// How far apart depths lie, relative, under the reading that the capture claims and under others.
+/// Relative distances between depths, under the reading that the capture claims and under others.
 pub(crate) struct Misfits(Vec<(DepthReading, Vec<f64>)>);
 
 impl Misfits {

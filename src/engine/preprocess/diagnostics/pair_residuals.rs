@@ -6,7 +6,7 @@
 //! Source: the paper takes calibrated and synchronized cameras for granted. Distances are those of
 //! [`crate::preprocess::registration`], in footprints: from a sample to the tangent plane of what the other camera saw in its place. What
 //! differs: there is no tolerance. Where the other camera sees something much nearer, the sample is hidden and counts for nothing;
-//! where it sees something farther, it looks through the surface, and the distance counts however large it is. Samples lie on a
+//! where it sees something farther, it looks through the surface, and the distance counts however large it is. Samples are on a
 //! lattice, and what most of them do not exceed is blind to silhouettes and to single wrong pixels.
 
 use rayon::prelude::*;

@@ -47,7 +47,7 @@ pub struct CameraReport {
     pub color_noise_between_steps: f32,
     /// Quantization step of depth as recorded, relative; 0 where it is exact to `f32`.
     pub depth_step_relative: f32,
-    /// How far pixels range over all frames, and where the tolerances lie among them.
+    /// How far pixels range over all frames, and where the tolerances are among them.
     pub ranges: RangeFacts,
     /// Estimated against given normals on the first frame; empty where none are given.
     pub normal_errors: Vec<NormalErrors>,
@@ -127,13 +127,13 @@ pub struct Report {
     /// How poses and depth would fit far better between cameras than as the capture says, where they would.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conventions: Option<Finding>,
-    /// How depth would fit far better by how far samples are apart, where agreement does not tell.
+    /// The reading of depth that brings samples far closer together, if the number of agreeing samples does not show it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub better_reading: Option<DepthReading>,
-    /// Mixed pixels, whose color is blended across a silhouette or whose depth lies between its sides, and what became of them: of
-    /// those `found` some `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or
-    /// `kept`. They are not looked for where mixed pixels are kept or the first camera wins, blended ones only where the capture's
-    /// color is filtered, flying ones only where other cameras are asked, and those whose neighbors live in shorter spans go unseen.
+    /// Mixed pixels, with a color blended across a silhouette or a depth between its sides, and what became of them. Of those `found`
+    /// some `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or `kept`. None are
+    /// found if the settings keep mixed pixels or the first camera wins. Blended ones are found only if the capture's color is filtered,
+    /// flying ones only with agreement, and neither if their neighbors live in shorter spans.
     pub mixed_pixels: BTreeMap<String, u64>,
     /// All input pixels as 8-bit color and 32-bit depth.
     pub bytes_raw: u64,

@@ -39,7 +39,7 @@ impl RunCounts {
         }
     }
 
-    /// The report of all runs of so many cameras, which keep these images.
+    /// The report of all runs of this many cameras, given the images that are kept.
     pub(crate) fn finish<'a>(self, cameras: usize, images: impl Iterator<Item = &'a ImageFacts>) -> Report {
         let Self { mut report, readings } = self;
         let mut spans = BTreeMap::<_, u64>::new();

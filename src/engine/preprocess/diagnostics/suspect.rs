@@ -3,7 +3,7 @@
 /// What a warning takes for wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Suspect {
-    /// Where one camera stands and looks, or its lens.
+    /// The pose of one camera, or its lens.
     Pose,
     /// When one camera's frames were taken.
     Clock,

@@ -31,7 +31,7 @@ pub struct CameraInspection {
     pub normal_in_world: Arc<Grid<[f32; 3]>>,
 }
 
-/// How each pixel of a camera stands among the others; `None` where it has no depth.
+/// Whether other cameras agree with each pixel of a camera; `None` where it has no depth.
 type AgreementGrid = Grid<Option<SampleAgreement>>;
 
 /// All cameras at one frame.

@@ -1,7 +1,7 @@
 //! The explanation of one pixel: what every camera shows of its surface point, in the numbers that the rules compare.
 //!
 //! Purpose: a verdict names a rule and a witness; this explains why that rule applies. For each camera: where the point falls,
-//! the depth expected and found there, how far apart the two surfaces lie in footprints, the angle of incidence, both
+//! the depth expected and found there, how far apart the two surfaces are in footprints, the angle of incidence, both
 //! forms of the sampling rate, and how far colors and normals differ.
 //!
 //! Source: the verdict comes from the rules of [`crate::preprocess::pruning`] (`decision.rs`) and the single-precision outcomes of

@@ -16,7 +16,7 @@ pub struct CameraEvidence {
     pub outcome: Option<Outcome>,
     /// Its vote on the sample; `None` for the camera whose own pixel is explained.
     pub vote: Option<Vote>,
-    /// Where the point falls in its picture, pixels; `None` behind the camera. It may lie outside the picture.
+    /// Where the point falls in its picture, pixels; `None` behind the camera. It may be outside the picture.
     pub position: Option<DVec2>,
     /// The pixel there, `y * width + x`; `None` outside the picture.
     pub pixel: Option<u32>,

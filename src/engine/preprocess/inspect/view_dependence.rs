@@ -61,7 +61,7 @@ impl FrameInspection {
     }
 }
 
-/// The 3×3 pixels around one, itself among them, as far as they lie in the picture.
+/// The 3×3 pixels around one, itself among them, as far as they are in the picture.
 fn around(layer: &CameraLayer, pixel: usize) -> impl Iterator<Item = usize> {
     let (x, y, width) = (pixel % layer.width, pixel / layer.width, layer.width);
     let columns = x.saturating_sub(1)..(x + 2).min(width);
@@ -76,7 +76,7 @@ fn is_beside_step(layer: &CameraLayer, pixel: usize) -> bool {
     is_mixed(layer.ranks[pixel]) || around(layer, pixel).any(is_other)
 }
 
-/// By how many 8-bit sRGB steps a color lies outside the range of the 3×3 pixels around one of another camera, beyond what noise
+/// By how many 8-bit sRGB steps a color is outside the range of the 3×3 pixels around one of another camera, beyond what noise
 /// explains: of the channel where that is most.
 fn difference(layer: &CameraLayer, pixel: usize, target: &CameraLayer, found: usize) -> f32 {
     let own = layer.color[pixel].map(steps_from_linear);

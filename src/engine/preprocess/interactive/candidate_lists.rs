@@ -1,7 +1,7 @@
 //! The candidate lists of a frame: for every sample those of other cameras that may be its witness, found once for a range of
 //! tolerances.
 //!
-//! Where a sample lies in the other cameras' pictures, how far it is from the surface found there, how much normals and colors
+//! Where a sample is in the other cameras' pictures, how far it is from the surface found there, how much normals and colors
 //! differ: no tolerance changes any of that. Pruning the same frame again with another threshold then goes over the lists
 //! instead of searching every picture, with the same verdicts as [`crate::preprocess::pruning`].
 //!

@@ -2,14 +2,13 @@
 //!
 //! Purpose: an anti-aliased silhouette carries a color that belongs to no surface; left alone it is painted as a bright or
 //! dark fringe wherever it lands. Source: none in the paper, which reports that anti-aliased input looked worse (§4).
-//! Rule: across a depth step the pixel's color lies between its own side's and the other side's, away from its own. A pixel of the sky
-//! beside any surface is blended as well if its color differs from that of the sky around: the surface that it is blended with may be too thin to
-//! be seen beside it.
+//! Rule: across a depth step the pixel's color is between its own side's and the other side's, away from its own. A pixel of the sky
+//! beside any surface is blended as well if its color differs from that of the sky around: the surface that it is blended
+//! with may be too thin to be seen beside it.
 //!
-//! Limit: a sample is looked at when its span is decided, and samples of shorter spans are not there yet. Where the other
-//! side, or the neighbor on the pixel's own, lives in a shorter span, as what passes behind a thing at rest does, blending
-//! goes unseen, and the sample counts as a clean one: 5 to 9 % of the blended pixels of the built-in scene `nine-cameras`, and
-//! 31 % where no noise is granted, as spans are short there.
+//! Limit: a sample is tested when its span is decided, before samples of shorter spans are there. If either side lives in a shorter
+//! span, as a thing that passes behind one at rest does, blending is not detected and the sample counts as clean. This concerns 5 to
+//! 9 % of the blended pixels of the built-in scene `nine-cameras`, and 31 % where no noise is granted, as spans are short there.
 
 use glam::Vec3;
 
@@ -26,7 +25,7 @@ const MIN_SHARE: f32 = 0.12;
 /// Columns and rows around a pixel of the sky in which clean sky is looked for.
 const CLEAN_SKY_REACH: usize = 5;
 
-/// How far the color may lie off the line between the two sides, as a share of their distance.
+/// How far the color may be off the line between the two sides, as a share of their distance.
 const MAX_OFF_LINE: f32 = 0.35;
 
 /// Tells blended pixels of a layer.
@@ -63,7 +62,7 @@ impl<'a> BlendedTest<'a> {
         depths[pixel] == 0.0 && self.around(x, y, 1).any(|neighbor| depths[neighbor] > 0.0)
     }
 
-    /// The mean color of the sky around a pixel, without what lies beside a surface; `None` where there is no other.
+    /// The mean color of the sky around a pixel, without what is beside a surface; `None` where there is no other.
     fn clean_sky_around(&self, x: usize, y: usize) -> Option<Vec3> {
         let depths = &self.layer.inverse_depth;
         let is_clean = |pixel: &usize| depths[*pixel] == 0.0 && !self.is_beside_surface(*pixel);

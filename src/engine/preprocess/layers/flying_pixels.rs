@@ -3,9 +3,9 @@
 //! Purpose: a depth sensor whose pixel sees two surfaces gives a depth between them, where nothing is. Seen from elsewhere such
 //! samples float beside every silhouette. Source: a surface through them would be nearly parallel to the ray, as in the jump-edge
 //! filter of S. May et al., *Three-dimensional mapping with time-of-flight cameras*, Journal of Field Robotics 2009. What differs:
-//! the angle alone also meets surfaces that are seen at a grazing angle and thin things that stand beside others. So the rule asks
-//! for two surfaces on opposite sides, one nearer and one farther, neither of which runs through the sample; and a sample that
-//! continues its neighbors straight on, in whatever direction, is part of a thing.
+//! the angle alone also finds surfaces seen at a grazing angle, and thin things beside others. So the rule needs two surfaces on
+//! opposite sides, one nearer and one farther, and neither may run through the sample. A sample that continues its neighbors straight
+//! on, in whatever direction, is part of a thing.
 //!
 //! ```text
 //!   depth   ┊        B B      beyond the sample there is a surface B that is farther,
@@ -15,8 +15,8 @@
 //! ```
 //!
 //! A surface is two neighbors whose depths differ by less than an edge. The distance between these two separates noise from flight.
-//! On exact depth 0.02 to 0.15 % of the samples are taken for flying ones; without the test of what continues it is several times as
-//! many where stems stand before each other.
+//! On exact depth 0.02 to 0.15 % of the samples are taken for flying ones. Without the test for continuing neighbors there are several
+//! times as many where stems are in front of each other.
 
 use super::layer::CameraLayer;
 use crate::capture::Camera;
@@ -43,7 +43,7 @@ pub(super) struct FlyingTest<'a> {
     edge_relative: f32,
 }
 
-/// What lies beside a sample in one direction, inverse depths.
+/// What is beside a sample in one direction, inverse depths.
 #[derive(Clone, Copy)]
 struct SurfaceBeside {
     nearest_pixel: f32,
@@ -68,7 +68,7 @@ impl<'a> FlyingTest<'a> {
             && !DIRECTIONS.iter().any(|&along| self.is_continued(x, y, here, along))
     }
 
-    /// Whether the sample lies on the line through its neighbors on both sides, or through the two on one side.
+    /// Whether the sample is on the line through its neighbors on both sides, or through the two on one side.
     fn is_continued(&self, x: usize, y: usize, here: f32, (dx, dy): (isize, isize)) -> bool {
         let at = |steps: isize| self.inverse_depth(x, y, (dx * steps, dy * steps));
         let beside = |steps| at(steps).filter(|there| self.is_one_surface(here, *there));
@@ -81,7 +81,7 @@ impl<'a> FlyingTest<'a> {
         on_one_side(1) || on_one_side(-1) || between()
     }
 
-    /// Whether of the surfaces on both sides one is nearer, one is farther, and the sample lies off both.
+    /// Whether of the surfaces on both sides one is nearer, one is farther, and the sample is off both.
     fn is_between(&self, x: usize, y: usize, here: f32, (dx, dy): (isize, isize)) -> bool {
         let at = |steps: isize| self.inverse_depth(x, y, (dx * steps, dy * steps));
         // Nearly all samples have their own surface on either side.

@@ -25,7 +25,7 @@ pub struct CameraLayer {
     pub(crate) footprint: Vec<f32>,
     /// How well each was sampled; read first when cameras are compared.
     pub(crate) ranks: Vec<Rank>,
-    /// Where each lies; read second.
+    /// Depth and normal of each; read second.
     pub(crate) geometry: Vec<PackedGeometry>,
     /// How each looks; read last.
     pub(crate) packed_colors: Vec<PackedColor>,

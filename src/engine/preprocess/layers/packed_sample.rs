@@ -1,8 +1,8 @@
-//! One sample as it is compared with those of other cameras, cut into what is read first, second and last.
+//! One sample as it is compared with those of other cameras, cut into parts that are read first, second and last.
 //!
-//! Testing whether another camera shows the same point reads one sample at a place known only then, sixteen such places at a
-//! time. Such reads cost more than what is done with them: first come the ranks, as nearly always one camera's sample is the
-//! best by far and the others need no further reads; then where the surface lies; and last how it looks.
+//! Testing whether another camera shows the same point reads one sample at an address known only then, sixteen at a time. Such reads
+//! cost more than the test itself. The ranks come first: nearly always one camera's sample is the best by far, and the others need no
+//! further reads. The surface's depth and normal come second, and its color last.
 
 use glam::Vec3;
 use half::f16;
@@ -44,7 +44,7 @@ pub(crate) fn has_unknown_normal(rank: u32) -> bool {
 /// Set where the normal is known.
 const NORMAL_KNOWN: u32 = 1 << 31;
 
-/// Set where the sample lies in the air between the foreground and the background.
+/// Set where the sample is in the air between the foreground and the background.
 const FLYING: u32 = 1 << 30;
 
 /// Where the level begins.
@@ -129,7 +129,7 @@ impl PackedColor {
         Self { blue_level_known: self.blue_level_known & !FLYING | flying, ..self }
     }
 
-    /// Whether the sample lies in the air between the foreground and the background, and the settings ask for such samples.
+    /// Whether the sample is in the air between the foreground and the background, and the settings ask for such samples.
     pub(crate) fn is_flying(self) -> bool {
         self.blue_level_known & FLYING != 0
     }

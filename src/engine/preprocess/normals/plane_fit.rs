@@ -80,7 +80,7 @@ fn fit(view: &DepthView<'_>, pixels: &[u32], estimates: &mut [Estimate]) {
 }
 
 impl Sums {
-    /// Adds the neighbor at `(x, y)` where it lies on the surface of the center.
+    /// Adds the neighbor at `(x, y)` where it is on the surface of the center.
     #[inline(always)]
     fn add(&mut self, x: f32, y: f32, w: &FitLanes, center: &FitLanes, edge_relative: f32, reach: f32) {
         for lane in 0..LANES {

@@ -200,7 +200,7 @@ impl Rule {
             Self::OnlyWitness => "Kept: no other camera has a sample of this point throughout its span.",
             Self::BestRate => "Kept: no clean sample of this point with a known normal is denser.",
             Self::Coverage => {
-                "Kept: the better sample cannot replace it: it was dropped for one that does not see this point, or lives in a longer span, which is not compared."
+                "Kept: the better sample cannot replace it. That one was dropped for a sample that does not show this point, or it lives in a longer span and is not compared."
             }
             Self::PruningOff => "Kept: pruning is off.",
             Self::LowerRate => "Dropped: the witness samples this point more densely.",

@@ -74,7 +74,7 @@ impl<'a> SpanStack<'a> {
         }
     }
 
-    /// Puts and decides the samples of `span`, which lies at `level` below the span that was entered last.
+    /// Puts and decides the samples of `span`, which is at `level` below the span that was entered last.
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), `Io` where the temporary file cannot be read, and `Cancelled`.

@@ -12,7 +12,7 @@ pub(super) struct Around<const N: usize> {
     pub(super) toward: [[f32; N]; 2],
     /// Index of the pixel beside, of the one above or below, and of the one across.
     pub(super) pixels: [[u32; N]; 3],
-    /// 1 where all four lie in the picture.
+    /// 1 where all four are in the picture.
     pub(super) inside: [u32; N],
 }
 

@@ -2,12 +2,12 @@
 
 use crate::simd::LANES;
 
-/// What another camera shows where a sample's point lies in its picture.
+/// What another camera shows where a sample's point is in its picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
-    /// The point lies behind the camera.
+    /// The point is behind the camera.
     Behind,
-    /// The point lies outside the picture.
+    /// The point is outside the picture.
     OutsideView,
     /// The camera recorded no depth at that pixel.
     NoDepth,
@@ -32,7 +32,7 @@ pub enum Outcome {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceMatches<const N: usize = LANES> {
     pub(crate) bits: [u32; N],
-    /// Pixels of the target, `y * width + x`; 0 where the point lies outside.
+    /// Pixels of the target, `y * width + x`; 0 where the point is outside.
     pub(crate) pixel: [u32; N],
     /// Levels of the samples found.
     pub(crate) level: [u32; N],

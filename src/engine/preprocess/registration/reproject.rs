@@ -161,7 +161,7 @@ pub(crate) struct TargetRun<'a, const N: usize = LANES> {
     pub(crate) reprojected: &'a ReprojectedRun<N>,
 }
 
-/// Where the samples of a block lie in the target.
+/// Where the samples of a block are in the target.
 pub(crate) struct ReprojectedRun<const N: usize = LANES> {
     /// Points in target camera space, times the source's inverse depth.
     pub(crate) point: [[f32; N]; 3],
@@ -190,7 +190,7 @@ impl Registration {
         }
     }
 
-    /// Whether the target may see anything of what lies between two inverse depths (from 0) behind a rectangle of source
+    /// Whether the target may see anything of what is between two inverse depths (from 0) behind a rectangle of source
     /// pixels, given by its first and last columns and rows. It may wrongly be true, never wrongly false.
     pub(crate) fn may_see(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> bool {
         let lens = &self.target;
@@ -241,7 +241,7 @@ impl Registration {
             let v = y * reciprocal * lens.focal[1] + lens.center[1];
             let in_front = (w >= 0.0) & (z > 0.0);
             let in_view = in_front & (u >= 0.0) & (v >= 0.0) & (u < lens.size[0]) & (v < lens.size[1]);
-            // What lies outside, or is no number, goes to the first pixel.
+            // What is outside, or is no number, goes to the first pixel.
             let (u, v) = if in_view { (u, v) } else { (0.5, 0.5) };
             let (left, top) = (u.floor(), v.floor());
             carried.point[0][i] = x;

@@ -1,4 +1,4 @@
-//! The same surface point? Compares a sample with what another camera saw where the sample's point lies in its picture.
+//! The same surface point? Compares a sample with what another camera saw where the sample's point is in its picture.
 //!
 //! Source: the paper (§3.2) compares pixels that map to each other; it leaves open when they show one surface. Here that is
 //! decided in pixel footprints, by the distance to the other sample's tangent plane, and by normals and color, each with its
@@ -75,7 +75,7 @@ impl SameSurface {
         Self { visible: VisibleLevels { hides_any: has_deeper, ..self.visible }, ..self }
     }
 
-    /// Whether the target's sample at a pixel lies behind a sample of the source by more than the tolerance, along the target's
+    /// Whether the target's sample at a pixel is behind a sample of the source by more than the tolerance, along the target's
     /// optical axis. `depth` is that of the source's sample in target camera space, times its inverse depth.
     pub(crate) fn is_behind(
         &self,

@@ -125,7 +125,7 @@ impl ShortSpans {
         Self { given, nodes, ranges, waiting: [0; LANES], waiting_count: 0 }
     }
 
-    /// Takes a pixel of `runs` that is not static over the batch, the `first` of which is a pixel of the picture.
+    /// Takes a pixel of `runs` that is not static over the batch. `first` is the index of the first pixel of the runs in the picture.
     #[inline(always)]
     pub(crate) fn push(&mut self, batch: &Batch<'_>, runs: &[FrameRun<'_>], first: usize, pixel: usize) {
         self.waiting[self.waiting_count % LANES] = pixel;

@@ -2,8 +2,8 @@
 //!
 //! Half floats from 0 up order like their bits, so that minimum and maximum of color are those of 16-bit integers; what is
 //! below 0 counts as 0, as it does when shown. Sums are exact whatever their order: a half float has 11 digits and `f32` 24,
-//! an `f32` 24 and `f64` 53, which leaves room for thousands of frames of about one size. Normals have components of any size,
-//! of which `summand` takes as many digits as leave room for the same.
+//! an `f32` 24 and `f64` 53, which leaves room for thousands of frames of about one size. Normals have components of any size;
+//! `summand` keeps as many of their digits as leave the same room.
 
 use glam::Vec3;
 

@@ -1,5 +1,5 @@
 //! How far the ranges of pixels over all frames reach, and which share of them stays within the tolerances: where a threshold
-//! lies in the distribution that it cuts.
+//! is in the distribution that it cuts.
 
 use serde::{Deserialize, Serialize};
 

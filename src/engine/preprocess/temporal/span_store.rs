@@ -1,5 +1,5 @@
-//! The samples of one camera over one span before pruning: a sparse picture. There are many of them; beyond a bound they
-//! wait in a temporary file, as what pruning keeps of them does ([`crate::samples`]).
+//! The samples of one camera over one span before pruning: a sparse picture. There are many of them. Beyond a bound of memory
+//! they wait in a temporary file, as kept samples do ([`crate::samples`]).
 //!
 //! ```text
 //! record in the file: pixel u32 …, inverse depth f32 …, [normal 3 × f32 …,] color 3 × f16 …    machine's byte order

@@ -258,7 +258,7 @@ fn was_turned(images: &[u32], marks: &[f32], pixel: usize) -> bool {
     images[pixel] != NO_IMAGE && marks[pixel] != SHOWN
 }
 
-/// The pixels around one, itself among them, as far as they lie in the picture.
+/// The pixels around one, itself among them, as far as they are in the picture.
 #[inline(always)]
 fn around(pixel: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
     let (x, y) = (pixel % width, pixel / width);

@@ -23,7 +23,7 @@ pub(super) enum LineOfSight {
     Free,
     /// Some of it was in no camera's picture, and the rest was seen free.
     Unseen,
-    /// Some of it lies behind what every camera saw there; the inverse depth at which the longest such part ends.
+    /// Some of it is behind what every camera saw there; the inverse depth at which the longest such part ends.
     Hidden(f32),
 }
 
@@ -36,7 +36,7 @@ pub(crate) struct RayTest<'a> {
 struct CellView<'a> {
     free: &'a FreeDepths,
     cells_from_target: Projector,
-    /// Inverse depths below this share of a point's lie behind it.
+    /// Inverse depths below this share of a point's are behind it.
     behind_ratio: f32,
 }
 
@@ -106,7 +106,7 @@ impl<'a> RayTest<'a> {
         let (mut at, mut limit) = ([0_u32; LANES], [0.0; LANES]);
         for i in 0..LANES {
             let reciprocal = 1.0 / (ray.z + origin.z * w[i]);
-            // The corner nearest to the point; the outermost ones, where nothing was seen, if it lies beside the picture.
+            // The corner nearest to the point; the outermost ones, where nothing was seen, if it is beside the picture.
             let u = ((ray.x + origin.x * w[i]) * reciprocal + 1.5).max(0.0).min(right);
             let v = ((ray.y + origin.y * w[i]) * reciprocal + 1.5).max(0.0).min(below);
             let corner = whole(v.floor()).wrapping_mul(across).wrapping_add(whole(u.floor()));

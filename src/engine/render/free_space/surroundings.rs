@@ -150,8 +150,8 @@ impl Surroundings {
         mask(|i| found[i] >= ENOUGH_TO_TEST as u32)
     }
 
-    /// Whether a position that shows something at inverse depth `w` is enclosed: enough directions lead to a nearer surface, or out of the picture, over pixels whose lines of
-    /// sight are `hidden`.
+    /// Whether a position that shows something at inverse depth `w` is enclosed: enough directions lead to a nearer surface, or out
+    /// of the picture, over pixels whose lines of sight are `hidden`.
     #[inline(always)]
     pub(super) fn is_enclosed(&self, at: usize, w: f32, hidden: impl Fn(usize) -> bool) -> bool {
         self.leads_to_nearer(at, w, ENOUGH, hidden)
@@ -240,7 +240,7 @@ mod tests {
         }
     }
 
-    /// Whether a nearer surface, or the edge of the picture, lies in enough directions, by stepping over the picture itself.
+    /// Whether enough directions lead to a nearer surface or the edge of the picture, found by stepping over the picture itself.
     fn plainly_enclosed(picture: &Picture, (x, y): (usize, usize), enough: usize) -> bool {
         let own = picture.inverse_depth[(x, y)].max(0.0);
         let leads_to_nearer = |(right, below): (isize, isize)| {

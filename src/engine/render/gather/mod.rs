@@ -3,7 +3,7 @@
 //! The surface stage finds the depth of the surface in each pixel. [`block`] decides what each pixel of a block shows; at
 //! steps in depth the cameras vote on it ([`silhouette`], [`visibility_votes`]), for each of four sub-pixels ([`subpixels`]).
 //! [`interpolate`] then carries each surface point back into the cameras ([`reproject`]) and interpolates its color among their
-//! samples: bilinearly over the 2×2 samples around it, as far as they lie on the same surface, averaged over cameras by sampling
+//! samples: bilinearly over the 2×2 samples around it, as far as they are on the same surface, averaged over cameras by sampling
 //! rate and viewing angle ([`view_weights`]). Each camera first corrects the depth by its own samples, so that noise and small
 //! misalignments between cameras blur nothing.
 //!

@@ -6,7 +6,7 @@ use crate::simd::{LANES, joined, whole};
 
 /// Sixteen points in one camera.
 pub(super) struct ReprojectedPoints {
-    /// Which of them lie in the camera's picture: one bit each.
+    /// Which of them are in the camera's picture: one bit each.
     pub(super) inside: u32,
     /// Column of the samples to the left, −1 beside the picture.
     pub(super) left: LaneValues,
@@ -23,7 +23,7 @@ pub(super) struct ReprojectedPoints {
 }
 
 impl ReprojectedPoints {
-    /// Where points lie in a camera.
+    /// Where points are in a camera.
     #[inline(always)]
     pub(super) fn new(lookup: &Lookup<'_>, view: &SourceView, points: &TargetPoints) -> Self {
         let zero = [0.0; LANES];
@@ -60,7 +60,7 @@ impl ReprojectedPoints {
     }
 }
 
-/// Whether a sample at inverse depth `depth` lies on the surface at inverse depth `expected`.
+/// Whether a sample at inverse depth `depth` is on the surface at inverse depth `expected`.
 #[inline(always)]
 pub(super) fn agrees(depth: f32, expected: f32, limit: f32) -> bool {
     ((depth - expected).abs() <= limit) & (depth >= 0.0)

@@ -89,8 +89,8 @@ impl EdgePixel {
         }
     }
 
-    /// The surfaces of the pixel, by the votes on [`EdgePixel::voted_key`]; it is one of so many along a side of a pixel of the
-    /// picture.
+    /// The surfaces of the pixel, by the votes on [`EdgePixel::voted_key`]. A pixel of the picture has `subpixels` such pixels along each
+    /// side.
     #[inline(always)]
     pub(super) fn decide(&self, votes: VisibilityVotes, subpixels: usize) -> PixelSurfaces {
         let (offset, gain) = match self {
@@ -199,13 +199,13 @@ impl Patch {
     }
 
     /// How many of [`CRACK_STEPS`] are looked at. Cracks are as wide as a pixel of the picture: where that has two sub-pixels, one of
-    /// the neighbors may lie two steps away.
+    /// the neighbors may be two steps away.
     #[inline(always)]
     fn crack_widths(&self) -> usize {
         if self.subpixels == 2 { CRACK_STEPS.len() } else { 1 }
     }
 
-    /// What surfaces lie around the pixels of a row of the block, sixteen at a time.
+    /// What surfaces are around the pixels of a row of the block, sixteen at a time.
     #[inline(always)]
     pub(super) fn edge_row(&self, y: usize) -> EdgeRow {
         let mut w = [[0.0_f32; SIDE]; 2 * RING + 1];
@@ -258,7 +258,7 @@ impl Patch {
         row
     }
 
-    /// What is to be decided about pixel `(x, y)` of the block, given what lies around the pixels of its row.
+    /// What is to be decided about pixel `(x, y)` of the block, given what is around the pixels of its row.
     #[inline(always)]
     pub(super) fn edge_pixel(&self, x: usize, y: usize, row: &EdgeRow) -> EdgePixel {
         let own = self.key(x, y);
@@ -286,7 +286,7 @@ impl Patch {
     }
 }
 
-/// What surfaces lie around the pixels of a row of a block. Steps lead to a neighbor in the keys of a [`Patch`].
+/// What surfaces are around the pixels of a row of a block. Steps lead to a neighbor in the keys of a [`Patch`].
 pub(super) struct EdgeRow {
     /// Inverse depth of the nearest surface that two opposite neighbors show in front of the pixel; negative without such a surface.
     crack_w: [f32; BLOCK],

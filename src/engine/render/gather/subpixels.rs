@@ -23,7 +23,7 @@ const LEAST_SHOWN: usize = 2;
 /// Most surfaces of a pixel: a nearer and a farther one in each sub-pixel.
 const MOST_SURFACES: usize = 2 * SUBPIXELS.len();
 
-/// The pixels of a block that lie at steps in depth, and what is known of them.
+/// The pixels of a block that are at steps in depth, and what is known of them.
 #[derive(Clone, Copy)]
 pub(super) struct DecidedEdges<'a> {
     /// Which they are: a mask of columns per row.

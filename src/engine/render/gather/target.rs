@@ -29,7 +29,7 @@ pub(crate) struct PictureRows<'a> {
 }
 
 impl PictureRows<'_> {
-    /// Columns and rows of a block that lie in the picture, in pixels of the z-buffer.
+    /// Columns and rows of a block that are in the picture, in pixels of the z-buffer.
     #[inline(always)]
     pub(crate) fn extent(&self, left: usize) -> (usize, usize) {
         (BLOCK.min(self.width * self.subpixels - left), self.image.len() / self.width * self.subpixels)

@@ -109,7 +109,7 @@ impl<'a> SourceViews<'a> {
         cameras.iter_mut().zip(weights).for_each(|(camera, (_, ranked))| *camera = *ranked);
     }
 
-    /// The pixel of a camera that shows the surface at inverse depth `w` in pixel `(x, y)`; it may lie outside the camera's
+    /// The pixel of a camera that shows the surface at inverse depth `w` in pixel `(x, y)`; it may be outside the camera's
     /// picture. `None` behind the camera.
     #[inline(always)]
     pub(super) fn pixel_in(&self, camera: u16, (x, y): (f32, f32), w: f32) -> Option<(i32, i32)> {

@@ -1,6 +1,6 @@
 //! Culling: which tiles of samples can touch which rows of the vantage.
 //!
-//! A tile and the bounds of its depths make a box, `(column, row, inverse depth)`, whose projection lies between those of its
+//! A tile and the bounds of its depths make a box, `(column, row, inverse depth)`, whose projection is between those of its
 //! eight corners if all of them are in front of the vantage. The picture is cut into bands of rows, each with a list of the
 //! tiles that may touch it, in the order of the samples. One thread paints each band: threads share no cache line, no buffer is
 //! merged, and sums run in the order of the samples for any number of threads.

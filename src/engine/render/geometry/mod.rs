@@ -1,4 +1,4 @@
-//! Where samples lie in the picture, and how large they are there.
+//! Where samples are in the picture, and how large they are there.
 
 mod cull;
 mod footprint;

@@ -29,7 +29,7 @@ struct Page {
 #[derive(Debug)]
 struct PageAllocator {
     words: u32,
-    /// Where pieces lie, ascending: first word and words.
+    /// The pieces, ascending: first word and number of words.
     used: Vec<(u32, u32)>,
 }
 

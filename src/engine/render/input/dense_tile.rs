@@ -58,7 +58,7 @@ impl DenseTile {
 }
 
 /// Growth of the inverse depth from one column to the next and from one row to the next, at the pixels of a row: in each
-/// direction the smaller of the differences to both neighbors that lie on the same surface, 0 where neither does.
+/// direction the smaller of the differences to both neighbors that are on the same surface, 0 where neither is.
 #[inline(always)]
 pub(crate) fn slopes(tile: &DenseTile, row: usize, per_footprint: f32) -> [[f32; TILE]; 2] {
     let [above, here, below] = [&tile.rows[row], &tile.rows[row + 1], &tile.rows[row + 2]];

@@ -1,7 +1,7 @@
 //! Picking: from a pixel of a rendered picture back to the sample that painted it.
 //!
 //! A picture holds for every pixel which image's sample is nearest and at which depth. The surface point there, projected into
-//! the image's own camera, lies beside the sample, which is the nearest of those around it.
+//! the image's own camera, is beside the sample, which is the nearest of those around it.
 
 use glam::{DVec2, DVec3};
 

@@ -15,7 +15,7 @@ use crate::simd;
 /// A foreground sample that is visible: pixel of the strip, key and where its color is.
 pub(super) type ForegroundPixel = (usize, u64, ColorIndex);
 
-/// The nearest samples of a block of pixels. Aligned, so that no row of a vector's width lies across cache lines.
+/// The nearest samples of a block of pixels. Aligned, so that no row of a vector's width crosses cache lines.
 #[derive(Default)]
 #[repr(align(64))]
 struct NearestSamples {

@@ -29,12 +29,12 @@ impl BandRows {
         }
     }
 
-    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it lies in the band. If it does not, or is
+    /// The pixel of the band at column `x` and row `y` (whole numbers), and whether it is in the band. If it is not, or is
     /// NaN, the pixel is any in the band: a different one for each lane `i`, as writing to the same again and again is slow.
     #[inline(always)]
     pub(super) fn pixel(&self, x: f32, y: f32, i: usize) -> (u32, bool) {
         let inside = (x >= 0.0) & (x <= self.right) & (y >= self.top) & (y <= self.bottom);
-        // What lies outside may wrap: it is not used.
+        // What is outside may wrap: it is not used.
         let pixel = whole(y - self.top).wrapping_mul(self.width).wrapping_add(whole(x));
         (if inside { pixel } else { (i as u32).min(self.last) }, inside)
     }

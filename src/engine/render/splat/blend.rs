@@ -45,7 +45,7 @@ const MAX_REACH: f32 = 64.0;
 pub(crate) const BLEND_REACH: FootprintReach =
     FootprintReach { pixels: 1.5, source_pixels: 2.0 * MAX_STRETCH };
 
-/// Adds up the colors in `bands` of the samples that lie on the nearest surface, by the z-buffer `keys`.
+/// Adds up the colors in `bands` of the samples that are on the nearest surface, by the z-buffer `keys`.
 pub(crate) fn blend(
     input: &StageInput<'_>,
     bands: &[RowBand],
@@ -172,7 +172,7 @@ impl BandSums<'_> {
     fn add(&mut self, x: usize, y: usize, depth: f32, weight: f32, color: [f32; 3]) {
         let pixel = (y - self.rows.start) * self.width + x;
         let nearest = inverse_depth_of(self.keys[pixel]);
-        // Neither what lies behind the surface, nor a nearer sample whose kernel only touches the edge of the pixel.
+        // Neither what is behind the surface, nor a nearer sample whose kernel only touches the edge of the pixel.
         if depth >= nearest * self.surface_ratio && depth * self.surface_ratio <= nearest {
             let sum = &mut self.sums[pixel];
             let parts = [color[0] * weight, color[1] * weight, color[2] * weight, weight];

@@ -18,9 +18,9 @@ use super::rans::STREAMS;
 /// What is known of a block before its samples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockShape {
-    /// Columns of the block that lie in the picture.
+    /// Columns of the block that are in the picture.
     pub(crate) width: usize,
-    /// Rows of the block that lie in the picture.
+    /// Rows of the block that are in the picture.
     pub(crate) height: usize,
     /// Bit `4 y + x`: whether the tile in column `x`, row `y` of the block holds a sample.
     pub(crate) tiles: u16,

@@ -118,7 +118,7 @@ impl<'a> BitReader<'a> {
     #[cold]
     #[inline(never)]
     fn fill_last(&mut self, bits: u32) {
-        // What stands above `count` has not been counted.
+        // Bits above `count` have not been counted.
         self.pending &= (1 << self.count) - 1;
         while self.count < 56
             && let Some((&byte, rest)) = self.rest.split_first()

@@ -1,6 +1,6 @@
 //! The static model of the entropy coder: how often each token occurs in each context.
 //!
-//! The tables are counted over the whole store and stand in it once. Blocks then need no time to learn, however small they
+//! The tables are counted over the whole store, which holds them once. Blocks then need no time to learn, however small they
 //! are, and each is read without any other. Contexts are numbered so that neighbors resemble each other; those that are not
 //! worth a table of their own share one.
 

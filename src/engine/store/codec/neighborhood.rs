@@ -19,7 +19,7 @@ const MARGIN: usize = 2;
 pub(crate) const STRIDE: usize = BLOCK + MARGIN + 1;
 pub(crate) const CELLS: usize = (BLOCK + MARGIN) * STRIDE;
 
-/// Where a pixel of a block stands in its arrays.
+/// The index of a pixel of a block in its arrays.
 #[inline(always)]
 pub(crate) const fn cell(x: usize, y: usize) -> usize {
     (y + MARGIN) * STRIDE + x + MARGIN
@@ -89,7 +89,7 @@ impl Neighbors {
     }
 }
 
-/// Where a sample stands, what is around it, and the block in the reference where that has the sample too.
+/// The index of a sample, what is around it, and the block in the reference if that has the sample too.
 #[derive(Clone, Copy)]
 pub(crate) struct CodingContext<'a> {
     pub(crate) at: usize,
@@ -128,7 +128,7 @@ pub(crate) fn activity(residuals: &PerPixel<u32>, place: CodingContext<'_>) -> u
 /// Bits of an inverse depth of 1/8 per unit of length: what is predicted where nothing is known.
 const NO_DEPTH: i32 = 0x3E00_0000;
 
-/// The depth at a pixel if its neighbors lie on one plane, and from how much that was concluded: 3 a plane, 2 a neighbor, 1 nothing.
+/// The depth at a pixel if its neighbors are on one plane, and from how much that was concluded: 3 a plane, 2 a neighbor, 1 nothing.
 #[inline(always)]
 pub(crate) fn plane_prediction(depths: &PerPixel<i32>, shift: u32, place: CodingContext<'_>) -> (i32, usize) {
     let CodingContext { at, near, .. } = place;

@@ -101,7 +101,7 @@ pub(crate) const HEAD: ChunkId = *b"HEAD";
 pub(crate) const SETTINGS: ChunkId = *b"SETT";
 /// What was dropped and why, JSON.
 pub(crate) const REPORT: ChunkId = *b"REPT";
-/// Where each image stands.
+/// The position of each image.
 pub(crate) const INDEX: ChunkId = *b"INDX";
 /// One sample image.
 pub(crate) const IMAGE: ChunkId = *b"IMAG";

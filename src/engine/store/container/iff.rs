@@ -140,7 +140,7 @@ impl<W: Write + Seek> FormWriter<W> {
     }
 }
 
-/// Where a chunk stands.
+/// The position of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ChunkHeader {
     /// What it holds.

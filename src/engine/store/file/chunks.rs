@@ -26,7 +26,7 @@ pub(crate) fn is_known(id: ChunkId) -> bool {
 }
 
 impl InfoChunks {
-    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB` stands before the last
+    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB` comes before the last
     /// of them.
     pub(crate) fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
         let iff = |error| from_iff(path, error);

@@ -30,7 +30,7 @@ pub(crate) struct HeadChunk {
     pub(crate) frame_numbers: Vec<i64>,
 }
 
-/// Where one sample image stands, and what it holds.
+/// The position of one sample image, and its contents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ImageEntry {
     /// Index of the camera.

@@ -68,7 +68,7 @@ impl Store {
         Self::over(path, Box::new(file))
     }
 
-    /// As [`Store::open`], over bytes that stand elsewhere; `path` is named in errors.
+    /// As [`Store::open`], over bytes from elsewhere; `path` is named in errors.
     ///
     /// # Errors
     /// As [`Store::open`].
@@ -135,8 +135,8 @@ impl Store {
         image.ok_or_else(|| self.damaged(index, "there is no image"))
     }
 
-    /// Reads the visible blocks of an image, or all, given what was read `so_far` and the image it is predicted from, of which the
-    /// same blocks were read.
+    /// Reads the visible blocks of an image, or all, given what was read `so_far` and the image that it is predicted from, with the same
+    /// blocks read.
     pub(crate) fn decode(
         &self,
         index: usize,

@@ -63,7 +63,7 @@ pub fn write(path: &Path, samples: &SampleSet, report: &str, job: &Job) -> Resul
     write_with(path, samples, &Extras { report: report.to_owned(), ..Extras::default() }, job)
 }
 
-/// As [`write()`], with what is to stand beside the samples.
+/// As [`write()`], with what is stored beside the samples.
 ///
 /// # Errors
 /// As [`write()`].
@@ -152,7 +152,7 @@ impl Input<'_> {
         for (id, payload) in &extras.unknown {
             form.plain_chunk(*id, payload).map_err(iff)?;
         }
-        // The index stands before the images, so that opening a store reads its first few kilobytes only; it has its final
+        // The index comes before the images, so that opening a store reads its first few kilobytes only; it has its final
         // length from the start and is filled in at the end.
         let mut entries: Vec<ImageEntry> =
             (0..prepared.images.len()).map(|index| prepared.entry(index)).collect();

@@ -330,7 +330,7 @@ pub(crate) fn depth_bounds(samples: &SampleImage) -> (u32, u32) {
 }
 
 /// Puts blocks together, tiles in their order, with those that an image of the same camera and span has already. Which samples are
-/// doubtful stands elsewhere in the file, see [`super::doubtful`].
+/// doubtful is elsewhere in the file, see [`super::doubtful`].
 pub(crate) fn assemble(image: &SampleImage, normals: bool, blocks: &[SampleImage]) -> SampleImage {
     let parts = std::iter::once(image).chain(blocks);
     let count = parts.clone().map(SampleImage::len).sum();

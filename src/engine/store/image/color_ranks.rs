@@ -2,7 +2,7 @@
 //!
 //! Colors are coded by their rank in this list. Lossless, it is every half between the extremes, or, where a capture was
 //! recorded with fewer (as from 8-bit pictures), just those that occur. With a precision it is a coarser list: every half that
-//! occurs lies within half a display step of one in it.
+//! occurs is within half a display step of one in it.
 
 use half::f16;
 
@@ -13,7 +13,7 @@ use crate::store::container::{ByteReader, push_varint};
 /// Halves are counted from the most negative: their bits in ascending order.
 const CODES: usize = 1 << 16;
 
-/// The place of a half among all halves, ascending. −0 stands just before 0.
+/// The place of a half among all halves, ascending. −0 comes just before 0.
 #[inline(always)]
 fn code_of(half: f16) -> u16 {
     let bits = half.to_bits();
@@ -103,7 +103,7 @@ impl ColorRanks {
         for (rank, pair) in codes.windows(2).enumerate() {
             let (below, above) = (pair[0], pair[1]);
             ranks.push(rank as u16);
-            // What lies between belongs to the nearer of the two, in display steps.
+            // What is between belongs to the nearer of the two, in display steps.
             ranks.extend((below + 1..above).map(|code| {
                 let nearer_above = steps_of(above) - steps_of(code) < steps_of(code) - steps_of(below);
                 rank as u16 + u16::from(nearer_above)

@@ -94,7 +94,7 @@ impl DoubtfulRuns {
         tiles.iter().enumerate().filter_map(mask_of).collect()
     }
 
-    /// The pixels of a tile, given by its number, that lie in runs of doubtful samples.
+    /// The pixels of a tile, given by its number, that are in runs of doubtful samples.
     fn rows(&self, number: usize) -> [u16; TILE] {
         let (first, last) = (number * TILE_SAMPLES, (number + 1) * TILE_SAMPLES);
         let mut rows = [0; TILE];

@@ -34,7 +34,7 @@ pub struct BlockEntry {
     pub tiles: u16,
     /// Samples in the block.
     pub samples: u32,
-    /// Inverse depths of the block lie between these.
+    /// Inverse depths of the block are between these.
     pub inverse_depth: (f32, f32),
     /// Bytes from the start of the payload to the block's code.
     pub(crate) start: usize,

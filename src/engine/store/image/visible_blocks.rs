@@ -6,8 +6,8 @@
 //! ```
 //!
 //! A pixel `(x, y)` of a camera at inverse depth `w` is the point `direction(x, y) + w · position` in homogeneous coordinates, so
-//! that a box of pixels and inverse depths, 0 for infinity included, is the hull of its eight corners, and lies outside a plane where
-//! all of these do. What is painted is also looked up in all cameras, whose nearer samples hide it: blocks that lie where a box that may
+//! that a box of pixels and inverse depths, 0 for infinity included, is the hull of its eight corners, and is outside a plane where
+//! all of these are. What is painted is also looked up in all cameras, whose nearer samples hide it: blocks where a box that may
 //! be seen is projected to are needed at whatever depth. Both tests grow boxes by what the renderers' footprints reach.
 
 use glam::{DMat3, DVec3};
