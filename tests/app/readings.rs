@@ -55,7 +55,7 @@ fn a_misread_capture_is_compared_side_by_side_and_opened_otherwise_only_by_a_but
     assert_eq!(positions(&window), positions(&right));
     let notices = window.state().observed().notices;
     assert!(!is_told(&window), "{notices:?}");
-    assert!(notices.iter().any(|notice| notice.contains("read otherwise than its files say")));
+    assert!(notices.iter().any(|notice| notice.contains("another reading than that of its files")));
     assert_eq!(std::fs::read(capture.join("transforms.json")).unwrap(), manifest, "files stay as they are");
     click(&mut window, "Open");
     click(&mut window, "Compare readings…");

@@ -1,4 +1,4 @@
-//! What cameras are told apart by: a color, and a pattern once colors repeat. Small signs beside names and pixels of pictures
+//! Signs of cameras: a color, and a pattern once colors repeat. Small signs beside names and pixels of pictures
 //! show the same of both, so that one explains the other.
 //!
 //! Sources: the first seven colors are those of Okabe and Ito (*Color Universal Design*, 2008). What differs: seven lighter ones

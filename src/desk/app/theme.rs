@@ -147,7 +147,7 @@ impl Tokens {
         }
     }
 
-    /// The color of samples that stand like this among the other cameras.
+    /// The color of samples by their agreement with other cameras.
     pub(crate) fn of_agreement(&self, agreement: SampleAgreement) -> Color32 {
         match agreement {
             SampleAgreement::Confirmed => self.confirmed,
@@ -180,7 +180,7 @@ pub(crate) mod space {
     pub(crate) const TOTALS: f32 = 52.0;
     pub(crate) const TABS: f32 = 30.0;
     pub(crate) const TIMELINE: f32 = 72.0;
-    /// Height of the line that says what is going on.
+    /// Height of the status line.
     pub(crate) const STATUS: f32 = 28.0;
     /// Corner radius of cards and buttons.
     pub(crate) const RADIUS: u8 = 6;
@@ -202,8 +202,7 @@ const GRACE_SECS: f32 = 0.2;
 /// Longer than anybody rests.
 const NEVER_SECS: f32 = 1e6;
 
-/// Takes tooltips away while something is asked: egui would keep the open one above the question, and show it again at once if another
-/// one was there just before.
+/// Hides tooltips while a question is open: egui would keep an open one above the question, and show another at once.
 pub(crate) fn show_tooltips(ctx: &egui::Context, show: bool) {
     let (secs, grace_secs) = if show { (TOOLTIP_SECS, GRACE_SECS) } else { (NEVER_SECS, 0.0) };
     if ctx.global_style().interaction.tooltip_delay != secs {
@@ -214,7 +213,7 @@ pub(crate) fn show_tooltips(ctx: &egui::Context, show: bool) {
     }
     let is_tooltip = |layer: &egui::LayerId| layer.order == egui::Order::Tooltip;
     if !show && ctx.memory(|memory| memory.areas().visible_layer_ids().iter().any(is_tooltip)) {
-        // A tooltip that was there stays as long as the pointer does, whatever the delay; what is forgotten was not there.
+        // An open tooltip stays as long as the pointer does, at any delay; a forgotten one does not.
         ctx.memory_mut(egui::Memory::reset_areas);
     }
 }

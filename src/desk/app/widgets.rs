@@ -94,7 +94,7 @@ pub(crate) fn width_of_segments<T>(ui: &Ui, choices: &[(T, &'static str, &'stati
     names + 2.0 * SEGMENT_PADDING[1] * choices.len() as f32
 }
 
-/// A row of choices of which one is on; gives the one that was clicked. `name` names the row for screen readers.
+/// A row of choices, one of them on; gives the one that was clicked. `name` names the row for screen readers.
 pub(crate) fn segments_ui<T: Copy + PartialEq>(
     ui: &mut Ui,
     name: &str,

@@ -33,7 +33,7 @@ Examples:
   overlook verify scene.ovl                                 whether all of a store can be read
   overlook bench                                            speed of each stage beside the limits of this machine
 
-Exit codes: 0 success, 1 bad input (one line on stderr says what, where and what to do), 2 bad usage, 130 stopped by Ctrl-C.";
+Exit codes: 0 success, 1 bad input (one line on stderr with the error, its place and the remedy), 2 bad usage, 130 stopped by Ctrl-C.";
 
 /// A path or a command: clap would draw both in one line.
 const USAGE: &str = "overlook [OPTIONS] [PATH]\n       overlook [OPTIONS] <COMMAND>";
@@ -59,7 +59,7 @@ struct Cli {
 enum CliCommand {
     /// Write a built-in scene as a capture: EXR, transforms.json, and true pictures of new viewpoints in DIR/novel.
     Demo(commands::demo::DemoArgs),
-    /// Say what a capture or a store holds.
+    /// Print what a capture or a store holds.
     Info(commands::info::InfoArgs),
     /// Drop what is redundant in a capture and write the rest as a store.
     Preprocess(commands::preprocess::PreprocessArgs),
@@ -75,11 +75,11 @@ enum CliCommand {
     Stress(commands::stress::StressArgs),
     /// Find the simplest settings, and the fewest cameras, that are as accurate as the best.
     Tune(commands::tune::TuneArgs),
-    /// Put what sweeps and stress tests gave on one page: charts, tables and pictures, for any number of captures.
+    /// Put the results of sweeps and stress tests on one page: charts, tables and pictures, for any number of captures.
     Report(commands::report::ReportArgs),
-    /// Write what a store holds in forms that other programs read: points, pictures, a video.
+    /// Write the samples of a store in forms that other programs read: points, pictures, a video.
     Export(commands::export::ExportArgs),
-    /// Read everything in a store and say what is damaged.
+    /// Read everything in a store and report damage.
     Verify(commands::verify::VerifyArgs),
     /// Measure how fast each stage is, beside the limits of this machine.
     Bench(commands::bench::BenchArgs),
@@ -96,7 +96,7 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
     let cli = match Cli::read(std::env::args_os()) {
         Ok(cli) => cli,
         Err(error) => {
-            // Where stdout or stderr is closed there is nobody to tell.
+            // A closed stdout or stderr has no reader.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }

@@ -14,26 +14,9 @@ impl OverlookApp {
     /// Carries out what belongs to the inspector; gives back what does not.
     pub(crate) fn apply_to_inspector(&mut self, command: Command) -> Option<Command> {
         let state = &mut self.state;
-        let probe = &mut state.inspector.probe;
         match command {
-            Command::Probe(spot) => probe.spot = spot,
-            Command::Pin(pinned) => {
-                probe.pinned = pinned && probe.spot.is_some();
-                // Pinning stops playback: the pixel is one of this frame, and its verdict takes longer than a frame.
-                state.timeline.playing &= !probe.pinned;
-                if !pinned {
-                    (probe.spot, probe.shown) = (None, None);
-                } else if let Some(probed) =
-                    probe.shown.as_ref().filter(|probed| Some(probed.spot) == probe.spot)
-                {
-                    // The surface point is kept, not the place in a picture that will turn.
-                    let (camera, x, y) = (probed.camera, probed.x, probed.y);
-                    probe.spot = Some(Spot::Source { camera, x, y });
-                } else {
-                    // That it is a hole may have been answered before it was to be kept.
-                    self.scheduler.probe = None;
-                }
-            }
+            Command::Probe(spot) => state.inspector.probe.spot = spot,
+            Command::Pin(pinned) => self.pin(pinned),
             Command::ShowPointIn(camera) => self.show_point_in(camera),
             Command::LogFrameTimes => {
                 if let Some(times) = std::mem::take(&mut state.inspector.meter).summary() {
@@ -85,6 +68,24 @@ impl OverlookApp {
         None
     }
 
+    /// Keeps the selected pixel, or lets it go.
+    fn pin(&mut self, pinned: bool) {
+        let probe = &mut self.state.inspector.probe;
+        probe.pinned = pinned && probe.spot.is_some();
+        // Pinning stops playback: the pixel is one of this frame, and its verdict takes longer than a frame.
+        self.state.timeline.playing &= !probe.pinned;
+        if !pinned {
+            (probe.spot, probe.shown) = (None, None);
+        } else if let Some(probed) = probe.shown.as_ref().filter(|probed| Some(probed.spot) == probe.spot) {
+            // The surface point is kept: a pixel of the live picture shows another point once the view turns.
+            let (camera, x, y) = (probed.camera, probed.x, probed.y);
+            probe.spot = Some(Spot::Source { camera, x, y });
+        } else {
+            // The pixel may have been found to be a hole before it was pinned.
+            self.scheduler.probe = None;
+        }
+    }
+
     /// Shows the selected point in the middle of a camera's picture.
     fn show_point_in(&mut self, camera: usize) {
         let Some(scene) = &self.state.scene else { return };
@@ -115,8 +116,7 @@ impl OverlookApp {
         let settings = self.state.settings.clone();
         let charts = &mut self.state.inspector.charts;
         if !charts.begin(study, &settings) {
-            let text =
-                "All that starts from these settings is measured; change one to measure around others.";
+            let text = "Everything around these settings is measured; change one to measure around others.";
             self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
             return;
         }
@@ -139,7 +139,7 @@ impl OverlookApp {
         self.state.notify(NoticeKind::Done, "Settings applied", text);
     }
 
-    /// Says how far a sweep or a stress test came that was stopped.
+    /// Reports how far a stopped sweep or stress test came.
     pub(crate) fn notify_stopped_study(&mut self) {
         if let Some((title, text)) = self.state.inspector.charts.stopped() {
             self.state.notify(NoticeKind::Done, title, text);
@@ -187,7 +187,7 @@ impl OverlookApp {
             return;
         }
         let (title, text) = match probed {
-            Some(_) => ("No point here", "This pixel lies infinitely far away; point at another one."),
+            Some(_) => ("No point here", "This pixel is infinitely far away; point at another one."),
             None => ("Point at a pixel first", "F then centers the live view on it."),
         };
         self.state.warn_of_scene(title, text);
@@ -244,7 +244,7 @@ impl OverlookApp {
         None
     }
 
-    /// Stands where a key of the path does.
+    /// Moves the view to a key of the path.
     pub(crate) fn go_to_key(&mut self, key: SavedPathKey) {
         self.state.live.orbit = Some(key.orbit);
         self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));

@@ -226,7 +226,8 @@ fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
     pressed.map(|(_, _, command)| command).collect()
 }
 
-/// Keys that view the scene along an axis. egui tells the digits of a number pad not from those above the letters, which show cameras.
+/// Keys that view the scene along an axis. egui does not distinguish digits of the number pad from those above the
+/// letters, which show cameras.
 fn axis_keys(input: &mut egui::InputState) -> Vec<Command> {
     let mut commands = Vec::new();
     for (key, axis) in [(Key::X, DVec3::X), (Key::Y, DVec3::Y), (Key::Z, DVec3::Z)] {

@@ -5,7 +5,7 @@ use overlook_engine::capture::Camera;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::settings::Settings;
 
-/// What a window shows that its labels do not tell, or not exactly.
+/// The state of a window beyond its labels.
 #[derive(Clone, Debug)]
 pub struct Observed<'a> {
     /// Whether all requested work is done and shown.

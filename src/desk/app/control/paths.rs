@@ -1,4 +1,4 @@
-//! Paths that are chosen in a dialog or typed: what for, whether there is anything to write, and what stands there already.
+//! Paths that are chosen in a dialog or typed: their purpose, whether there is anything to write, and whether they exist already.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it he
 const OTHER_ENDING: &str = "A picture is written as PNG or EXR; name it .png or .exr.";
 
 impl OverlookApp {
-    /// Carries out what concerns a path that is chosen or typed; gives back what does not.
+    /// Carries out commands about a path that is chosen or typed; gives back any other.
     pub(crate) fn apply_to_typed_path(&mut self, command: Command) -> Option<Command> {
         match command {
             // Before a path is chosen for nothing.
@@ -48,7 +48,7 @@ impl OverlookApp {
         self.state.typed_path = Some(TypedPath { purpose, text, folder, reason, replaces: false });
     }
 
-    /// Takes the path in the field; one to be written to once it is known that nothing stands there, or that it may be replaced.
+    /// Takes the path in the field. A path to write to is taken once it is known to be free, or may be replaced.
     fn take_typed_path(&mut self) {
         let Some(typed) = &mut self.state.typed_path else { return };
         let (purpose, Some(path)) = (typed.purpose, place(&typed.text)) else { return };
@@ -64,7 +64,7 @@ impl OverlookApp {
         }
     }
 
-    /// Takes in whether something stands where the path in the field leads to.
+    /// Takes in whether the path in the field exists.
     pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
         let Destination { purpose, path } = destination;
         if !purpose.writes() {
@@ -72,7 +72,7 @@ impl OverlookApp {
             if taken && self.state.inspector.unsaved_work().is_some() {
                 self.state.open_after_question = Some(command);
             } else {
-                // What is not there is told as what cannot be opened, and what is open stays.
+                // A path that does not exist fails to open like any other, and the open scene stays.
                 self.open(command);
             }
             return;
@@ -238,7 +238,7 @@ impl OverlookApp {
         }
     }
 
-    /// Whether what a purpose needs is missing; warns then.
+    /// Whether something that a purpose needs is missing; warns if so.
     pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
         let Some((title, text)) = what_is_missing(&self.state, purpose) else { return false };
         self.state.warn_of_scene(title, text);
@@ -246,7 +246,7 @@ impl OverlookApp {
     }
 }
 
-/// Title and text of the warning where there is nothing to write for a purpose, or nothing that needs what it reads; else `None`.
+/// Title and text of the warning if there is nothing to write for a purpose, or nothing that could use what it reads.
 fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
     let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
     let no_scene = || where_not(state.scene.is_some(), "Open a capture or a store first.");
@@ -287,7 +287,7 @@ fn not_pruned(state: &State) -> &'static str {
     }
 }
 
-/// What a path is likely to be named; empty where it has to be there already.
+/// A likely name of a file to write; empty for a path that must exist already.
 fn suggested_name(state: &State, purpose: Purpose) -> String {
     match purpose {
         Purpose::SaveStore => format!("{}.ovl", state.scene.as_ref().map_or("capture", |scene| &scene.name)),

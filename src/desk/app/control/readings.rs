@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::TextureOptions;
 
 use super::overlook_app::OverlookApp;
-use crate::app::model::{self, Command, NoticeKind, NoticeLink, Origin, ReadingImages, ShownReadings};
+use crate::app::model::{self, Command, NoticeKind, NoticeLink, ReadingImages, SceneSource, ShownReadings};
 use crate::app::work::OpenRequest;
 use overlook_engine::capture::conventions::Finding;
 
@@ -28,10 +28,10 @@ impl OverlookApp {
         None
     }
 
-    /// Opens what is open again, under the other reading or as its files say.
+    /// Opens the scene again, under the other reading or under the one of its files.
     pub(super) fn open_reading(&mut self, otherwise: bool) {
         let Some(scene) = &self.state.scene else { return };
-        let Origin::Path(path) = &scene.origin else { return };
+        let SceneSource::Path(path) = &scene.origin else { return };
         let readings = &mut self.state.inspector.readings;
         let keys = match readings.alternative() {
             Some(other) if otherwise => other.keys.clone(),
@@ -41,17 +41,17 @@ impl OverlookApp {
         self.open_with_keys(path.clone(), keys);
     }
 
-    /// Opens a capture whose files are read as `keys` of a manifest say; as they are where there are none.
+    /// Opens a capture under the reading that `keys` of a manifest express; without keys under the one of its files.
     pub(super) fn open_with_keys(&mut self, path: PathBuf, keys: Vec<(String, String)>) {
         self.state.opening = Some(path.display().to_string());
         let settings = self.state.settings.capture.clone();
         self.workers.open.submit(OpenRequest::Path { path, settings, keys });
     }
 
-    /// Takes in what the agreement between views says. Nothing is read otherwise by that.
+    /// Takes in the finding about the agreement between views. It changes no reading.
     pub(super) fn readings_checked(&mut self, finding: Result<Arc<Finding>, String>) {
         let readings = &mut self.state.inspector.readings;
-        // Opened under the other reading, the capture still says what it says.
+        // A capture opened under the other reading keeps the keys of its files.
         let is_reread = self.state.scene.as_ref().is_some_and(|scene| scene.is_reread);
         if readings.alternative().is_some() || is_reread {
             return;

@@ -10,8 +10,8 @@ use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
     self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, NoticeLink, OpenScene,
-    OrbitCamera, Origin, PixelSource, Probed, Readings, Ruler, ShownCameras, ShownPicture, SourceLook, Spot,
-    Texture, Unit, Whole, WorkKind, and_others, method_of,
+    OrbitCamera, PixelSource, Probed, Readings, Ruler, SceneSource, ShownCameras, ShownPicture, SourceLook,
+    Spot, Texture, Unit, Whole, WorkKind, and_others, method_of,
 };
 use overlook_engine::error::Error;
 use overlook_engine::plural::{counted, either};
@@ -19,16 +19,14 @@ use overlook_engine::preprocess::diagnostics::Suspect;
 use overlook_engine::preprocess::{PreparedScan, Preprocessed};
 use overlook_engine::settings::Settings;
 
-/// The source view shows single pixels sharply; the live view is interpolated.
-const SOURCE: (&str, TextureFilter) = ("source", TextureFilter::Nearest);
-const LIVE: (&str, TextureFilter) = ("live", TextureFilter::Linear);
-
 impl OverlookApp {
     /// The texture that shows a picture of the live view; `None` where nothing draws the window that could.
     fn texture_of(&mut self, picture: &LivePicture) -> Option<Texture> {
         let replaced = self.state.live_shown.take().map(|shown| shown.texture);
         match &picture.pixels {
-            PixelSource::InMemory { image, .. } => Some(Texture::send(&self.ctx, LIVE, image, replaced)),
+            PixelSource::InMemory { image, .. } => {
+                Some(Texture::send(&self.ctx, "live", TextureFilter::Linear, image, replaced))
+            }
             PixelSource::OnAdapter(painted) => {
                 Some(Texture::painted(self.window.as_ref()?, painted, replaced))
             }
@@ -52,7 +50,8 @@ impl OverlookApp {
             }
             Message::SourcePainted { key, picture } => {
                 let replaced = state.source_shown.take().map(|shown| shown.texture);
-                let texture = Texture::send(ctx, SOURCE, &picture.image, replaced);
+                // The source view shows single pixels sharply; the live view is interpolated.
+                let texture = Texture::send(ctx, "source", TextureFilter::Nearest, &picture.image, replaced);
                 state.source_shown = Some(ShownPicture { key, picture, texture });
             }
             Message::LivePainted { key, picture } => {
@@ -97,7 +96,7 @@ impl OverlookApp {
 
     fn scanned(&mut self, scan: Arc<PreparedScan>) {
         let settings = &self.state.settings;
-        // Of settings that were taken back; what serves those on the sliders is here.
+        // Its settings were taken back, and the scan for the settings on the sliders is here already.
         let late =
             !scan.serves(settings) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(settings));
         if !late {
@@ -113,7 +112,7 @@ impl OverlookApp {
         }
         let report = &result.report;
         for (suspect, warning) in report.suspects() {
-            // That another reading fits better is told by itself.
+            // A notice of its own reports that another reading fits better.
             let is_told = suspect == Suspect::Depth && report.conventions.is_some();
             if is_told && state.why_no_readings().is_none() {
                 continue;
@@ -172,7 +171,7 @@ impl OverlookApp {
             Some(probed) if is_kept => {
                 probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
             }
-            // A hole cannot be pinned: what appears there later is another pixel.
+            // A hole cannot be pinned: a sample that appears there later is another pixel.
             None if is_kept && is_hole => (probe.pinned, probe.spot) = (false, None),
             _ => {}
         }
@@ -181,8 +180,23 @@ impl OverlookApp {
 
     fn opened(&mut self, scene: &Arc<OpenScene>) {
         self.state.remember_picture();
+        self.forget_closed_scene(scene);
+        self.state.scene = Some(scene.clone());
+        self.show_source_where_there_is_one();
+        self.notify_of_opened(scene);
+        // Work for the closed scene stops, except for files that are being written.
+        self.workers.whole.cancel();
+        self.workers.measure.cancel();
+        self.workers.study.cancel();
+        self.workers.compare.cancel();
+        self.workers.readings.cancel();
+        self.scheduler = crate::app::work::Scheduler::default();
+    }
+
+    /// Puts back to its start what belonged to the scene before `scene`.
+    fn forget_closed_scene(&mut self, scene: &Arc<OpenScene>) {
         let state = &mut self.state;
-        if let Origin::Path(path) = &scene.origin {
+        if let SceneSource::Path(path) = &scene.origin {
             remember_recent(&mut state.recent, path);
         }
         if self.workers.open.is_idle() {
@@ -213,8 +227,10 @@ impl OverlookApp {
         state.live.orbit = OrbitCamera::home(scene, scene.up_in_world);
         state.inspector.saved = scene.capture().map(|_| state.settings.clone());
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
-        state.scene = Some(scene.clone());
-        self.show_source_where_there_is_one();
+    }
+
+    /// Reports warnings about a scene that was opened, and settings that differ from the defaults.
+    fn notify_of_opened(&mut self, scene: &OpenScene) {
         let state = &mut self.state;
         for warning in scene.capture().iter().flat_map(|capture| &capture.warnings) {
             state.warn_of_scene("While opening", warning.clone());
@@ -235,13 +251,6 @@ impl OverlookApp {
             state.notify_with_link("Settings were kept", text, DockView::Thresholds);
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
-        // Work for the closed scene stops, except for files that are being written.
-        self.workers.whole.cancel();
-        self.workers.measure.cancel();
-        self.workers.study.cancel();
-        self.workers.compare.cancel();
-        self.workers.readings.cancel();
-        self.scheduler = crate::app::work::Scheduler::default();
     }
 
     /// Updates whether something is being opened or measured: superseded work sends no message of its end.

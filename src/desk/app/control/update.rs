@@ -159,7 +159,7 @@ impl OverlookApp {
         }
     }
 
-    /// Closes, or opens something else, whatever is lost by it.
+    /// Closes, or opens something else, without another question.
     pub(crate) fn go_on_anyway(&mut self) {
         let opens = self.state.open_after_question.take();
         if self.state.inspector.closing.asks {

@@ -67,7 +67,7 @@ impl OverlookApp {
         }
     }
 
-    /// Copies where the live view stands as a manifest of one view: what the window pastes and `render --views` takes.
+    /// Copies the pose of the live view as a manifest of one view, which the window pastes and `render --views` takes.
     fn copy_view(&mut self) {
         let (Some(scene), Some(orbit)) = (&self.state.scene, &self.state.live.orbit) else { return };
         let camera = orbit.camera(orbit.lens.width, orbit.lens.height);
@@ -79,7 +79,7 @@ impl OverlookApp {
                 self.state.notify(
                     NoticeKind::Done,
                     "View copied",
-                    "Ctrl+V stands here again, in any window.",
+                    "Ctrl+V moves the view here again, in any window.",
                 );
             }
             Err(error) => self.state.notify(NoticeKind::Error, "View not copied", error.to_string()),

@@ -1,4 +1,4 @@
-//! Carries out what concerns the window: workspaces, what fills it, and what of it is hidden.
+//! Carries out commands about the window: workspaces, the maximized view, and hidden areas.
 
 use super::overlook_app::OverlookApp;
 use crate::app::model::{Area, Command, DockView};

@@ -1,4 +1,4 @@
-//! The layout of the views: where each lies in every workspace, and what opens beside what.
+//! The layout of the views: the place of each in every workspace, and beside which view another opens.
 
 mod behavior;
 mod layouts;

@@ -52,7 +52,7 @@ impl CameraPath {
         }
     }
 
-    /// Where the view stands at a picture, and which frame it shows; `None` without keys.
+    /// The pose of the view at a picture, and its frame; `None` without keys.
     pub(crate) fn at(&self, picture: f32) -> Option<SavedPathKey> {
         let last = self.keys.len().checked_sub(1)?;
         let time = f64::from(picture / self.pictures_per_leg as f32).clamp(0.0, last as f64);
@@ -72,7 +72,7 @@ impl CameraPath {
         Some(SavedPathKey { orbit, frame: between(from.frame as f64, to.frame as f64).round() as usize })
     }
 
-    /// Whether the keys stand in a file, as far as there are any.
+    /// Whether all keys are in a file.
     pub(crate) fn is_saved(&self) -> bool {
         self.keys.is_empty() || self.keys == self.saved
     }

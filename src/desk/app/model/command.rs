@@ -152,7 +152,7 @@ pub(crate) enum Command {
     GoOnAnyway,
     AddKey,
     RemoveKey(usize),
-    /// Put a key of the camera path where the view stands.
+    /// Set a key of the camera path to the current view.
     ReplaceKey(usize),
     GoToKey(usize),
     /// Pictures from one key of the camera path to the next.
@@ -169,9 +169,9 @@ pub(crate) enum Command {
     LogFrameTimes,
     /// Open or close the comparison of two readings of the capture.
     CompareReadings(bool),
-    /// Open the capture again, under the other reading (true) or as its files say.
+    /// Open the capture again, under the other reading (true) or under the one of its files.
     OpenReading(bool),
-    /// Copy the keys of the manifest that say the other reading.
+    /// Copy the keys of the manifest that express the other reading.
     CopyKeys,
     Dismiss(u64),
 }
@@ -191,6 +191,6 @@ pub(crate) type Commands = Vec<Command>;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct CommandPalette {
     pub text: String,
-    /// Place of the chosen entry among those that match.
+    /// Index of the chosen entry among those that match.
     pub chosen: usize,
 }

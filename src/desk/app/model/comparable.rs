@@ -1,7 +1,7 @@
 //! Whether the open capture's reading can be compared with another one.
 
 use super::document::State;
-use super::scene::Origin;
+use super::scene::SceneSource;
 use overlook_engine::capture::conventions::Verdict;
 
 impl State {
@@ -12,7 +12,7 @@ impl State {
         if scene.capture().is_none() {
             return Some("A store holds no source frames that could be read otherwise.".to_owned());
         }
-        if matches!(scene.origin, Origin::Demo(_)) {
+        if matches!(scene.origin, SceneSource::Demo(_)) {
             return Some("A built-in scene is read as it was made.".to_owned());
         }
         if let Some(trouble) = &readings.trouble {

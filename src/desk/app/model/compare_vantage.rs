@@ -3,7 +3,7 @@
 /// From where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CompareVantage {
-    /// Where the live view stands.
+    /// The pose of the live view.
     Live,
     /// A vantage whose truth is known, by its place among those.
     Truth(usize),

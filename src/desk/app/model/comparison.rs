@@ -99,14 +99,14 @@ impl CompareSide {
 
 /// How the two are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mode {
+pub(crate) enum CompareMode {
     Wipe,
     Flip,
     Beside,
     Difference,
 }
 
-impl Mode {
+impl CompareMode {
     /// Every mode: name and what it does.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::Wipe, "Wipe", "One over the other, cut at a line that is dragged."),
@@ -138,7 +138,7 @@ impl CompareMeasure {
         (
             Self::Flip,
             "FLIP",
-            "What a person sees who flips between the two, from 0 to 1 (LDR-FLIP, 67 pixels per degree).",
+            "The difference that a person sees when flipping between the two, from 0 to 1 (LDR-FLIP, 67 pixels per degree).",
         ),
         (
             Self::Class,
@@ -171,7 +171,7 @@ pub(crate) struct CompareChoice {
 pub(crate) struct CompareLook {
     pub choice: CompareChoice,
     /// How the two are shown.
-    pub mode: Mode,
+    pub mode: CompareMode,
     /// Where the line is, as a share of the width.
     pub wipe: f32,
     pub part: PictureZoom,
@@ -182,7 +182,7 @@ impl Default for CompareLook {
         let sides = [CompareSide::Everything, CompareSide::Kept];
         let (from, measure) = (CompareVantage::Live, CompareMeasure::Steps);
         let choice = CompareChoice { sides, from, measure, range: None };
-        Self { choice, mode: Mode::Wipe, wipe: 0.5, part: PictureZoom::default() }
+        Self { choice, mode: CompareMode::Wipe, wipe: 0.5, part: PictureZoom::default() }
     }
 }
 
@@ -242,7 +242,7 @@ pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
 
 /// Two pictures and their difference.
 pub(crate) struct PictureDifference {
-    /// The two sides, of one size: what is compared of them, which is not what fills holes.
+    /// The two sides, of one size, as they are compared: without the colors that fill holes.
     pub sides: [DisplayColors; 2],
     /// The two as shown: holes filled, or in a color of their own.
     pub images: [Arc<ColorImage>; 2],

@@ -6,7 +6,7 @@ use super::verdict_text;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_lab::sweep::Point;
 
-/// The table with what is known now; `None` while that is nothing.
+/// The table of the known values; `None` while there are none.
 pub(crate) fn csv(table: Table, state: &State) -> Option<String> {
     let charts = &state.inspector.charts;
     let rows = match table {
@@ -35,10 +35,10 @@ pub(crate) fn csv(table: Table, state: &State) -> Option<String> {
     (!rows.is_empty()).then(|| written(&rows))
 }
 
-/// A row: the name of each column, and what stands there.
-type Row = Vec<(&'static str, String)>;
+/// A row: the name of each column, and its cell.
+type CsvRow = Vec<(&'static str, String)>;
 
-fn written(rows: &[Row]) -> String {
+fn written(rows: &[CsvRow]) -> String {
     let mut text = String::new();
     let mut line = |cells: &mut dyn Iterator<Item = &str>| {
         let cells: Vec<String> = cells.map(quoted).collect();
@@ -63,7 +63,7 @@ fn quoted(cell: &str) -> String {
     }
 }
 
-fn sweep_row(point: &Point) -> Row {
+fn sweep_row(point: &Point) -> CsvRow {
     vec![
         ("label", point.label.clone()),
         ("series", point.series.name().to_owned()),
@@ -82,7 +82,7 @@ fn sweep_row(point: &Point) -> Row {
     ]
 }
 
-fn replacements(report: &Report) -> Vec<Row> {
+fn replacements(report: &Report) -> Vec<CsvRow> {
     let name =
         |index: usize| report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone());
     let pairs = report.witnesses.iter().enumerate();
@@ -96,7 +96,7 @@ fn replacements(report: &Report) -> Vec<Row> {
         .collect()
 }
 
-fn alignment(report: &Report) -> Vec<Row> {
+fn alignment(report: &Report) -> Vec<CsvRow> {
     let cameras = report.alignment.iter().flat_map(|alignment| &alignment.cameras);
     cameras
         .map(|camera| {
@@ -118,7 +118,7 @@ fn alignment(report: &Report) -> Vec<Row> {
         .collect()
 }
 
-fn agreement(report: &Report) -> Vec<Row> {
+fn agreement(report: &Report) -> Vec<CsvRow> {
     let name =
         |index: usize| report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone());
     let mut rows = Vec::new();
@@ -141,7 +141,7 @@ fn agreement(report: &Report) -> Vec<Row> {
     rows
 }
 
-fn pixel(state: &State) -> Option<Vec<Row>> {
+fn pixel(state: &State) -> Option<Vec<CsvRow>> {
     let scene = state.scene.as_ref()?;
     let explanation = state.inspector.probe.shown.as_ref()?.explanation.as_ref()?;
     let number = |value: f64| if value.is_nan() { String::new() } else { value.to_string() };
@@ -162,7 +162,7 @@ fn pixel(state: &State) -> Option<Vec<Row>> {
     Some(explanation.evidence.iter().map(row).collect())
 }
 
-fn cameras(report: &Report) -> Vec<Row> {
+fn cameras(report: &Report) -> Vec<CsvRow> {
     let row = |camera: &overlook_engine::preprocess::diagnostics::CameraReport| {
         vec![
             ("camera", camera.name.clone()),

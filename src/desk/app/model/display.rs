@@ -49,7 +49,7 @@ impl Channel {
     ];
 }
 
-/// What stands for pixels that lie at infinity.
+/// The background: the color of pixels at infinity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Background {
     #[default]
@@ -70,7 +70,7 @@ pub(crate) struct Display {
     pub curve: ToneCurve,
     pub channel: Channel,
     pub background: Background,
-    /// Whether what is cut off, and what is no number, is marked.
+    /// Whether cut-off values, and values that are no numbers, are marked.
     pub marks_clipped: bool,
 }
 
@@ -106,9 +106,9 @@ pub(crate) const LEVELS: usize = 64;
 pub(crate) struct PictureHistogram {
     /// Pixels by their displayed red, green and blue, from black to white.
     pub counts: [[u32; LEVELS]; 3],
-    /// Pixels of which a channel is at white.
+    /// Pixels with a channel at white.
     pub at_white: u32,
-    /// Pixels of which every channel is at black.
+    /// Pixels with every channel at black.
     pub at_black: u32,
     /// Pixels with a channel that is no finite number.
     pub not_finite: u32,

@@ -15,7 +15,7 @@ use super::picture_zoom::PictureZoom;
 use super::purpose::TypedPath;
 use super::recent::RecentPicture;
 use super::results::{Accuracy, Inspected, Whole, method_of};
-use super::scene::{Content, OpenScene, Origin};
+use super::scene::{Content, OpenScene, SceneSource};
 use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
 use super::timeline::Timeline;
@@ -259,7 +259,7 @@ impl State {
 
     /// Keeps a small picture of what is open, and those of other files that were open lately.
     pub(crate) fn remember_picture(&mut self) {
-        let Some(Origin::Path(path)) = self.scene.as_ref().map(|scene| &scene.origin) else { return };
+        let Some(SceneSource::Path(path)) = self.scene.as_ref().map(|scene| &scene.origin) else { return };
         let Some(picture) = self.shown_picture() else { return };
         let picture = RecentPicture::new(path, picture);
         let recent = &self.recent;

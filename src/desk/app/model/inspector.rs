@@ -41,7 +41,7 @@ pub(crate) struct InspectedPixel {
 pub(crate) struct Closing {
     /// Whether the question before closing is open.
     pub asks: bool,
-    /// Whether the window closes whatever is lost by it.
+    /// Whether the window closes without another question.
     pub anyway: bool,
     /// Whether a file, pictures or a video are being written.
     pub writing: bool,
@@ -137,7 +137,7 @@ impl Inspector {
         }
     }
 
-    /// What stands in no file and ends with the scene, in words; `None` where there is nothing.
+    /// Work that is in no file and ends with the scene, in words; `None` without any.
     pub(crate) fn unsaved_work(&self) -> Option<String> {
         let counted = |count: usize, of: &str| (count > 0).then(|| plural::counted(count, of));
         let charts = &self.charts;

@@ -34,7 +34,7 @@ impl ColorBy {
         (
             Self::SamplingRate,
             "Sampling",
-            "Distance between samples beside distance between pixels here: purple where samples are denser than pixels, orange where the view is closer than the camera was.",
+            "Distance between samples over distance between pixels: purple where samples are denser than pixels, orange where pixels are denser.",
         ),
     ];
 }
@@ -52,7 +52,7 @@ impl HoleDisplay {
         (
             Self::Filled,
             "Fill",
-            "Pixels that no sample reached get invented colors, continued from what lies behind (H).",
+            "Pixels that no sample reached get invented colors, continued from the background (H).",
         ),
         (Self::Hatched, "Show", "Pixels that no sample reached are hatched, over what fills them (H)."),
     ];

@@ -52,7 +52,7 @@ pub(crate) enum Message {
         key: LiveKey,
         picture: Arc<LivePicture>,
     },
-    /// Accuracy at vantages with truth; `None` where there is none.
+    /// Accuracy at vantages with truth; `None` without such vantages.
     Measured {
         scene: u64,
         settings: Settings,
@@ -82,7 +82,7 @@ pub(crate) enum Message {
         scene: u64,
         cameras: Vec<CameraMemory>,
     },
-    /// A file is written; `bytes` where it is a store, `holds` where that holds what was pruned of a scene, by which settings.
+    /// A file is written. `bytes` is the size of a store; `holds` names the scene and the settings of samples in it.
     Saved {
         path: PathBuf,
         bytes: Option<u64>,
@@ -132,7 +132,7 @@ pub(crate) enum Message {
         purpose: Purpose,
         path: Option<PathBuf>,
     },
-    /// Whether something stands where something is to be written.
+    /// Whether a file or folder to be written exists already.
     DestinationChecked {
         destination: Destination,
         taken: bool,
@@ -142,7 +142,7 @@ pub(crate) enum Message {
         title: &'static str,
         text: String,
     },
-    /// What the agreement between a capture's views says of its reading, or why nothing.
+    /// The finding about a capture's reading from the agreement of its views, or why there is none.
     ReadingsChecked {
         scene: u64,
         finding: Result<Arc<Finding>, String>,

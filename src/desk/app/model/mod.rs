@@ -54,7 +54,7 @@ pub(crate) use charts::{Study, method_name, point_name, series_name, settings_al
 pub(crate) use command::{Command, CommandPalette, Commands, HelpPage};
 pub(crate) use compare_vantage::CompareVantage;
 pub(crate) use comparison::{
-    CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareSide, DisplayColors, Mode,
+    CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareMode, CompareSide, DisplayColors,
     PictureDifference, ShownComparison,
 };
 pub(crate) use display::{Background, Channel, Display, EXPOSURES, LEVELS, PictureHistogram, ToneCurve};
@@ -74,7 +74,7 @@ pub(crate) use purpose::{Destination, Purpose, TypedPath};
 pub(crate) use readings::{ReadingImages, Readings, ShownReadings};
 pub(crate) use recent::{RECENT_SIDES, RecentPicture};
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
-pub(crate) use scene::{Content, OpenScene, Origin, median_depth};
+pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth};
 pub(crate) use source_picture::{
     Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
 };

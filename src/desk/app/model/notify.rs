@@ -1,4 +1,4 @@
-//! Tells the person: messages over the views, and the log.
+//! Notices to the person: messages over the views, and the log.
 
 use std::time::Instant;
 
@@ -54,7 +54,7 @@ impl State {
         self.notices.push(Notice { id, kind, title, text, since: Instant::now(), scene, link });
     }
 
-    /// Says what could not be read of the open store, once: the first of many lines, and all of them in the log.
+    /// Reports once the parts of the open store that could not be read: the first line as a message, all lines in the log.
     pub(crate) fn report_damage(&mut self, lines: &[String]) {
         let told = &mut self.inspector.reported_damage;
         let new: Vec<&String> = lines.iter().filter(|line| told.insert((*line).clone())).collect();

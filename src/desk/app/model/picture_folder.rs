@@ -43,7 +43,7 @@ impl PictureFolder {
         format!("{}: pictures of {}.", folder.unwrap_or_default(), parts.join("; and of "))
     }
 
-    /// The picture of a viewpoint at a frame; or why there is none, in a sentence.
+    /// The picture of a viewpoint at a frame, or a sentence on why it is missing.
     pub(crate) fn picture(&self, from: CompareVantage, frame: usize) -> Result<TruthLoader, String> {
         let (pictures, index) = match from {
             CompareVantage::Live => (None, 0),

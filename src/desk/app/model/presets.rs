@@ -33,12 +33,16 @@ pub(crate) const PRESETS: [Preset; 6] = [
         settings.spans.color_tolerance = 8.0;
         settings.pruning.overlap = false;
     }),
-    ("First camera wins", "What a layered depth image keeps, whatever the sampling rate.", |settings| {
-        settings.pruning.method = PruningMethod::FirstCamera;
-    }),
+    (
+        "First camera wins",
+        "Keeps what a layered depth image keeps, without regard to sampling rates.",
+        |settings| {
+            settings.pruning.method = PruningMethod::FirstCamera;
+        },
+    ),
     (
         "Keep everything",
-        "No pruning, over time or between cameras: what the rest is measured against.",
+        "No pruning, neither over time nor between cameras: the reference for all others.",
         |settings| {
             settings.pruning.method = PruningMethod::Off;
             settings.spans.levels = SpanLevels::Off;

@@ -1,4 +1,4 @@
-//! What paths are asked for.
+//! The purposes of paths that a person chooses.
 
 use std::path::PathBuf;
 
@@ -75,7 +75,7 @@ impl Purpose {
         }
     }
 
-    /// The entry of a menu by which the path is typed.
+    /// The entry of a menu that opens the field for typing the path.
     pub(crate) fn typed_entry(self) -> &'static str {
         match self {
             Self::OpenFile | Self::OpenFolder => "Open path…",
@@ -111,6 +111,6 @@ pub(crate) struct TypedPath {
     pub folder: Option<PathBuf>,
     /// Why the field is shown in place of the system's dialog, if it is.
     pub reason: Option<String>,
-    /// Whether something stands there already, and the question is whether to replace it.
+    /// Whether the path exists already, and the question is whether to replace it.
     pub replaces: bool,
 }

@@ -26,7 +26,7 @@ pub(crate) struct ShownReadings {
 /// What is known of the open capture's reading.
 #[derive(Default)]
 pub(crate) struct Readings {
-    /// What the agreement between its views says; `None` before it was looked at.
+    /// The finding from the agreement between its views; `None` before it was made.
     pub finding: Option<Arc<Finding>>,
     /// Whether the dialog is open that compares two readings.
     pub is_open: bool,

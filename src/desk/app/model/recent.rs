@@ -1,4 +1,4 @@
-//! Small pictures of what was open lately, for the window in which nothing is open.
+//! Small pictures of recent scenes, for the window without an open scene.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -44,7 +44,7 @@ impl RecentPicture {
     }
 }
 
-/// Means of blocks of pixels, so many that the picture fits; small ones stay as they are.
+/// The picture reduced by means over blocks of pixels until it fits; small pictures stay as they are.
 fn smaller(picture: &ColorImage) -> ColorImage {
     let [width, height] = picture.size;
     let side = width.div_ceil(RECENT_SIDES[0]).max(height.div_ceil(RECENT_SIDES[1])).max(1);

@@ -1,4 +1,4 @@
-//! What is open: a capture (with frames) or a store (without), and where its cameras stand.
+//! The open scene: a capture (with frames) or a store (without), and its cameras.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ static NEXT_ID: AtomicU64 = AtomicU64::new(1);
 
 /// Where a scene came from.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Origin {
+pub(crate) enum SceneSource {
     Demo(String),
     Path(PathBuf),
 }
@@ -48,7 +48,7 @@ pub(crate) enum Content {
 pub(crate) struct OpenScene {
     /// Differs between any two scenes that were ever open, so that late answers are recognized.
     pub id: u64,
-    pub origin: Origin,
+    pub origin: SceneSource,
     /// Name for titles.
     pub name: String,
     pub content: Content,
@@ -59,16 +59,16 @@ pub(crate) struct OpenScene {
     pub up_in_world: DVec3,
     /// What the cameras look at.
     pub pivot_in_world: DVec3,
-    /// The manifest that says how a capture is read; `None` where the layout of its folder does.
+    /// The manifest that defines how a capture is read; `None` if the layout of its folder does.
     pub manifest: Option<PathBuf>,
-    /// Whether a capture is read otherwise than its files say.
+    /// Whether a capture is open under another reading than that of its files.
     pub is_reread: bool,
 }
 
 impl OpenScene {
     /// A scene of a capture. `typical_depth` (planar z of camera 0's middle) serves where the lines of sight do not meet.
     pub(crate) fn of_capture(
-        origin: Origin,
+        origin: SceneSource,
         capture: Capture,
         truth: Vec<TruthView>,
         typical_depth: f64,
@@ -87,7 +87,7 @@ impl OpenScene {
         }
     }
 
-    /// A scene of a store, of which only the first frame is read.
+    /// A scene of a store; only its first frame is read.
     ///
     /// # Errors
     /// `Io` and `Cancelled`, and where the store has no frame.
@@ -100,7 +100,7 @@ impl OpenScene {
         let (report, bytes) = (Report::from_json(&info.report, &path.display().to_string())?, info.bytes);
         Ok(Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
-            origin: Origin::Path(path),
+            origin: SceneSource::Path(path),
             name: samples.name.clone(),
             cameras: samples.cameras.clone(),
             frame_numbers: samples.frame_numbers.clone(),
@@ -144,7 +144,7 @@ impl OpenScene {
     }
 }
 
-/// Median planar depth of samples with depth; 1 where there is none.
+/// Median planar depth of samples with depth; 1 without any.
 pub(crate) fn median_depth(inverse_depth: &[f32]) -> f64 {
     let mut finite: Vec<f32> = inverse_depth.iter().copied().filter(|w| *w > 0.0).collect();
     median_f32(&mut finite).map_or(1.0, |inverse_depth| 1.0 / f64::from(inverse_depth))

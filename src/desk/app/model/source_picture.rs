@@ -51,7 +51,7 @@ impl Overlay {
         (
             Self::ViewDependence,
             "View dependence",
-            "By how much the color of each point differs from what the other cameras show of it: highlights, mirrors, and exposures that differ.",
+            "How far the color of each point differs between cameras: by highlights, mirrors and different exposures.",
         ),
         (Self::Split, "Motion", MOTION),
         (
@@ -69,7 +69,8 @@ pub(crate) const MOTION: &str = "For how long samples are stored: once for all f
      frame alone.";
 
 /// What either view's *Agreement* shows.
-pub(crate) const AGREEMENT: &str = "What the other cameras say of each sample: whether one confirms it, more contradict it than confirm it, or nobody else can tell.";
+pub(crate) const AGREEMENT: &str =
+    "Whether other cameras confirm each sample, contradict it by majority, or do neither.";
 
 /// What a left picture was made from; a picture with an equal key is the same picture.
 #[derive(Clone)]
@@ -129,10 +130,10 @@ pub(crate) enum Legend {
         foreground: u64,
         invalid: u64,
     },
-    /// Pixels by what the other cameras say of them.
+    /// Pixels by the votes of the other cameras.
     Agreement { confirmed: u64, contradicted: u64, alone: u64, invalid: u64 },
-    /// By how much colors differ from those of other cameras, from 0 to [`VIEW_DEPENDENCE_RANGE`]. Pixels that differ visibly, that do
-    /// not, and of which no other camera can tell.
+    /// How far colors differ from those of other cameras, from 0 to [`VIEW_DEPENDENCE_RANGE`]. Counts pixels that differ visibly, that
+    /// do not, and that no other camera shows finely enough.
     ViewDependence { visible: u64, alike: u64, unknown: u64 },
     /// Kept share of each tile, 0 to 1.
     Tiles(Grid<f32>),

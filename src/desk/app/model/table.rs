@@ -11,7 +11,7 @@ pub(crate) enum Table {
     Agreement,
     /// What was corrected of cameras.
     Alignment,
-    /// What every camera says of the selected pixel.
+    /// The evidence of every camera about the selected pixel.
     Pixel,
     Cameras,
 }

@@ -27,7 +27,8 @@ impl Texture {
     /// Sends a picture: into the texture that it replaces, where that was sent too.
     pub(crate) fn send(
         ctx: &egui::Context,
-        (name, magnification): (&str, TextureFilter),
+        name: &str,
+        magnification: TextureFilter,
         image: &Arc<ColorImage>,
         replaced: Option<Self>,
     ) -> Self {

@@ -14,7 +14,7 @@ pub(crate) struct Timeline {
     pub frames_per_second: f32,
     /// Seconds since the last advance.
     pub elapsed_secs: f32,
-    /// First and last frame of what is played; all frames where there is none.
+    /// First and last frame that are played; `None` plays all frames.
     pub range: Option<[usize; 2]>,
     /// Whether playback turns back at either end.
     pub ping_pong: bool,

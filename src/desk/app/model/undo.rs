@@ -29,10 +29,10 @@ struct Past {
     last: Option<(Instant, &'static str)>,
 }
 
-/// What settings were.
+/// Earlier settings.
 #[derive(Default)]
 pub(crate) struct History {
-    /// Of the settings that are on, and of the others: what was changed in one is not taken back in the other.
+    /// Changes of the settings that are on, and of the other ones: undo in one takes nothing back in the other.
     past: Past,
     other_past: Past,
     /// Which of two settings is on.

@@ -35,8 +35,8 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> CameraText {
     }
 }
 
-/// What stands where a frame could not be worked out.
-pub(crate) const FAILED_FRAME: &str = "This frame could not be computed: the Log view says why.";
+/// The text in place of a frame that could not be computed.
+pub(crate) const FAILED_FRAME: &str = "This frame could not be computed: see the reason in the Log view.";
 
 /// Shown while a verdict is not known yet, of the pinned pixel or of the one under the pointer.
 pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
@@ -51,8 +51,8 @@ pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {
     }
 }
 
-/// Said of a doubtful sample.
-pub(crate) const DOUBTFUL: &str = "Doubtful: other cameras had a free view of this place, and none confirms it. It is shown where nothing else is.";
+/// The explanation of a doubtful sample.
+pub(crate) const DOUBTFUL: &str = "Doubtful: other cameras had a free view of this place, and none confirms it. It is shown only where no other sample is.";
 
 /// How many other cameras confirm a sample and how many look past it, and whether it flies; `None` where none does anything.
 pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
@@ -75,18 +75,20 @@ pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
     (is_flying || confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}.{flying}"))
 }
 
-/// The rule by which votes drop a sample, with the settings it goes by.
+/// How votes drop a sample, with the settings that decide it.
 pub(crate) fn rule_of_votes(pruning: &PruningSettings) -> String {
     let margin = pruning.agreement_margin;
     let cameras = counted(margin, "camera");
     let rule = format!(
-        "A sample that no kept one replaces is dropped where the cameras that contradict it outnumber its own and those that \
-         confirm it by {cameras} (vote margin)."
+        "A sample without a witness is dropped if the cameras that contradict it outnumber those that confirm it, its own among \
+         these, by {cameras} (vote margin)."
     );
     match pruning.agreement {
         AgreementRule::Majority => rule,
         AgreementRule::Off => {
-            format!("The cross-camera check is off, so that nothing follows. By majority: {rule}")
+            format!(
+                "The cross-camera check is off, so that no sample is dropped by votes. By majority: {rule}"
+            )
         }
     }
 }
@@ -110,14 +112,14 @@ pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
         Some(Outcome::NoDepth) => ("no depth", "The camera recorded no depth where the point falls."),
         Some(Outcome::ShorterSpan) => (
             "shorter span",
-            "It shows the same surface point, but for a shorter span: it is decided after this sample and cannot replace it.",
+            "It shows the same surface point, but for a shorter span, and a shorter span never replaces a longer one.",
         ),
         Some(Outcome::Occluded) => {
             ("occluded", "The camera recorded something nearer where the point falls.")
         }
         Some(Outcome::SeesPast) if row.vote == Some(Vote::LooksPast) => (
             "misses (empty space)",
-            "All that the camera recorded around the point is farther away, so that the point would lie in empty space: it contradicts the sample.",
+            "The camera recorded only farther surfaces around the point, so that the point would be in empty space: it contradicts the sample.",
         ),
         Some(Outcome::SeesPast) => (
             "sees farther",
@@ -129,13 +131,13 @@ pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
         Some(Outcome::ColorDiffers) => ("other color", "The depth agrees, but the colors differ."),
         Some(Outcome::Seam) => (
             "at a depth edge",
-            "The surface ends beside the pixel, so that it cannot be interpolated there: it may not replace another.",
+            "The surface ends beside the pixel and cannot be interpolated there, so that the pixel may not replace another.",
         ),
     }
 }
 
-/// Rows of evidence in the order of what matters, by their places: the pixel itself, what replaces it, who else shows the point, the
-/// densest first, who nearly does, and last those in whose pictures it does not lie.
+/// The indices of rows of evidence, in the order of what matters: the pixel itself, its witness, other cameras that show the point
+/// (the densest first), cameras that nearly do, and last the cameras whose pictures do not hold it.
 pub(crate) fn ordered(evidence: &[CameraEvidence], winner: Option<usize>) -> Vec<usize> {
     let rank = |place: &usize| {
         let row = &evidence[*place];

@@ -65,9 +65,9 @@ impl ShownCameras {
     }
 }
 
-/// Which way may be up: its name, and what it means. `None` is what the capture says.
+/// The directions that may be up, with name and help. `None` is the one of the capture.
 pub(crate) const UP_DIRECTIONS: [(Option<DVec3>, &str, &str); 7] = [
-    (None, "As recorded", "Up as the capture says."),
+    (None, "As recorded", "Up as in the capture's files."),
     (Some(DVec3::X), "+X", UP_HELP),
     (Some(DVec3::NEG_X), "−X", UP_HELP),
     (Some(DVec3::Y), "+Y", UP_HELP),
@@ -76,8 +76,8 @@ pub(crate) const UP_DIRECTIONS: [(Option<DVec3>, &str, &str); 7] = [
     (Some(DVec3::NEG_Z), "−Z", UP_HELP),
 ];
 
-const UP_HELP: &str = "Which axis of the world is up, for a capture that lies on its side: orbiting, the horizon and the ground go by it. To keep it, \
-     write \"up\" into the manifest, as in \"up\": [0, 1, 0].";
+const UP_HELP: &str = "The axis of the world that points up. Choose it if a capture is shown on its side: orbiting, the horizon and the ground \
+     follow it. To keep it, write \"up\" into the manifest, as in \"up\": [0, 1, 0].";
 
 /// The unit of the scene's lengths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -151,7 +151,7 @@ pub(crate) enum ViewCommand {
     Guides(Guides),
     FlySpeed(f64),
     Unit(Unit),
-    /// Let a direction of world space be up; what the capture says by `None`.
+    /// Let a direction of world space be up; `None` takes the one of the capture.
     Up(Option<DVec3>),
     /// Show or leave out the samples of a camera.
     CameraOn(usize, bool),

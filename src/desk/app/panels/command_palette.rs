@@ -105,7 +105,7 @@ fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<us
     clicked
 }
 
-/// The entries whose names hold all words of `text` or what they mean: those that begin with it first, those it only means last.
+/// The entries whose names hold all words of `text` or synonyms: first names that begin with it, last those found by synonyms.
 fn matching(state: &State, text: &str) -> Vec<PaletteEntry> {
     let wanted = text.to_lowercase();
     let words: Vec<&str> = wanted.split_whitespace().collect();
@@ -140,12 +140,30 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
     let view_entries = super::view_entries::view_entries(state).into_iter();
     let mut entries: Vec<_> =
         view_entries.map(|(name, keys, command)| PaletteEntry::new(name, keys, command)).collect();
-    // Those of a store are not its own, and cannot be seen beside it.
+    // A store was made by thresholds that cannot be changed any more.
     let turns = state.has_thresholds();
     let mut add = |name: String, keys: &'static str, command: Command| {
         entries.push(PaletteEntry::new(name, keys, command));
     };
-    for (name, keys, command) in [
+    for (name, keys, command) in fixed_commands() {
+        let changes_thresholds =
+            matches!(command, Command::Undo | Command::Redo | Command::ResetAll | Command::SwitchSettings);
+        if turns || !changes_thresholds {
+            add(name.to_owned(), keys, command);
+        }
+    }
+    entries.push(PaletteEntry {
+        why_not: state.why_no_readings(),
+        ..PaletteEntry::new("Compare readings".to_owned(), "", Command::CompareReadings(true))
+    });
+    entries.extend(choices(state));
+    entries.extend(settings(turns));
+    entries
+}
+
+/// Entries that are there whatever is open.
+fn fixed_commands() -> [(&'static str, &'static str, Command); 36] {
+    [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
         ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
         ("Open path", "", Command::TypePath(Purpose::OpenFile)),
@@ -182,20 +200,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
         ("Interface size: normal", "Ctrl+0", Command::InterfaceSize(0)),
         ("Forget recent files", "", Command::ForgetRecent),
         ("Close the introduction", "", Command::Introduced),
-    ] {
-        let changes_thresholds =
-            matches!(command, Command::Undo | Command::Redo | Command::ResetAll | Command::SwitchSettings);
-        if turns || !changes_thresholds {
-            add(name.to_owned(), keys, command);
-        }
-    }
-    entries.push(PaletteEntry {
-        why_not: state.why_no_readings(),
-        ..PaletteEntry::new("Compare readings".to_owned(), "", Command::CompareReadings(true))
-    });
-    entries.extend(choices(state));
-    entries.extend(settings(turns));
-    entries
+    ]
 }
 
 /// What is chosen among views, overlays, presets, scenes, files and cameras.

@@ -20,7 +20,7 @@ pub(crate) fn help_ui(ctx: &egui::Context, state: &State, commands: &mut Command
     }
 }
 
-/// The guide lies beside what it explains: other than the sheets it leaves the window usable.
+/// The guide is beside the views that it explains, and unlike the sheets it leaves the window usable.
 fn guide_ui(ctx: &egui::Context, commands: &mut Commands) {
     let mut open = true;
     egui::Window::new("Guide")
@@ -41,7 +41,7 @@ fn guide_ui(ctx: &egui::Context, commands: &mut Commands) {
 
 /// A piece of the guide.
 #[derive(Debug, PartialEq, Eq)]
-enum Block {
+enum MarkdownBlock {
     Title(String),
     Heading(String),
     Item(String),
@@ -51,8 +51,8 @@ enum Block {
 }
 
 /// The guide cut into pieces, pictures left out: the window itself is what they show.
-fn blocks(markdown: &str) -> Vec<Block> {
-    let mut blocks: Vec<Block> = Vec::new();
+fn blocks(markdown: &str) -> Vec<MarkdownBlock> {
+    let mut blocks: Vec<MarkdownBlock> = Vec::new();
     let mut goes_on = false;
     for line in markdown.lines() {
         let text = line.trim();
@@ -60,22 +60,23 @@ fn blocks(markdown: &str) -> Vec<Block> {
         if text.is_empty() || text.starts_with("![") || is_rule {
             goes_on = false;
         } else if let Some(title) = text.strip_prefix("# ") {
-            blocks.push(Block::Title(plain(title)));
+            blocks.push(MarkdownBlock::Title(plain(title)));
         } else if let Some(heading) = text.strip_prefix("## ") {
-            blocks.push(Block::Heading(plain(heading)));
+            blocks.push(MarkdownBlock::Heading(plain(heading)));
         } else if text.starts_with('|') {
-            blocks
-                .push(Block::Row(text.trim_matches('|').split('|').map(|cell| plain(cell.trim())).collect()));
+            blocks.push(MarkdownBlock::Row(
+                text.trim_matches('|').split('|').map(|cell| plain(cell.trim())).collect(),
+            ));
         } else if let Some(item) = text.strip_prefix("- ") {
             goes_on = true;
-            blocks.push(Block::Item(plain(item)));
-        } else if let (true, Some(Block::Item(before) | Block::Paragraph(before))) =
+            blocks.push(MarkdownBlock::Item(plain(item)));
+        } else if let (true, Some(MarkdownBlock::Item(before) | MarkdownBlock::Paragraph(before))) =
             (goes_on, blocks.last_mut())
         {
             *before = format!("{before} {}", plain(text));
         } else {
             goes_on = true;
-            blocks.push(Block::Paragraph(plain(text)));
+            blocks.push(MarkdownBlock::Paragraph(plain(text)));
         }
     }
     blocks
@@ -86,26 +87,26 @@ fn plain(text: &str) -> String {
     text.replace(['*', '`'], "")
 }
 
-fn block_ui(ui: &mut Ui, block: Block) {
+fn block_ui(ui: &mut Ui, block: MarkdownBlock) {
     match block {
-        Block::Title(title) => {
+        MarkdownBlock::Title(title) => {
             ui.label(RichText::new(title).heading().size(19.0));
         }
-        Block::Heading(heading) => {
+        MarkdownBlock::Heading(heading) => {
             ui.add_space(space::MEDIUM);
             ui.heading(heading);
         }
-        Block::Item(item) => {
+        MarkdownBlock::Item(item) => {
             ui.horizontal_top(|ui| {
                 ui.label("•");
                 ui.add(Label::new(item).wrap());
             });
         }
-        Block::Paragraph(text) => {
+        MarkdownBlock::Paragraph(text) => {
             ui.add(Label::new(text).wrap());
             ui.add_space(space::SMALL);
         }
-        Block::Row(cells) => {
+        MarkdownBlock::Row(cells) => {
             let mut cells = cells.into_iter();
             let name = cells.next().unwrap_or_default();
             ui.horizontal_top(|ui| {
@@ -196,13 +197,13 @@ mod tests {
         assert_eq!(
             blocks(text),
             [
-                Block::Title(owned("A walk")),
-                Block::Paragraph(owned("Ten steps lead.")),
-                Block::Heading(owned("1. Open")),
-                Block::Item(owned("one more")),
-                Block::Item(owned("two")),
-                Block::Row(vec![owned("a"), owned("b")]),
-                Block::Row(vec![owned("c"), owned("d")]),
+                MarkdownBlock::Title(owned("A walk")),
+                MarkdownBlock::Paragraph(owned("Ten steps lead.")),
+                MarkdownBlock::Heading(owned("1. Open")),
+                MarkdownBlock::Item(owned("one more")),
+                MarkdownBlock::Item(owned("two")),
+                MarkdownBlock::Row(vec![owned("a"), owned("b")]),
+                MarkdownBlock::Row(vec![owned("c"), owned("d")]),
             ]
         );
     }

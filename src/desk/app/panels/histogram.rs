@@ -29,7 +29,7 @@ pub(crate) fn histogram_ui(
     let plot = Rect::from_min_max(rect.min + vec2(0.0, FIGURES), rect.max);
     let painter = ui.painter_at(rect);
     painter.rect_filled(plot, 3.0, tokens.background);
-    // Its room is kept while nothing is counted, so that nothing below jumps; the line can be dragged all the same.
+    // The room is kept while nothing is counted, so that nothing below jumps; the line can be dragged already.
     let mut histograms = state.inspector.histograms.iter();
     let histogram = histograms.find(|histogram| histogram.path == field.path && !histogram.is_empty());
     if let Some(histogram) = histogram {
@@ -42,10 +42,8 @@ pub(crate) fn histogram_ui(
     painter.vline(x, plot.y_range(), Stroke::new(if grabbed { 3.0 } else { 2.0 }, color));
     let handle = [pos2(x - 5.0, plot.top()), pos2(x + 5.0, plot.top()), pos2(x, plot.top() + 7.0)];
     painter.add(egui::Shape::convex_polygon(handle.to_vec(), color, Stroke::NONE));
-    let (within, beyond) = histogram.map_or((0, 0), |histogram| histogram.sides(value));
     let font = egui::FontId::proportional(10.5);
-    let share = |part: usize| model::percent(part as u64, (within + beyond) as u64);
-    let (left, right) = (format!("{} within", share(within)), format!("{} beyond", share(beyond)));
+    let [left, right] = side_words(histogram, value);
     painter.text(rect.left_top(), Align2::LEFT_TOP, left, font.clone(), tokens.text_weak);
     painter.text(rect.right_top(), Align2::RIGHT_TOP, right, font.clone(), tokens.text_weak);
     let frame = histogram.and_then(|histogram| histogram.frame);
@@ -63,17 +61,29 @@ pub(crate) fn histogram_ui(
             commands.push(Command::Set { path: field.path, value: dragged.into() });
         }
     }
-    let help = match histogram {
-        None => "Not counted yet; the line can be dragged already.".to_owned(),
-        Some(histogram) => format!(
-            "{} {}{}: {within} within the line, {beyond} beyond. Blue passes all rules, orange does not{}. Drag the line.",
-            model::count((within + beyond) as u64),
-            histogram.of,
-            frame.map_or_else(String::new, |frame| format!(", {}", at_frame(frame))),
-            if histogram.noise.is_some() { "; the light band is what measured noise explains" } else { "" }
-        ),
+    response.on_hover_text(help_words(histogram, value));
+}
+
+/// The shares within the line and beyond it.
+fn side_words(histogram: Option<&ThresholdHistogram>, value: f64) -> [String; 2] {
+    let (within, beyond) = histogram.map_or((0, 0), |histogram| histogram.sides(value));
+    let share = |part: usize| model::percent(part as u64, (within + beyond) as u64);
+    [format!("{} within", share(within)), format!("{} beyond", share(beyond))]
+}
+
+/// What is counted, and what the colors of the bars mean.
+fn help_words(histogram: Option<&ThresholdHistogram>, value: f64) -> String {
+    let Some(histogram) = histogram else {
+        return "Not counted yet; the line can be dragged already.".to_owned();
     };
-    response.on_hover_text(help);
+    let (within, beyond) = histogram.sides(value);
+    format!(
+        "{} {}{}: {within} within the line, {beyond} beyond. Blue passes all rules, orange does not{}. Drag the line.",
+        model::count((within + beyond) as u64),
+        histogram.of,
+        histogram.frame.map_or_else(String::new, |frame| format!(", {}", at_frame(frame))),
+        if histogram.noise.is_some() { "; measured noise explains the light band" } else { "" }
+    )
 }
 
 fn at_frame(frame: usize) -> String {

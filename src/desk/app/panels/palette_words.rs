@@ -1,6 +1,6 @@
-//! What people type who do not know what a command is called here.
+//! Words that people type when they do not know the name of a command.
 
-/// A word that may be typed, and words by which what it means goes in the palette: every entry that holds one of them.
+/// A word that may be typed, and words of the palette with its meaning: every entry that holds one of them is found.
 const SYNONYMS: &[(&str, &[&str])] = &[
     ("about", &["about", "version"]),
     ("axes", &["axes", "view from", "compare readings"]),
@@ -66,7 +66,7 @@ const SYNONYMS: &[(&str, &[&str])] = &[
 /// Letters of a word from which on it is taken for the beginning of one that is meant.
 const LETTERS: usize = 3;
 
-/// Whether an entry of this name, in lower case, is one that `word` asks for: it holds the word, or what the word means.
+/// Whether `word` finds an entry of this name, in lower case: the name holds the word or one of its synonyms.
 pub(super) fn asks_for(word: &str, name: &str) -> bool {
     let means = |(typed, names): &(&str, &[&str])| {
         let is_meant = *typed == word || (word.chars().count() >= LETTERS && typed.starts_with(word));

@@ -19,11 +19,9 @@ fn replaced_words(typed: &TypedPath) -> String {
     }
 }
 
-/// The field, while it is open.
-pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    let Some(typed) = &state.typed_path else { return };
-    let purpose = typed.purpose;
-    let (action, hint) = match purpose {
+/// What the button does, and what kind of path it takes.
+fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
+    match purpose {
         Purpose::OpenFile | Purpose::OpenFolder => {
             ("Open", "folder of a capture, transforms.json or .ovl file")
         }
@@ -38,7 +36,14 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         Purpose::LoadPath => ("Load", "transforms.json"),
         Purpose::OpenPictures => ("Load", "folder of pictures"),
         Purpose::LoadSettings => ("Load", ".toml file"),
-    };
+    }
+}
+
+/// The field, while it is open.
+pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let Some(typed) = &state.typed_path else { return };
+    let purpose = typed.purpose;
+    let (action, hint) = action_and_hint(purpose);
     let title = if action == "Open" { "Open a capture or a store" } else { purpose.title() };
     let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {
         ui.set_width(480.0);

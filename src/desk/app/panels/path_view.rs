@@ -59,10 +59,14 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         });
         return;
     }
-    let rows: &[&[Part]] = match ui.available_width() {
-        width if width > ONE_ROW => &[&[Part::Keys, Part::Pace, Part::Size, Part::File]],
-        width if width > TWO_ROWS => &[&[Part::Keys, Part::Pace], &[Part::Size, Part::File]],
-        _ => &[&[Part::Keys], &[Part::Pace], &[Part::Size], &[Part::File]],
+    let rows: &[&[PathControls]] = match ui.available_width() {
+        width if width > ONE_ROW => {
+            &[&[PathControls::Keys, PathControls::Pace, PathControls::Size, PathControls::File]]
+        }
+        width if width > TWO_ROWS => {
+            &[&[PathControls::Keys, PathControls::Pace], &[PathControls::Size, PathControls::File]]
+        }
+        _ => &[&[PathControls::Keys], &[PathControls::Pace], &[PathControls::Size], &[PathControls::File]],
     };
     for row in rows {
         ui.horizontal(|ui| {
@@ -74,24 +78,24 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     keys_ui(ui, state, commands);
 }
 
-/// What is set above the keys, in rows as wide as the panel.
+/// Controls above the keys, in rows as wide as the panel.
 #[derive(Clone, Copy)]
-enum Part {
+enum PathControls {
     Keys,
     Pace,
     Size,
     File,
 }
 
-/// Widths from which on all parts fit into one row and into two.
+/// Widths from which on all controls fit into one row and into two.
 const ONE_ROW: f32 = 735.0;
 const TWO_ROWS: f32 = 430.0;
 
-fn part_ui(ui: &mut Ui, state: &State, part: Part, commands: &mut Commands) {
+fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
     let path = &state.inspector.path;
     let ready = path.pictures() > 0;
     match part {
-        Part::Keys => {
+        PathControls::Keys => {
             if ui.button("Add key here (K)").clicked() {
                 commands.push(Command::AddKey);
             }
@@ -103,7 +107,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: Part, commands: &mut Commands) {
             }
             weak(ui, counted(path.pictures(), "picture"));
         }
-        Part::Pace => {
+        PathControls::Pace => {
             ui.label("Frames per segment");
             let mut pictures = path.pictures_per_leg;
             let drag = DragValue::new(&mut pictures).range(1..=2000);
@@ -111,8 +115,8 @@ fn part_ui(ui: &mut Ui, state: &State, part: Part, commands: &mut Commands) {
                 commands.push(Command::PicturesPerLeg(pictures));
             }
         }
-        Part::Size => size_ui(ui, state.export_size(), commands),
-        Part::File => {
+        PathControls::Size => size_ui(ui, state.export_size(), commands),
+        PathControls::File => {
             path_file_ui(ui, ready, commands);
             ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
         }
@@ -139,7 +143,7 @@ fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
 
 const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
 
-/// Width from which on there is room for where a key stands.
+/// Width from which on there is room for the position of a key.
 const ROOMY: f32 = 390.0;
 
 fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {

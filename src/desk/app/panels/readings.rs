@@ -1,4 +1,4 @@
-//! Two readings of a capture side by side: as its files say, and as its views agree better.
+//! Two readings of a capture side by side: the one of its files, and the one by which its views agree better.
 
 use egui::{Button, Id, Label, Modal, RichText, Ui, Vec2};
 
@@ -14,7 +14,7 @@ const EDGES: f32 = 90.0;
 /// Height of a picture as a share of its width, before it is there.
 const ASPECT: f32 = 0.75;
 
-const EXPLAINED: &str = "Every pixel of depth is carried from each camera into the others. Under the right reading the other cameras' colors \
+const EXPLAINED: &str = "Every pixel of depth is reprojected from each camera into the others. Under the right reading the colors found there \
      show what the camera itself recorded.";
 
 /// The dialog, while it is open.
@@ -33,7 +33,7 @@ pub(crate) fn readings_ui(ctx: &egui::Context, state: &State, commands: &mut Com
         ui.heading("Compare readings");
         ui.add(Label::new(EXPLAINED).wrap());
         ui.add_space(space::SMALL);
-        columns_ui(ui, readings, (finding, other), width);
+        columns_ui(ui, readings, finding, other, width);
         ui.add_space(space::MEDIUM);
         keys_ui(ui, readings, scene, finding, other);
         ui.add_space(space::MEDIUM);
@@ -44,7 +44,7 @@ pub(crate) fn readings_ui(ctx: &egui::Context, state: &State, commands: &mut Com
     }
 }
 
-fn columns_ui(ui: &mut Ui, readings: &Readings, (finding, other): (&Finding, &Alternative), width: f32) {
+fn columns_ui(ui: &mut Ui, readings: &Readings, finding: &Finding, other: &Alternative, width: f32) {
     let shown = readings.shown.as_ref();
     let camera = shown.map_or("one camera", |shown| &shown.camera);
     let columns = [
@@ -114,7 +114,7 @@ fn unit(unit: f64) -> String {
     serde_json::to_string(&unit).unwrap_or_default() + " world units"
 }
 
-/// What to write where, so that the capture opens so from now on.
+/// The keys that make the capture open under the other reading from now on, and the file to write them to.
 fn keys_ui(ui: &mut Ui, readings: &Readings, scene: &OpenScene, finding: &Finding, other: &Alternative) {
     if let Some(trouble) = &readings.trouble {
         ui.add(Label::new(RichText::new(trouble).color(Tokens::in_ui(ui).error)).wrap());
@@ -131,12 +131,12 @@ fn keys_ui(ui: &mut Ui, readings: &Readings, scene: &OpenScene, finding: &Findin
     };
     ui.add(Label::new(sure).wrap());
     if !other.can_be_written(&finding.claimed) {
-        weak(ui, "No key of a manifest says this; convert the depth files.");
+        weak(ui, "No key of a manifest can express this; convert the depth files.");
         return;
     }
     let text = match &scene.manifest {
         Some(manifest) => format!("To keep it, write this before \"frames\" in {}:", manifest.display()),
-        None => "To keep it, have the manifest written (overlook info FOLDER --write-manifest), and write this before \"frames\" in it:".to_owned(),
+        None => "To keep it, write the manifest (overlook info FOLDER --write-manifest), and add this before \"frames\" in it:".to_owned(),
     };
     ui.add(Label::new(text).wrap());
     ui.add(Label::new(RichText::new(readings.keys()).monospace()).wrap().selectable(true));
@@ -151,7 +151,7 @@ fn buttons_ui(ui: &mut Ui, scene: &OpenScene, can_be_written: bool, commands: &m
         };
         let help = "Opens the capture again; its files stay as they are.";
         let open = ui.add_enabled(can_be_written, Button::new(name)).on_hover_text(help);
-        if open.on_disabled_hover_text("No key of a manifest says this reading.").clicked() {
+        if open.on_disabled_hover_text("No key of a manifest can express this reading.").clicked() {
             commands.push(Command::OpenReading(otherwise));
         }
         if ui.add_enabled(can_be_written, Button::new("Copy keys")).clicked() {

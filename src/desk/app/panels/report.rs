@@ -1,4 +1,4 @@
-//! What was pruned, by which rule, for which camera, how well cameras agree, and how noisy the capture is.
+//! How many samples each rule pruned, for which camera; how well cameras agree; and how noisy the capture is.
 
 use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use egui_extras::{Column, TableBuilder};
@@ -76,15 +76,18 @@ fn rule_words(rule: &str) -> (String, &'static str) {
         "lower_rate" => ("Seen better elsewhere", "Another camera samples the point more densely."),
         "tie" => ("Seen equally well", "Equal rates: the earlier camera's sample stays."),
         "later_camera" => ("Seen by an earlier camera", "First camera wins, whatever the sampling rate."),
-        "mixed_yields" => {
-            ("Mixed at a silhouette", "Color or depth is of both sides, and a clean sample shows the point.")
-        }
-        "unsure_yields" => {
-            ("Normal unknown", "The normal is not known here, and a sample that knows it shows the point.")
-        }
-        "mixed_dropped" => {
-            ("Mixed, dropped", "Color or depth is of both sides, and the settings drop such samples.")
-        }
+        "mixed_yields" => (
+            "Mixed at a silhouette",
+            "Color or depth is blended across an edge, and a clean sample shows the point.",
+        ),
+        "unsure_yields" => (
+            "Normal unknown",
+            "The normal is not known here, and a sample with a known normal shows the point.",
+        ),
+        "mixed_dropped" => (
+            "Mixed, dropped",
+            "Color or depth is blended across an edge, and the settings drop such samples.",
+        ),
         "contradicted" => (
             "Contradicted",
             "More cameras contradict the point than confirm it: one camera misread it, or it flies between foreground and background.",

@@ -1,6 +1,6 @@
 //! The span map: for how many frames samples are stored, and when.
 
-use egui::{Align2, Rect, RichText, Sense, Ui, pos2, vec2};
+use egui::{Align2, Id, Painter, Pos2, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_TIMELINE;
 
 use crate::app::colormap::sequential;
@@ -17,13 +17,13 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let frames = state.frame_count();
     let Some(report) = state.report().filter(|report| !report.spans.is_empty() && frames > 0) else {
-        let text = "For how long samples are stored is known once the whole capture is pruned.";
+        let text = "The spans of samples are known once the whole capture is pruned.";
         empty_ui(ui, ICON_TIMELINE, "No spans yet", text, |_| {});
         return;
     };
     ui.horizontal_wrapped(|ui| {
         let caption =
-            "Samples by the span of frames they are stored for; light is many. Click to go to a frame.";
+            "Samples by the span of frames they are stored for; lighter is more. Click to go to a frame.";
         note(ui, caption);
         if state.is_stale() {
             ui.label(RichText::new("Out of date.").small().color(tokens.warning));
@@ -40,38 +40,16 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         Sense::click_and_drag(),
     );
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Span map"));
-    let painter = ui.painter_at(rect);
-    let font = egui::TextStyle::Small.resolve(ui.style());
+    let map = SpanMap { painter: ui.painter_at(rect), left, step, most };
     let mut hovered = None;
     for (row, (length, spans)) in levels.iter().enumerate() {
         let top = rect.top() + row as f32 * height;
-        let total: u64 = spans.iter().map(|span| span.samples).sum();
-        let name = counted(*length, "frame");
-        let row_rect = Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + height));
-        let words = format!("Samples stored for {name}: {}", model::count(total));
-        ui.interact(row_rect, response.id.with(length), Sense::hover())
-            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
-        let text = format!("{name}  {}", model::count(total));
-        painter.text(
-            pos2(rect.left(), top + height / 2.0),
-            Align2::LEFT_CENTER,
-            text,
-            font.clone(),
-            tokens.text_weak,
-        );
-        for span in spans {
-            let from = left + span.span.start as f32 * step;
-            let to = left + span.span.end as f32 * step - if step > 3.0 { 1.0 } else { 0.0 };
-            let cell = Rect::from_min_max(pos2(from, top + 1.0), pos2(to, top + height - 1.0));
-            // The square root makes small counts differ from none.
-            painter.rect_filled(cell, 2.0, sequential((span.samples as f32 / most).sqrt()));
-            if response.hover_pos().is_some_and(|at| cell.contains(at)) {
-                hovered = Some(**span);
-            }
-        }
+        let row = Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + height));
+        map.name_ui(ui, row, response.id.with(length), *length, spans);
+        hovered = map.spans_ui(row, spans, response.hover_pos()).or(hovered);
     }
     let now = left + (state.timeline.frame as f32 + 0.5) * step;
-    painter.vline(now, rect.y_range(), egui::Stroke::new(2.0, tokens.text));
+    map.painter.vline(now, rect.y_range(), egui::Stroke::new(2.0, tokens.text));
     if let Some(at) = response.interact_pointer_pos().filter(|at| at.x >= left) {
         let frame = (((at.x - left) / step) as usize).min(frames - 1);
         if frame != state.timeline.frame {
@@ -82,6 +60,49 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let words =
             format!("Frames {} to {}: {}", span.start + 1, span.end, model::count_of(samples, "sample"));
         response.on_hover_text_at_pointer(words);
+    }
+}
+
+/// Where the span map draws frames, and how bright counts are.
+struct SpanMap {
+    painter: Painter,
+    /// Where the first frame begins, points.
+    left: f32,
+    /// Width of a frame, points.
+    step: f32,
+    /// The largest number of samples of a span.
+    most: f32,
+}
+
+impl SpanMap {
+    /// The length of a row's spans, and how many samples they hold.
+    fn name_ui(&self, ui: &Ui, row: Rect, id: Id, length: usize, spans: &[&SpanReport]) {
+        let total: u64 = spans.iter().map(|span| span.samples).sum();
+        let name = counted(length, "frame");
+        let words = format!("Samples stored for {name}: {}", model::count(total));
+        ui.interact(row, id, Sense::hover())
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+        let text = format!("{name}  {}", model::count(total));
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let color = Tokens::in_ui(ui).text_weak;
+        self.painter.text(row.left_center(), Align2::LEFT_CENTER, text, font, color);
+    }
+
+    /// The spans of a row; gives the one under the pointer.
+    fn spans_ui(&self, row: Rect, spans: &[&SpanReport], pointer: Option<Pos2>) -> Option<SpanReport> {
+        let mut hovered = None;
+        for span in spans {
+            let from = self.left + span.span.start as f32 * self.step;
+            let gap = if self.step > 3.0 { 1.0 } else { 0.0 };
+            let to = self.left + span.span.end as f32 * self.step - gap;
+            let cell = Rect::from_min_max(pos2(from, row.top() + 1.0), pos2(to, row.bottom() - 1.0));
+            // The square root makes small counts differ from none.
+            self.painter.rect_filled(cell, 2.0, sequential((span.samples as f32 / self.most).sqrt()));
+            if pointer.is_some_and(|at| cell.contains(at)) {
+                hovered = Some(**span);
+            }
+        }
+        hovered
     }
 }
 

@@ -1,6 +1,6 @@
 //! Time: play, scrub, step, and how much of each frame does not hold for all frames.
 
-use egui::{Align, DragValue, Layout, Rect, RichText, Sense, Ui, pos2, vec2};
+use egui::{Align, DragValue, Layout, Painter, Rect, RichText, Sense, Ui, pos2, vec2};
 use egui_material_icons::icons::{
     ICON_BOOKMARK_ADD, ICON_BOOKMARK_REMOVE, ICON_FIRST_PAGE, ICON_LAST_PAGE, ICON_PAUSE, ICON_PLAY_ARROW,
     ICON_REPEAT, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS, ICON_SWAP_HORIZ,
@@ -107,6 +107,21 @@ fn foreground(state: &State) -> Option<&[u64]> {
     state.report().map(|report| report.foreground_per_frame.as_slice())
 }
 
+/// A bar for the time-varying samples of each frame, within its column.
+fn bars(painter: &Painter, state: &State, counts: &[u64], column: impl Fn(usize) -> Rect) {
+    let tokens = Tokens::of(state.dark);
+    let highest = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
+    let color = if state.is_stale() { tokens.invalid } else { tokens.moving };
+    for (frame, &count) in counts.iter().enumerate() {
+        let column = column(frame);
+        let gap = if column.width() > 4.0 { 1.0 } else { 0.0 };
+        let mut bar = column.shrink2(vec2(gap / 2.0, 0.0));
+        bar.min.y = bar.max.y - (column.height() - 6.0) * count as f32 / highest;
+        let current = frame == state.timeline.frame;
+        painter.rect_filled(bar, 0.0, if current { color } else { color.gamma_multiply(0.45) });
+    }
+}
+
 fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let size = vec2(ui.available_width(), ui.available_height() - 2.0);
@@ -136,15 +151,7 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let here = column(state.timeline.frame);
     painter.rect_filled(here.expand2(vec2((1.5 - step / 2.0).max(0.0), 0.0)), 2.0, tokens.accent_faint);
     if let Some(counts) = foreground(state) {
-        let highest = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
-        let gap = if step > 4.0 { 1.0 } else { 0.0 };
-        for (frame, &count) in counts.iter().enumerate() {
-            let mut bar = column(frame).shrink2(vec2(gap / 2.0, 0.0));
-            bar.min.y = bar.max.y - (rect.height() - 6.0) * count as f32 / highest;
-            let current = frame == state.timeline.frame;
-            let color = if state.is_stale() { tokens.invalid } else { tokens.moving };
-            painter.rect_filled(bar, 0.0, if current { color } else { color.gamma_multiply(0.45) });
-        }
+        bars(&painter, state, counts, column);
     }
     let x = here.center().x;
     painter.vline(x, rect.y_range(), egui::Stroke::new(2.0, tokens.accent));

@@ -8,7 +8,7 @@ use egui_material_icons::icons::{
 
 use super::workspaces::{shown_parts_ui, workspaces_ui};
 use crate::app::model::{
-    self, Command, CommandPalette, Commands, DockView, HelpPage, Origin, Purpose, State,
+    self, Command, CommandPalette, Commands, DockView, HelpPage, Purpose, SceneSource, State,
 };
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note};
@@ -174,7 +174,7 @@ fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
 fn title_of(state: &State) -> Option<[RichText; 2]> {
     let scene = state.scene.as_ref()?;
     let kind = match (&scene.origin, scene.capture().is_some()) {
-        (Origin::Demo(_), _) => "built-in capture",
+        (SceneSource::Demo(_), _) => "built-in capture",
         (_, true) => "capture",
         (_, false) => "store",
     };
@@ -201,7 +201,7 @@ fn title_ui(ui: &mut Ui, state: &State, title: Option<[RichText; 2]>) {
     let (Some([name, facts]), Some(scene)) = (title, &state.scene) else { return };
     ui.add(Label::new(name).truncate());
     let response = ui.add(Label::new(facts.color(Tokens::in_ui(ui).text_weak)).truncate());
-    if let Origin::Path(path) = &scene.origin {
+    if let SceneSource::Path(path) = &scene.origin {
         response.on_hover_text(path.display().to_string());
     }
 }

@@ -17,7 +17,7 @@ const GAP: f32 = 6.0;
 /// Between a note and the next figure.
 const MARGIN: f32 = 14.0;
 
-struct Figure {
+struct KeyFigure {
     name: &'static str,
     value: String,
     note: String,
@@ -39,8 +39,8 @@ pub(crate) fn totals_ui(ui: &mut Ui, state: &State) {
     });
 }
 
-/// Equal widths where everything fits into them; else each figure gets what it needs, and what is left is shared out.
-fn widths(ui: &Ui, figures: &[Figure]) -> Vec<f32> {
+/// Equal widths if everything fits into them; otherwise each figure gets what it needs, and the rest is shared out.
+fn widths(ui: &Ui, figures: &[KeyFigure]) -> Vec<f32> {
     let styles = (figure_style().resolve(ui.style()), egui::TextStyle::Small.resolve(ui.style()));
     let width_of = |text: &str, font: &egui::FontId| {
         ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER).size().x
@@ -60,7 +60,7 @@ fn widths(ui: &Ui, figures: &[Figure]) -> Vec<f32> {
     needed.into_iter().map(|needed| needed + spare).collect()
 }
 
-fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
+fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
     let tokens = Tokens::in_ui(ui);
     let stale = stale && figure.of_whole;
     ui.set_min_width(ui.available_width());
@@ -88,11 +88,11 @@ fn figure_ui(ui: &mut Ui, figure: &Figure, stale: bool) {
     response.on_hover_text(help);
 }
 
-fn figures(state: &State) -> Vec<Figure> {
+fn figures(state: &State) -> Vec<KeyFigure> {
     let report = state.report();
     let figure = |name, of_whole, value_and_note: Option<[String; 2]>, help: &str| {
         let [value, note] = value_and_note.unwrap_or_else(|| ["–".to_owned(), String::new()]);
-        Figure { name, value, note, help: help.to_owned(), of_whole }
+        KeyFigure { name, value, note, help: help.to_owned(), of_whole }
     };
     let memory_note = |report: &Report| match state.content() {
         Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
@@ -146,8 +146,8 @@ fn figures(state: &State) -> Vec<Figure> {
 
 fn accuracy_figure(
     accuracy: Option<Accuracy>,
-    figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> Figure,
-) -> Figure {
+    figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> KeyFigure,
+) -> KeyFigure {
     let Some(accuracy) = accuracy else {
         let help = "Accuracy is measured at viewpoints whose true picture is known: built-in captures have them, and captures with a \
                     novel/transforms.json. There is none here, or it is not measured yet: it is not while the scene plays, nor after Esc.";

@@ -22,26 +22,7 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     let hides = state.look.hides_totals;
     let verb = if hides { "Show" } else { "Hide" };
     entries.push((format!("{verb} the figures above the views"), "", Command::ShowTotals(hides)));
-    for (name, keys, command) in [
-        ("Maximize or restore a view", "Shift+Space", Command::Maximize(None)),
-        ("Full screen", "F11", Command::FullScreen),
-        ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
-        ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
-        ("Measure a distance", "M", Command::View(ViewCommand::Measure(true))),
-        ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
-        ("Loop over all frames", "Shift+I", Command::LoopRange(None)),
-        ("Mark this frame, or take its marker away", "Shift+M", Command::ToggleMarker),
-        ("Next marker", "Ctrl+Right", Command::ToMarker(true)),
-        ("Previous marker", "Ctrl+Left", Command::ToMarker(false)),
-        ("Play back and forth", "", Command::PingPong(true)),
-        ("Play around the ends", "", Command::PingPong(false)),
-        ("Save view with legend", "", Command::AskPath(Purpose::SaveShot)),
-        ("Export EXR pictures of the camera path", "", Command::AskPath(Purpose::ExportExr)),
-        ("Reset colors", "", Command::Display(Display::default())),
-        ("Save camera path", "", Command::AskPath(Purpose::SavePath)),
-        ("Open camera path", "", Command::AskPath(Purpose::LoadPath)),
-        ("Compare with pictures of another program", "", Command::AskPath(Purpose::OpenPictures)),
-    ] {
+    for (name, keys, command) in view_commands() {
         entries.push((name.to_owned(), keys, command));
     }
     for (name, keys, axis) in [
@@ -68,4 +49,28 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         (format!("Solo camera {}", camera.name), "", command)
     }));
     entries
+}
+
+/// Entries that are there whatever is open.
+fn view_commands() -> [(&'static str, &'static str, Command); 18] {
+    [
+        ("Maximize or restore a view", "Shift+Space", Command::Maximize(None)),
+        ("Full screen", "F11", Command::FullScreen),
+        ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
+        ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
+        ("Measure a distance", "M", Command::View(ViewCommand::Measure(true))),
+        ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
+        ("Loop over all frames", "Shift+I", Command::LoopRange(None)),
+        ("Mark this frame, or take its marker away", "Shift+M", Command::ToggleMarker),
+        ("Next marker", "Ctrl+Right", Command::ToMarker(true)),
+        ("Previous marker", "Ctrl+Left", Command::ToMarker(false)),
+        ("Play back and forth", "", Command::PingPong(true)),
+        ("Play around the ends", "", Command::PingPong(false)),
+        ("Save view with legend", "", Command::AskPath(Purpose::SaveShot)),
+        ("Export EXR pictures of the camera path", "", Command::AskPath(Purpose::ExportExr)),
+        ("Reset colors", "", Command::Display(Display::default())),
+        ("Save camera path", "", Command::AskPath(Purpose::SavePath)),
+        ("Open camera path", "", Command::AskPath(Purpose::LoadPath)),
+        ("Compare with pictures of another program", "", Command::AskPath(Purpose::OpenPictures)),
+    ]
 }

@@ -9,7 +9,7 @@ use crate::app::theme::{Tokens, space};
 const HINTS: [(&str, &str); 3] = [
     (
         "Click a pixel",
-        "The Pixel view says which cameras see the point, which one sampled it best, and by which rule it is kept or dropped.",
+        "The Pixel view shows which cameras see the point, which one sampled it best, and why it is kept or dropped.",
     ),
     (
         "Orbit the live view",
@@ -28,7 +28,7 @@ const DISMISS_WIDTH: f32 = 76.0;
 
 /// The introduction, until it is dismissed: a band of its own, so that it covers nothing of what it explains.
 pub(crate) fn introduction_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    // It speaks of what cameras recorded and of thresholds, which a store does not have, and of views that other workspaces lack.
+    // It explains recorded pictures and thresholds, which a store does not have, and views that other workspaces lack.
     let explains = state.has_capture() && state.look.workspace == Workspace::Inspect;
     if state.inspector.introduced || !explains || state.look.maximized.is_some() {
         return;
@@ -56,8 +56,8 @@ pub(crate) fn introduction_ui(ui: &mut Ui, state: &State, commands: &mut Command
 
 const UNSAVED: &str =
     "Settings were changed since the last store was saved. The pruned samples would be lost.";
-const WRITING: &str = "A file, pictures or a video are still being written. Closing now abandons them; the line at the bottom says how far \
-     they are.";
+const WRITING: &str = "A file, pictures or a video are still being written. Closing now abandons them; the line at the bottom shows their \
+     progress.";
 const WRITTEN: &str = "What was being written is done.";
 
 /// The question before closing or before opening something else, while it is open.
@@ -68,9 +68,8 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
     }
     let modal = Modal::new(Id::unique("closing")).show(ctx, |ui| {
         ui.set_width(420.0);
-        let inspector = &state.inspector;
-        let unsaved_work = inspector.unsaved_work();
-        let (title, text) = match (inspector.closing.writing, state.is_unsaved()) {
+        let unsaved_work = state.inspector.unsaved_work();
+        let (title, text) = match (state.inspector.closing.writing, state.is_unsaved()) {
             _ if !closes => ("Open something else?", None),
             (true, _) => ("Close before all is written?", Some(WRITING)),
             (false, true) => ("Close without saving?", Some(UNSAVED)),
@@ -85,42 +84,46 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
             ui.label(format!("This would be lost: {unsaved_work}."));
         }
         ui.add_space(space::MEDIUM);
-        ui.horizontal(|ui| {
-            let saves = closes && state.is_unsaved() && !inspector.closing.writing;
-            if saves && ui.button("Save store…").accessible_name("Save before closing").clicked() {
-                commands.push(Command::Stay);
-                commands.push(Command::AskPath(Purpose::SaveStore));
-            }
-            let path = &inspector.path;
-            if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {
-                commands.push(Command::Stay);
-                commands.push(Command::AskPath(Purpose::SavePath));
-            }
-            for (table, is_lost) in [
-                (Table::Sweep, !inspector.charts.sweep.is_empty()),
-                (Table::StressTest, !inspector.charts.stress.is_empty()),
-            ] {
-                let name = format!("Save {} as CSV…", table.name());
-                if is_lost && ui.button(name).clicked() {
-                    commands.push(Command::Stay);
-                    commands.push(Command::AskPath(Purpose::SaveTable(table)));
-                }
-            }
-            let discard = ui.button(if closes { "Discard and close" } else { "Discard and open" });
-            if discard.clicked() {
-                commands.push(Command::GoOnAnyway);
-            }
-            // Nothing is lost by Enter.
-            let cancel = ui.button("Cancel").accessible_name("Cancel closing");
-            if ui.memory(|memory| memory.focused().is_none()) {
-                cancel.request_focus();
-            }
-            if cancel.clicked() {
-                commands.push(Command::Stay);
-            }
-        });
+        ui.horizontal(|ui| closing_buttons_ui(ui, state, closes, commands));
     });
     if modal.should_close() {
+        commands.push(Command::Stay);
+    }
+}
+
+/// What can be saved before closing, and the answers; `closes` is false where something else is to be opened.
+fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut Commands) {
+    let inspector = &state.inspector;
+    let saves = closes && state.is_unsaved() && !inspector.closing.writing;
+    if saves && ui.button("Save store…").accessible_name("Save before closing").clicked() {
+        commands.push(Command::Stay);
+        commands.push(Command::AskPath(Purpose::SaveStore));
+    }
+    let path = &inspector.path;
+    if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {
+        commands.push(Command::Stay);
+        commands.push(Command::AskPath(Purpose::SavePath));
+    }
+    for (table, is_lost) in [
+        (Table::Sweep, !inspector.charts.sweep.is_empty()),
+        (Table::StressTest, !inspector.charts.stress.is_empty()),
+    ] {
+        let name = format!("Save {} as CSV…", table.name());
+        if is_lost && ui.button(name).clicked() {
+            commands.push(Command::Stay);
+            commands.push(Command::AskPath(Purpose::SaveTable(table)));
+        }
+    }
+    let discard = ui.button(if closes { "Discard and close" } else { "Discard and open" });
+    if discard.clicked() {
+        commands.push(Command::GoOnAnyway);
+    }
+    // Nothing is lost by Enter.
+    let cancel = ui.button("Cancel").accessible_name("Cancel closing");
+    if ui.memory(|memory| memory.focused().is_none()) {
+        cancel.request_focus();
+    }
+    if cancel.clicked() {
         commands.push(Command::Stay);
     }
 }

@@ -1,4 +1,4 @@
-//! Workspaces, and what of the window is shown.
+//! Workspaces, and the areas of the window that are shown.
 
 use egui::Ui;
 

@@ -25,7 +25,7 @@ const LARGE: f32 = 0.1;
 const REACH: f32 = 6.0;
 
 /// A camera as the live view shows it.
-pub(super) struct SeenCamera<'a> {
+pub(super) struct ProjectedCamera<'a> {
     pub index: usize,
     camera: &'a Camera,
     lines: Vec<[Pos2; 2]>,
@@ -45,7 +45,7 @@ pub(super) fn seen_cameras<'a>(
     canvas: Rect,
     state: &State,
     scene: &'a OpenScene,
-) -> Vec<SeenCamera<'a>> {
+) -> Vec<ProjectedCamera<'a>> {
     let size = [canvas.width() as u32, canvas.height() as u32];
     let Some(vantage) = state.live_camera(size).filter(|_| state.live.show_cameras) else {
         return Vec::new();
@@ -71,7 +71,7 @@ pub(super) fn seen_cameras<'a>(
             vantage.project(point).map(|(pixel, _)| at(pixel))
         });
         let line = |line: [Pos2; 2]| line.map(|point| canvas.min + point.to_vec2());
-        seen.push(SeenCamera {
+        seen.push(ProjectedCamera {
             index,
             camera,
             lines: shape.lines.into_iter().map(line).collect(),
@@ -88,9 +88,9 @@ pub(super) fn seen_cameras<'a>(
 }
 
 /// Of names that overlap only one is shown: the chosen camera's, then the nearest.
-fn name(ui: &Ui, canvas: Rect, state: &State, seen: &mut [SeenCamera<'_>]) {
+fn name(ui: &Ui, canvas: Rect, state: &State, seen: &mut [ProjectedCamera<'_>]) {
     let font = egui::TextStyle::Small.resolve(ui.style());
-    let chosen = |camera: &SeenCamera<'_>| is_chosen(state, camera.index);
+    let chosen = |camera: &ProjectedCamera<'_>| is_chosen(state, camera.index);
     let mut order: Vec<usize> = (0..seen.len()).rev().collect();
     order.sort_by_key(|at| !chosen(&seen[*at]));
     let mut plates: Vec<Rect> = Vec::new();
@@ -114,7 +114,7 @@ fn is_chosen(state: &State, camera: usize) -> bool {
 }
 
 /// The camera that is pointed at: the nearest one whose name or pyramid lies under the pointer.
-pub(super) fn camera_at(seen: &[SeenCamera<'_>], canvas: Rect, pointer: Option<Pos2>) -> Option<usize> {
+pub(super) fn camera_at(seen: &[ProjectedCamera<'_>], canvas: Rect, pointer: Option<Pos2>) -> Option<usize> {
     let pointer = pointer.filter(|pointer| canvas.contains(*pointer))?;
     let named = seen
         .iter()
@@ -124,7 +124,7 @@ pub(super) fn camera_at(seen: &[SeenCamera<'_>], canvas: Rect, pointer: Option<P
     named.or_else(hit).map(|camera| camera.index)
 }
 
-fn is_hit(camera: &SeenCamera<'_>, canvas: Rect, pointer: Pos2) -> bool {
+fn is_hit(camera: &ProjectedCamera<'_>, canvas: Rect, pointer: Pos2) -> bool {
     let near = |[a, b]: &[Pos2; 2]| {
         let along = *b - *a;
         let share = ((pointer - *a).dot(along) / along.length_sq().max(1e-6)).clamp(0.0, 1.0);
@@ -156,7 +156,7 @@ pub(super) fn draw(
     ui: &Ui,
     painter: &Painter,
     state: &State,
-    seen: &[SeenCamera<'_>],
+    seen: &[ProjectedCamera<'_>],
     pointed_at: Option<usize>,
 ) {
     let tokens = Tokens::in_ui(ui);
@@ -178,7 +178,7 @@ pub(super) fn draw(
     }
 }
 
-fn draw_camera(painter: &Painter, state: &State, camera: &SeenCamera<'_>, is_pointed_at: bool) {
+fn draw_camera(painter: &Painter, state: &State, camera: &ProjectedCamera<'_>, is_pointed_at: bool) {
     let is_on = state.live.cameras.shows(camera.index);
     let strength = camera.presence * if is_on || is_pointed_at { 1.0 } else { 0.3 };
     let texture = state.inspector.thumbs.get(camera.index).filter(|_| state.live.guides.pictures && is_on);
@@ -216,7 +216,7 @@ fn patches(places: &[Pos2], texture: egui::TextureId, tint: Color32) -> Mesh {
     mesh
 }
 
-/// A click chooses the camera that is pointed at, a double-click stands where it stood. Whether the pointer is over one.
+/// A click chooses the camera under the pointer, a double-click views from it. Returns whether there is one.
 pub(super) fn answer(
     ui: &Ui,
     response: &Response,

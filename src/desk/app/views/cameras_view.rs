@@ -1,7 +1,7 @@
 //! Every camera as a thumbnail: its kept share, and where it sees the selected pixel.
 
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{Painter, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
 use super::{cameras_overlay, overlays};
@@ -47,7 +47,7 @@ pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
     });
 }
 
-/// Cameras in the order of what matters: in the capture's while no pixel is selected, else first those that see its point.
+/// Cameras in the order of the capture; while a pixel is selected, those that see its point come first.
 fn order(state: &State, scene: &OpenScene) -> Vec<usize> {
     let mut order: Vec<usize> = (0..scene.cameras.len()).collect();
     let probed = state.inspector.probe.shown.as_ref().filter(|_| state.inspector.probe.pinned);
@@ -67,6 +67,7 @@ fn card_width(scene: &OpenScene, index: usize, height: f32) -> f32 {
     ((height - CAPTION) * columns as f32 / rows.max(1) as f32).clamp(90.0, 400.0)
 }
 
+/// A camera's thumbnail with its caption, which answers clicks.
 fn card_ui(
     ui: &mut Ui,
     state: &State,
@@ -75,62 +76,22 @@ fn card_ui(
     height: f32,
     commands: &mut Commands,
 ) {
-    let tokens = Tokens::in_ui(ui);
     let camera = &scene.cameras[index];
-    let (columns, rows) = camera.intrinsics.size();
-    let picture_height = height - CAPTION;
     let width = card_width(scene, index, height);
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
-    let picture = Rect::from_min_size(rect.min, vec2(width, picture_height));
+    let picture = Rect::from_min_size(rect.min, vec2(width, height - CAPTION));
     let painter = ui.painter_at(rect.expand(2.0));
-    painter.rect_filled(picture, 4.0, tokens.canvas);
-    let texture = state.inspector.thumbs.get(index);
-    if let Some(texture) = texture {
-        widgets::picture(&painter, texture.id(), picture);
-    } else {
-        waiting(ui, picture, 18.0);
-    }
     let selected = index == state.source.camera;
+    thumbnail_ui(ui, &painter, picture, state, index);
     if selected || response.hovered() {
+        let tokens = Tokens::in_ui(ui);
         let color = if selected { tokens.accent } else { tokens.border };
         painter.rect_stroke(picture, 4.0, Stroke::new(2.0, color), StrokeKind::Outside);
     }
-    let probed = state.inspector.probe.shown.as_ref();
-    if let Some((at, sees)) = probed.and_then(|probed| probed.in_camera(&scene.cameras, index)) {
-        let scale = vec2(picture.width() / columns as f32, picture.height() / rows as f32);
-        let clipped = painter.with_clip_rect(picture);
-        overlays::mark(
-            &clipped,
-            picture.min + at.to_vec2() * scale,
-            sees,
-            state.inspector.probe.pinned,
-            tokens,
-        );
-    }
-    let left = picture.left();
-    let sign = Rect::from_center_size(pos2(left + 5.0, picture.bottom() + 11.0), vec2(9.0, 9.0));
-    camera_cues::sign(&painter, sign, index);
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let line = |row: f32, x: f32, text: String, color| {
-        let mut job = LayoutJob::simple_singleline(text, font.clone(), color);
-        job.wrap = TextWrapping::truncate_at_width(width - x);
-        let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
-        let at = pos2(left + x, picture.bottom() + row - galley.size().y / 2.0);
-        painter.galley(at, galley, color);
-    };
+    mark_probe(ui, &painter, picture, state, scene, index);
     let kept = kept_words(state, index);
-    let says = probed
-        .and_then(|probed| probed.explanation.as_ref())
-        .and_then(|explanation| explanation.evidence.iter().find(|row| row.camera == index))
-        .map(|row| words::sees(row).0);
-    let second = says.map_or_else(|| kept.clone(), |says| format!("{kept}, {says}"));
-    line(
-        11.0,
-        14.0,
-        says.map_or_else(|| camera.name.clone(), |says| format!("{} · {says}", camera.name)),
-        tokens.text,
-    );
-    line(26.0, 0.0, kept, tokens.text_weak);
+    let sees = probed_words(state, index);
+    caption_ui(ui, &painter, picture, index, [name_words(&camera.name, sees), kept.clone()]);
     response.widget_info(|| {
         egui::WidgetInfo::selected(egui::Role::Button, true, selected, format!("Camera {}", camera.name))
     });
@@ -142,10 +103,60 @@ fn card_ui(
     }
     cameras_overlay::menu(ui, &response, state, Some(index), commands);
     response.on_hover_ui(|ui| {
+        let (columns, rows) = camera.intrinsics.size();
+        let found = sees.map_or_else(|| kept.clone(), |sees| format!("{kept}, {sees}"));
         ui.label(RichText::new(&camera.name).strong());
-        ui.label(format!("{columns}×{rows}, {second}"));
+        ui.label(format!("{columns}×{rows}, {found}"));
         ui.label("Pruned pixels are dimmed. Click to see it large, double-click to view from this camera, right-click for more.");
     });
+}
+
+fn thumbnail_ui(ui: &Ui, painter: &Painter, picture: Rect, state: &State, index: usize) {
+    painter.rect_filled(picture, 4.0, Tokens::in_ui(ui).canvas);
+    if let Some(texture) = state.inspector.thumbs.get(index) {
+        widgets::picture(painter, texture.id(), picture);
+    } else {
+        waiting(ui, picture, 18.0);
+    }
+}
+
+/// Marks the selected point in a camera's thumbnail.
+fn mark_probe(ui: &Ui, painter: &Painter, picture: Rect, state: &State, scene: &OpenScene, index: usize) {
+    let probe = &state.inspector.probe;
+    let probed = probe.shown.as_ref();
+    let Some((at, sees)) = probed.and_then(|probed| probed.in_camera(&scene.cameras, index)) else { return };
+    let (columns, rows) = scene.cameras[index].intrinsics.size();
+    let scale = vec2(picture.width() / columns as f32, picture.height() / rows as f32);
+    let at = picture.min + at.to_vec2() * scale;
+    overlays::mark(&painter.with_clip_rect(picture), at, sees, probe.pinned, Tokens::in_ui(ui));
+}
+
+/// Two lines below a thumbnail, the first beside the camera's sign.
+fn caption_ui(ui: &Ui, painter: &Painter, picture: Rect, index: usize, lines: [String; 2]) {
+    let tokens = Tokens::in_ui(ui);
+    let left = picture.left();
+    let sign = Rect::from_center_size(pos2(left + 5.0, picture.bottom() + 11.0), vec2(9.0, 9.0));
+    camera_cues::sign(painter, sign, index);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let places = [(11.0, 14.0, tokens.text), (26.0, 0.0, tokens.text_weak)];
+    for (text, (row, x, color)) in lines.into_iter().zip(places) {
+        let mut job = LayoutJob::simple_singleline(text, font.clone(), color);
+        job.wrap = TextWrapping::truncate_at_width(picture.width() - x);
+        let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
+        let at = pos2(left + x, picture.bottom() + row - galley.size().y / 2.0);
+        painter.galley(at, galley, color);
+    }
+}
+
+/// What a camera sees of the selected point; `None` while no point is explained.
+fn probed_words(state: &State, index: usize) -> Option<&'static str> {
+    let explanation = state.inspector.probe.shown.as_ref()?.explanation.as_ref()?;
+    let row = explanation.evidence.iter().find(|row| row.camera == index)?;
+    Some(words::sees(row).0)
+}
+
+fn name_words(name: &str, sees: Option<&str>) -> String {
+    sees.map_or_else(|| name.to_owned(), |sees| format!("{name} · {sees}"))
 }
 
 fn kept_words(state: &State, index: usize) -> String {

@@ -128,12 +128,13 @@ pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &
     }
 }
 
-/// What stands in place of a chart without points: why, or that the first is on its way.
+/// The text in place of a chart without points: the reason, or that the first is being measured.
 pub(crate) fn no_points_ui(
     ui: &mut Ui,
     state: &State,
     study: Study,
-    (icon, text): (MaterialIcon, &str),
+    icon: MaterialIcon,
+    text: &str,
     commands: &mut Commands,
 ) {
     if state.inspector.charts.under_way() == Some(study) {
@@ -153,7 +154,7 @@ pub(crate) fn no_points_ui(
 /// Ticks that are aimed at.
 const TICKS: usize = 6;
 
-/// What lies at a coordinate of the plot, which logarithmic axes have decimal logarithms for.
+/// The value at a coordinate of the plot; logarithmic axes have decimal logarithms as coordinates.
 fn value_at(coordinate: f64, scale: Scale) -> f64 {
     match scale {
         Scale::Linear => coordinate,
@@ -163,7 +164,7 @@ fn value_at(coordinate: f64, scale: Scale) -> f64 {
 }
 
 /// The ticks between two coordinates of the plot, all of them equally strong.
-fn ticks((low, high): (f64, f64), scale: Scale) -> Vec<GridMark> {
+fn ticks(low: f64, high: f64, scale: Scale) -> Vec<GridMark> {
     let step_size = (high - low) / TICKS as f64;
     if !(step_size.is_finite() && step_size > 0.0) {
         return Vec::new();
@@ -185,8 +186,8 @@ pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [String; 2], scales: [
     Plot::new(id)
         .x_axis_label(x)
         .y_axis_label(y)
-        .x_grid_spacer(move |grid| ticks(grid.bounds, scales[0]))
-        .y_grid_spacer(move |grid| ticks(grid.bounds, scales[1]))
+        .x_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, scales[0]))
+        .y_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, scales[1]))
         .grid_color(Tokens::in_ui(ui).border)
         .allow_scroll(false)
 }
@@ -198,7 +199,7 @@ mod tests {
     #[test]
     fn ticks_of_a_logarithmic_axis_lie_at_the_logarithms_of_round_values() {
         let at = |low: f64, high: f64, scale| -> Vec<f64> {
-            ticks((low, high), scale).into_iter().map(|tick| tick.value).collect()
+            ticks(low, high, scale).into_iter().map(|tick| tick.value).collect()
         };
         assert_eq!(at(22.4, 28.1, Scale::Linear), [23.0, 24.0, 25.0, 26.0, 27.0, 28.0]);
         assert_eq!(at(-0.5, 4.5, Scale::Log), [0.0, 1.0, 2.0, 3.0, 4.0]);

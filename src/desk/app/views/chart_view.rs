@@ -29,7 +29,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if charts.sweep.is_empty() {
         let text = "A sweep tries many settings and other methods on this capture, and draws what each costs and how close \
                     it comes to the truth. Points appear one by one; a click on one applies its settings.";
-        no_points_ui(ui, state, Study::Sweep, (ICON_SCATTER_PLOT, text), commands);
+        no_points_ui(ui, state, Study::Sweep, ICON_SCATTER_PLOT, text, commands);
         return;
     }
     axes_ui(ui, state, commands);
@@ -167,7 +167,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
     let Some(first) = names.first() else {
         let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \
                     when accuracy breaks: with these settings, without defenses, and as in the paper.";
-        no_points_ui(ui, state, Study::Stress, (ICON_MONITORING, text), commands);
+        no_points_ui(ui, state, Study::Stress, ICON_MONITORING, text, commands);
         return;
     };
     let chosen =

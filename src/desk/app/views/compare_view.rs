@@ -6,7 +6,7 @@ use egui_material_icons::icons::{ICON_ADD_PHOTO_ALTERNATE, ICON_COMPARE, ICON_LO
 use super::legend;
 use crate::app::colormap::{diverging, sequential};
 use crate::app::model::{
-    self, Command, Commands, CompareLook, CompareMeasure, CompareSide, CompareVantage, Content, Mode,
+    self, Command, Commands, CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage, Content,
     PictureDifference, PictureZoom, Purpose, ShownComparison, State,
 };
 use crate::app::theme::{Tokens, space};
@@ -73,7 +73,7 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, commands: &mut 
         pictures_menu_ui(ui, state, commands);
     });
     let is_done = ui.horizontal(|ui| {
-        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, Mode::ALL) {
+        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, CompareMode::ALL) {
             look.mode = mode;
         }
         ui.add_space(space::MEDIUM);
@@ -90,7 +90,7 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, commands: &mut 
 
 /// What a difference is measured in, where one is shown.
 fn measure_ui(ui: &mut Ui, look: &mut CompareLook) {
-    if look.mode != Mode::Difference {
+    if look.mode != CompareMode::Difference {
         return;
     }
     if let Some(measure) = segments_ui(ui, "Difference in", look.choice.measure, CompareMeasure::ALL) {
@@ -162,7 +162,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
         return None;
     };
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
-    let flipped = response.is_pointer_button_down_on() && look.mode == Mode::Flip
+    let flipped = response.is_pointer_button_down_on() && look.mode == CompareMode::Flip
         || ui.input(|input| input.key_down(Key::X));
     let parts = parts(look, flipped);
     let areas: Vec<Rect> = parts.iter().map(|(_, shares)| area_of(look.mode, canvas, *shares)).collect();
@@ -197,7 +197,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     Some([at.x as usize, at.y as usize])
 }
 
-/// Whether pictures show what is chosen; else what is chosen is being worked out.
+/// Whether the pictures are those of the choice; if not, they are being computed.
 fn is_of(compared: &ShownComparison, look: &CompareLook) -> bool {
     (compared.sides, compared.from) == (look.choice.sides, look.choice.from)
 }
@@ -205,18 +205,19 @@ fn is_of(compared: &ShownComparison, look: &CompareLook) -> bool {
 /// What is drawn: which of left, right and difference, and the shares of the width between which.
 fn parts(look: &CompareLook, flipped: bool) -> Vec<(usize, [f32; 2])> {
     match look.mode {
-        Mode::Difference => vec![(2, [0.0, 1.0])],
-        Mode::Flip | Mode::Wipe if flipped => vec![(1, [0.0, 1.0])],
-        Mode::Flip => vec![(0, [0.0, 1.0])],
-        Mode::Wipe => vec![(0, [0.0, look.wipe]), (1, [look.wipe, 1.0])],
-        Mode::Beside => vec![(0, [0.0, 0.5]), (1, [0.5, 1.0])],
+        CompareMode::Difference => vec![(2, [0.0, 1.0])],
+        CompareMode::Flip | CompareMode::Wipe if flipped => vec![(1, [0.0, 1.0])],
+        CompareMode::Flip => vec![(0, [0.0, 1.0])],
+        CompareMode::Wipe => vec![(0, [0.0, look.wipe]), (1, [look.wipe, 1.0])],
+        CompareMode::Beside => vec![(0, [0.0, 0.5]), (1, [0.5, 1.0])],
     }
 }
 
-/// What a picture is fitted into that is drawn between two shares of the width: all of it where pictures lie over each other.
-fn area_of(mode: Mode, canvas: Rect, [from, to]: [f32; 2]) -> Rect {
+/// The area that a picture is fitted into when it is drawn between two shares of the width: the whole canvas for pictures over each
+/// other.
+fn area_of(mode: CompareMode, canvas: Rect, [from, to]: [f32; 2]) -> Rect {
     let column = |share: f32| canvas.left() + canvas.width() * share;
-    if mode == Mode::Beside {
+    if mode == CompareMode::Beside {
         Rect::from_x_y_ranges(column(from)..=column(to), canvas.y_range())
     } else {
         canvas
@@ -254,11 +255,11 @@ fn move_ui(ui: &Ui, response: &Response, canvas: Rect, picture: Rect, look: &mut
     let shifts = response.dragged_by(egui::PointerButton::Middle)
         || response.dragged_by(egui::PointerButton::Secondary)
         || ui.input(|input| input.modifiers.shift)
-        || look.mode != Mode::Wipe;
+        || look.mode != CompareMode::Wipe;
     if response.dragged() && shifts {
         look.part = look.part.shifted(response.drag_delta() / picture.size());
     } else if response.is_pointer_button_down_on()
-        && look.mode == Mode::Wipe
+        && look.mode == CompareMode::Wipe
         && let Some(pointer) = response.interact_pointer_pos()
     {
         look.wipe = ((pointer.x - canvas.left()) / canvas.width()).clamp(0.0, 1.0);
@@ -276,7 +277,7 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
     let Some(compared) = compared else { return };
     let comparison = &compared.comparison;
     ui.horizontal(|ui| {
-        if look.mode == Mode::Difference {
+        if look.mode == CompareMode::Difference {
             bar_ui(ui, comparison);
             let locked = look.choice.range.is_some();
             let (icon, name) =
@@ -287,8 +288,10 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
             }
         } else {
             let hint = match look.mode {
-                Mode::Wipe => "Drag the line. Wheel to zoom, Shift + drag to pan; hold X for the right side.",
-                Mode::Beside => "Wheel to zoom, drag to pan: both move alike.",
+                CompareMode::Wipe => {
+                    "Drag the line. Wheel to zoom, Shift + drag to pan; hold X for the right side."
+                }
+                CompareMode::Beside => "Wheel to zoom, drag to pan: both move alike.",
                 _ => "Hold X, or the mouse button, for the right side.",
             };
             one_line(ui, hint, tokens.text_weak);
@@ -371,12 +374,12 @@ mod tests {
 
     #[test]
     fn holding_the_key_shows_the_right_side_everywhere_whether_wiped_or_flipped() {
-        for mode in [Mode::Wipe, Mode::Flip] {
+        for mode in [CompareMode::Wipe, CompareMode::Flip] {
             let look = CompareLook { mode, ..CompareLook::default() };
             assert_eq!(parts(&look, true), [(1, [0.0, 1.0])], "{mode:?}");
             assert_eq!(parts(&look, false)[0].0, 0, "{mode:?}");
         }
-        let look = CompareLook { mode: Mode::Difference, ..CompareLook::default() };
+        let look = CompareLook { mode: CompareMode::Difference, ..CompareLook::default() };
         assert_eq!(parts(&look, true), [(2, [0.0, 1.0])]);
     }
 }

@@ -65,7 +65,7 @@ pub(super) fn guides_ui(
     }
 }
 
-/// Darkens what lies outside of the frame.
+/// Darkens everything outside the frame.
 fn frame(painter: &Painter, canvas: Rect, state: &State) {
     let Some([width, height]) = state.framed_size().filter(|_| state.live.guides.frame != FrameGuide::Off)
     else {
@@ -101,7 +101,7 @@ fn spacing(pivot_distance: f64) -> f64 {
     10.0_f64.powf((pivot_distance * 0.4).log10().floor())
 }
 
-/// Lines of the ground at the height of the world's origin, below what is orbited; faint where the picture lies before them.
+/// Lines of the ground at the height of the world's origin, below the pivot; faint where the picture is in front of them.
 fn ground(painter: &Painter, canvas: Rect, state: &State, orbit: &OrbitCamera, vantage: &Camera) {
     let up = orbit.up_in_world();
     let [a, b] = {
@@ -112,8 +112,11 @@ fn ground(painter: &Painter, canvas: Rect, state: &State, orbit: &OrbitCamera, v
     let pivot = orbit.world_from_camera.transform_point3(DVec3::Z * orbit.pivot_distance);
     let middle = [a, b].map(|axis| (pivot.dot(axis) / step).round() * step);
     let tokens = Tokens::of(state.dark);
-    let camera_from_world = vantage.camera_from_world();
-    let near = NEAR * orbit.pivot_distance;
+    let eye = GroundEye {
+        vantage,
+        camera_from_world: vantage.camera_from_world(),
+        near: NEAR * orbit.pivot_distance,
+    };
     let reach = f64::from(LINES) * step;
     for (along, across, [from, at]) in [(a, b, middle), (b, a, [middle[1], middle[0]])] {
         for line in -LINES..=LINES {
@@ -126,12 +129,20 @@ fn ground(painter: &Painter, canvas: Rect, state: &State, orbit: &OrbitCamera, v
                     along * (from + share * reach) + across * place
                 });
                 let part = GroundPart { ends: [start, end], fade: fade(line, part) };
-                ground_part(painter, canvas, state, (vantage, camera_from_world, near), &part, color);
+                ground_part(painter, canvas, state, &eye, &part, color);
             }
         }
     }
     let text = format!("grid {}", state.live.unit.length(step));
     plate(painter, canvas.right_bottom() + vec2(-8.0, -8.0), Align2::RIGHT_BOTTOM, &text, tokens);
+}
+
+/// The camera that the ground is drawn for.
+struct GroundEye<'a> {
+    vantage: &'a Camera,
+    camera_from_world: DAffine3,
+    /// Depth at which lines are cut off, world units.
+    near: f64,
 }
 
 struct GroundPart {
@@ -151,20 +162,20 @@ fn ground_part(
     painter: &Painter,
     canvas: Rect,
     state: &State,
-    (vantage, camera_from_world, near): (&Camera, DAffine3, f64),
+    eye: &GroundEye<'_>,
     part: &GroundPart,
     color: Color32,
 ) {
-    let ends = part.ends.map(|end| camera_from_world.transform_point3(end));
-    let Some(ends) = clipped(ends, near).filter(|_| part.fade > 0.0) else { return };
+    let ends = part.ends.map(|end| eye.camera_from_world.transform_point3(end));
+    let Some(ends) = clipped(ends, eye.near).filter(|_| part.fade > 0.0) else { return };
     let middle = (ends[0] + ends[1]) / 2.0;
     let [Some(start), Some(end), Some(center)] =
-        [ends[0], ends[1], middle].map(|end| projected(vantage, end))
+        [ends[0], ends[1], middle].map(|end| projected(eye.vantage, end))
     else {
         return;
     };
     let at = |point: Pos2| canvas.min + point.to_vec2();
-    // The ground itself may be among what the picture shows: what lies on it is no farther away.
+    // The picture may show the ground itself, which then must not hide its lines.
     let hidden = is_seen(state, canvas, at(center), middle.z * 0.97).is_some_and(|seen| !seen);
     let strength = part.fade * if hidden { 0.07 } else { 0.5 };
     painter.line_segment([at(start), at(end)], Stroke::new(1.0, color.gamma_multiply(strength)));

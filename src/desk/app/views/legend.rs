@@ -24,7 +24,7 @@ const SWATCH_WIDTH: f32 = 26.0;
 /// Width of `others (25) 12.3 %`.
 const MORE_WIDTH: f32 = 116.0;
 
-/// Width of what the legend says of holes.
+/// Width of the legend of holes.
 const HOLE_WIDTH: f32 = 220.0;
 
 pub(crate) fn source_legend_ui(
@@ -68,15 +68,7 @@ pub(crate) fn source_legend_ui(
             no_depth_ui(ui, *invalid, total);
         }
         Legend::ViewDependence { visible, alike, unknown } => {
-            let total = visible + alike + unknown;
-            bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} of 255"), sequential);
-            let differs = format!("visible {}", model::percent(*visible, total));
-            ui.label(RichText::new(differs).small()).on_hover_text(format!(
-                "Differs by {VISIBLE_STEPS:.0} or more of 255 steps: more than the eye takes for the same color.",
-            ));
-            let unknown = format!("seen once {}", model::percent(*unknown, total));
-            ui.label(RichText::new(unknown).small())
-                .on_hover_text("No other camera shows the point about as finely; shown dimmed.");
+            view_dependence_ui(ui, *visible, *unknown, visible + alike + unknown);
         }
         Legend::Winners { kept, lost_to, dropped, invalid } => {
             let total = kept + dropped + invalid + lost_to.iter().sum::<u64>();
@@ -94,6 +86,18 @@ pub(crate) fn source_legend_ui(
     });
 }
 
+/// How far colors of a point differ between cameras, with the shares of pixels that differ visibly and that one camera alone shows.
+fn view_dependence_ui(ui: &mut Ui, visible: u64, unknown: u64, total: u64) {
+    bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} of 255"), sequential);
+    let differs = format!("visible {}", model::percent(visible, total));
+    ui.label(RichText::new(differs).small()).on_hover_text(format!(
+        "Differs by {VISIBLE_STEPS:.0} or more of 255 steps: the eye sees two colors.",
+    ));
+    let unknown = format!("seen once {}", model::percent(unknown, total));
+    ui.label(RichText::new(unknown).small())
+        .on_hover_text("No other camera shows the point about as finely; shown dimmed.");
+}
+
 /// The gray of pixels without depth, where there are any, with their share.
 fn no_depth_ui(ui: &mut Ui, invalid: u64, total: u64) {
     if invalid > 0 {
@@ -103,7 +107,7 @@ fn no_depth_ui(ui: &mut Ui, invalid: u64, total: u64) {
     }
 }
 
-/// How samples stand among the other cameras: names, and what they mean.
+/// How samples agree with other cameras, with name and help.
 const AGREEMENTS: [(SampleAgreement, &str, &str); 3] = [
     (
         SampleAgreement::Confirmed,
@@ -113,14 +117,10 @@ const AGREEMENTS: [(SampleAgreement, &str, &str); 3] = [
     (
         SampleAgreement::Contradicted,
         "contradicted",
-        "More cameras see through to what lies behind than see this surface, its own camera among them. \
+        "More cameras see a surface behind this one than see this one, its own camera counted among the latter. \
          A cross-camera check by majority drops such samples.",
     ),
-    (
-        SampleAgreement::Alone,
-        "alone",
-        "Nobody else can tell: no other camera confirms it, and no majority contradicts it.",
-    ),
+    (SampleAgreement::Alone, "alone", "No other camera confirms it, and no majority contradicts it."),
 ];
 
 /// For how long samples are stored, in the colors of both views.
@@ -256,7 +256,7 @@ fn holes_ui(ui: &mut Ui, state: &State) {
                 _ => swatch_ui(ui, Color32::GRAY, &name),
             };
             response.on_hover_text(
-                "No sample reached these pixels. Their colors are continued from what lies behind; H shows where.",
+                "No sample reached these pixels. Their colors are continued from the background; H shows them.",
             );
         }
         HoleDisplay::Hatched => {

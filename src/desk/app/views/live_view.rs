@@ -101,7 +101,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
     let is_taken = cameras_overlay::answer(ui, &response, state, pointed_at, commands);
-    motion(ui, &response, canvas, state, (is_taken, commands));
+    motion(ui, &response, canvas, state, is_taken, commands);
     guides::guides_ui(ui, &painter, canvas, state, commands);
     mark_probe(&painter, canvas, state);
     if state.live.ruler.active {
@@ -172,7 +172,8 @@ fn motion(
     response: &Response,
     canvas: Rect,
     state: &State,
-    (is_taken, commands): (bool, &mut Commands),
+    is_taken: bool,
+    commands: &mut Commands,
 ) {
     if response.double_clicked() && !is_taken && !state.live.ruler.active {
         commands.push(Command::Home);

@@ -1,4 +1,4 @@
-//! The pictures, and what is drawn over them and said about them.
+//! The pictures, and what is drawn over and beside them.
 
 mod cameras_overlay;
 mod cameras_view;

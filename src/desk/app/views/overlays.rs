@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
 
-/// What lies nearer is cut off, as a share of a pyramid's length: scenes are measured in millimeters as well as in meters.
+/// Depth at which lines are cut off, as a share of a pyramid's length: scenes are in millimeters as well as in meters.
 const NEAR: f64 = 1e-3;
 
 /// A camera's pyramid as line segments in the live picture's pixels, and where its name belongs.

@@ -27,14 +27,14 @@ const OWN_SAMPLE: f32 = 110.0;
 /// Columns of the table: heading, width in points, and what it means.
 const COLUMNS: [(&str, f32, &str); 9] = [
     ("Camera", 88.0, "Click a name to see the point there."),
-    ("Visible", 128.0, "Whether the camera shows the same surface point, and if not, which rule says so."),
+    ("Visible", 128.0, "Whether the camera shows the same surface point, and if not, why."),
     ("Depth", 96.0, "Planar depth expected at the point, and the depth that the camera recorded there."),
     ("Depth error", 74.0, "Distance to the surface found there, in pixel footprints (px)."),
     ("Angle", 44.0, "Angle of incidence: between the line of sight and the surface's normal."),
     (
         "Paper r",
         50.0,
-        "The paper's r, planar depth over cosine of incidence, of this pixel beside that camera's: below 1 this pixel is denser.",
+        "The paper's r: planar depth over cosine of incidence, this pixel's divided by that camera's. Below 1 this pixel is denser.",
     ),
     (
         "Density",
@@ -102,7 +102,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         let text = if state.has_capture() {
             words::pending_verdict(state, state.inspector.probe.pinned)
         } else {
-            "A kept sample. The store does not say what it was kept against; open its capture for that."
+            "A kept sample. The store does not record its witnesses; open its capture for them."
         };
         ui.add(Label::new(RichText::new(text).color(tokens.text_weak)).wrap());
     }
@@ -202,7 +202,7 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
 fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
     let Some(explanation) = &probed.explanation else { return };
     if explanation.evidence.is_empty() {
-        weak(ui, "The pixel has no depth, so no camera can be asked about it.");
+        weak(ui, "The pixel has no depth, so that it cannot be compared with other cameras.");
         return;
     }
     let narrow = ui.available_width() < TABLE;
@@ -266,15 +266,10 @@ fn row_ui(
             }
         });
     };
-    let depth = match (row.depth_expected.is_nan(), row.depth_found.is_nan()) {
-        (true, _) => "–".to_owned(),
-        (_, true) => words::number(row.depth_expected),
-        _ => format!("{} / {}", words::number(row.depth_expected), words::number(row.depth_found)),
-    };
-    cell(depth, false, String::new());
+    cell(depth_words(row), false, String::new());
     let off = row.plane_distance_footprints;
     let help = format!(
-        "{} footprints of {} units, with {} granted.",
+        "{} footprints of {} units; the tolerance is {}.",
         words::distance(off),
         words::number(row.footprint),
         tolerance.depth_tolerance
@@ -284,7 +279,7 @@ fn row_ui(
     let angle =
         if row.incidence_degrees.is_nan() { "–".into() } else { format!("{:.0}°", row.incidence_degrees) };
     let help = format!(
-        "The normals differ by {}°, with {}° granted.",
+        "The normals differ by {}°; the tolerance is {}°.",
         words::distance(row.normal_angle_degrees),
         tolerance.normal_tolerance
     );
@@ -302,7 +297,16 @@ fn row_ui(
     });
 }
 
-/// The camera of a row, by which the point is shown in its picture.
+/// The depth that is expected, and the one that was found.
+fn depth_words(row: &CameraEvidence) -> String {
+    match (row.depth_expected.is_nan(), row.depth_found.is_nan()) {
+        (true, _) => "–".to_owned(),
+        (_, true) => words::number(row.depth_expected),
+        _ => format!("{} / {}", words::number(row.depth_expected), words::number(row.depth_found)),
+    }
+}
+
+/// A button with the name of a row's camera: it shows the point in the camera's picture.
 fn name_ui(ui: &mut Ui, scene: &OpenScene, row: &CameraEvidence, wins: bool, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let name = scene.cameras.get(row.camera).map_or("", |camera| &camera.name);

@@ -1,4 +1,4 @@
-//! The left view: what a camera saw, and what became of each of its pixels; the Pixel view says the rest.
+//! The left view: the picture of a camera, and the verdict on each of its pixels; the Pixel view explains them.
 
 use egui::{Rect, Response, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
@@ -116,7 +116,7 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     inside.then_some((at.x as usize, at.y as usize))
 }
 
-/// Says how much of the tile under the pointer is kept.
+/// The kept share of the tile under the pointer.
 fn tile_tooltip(response: Response, shares: &Grid<f32>, [x, y]: [usize; 2], [width, height]: [usize; 2]) {
     let (column, row) = (x / TILE, y / TILE);
     let Some(share) = shares.get(column, row) else { return };
@@ -161,7 +161,7 @@ fn zoom_and_pan(ui: &Ui, response: &Response, picture: Rect, state: &State, comm
 const MOUSE: &str = "Point at a pixel to see what became of it, and why. Wheel to zoom, drag to pan, double-click to \
                      fit, click to pin the pixel.";
 
-/// A line below the source picture: what became of the pixel, or how much of the picture is kept.
+/// A line below the source picture: the verdict on the pixel, or the kept share of the picture.
 fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
     let tokens = Tokens::in_ui(ui);
     let (line, more, color) = match pixel {

@@ -37,8 +37,8 @@ pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accu
         let Some(load) = &view.truth else { continue };
         let truth = load()?;
         let unpruned = preprocess::inspect_frame(capture, None, &all_settings, frame, job)?.samples;
-        pruned_db += psnr_at(&request.samples, (view, frame), &truth, &request.settings, job)?;
-        unpruned_db += psnr_at(&unpruned, (view, frame), &truth, &request.settings, job)?;
+        pruned_db += psnr_at(&request.samples, view, frame, &truth, &request.settings, job)?;
+        unpruned_db += psnr_at(&unpruned, view, frame, &truth, &request.settings, job)?;
         views += 1;
         job.advance(1);
     }
@@ -60,7 +60,8 @@ pub(crate) fn with_nothing_pruned(settings: &Settings) -> Settings {
 
 fn psnr_at(
     samples: &Arc<SampleSet>,
-    (view, frame): (&TruthView, usize),
+    view: &TruthView,
+    frame: usize,
     truth: &Frame,
     settings: &Settings,
     job: &Job,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::accuracy::with_nothing_pruned;
 use super::compare_place::{
-    Place, cameras_left, capture_of, corrected_by, corrected_capture, left_out, unknown_truth,
+    Viewpoint, cameras_left, capture_of, corrected_by, corrected_capture, left_out, unknown_truth,
 };
 use super::difference::{self, DisplayedSide};
 use crate::app::model::{CompareKey, CompareMeasure, CompareSide, Message, PictureDifference, method_of};
@@ -64,7 +64,7 @@ impl Comparer {
         Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), rivals: Vec::new(), threads }
     }
 
-    /// Makes the comparison, or says why there is none.
+    /// Makes the comparison, or gives the reason against it.
     pub(crate) fn answer(&mut self, key: Box<CompareKey>, job: &Job) -> Result<Message> {
         let outcome = match self.compare(&key, job) {
             Ok(comparison) => Ok(comparison),
@@ -77,37 +77,37 @@ impl Comparer {
 
     /// Makes the comparison; `Invalid` where a side cannot be shown there.
     fn compare(&mut self, key: &CompareKey, job: &Job) -> Result<PictureDifference> {
-        let place = Place::of(key, key.choice.from, key.vantage.frame)?;
-        let sides = self.sides(key, &place, job)?;
+        let viewpoint = Viewpoint::of(key, key.choice.from, key.vantage.frame)?;
+        let sides = self.sides(key, &viewpoint, job)?;
         if key.choice.measure == CompareMeasure::Flicker {
-            let before = self.sides(key, &place.before(key)?, job)?;
+            let before = self.sides(key, &viewpoint.before(key)?, job)?;
             return difference::flicker([before, sides], key.choice.range, key.dark);
         }
         let compared = difference::between(sides, key.choice.measure, key.choice.range, key.dark)?;
         if key.choice.measure != CompareMeasure::Class {
             return Ok(compared);
         }
-        let Place { vantage, truth, .. } = place;
+        let Viewpoint { vantage, truth, .. } = viewpoint;
         let truth = truth.ok_or_else(unknown_truth)?;
         let seen = truth::seen_at(&cameras_left(key)?, vantage.frame)?;
         let classes = truth::class_map(&vantage.camera, &truth, &seen).ok_or_else(|| {
             Error::invalid(
                 "comparison",
-                "The true picture has no depth, so that it does not say where differences lie.",
+                "The true picture has no depth, so that differences cannot be sorted into unseen, edge and inner.",
             )
         })?;
         difference::by_class(compared, &classes, key.dark)
     }
 
-    fn sides(&mut self, key: &CompareKey, place: &Place, job: &Job) -> Result<[DisplayedSide; 2]> {
-        let left = self.side(key, key.choice.sides[0], place, job)?;
+    fn sides(&mut self, key: &CompareKey, viewpoint: &Viewpoint, job: &Job) -> Result<[DisplayedSide; 2]> {
+        let left = self.side(key, key.choice.sides[0], viewpoint, job)?;
         job.check()?;
-        Ok([left, self.side(key, key.choice.sides[1], place, job)?])
+        Ok([left, self.side(key, key.choice.sides[1], viewpoint, job)?])
     }
 
     /// A method of others, made of what all cameras but a left-out one recorded.
-    fn rival(&mut self, key: &CompareKey, rival: Rival, place: &Place) -> Result<DisplayedSide> {
-        let vantage = &place.vantage;
+    fn rival(&mut self, key: &CompareKey, rival: Rival, viewpoint: &Viewpoint) -> Result<DisplayedSide> {
+        let vantage = &viewpoint.vantage;
         let made = (key.scene.id, vantage.frame, left_out(key), rival, corrected_by(key));
         let known = self.rivals.iter().find(|(known, _)| *known == made).map(|(_, model)| model.clone());
         let model = if let Some(model) = known {
@@ -120,7 +120,7 @@ impl Comparer {
         };
         let mut picture = model.render(&vantage.camera);
         fill(&mut picture, &vantage.camera, &key.settings[0].render);
-        place.expose(&mut picture);
+        viewpoint.expose(&mut picture);
         Ok(difference::of_picture(&picture))
     }
 
@@ -128,20 +128,20 @@ impl Comparer {
         &mut self,
         key: &CompareKey,
         side: CompareSide,
-        place: &Place,
+        viewpoint: &Viewpoint,
         job: &Job,
     ) -> Result<DisplayedSide> {
-        let claimed = (side == CompareSide::AsClaimed).then(|| place.as_claimed(key)).flatten();
-        let place = claimed.as_ref().unwrap_or(place);
-        let vantage = &place.vantage;
+        let claimed = (side == CompareSide::AsClaimed).then(|| viewpoint.as_claimed(key)).flatten();
+        let viewpoint = claimed.as_ref().unwrap_or(viewpoint);
+        let vantage = &viewpoint.vantage;
         if side == CompareSide::Truth {
-            return Ok(difference::of_frame(place.truth.as_deref().ok_or_else(unknown_truth)?));
+            return Ok(difference::of_frame(viewpoint.truth.as_deref().ok_or_else(unknown_truth)?));
         }
         if let CompareSide::Pictures(id) = side {
-            return picture_of_folder(key, id, place);
+            return picture_of_folder(key, id, viewpoint);
         }
         if let Some(rival) = side.rival() {
-            return self.rival(key, rival, place);
+            return self.rival(key, rival, viewpoint);
         }
         let mut settings = match side {
             CompareSide::A => key.settings[1].clone(),
@@ -169,7 +169,7 @@ impl Comparer {
             // The scan is of all cameras, so that it does not fit a left-out one; without pruning no span is used.
             let frame_alone = left_out.is_some() || side == CompareSide::Everything;
             let scan = if frame_alone { None } else { self.scan(key, &settings, job)? };
-            self.samples(key, &settings, (vantage.frame, left_out), scan.as_deref(), job)?
+            self.samples(key, &settings, vantage.frame, left_out, scan.as_deref(), job)?
         };
         self.renderer.forget_background();
         let (mut picture, _) = self.renderer.render(&samples, vantage, &render, job)?;
@@ -178,7 +178,7 @@ impl Comparer {
         {
             return Err(Error::invalid("comparison", notice));
         }
-        place.expose(Arc::make_mut(&mut picture));
+        viewpoint.expose(Arc::make_mut(&mut picture));
         Ok(difference::of_picture(&picture))
     }
 
@@ -205,7 +205,8 @@ impl Comparer {
         &mut self,
         key: &CompareKey,
         settings: &Settings,
-        (frame, left_out): (usize, Option<usize>),
+        frame: usize,
+        left_out: Option<usize>,
         scan: Option<&PreparedScan>,
         job: &Job,
     ) -> Result<Arc<SampleSet>> {
@@ -238,10 +239,10 @@ fn keep<T>(kept: &mut Vec<T>, most: usize, latest: T) {
 }
 
 /// What another program made there.
-fn picture_of_folder(key: &CompareKey, id: u64, place: &Place) -> Result<DisplayedSide> {
+fn picture_of_folder(key: &CompareKey, id: u64, viewpoint: &Viewpoint) -> Result<DisplayedSide> {
     let folder = key.pictures.iter().find(|folder| folder.id == id);
     let folder = folder.ok_or_else(|| Error::invalid("comparison", "These pictures are closed."))?;
-    let load = folder.picture(place.from, place.vantage.frame);
+    let load = folder.picture(viewpoint.from, viewpoint.vantage.frame);
     let frame = load.map_err(|reason| Error::invalid("comparison", reason))?()?;
     Ok(difference::of_picture(&picture_of_frame(&frame)))
 }
@@ -251,7 +252,7 @@ mod tests {
     use overlook_engine::settings::{MixedPixels, SpanLevels};
 
     use super::*;
-    use crate::app::model::{CompareChoice, CompareLook, CompareVantage, OpenScene, Origin};
+    use crate::app::model::{CompareChoice, CompareLook, CompareVantage, OpenScene, SceneSource};
     use crate::app::work::workers::pool;
     use overlook_engine::demo::{Demo, DemoSpec};
     use overlook_engine::render::Vantage;
@@ -266,7 +267,7 @@ mod tests {
         let samples = preprocess::prune(&capture, &scan, &a, &Job::new()).unwrap().samples;
         CompareKey {
             scene: Arc::new(OpenScene::of_capture(
-                Origin::Demo("orrery".into()),
+                SceneSource::Demo("orrery".into()),
                 capture,
                 demo.truth_views(),
                 1.0,
@@ -320,7 +321,7 @@ mod tests {
             },
             ..key(Settings::default())
         };
-        let vantage = Place::of(&key, key.choice.from, key.vantage.frame).unwrap().vantage;
+        let vantage = Viewpoint::of(&key, key.choice.from, key.vantage.frame).unwrap().vantage;
         assert_ne!(vantage.frame, key.vantage.frame);
         let expected = comparer().compare(&key, &Job::new()).unwrap();
         let capture = capture_of(&key.scene).unwrap();

@@ -1,4 +1,4 @@
-//! Where a comparison is made from: the viewpoint, its frame, and what is known to be there.
+//! The viewpoint of a comparison, its frame, and what was recorded there.
 
 use std::sync::Arc;
 
@@ -10,8 +10,8 @@ use overlook_engine::render::{Picture, Vantage};
 use overlook_engine::settings::AlignSettings;
 use overlook_lab::truth::ViewCorrections;
 
-/// A viewpoint at a frame.
-pub(super) struct Place {
+/// A viewpoint at a frame, and the frame that was recorded there where it is known.
+pub(super) struct Viewpoint {
     pub(super) from: CompareVantage,
     pub(super) vantage: Vantage,
     /// What was recorded there, where that is known.
@@ -20,8 +20,8 @@ pub(super) struct Place {
     view: Option<TruthView>,
 }
 
-impl Place {
-    /// A viewpoint that is chosen; `frame` is that of one that stands at every frame. `Invalid` where there is none.
+impl Viewpoint {
+    /// The chosen viewpoint. `frame` counts for viewpoints that exist at every frame. `Invalid` if the scene has no such viewpoint.
     pub(super) fn of(key: &CompareKey, from: CompareVantage, frame: usize) -> Result<Self> {
         match from {
             CompareVantage::Live => {
@@ -57,7 +57,7 @@ impl Place {
         }
     }
 
-    /// The same viewpoint at the frame before, or at the last one before that is known; `Invalid` at the first.
+    /// The same viewpoint at the frame before, or at the last earlier frame with truth; `Invalid` at the first.
     pub(super) fn before(&self, key: &CompareKey) -> Result<Self> {
         let first = || {
             Error::invalid(
@@ -78,7 +78,7 @@ impl Place {
         Self::of(key, self.from, self.vantage.frame.checked_sub(1).ok_or_else(first)?)
     }
 
-    /// The same view from where it says that it was taken; `None` where that is no other place.
+    /// The same view at the pose that its file claims; `None` for the live view.
     pub(super) fn as_claimed(&self, key: &CompareKey) -> Option<Self> {
         let camera = match self.from {
             CompareVantage::Live => return None,
@@ -107,7 +107,7 @@ fn views_with_truth(scene: &OpenScene) -> Result<Vec<&TruthView>> {
 pub(super) fn unknown_truth() -> Error {
     Error::invalid(
         "comparison",
-        "The truth is known at viewpoints with a true picture and at hold-out cameras only: choose one in the last list above.",
+        "The truth is known only at viewpoints with a true picture and at hold-out cameras: choose one in the last list above.",
     )
 }
 
@@ -134,7 +134,7 @@ pub(super) fn capture_of(scene: &OpenScene) -> Result<&Capture> {
     })
 }
 
-/// The capture as it is shown: without what the rig got wrong, once that is known.
+/// The capture as it is shown: with corrected cameras, once the corrections are known.
 pub(super) fn corrected_capture(key: &CompareKey) -> Result<&Capture> {
     let recorded = capture_of(&key.scene)?;
     Ok(key.scan.as_deref().map_or(recorded, PreparedScan::capture))

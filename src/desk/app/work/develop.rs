@@ -21,7 +21,7 @@ const STOPS: f32 = 6.0;
 const MARKS: [Color32; 3] =
     [Color32::from_rgb(255, 0, 64), Color32::from_rgb(40, 90, 255), Color32::from_rgb(255, 0, 255)];
 
-/// Side of the squares that stand for a transparent background, pixels.
+/// Side of the squares that show a transparent background, pixels.
 const SQUARE: usize = 8;
 
 /// Pixels that a histogram looks at, at most, to find the brightest hundredth.
@@ -83,8 +83,8 @@ fn filmic(c: f32) -> f32 {
     ((c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14)).min(1.0)
 }
 
-/// What stands for a pixel at infinity; `None` for what was recorded there.
-pub(crate) fn background_at(background: Background, (x, y): (usize, usize)) -> Option<Color32> {
+/// The background color of a pixel at infinity; `None` keeps the recorded color.
+pub(crate) fn background_at(background: Background, x: usize, y: usize) -> Option<Color32> {
     match background {
         Background::Recorded => None,
         Background::Solid([r, g, b]) => Some(Color32::from_rgb(r, g, b)),
@@ -108,7 +108,7 @@ pub(crate) fn developed(display: &Display, picture: &Picture) -> Option<Picture>
             developed.color[(x, y)] = [0.0; 3];
             continue;
         }
-        let background = background_at(display.background, (x, y)).filter(|_| at_infinity);
+        let background = background_at(display.background, x, y).filter(|_| at_infinity);
         let shown = background.unwrap_or_else(|| displayed(display, picture.color[(x, y)]));
         let [r, g, b, _] = shown.to_array();
         developed.color[(x, y)] = [r, g, b].map(|c| linear_from_srgb(f32::from(c) / 255.0));

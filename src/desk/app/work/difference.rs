@@ -215,7 +215,7 @@ fn luma([r, g, b]: [u8; 3]) -> f32 {
     0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
 }
 
-/// A range that nearly all differences lie within.
+/// A range that holds nearly all differences.
 fn fitted(apart: &Grid<Option<f32>>, measure: CompareMeasure) -> f32 {
     let mut sorted: Vec<f32> = apart.as_slice().iter().flatten().map(|apart| apart.abs()).collect();
     sorted.sort_unstable_by(f32::total_cmp);

@@ -184,7 +184,7 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
     Ok(Message::Exported { path: path.clone(), exported })
 }
 
-/// Whether something stands at a destination that would be replaced.
+/// Whether a destination exists, so that writing would replace it.
 pub(crate) fn check(destination: Destination) -> Message {
     let path = &destination.path;
     let taken = match destination.purpose {

@@ -4,11 +4,11 @@ use super::requests::HistogramRequest;
 use crate::app::model::{Message, ThresholdHistogram};
 use overlook_engine::median::median_f32;
 use overlook_engine::preprocess::PreparedScan;
-use overlook_engine::preprocess::inspect::{PairQuantities, pair_quantities};
-use overlook_engine::preprocess::noise::granted_range_sigmas;
+use overlook_engine::preprocess::inspect::{FrameInspection, PairQuantities, pair_quantities};
+use overlook_engine::preprocess::noise::{CameraNoise, granted_range_sigmas};
 use overlook_engine::preprocess::registration::Outcome;
 use overlook_engine::preprocess::temporal::{SequenceRanges, StaticTest};
-use overlook_engine::settings::Settings;
+use overlook_engine::settings::{PruningSettings, Settings};
 
 /// Largest number of pairs of samples, and of pixels, that are counted.
 const AT_MOST: usize = 30_000;
@@ -19,70 +19,106 @@ const COLOR_SIGMAS: f32 = 3.0;
 /// All histograms of the frame shown.
 pub(crate) fn histograms(request: &HistogramRequest) -> Message {
     let HistogramRequest { scene, inspection, scan, settings } = request;
+    let scan = scan.as_deref();
+    let focal = inspection.samples.cameras.first().map_or(1.0, |camera| camera.intrinsics.fx as f32);
+    let noise = MedianNoise::of(scan);
+    let mut found: Vec<_> =
+        of_pairs(inspection, &settings.pruning, noise, focal).into_iter().flatten().collect();
+    for histogram in &mut found {
+        histogram.frame = Some(inspection.frame);
+    }
+    if let Some(scan) = scan {
+        found.extend(of_ranges(scan, settings, noise).into_iter().flatten());
+    }
+    Message::Histograms { scene: *scene, histograms: found }
+}
+
+/// Median noise over all cameras; `None` where it was not measured.
+#[derive(Clone, Copy)]
+struct MedianNoise {
+    /// Standard deviation of depth, as a share of it.
+    depth: Option<f32>,
+    /// Standard deviation of color, steps of 255.
+    color: Option<f32>,
+}
+
+impl MedianNoise {
+    fn of(scan: Option<&PreparedScan>) -> Self {
+        let median = |of: fn(&CameraNoise) -> f32| {
+            let mut all: Vec<f32> = scan?.cameras.iter().map(|camera| of(&camera.noise)).collect();
+            median_f32(&mut all)
+        };
+        Self { depth: median(|noise| noise.depth_relative), color: median(|noise| noise.color_steps_overall) }
+    }
+}
+
+/// Histograms of what the same-surface test compares; `focal` is the focal length in pixels.
+fn of_pairs(
+    inspection: &FrameInspection,
+    pruning: &PruningSettings,
+    noise: MedianNoise,
+    focal: f32,
+) -> [Option<ThresholdHistogram>; 3] {
     let pairs = pair_quantities(inspection, AT_MOST);
-    let pruning = &settings.pruning;
     let near = |pair: &PairQuantities| pair.plane_distance_footprints <= pruning.depth_tolerance;
     let facing = |pair: &PairQuantities| {
         pair.normal_angle_degrees.is_nan() || pair.normal_angle_degrees <= pruning.normal_tolerance
     };
     let passes = |pair: &PairQuantities| matches!(pair.outcome, Outcome::Same(_));
-    let of_pairs = |wanted: &dyn Fn(&PairQuantities) -> bool, value: &dyn Fn(&PairQuantities) -> f32| {
+    let counted = |wanted: &dyn Fn(&PairQuantities) -> bool, value: &dyn Fn(&PairQuantities) -> f32| {
         pairs.iter().filter(|pair| wanted(pair)).map(|pair| (value(pair), passes(pair))).collect()
     };
-    let noise = |of: &dyn Fn(&overlook_engine::preprocess::noise::CameraNoise) -> f32| {
-        let mut all: Vec<f32> = scan.as_ref()?.cameras.iter().map(|camera| of(&camera.noise)).collect();
-        median_f32(&mut all)
-    };
-    let focal = inspection.samples.cameras.first().map_or(1.0, |camera| camera.intrinsics.fx as f32);
-    let depth_noise = noise(&|noise| noise.depth_relative);
-    let color_noise = noise(&|noise| noise.color_steps_overall);
-    let mut found = vec![
+    [
         ThresholdHistogram::new(
             "pruning.depth_tolerance",
             "pairs of samples whose cameras both recorded something there",
             // A footprint is depth over focal length.
-            depth_noise.map(|noise| noise * focal),
-            of_pairs(&|_| true, &|pair| pair.plane_distance_footprints),
+            noise.depth.map(|noise| noise * focal),
+            counted(&|_| true, &|pair| pair.plane_distance_footprints),
         ),
         ThresholdHistogram::new(
             "pruning.normal_tolerance",
             "pairs of samples at one depth",
             None,
-            of_pairs(&near, &|pair| pair.normal_angle_degrees),
+            counted(&near, &|pair| pair.normal_angle_degrees),
         ),
         ThresholdHistogram::new(
             "pruning.color_tolerance",
             "pairs of samples at one depth that face one way",
-            color_noise.map(|noise| noise * COLOR_SIGMAS * std::f32::consts::SQRT_2),
-            of_pairs(&|pair| near(pair) && facing(pair), &|pair| pair.color_difference_steps),
+            noise.color.map(|noise| noise * COLOR_SIGMAS * std::f32::consts::SQRT_2),
+            counted(&|pair| near(pair) && facing(pair), &|pair| pair.color_difference_steps),
         ),
-    ];
-    for histogram in found.iter_mut().flatten() {
-        histogram.frame = Some(inspection.frame);
-    }
-    if let Some(scan) = scan {
-        let granted = granted_range_sigmas(scan.frames);
-        let [color, depth] = ranges(scan, settings);
-        found.push(ThresholdHistogram::new(
-            "spans.color_tolerance",
-            "pixels, by the range of their color over all frames",
-            color_noise.map(|noise| noise * granted),
-            color,
-        ));
-        found.push(ThresholdHistogram::new(
-            "spans.depth_tolerance",
-            "pixels, by the range of their depth over all frames",
-            depth_noise.map(|noise| noise * granted),
-            depth,
-        ));
-    }
-    Message::Histograms { scene: *scene, histograms: found.into_iter().flatten().collect() }
+    ]
 }
 
-/// A range, and whether it is granted.
+/// Histograms of the ranges of color and depth over all frames.
+fn of_ranges(
+    scan: &PreparedScan,
+    settings: &Settings,
+    noise: MedianNoise,
+) -> [Option<ThresholdHistogram>; 2] {
+    let granted = granted_range_sigmas(scan.frames);
+    let [color, depth] = ranges(scan, settings);
+    [
+        ThresholdHistogram::new(
+            "spans.color_tolerance",
+            "pixels, by the range of their color over all frames",
+            noise.color.map(|noise| noise * granted),
+            color,
+        ),
+        ThresholdHistogram::new(
+            "spans.depth_tolerance",
+            "pixels, by the range of their depth over all frames",
+            noise.depth.map(|noise| noise * granted),
+            depth,
+        ),
+    ]
+}
+
+/// A range, and whether it is within the tolerance.
 type Granted = (f32, bool);
 
-/// Ranges over all frames of color and of depth, each with whether it is granted, for pixels spread over all cameras.
+/// Ranges of color and of depth over all frames, each with whether it is within the tolerance, for pixels spread over all cameras.
 fn ranges(scan: &PreparedScan, settings: &Settings) -> [Vec<Granted>; 2] {
     let [mut color, mut depth] = [Vec::new(), Vec::new()];
     let tests = (0..scan.cameras.len()).map(|index| scan.static_test(index, &settings.spans));
@@ -101,7 +137,7 @@ fn ranges(scan: &PreparedScan, settings: &Settings) -> [Vec<Granted>; 2] {
     [color, depth]
 }
 
-/// Of the paper's two lengths, the ranges of single pixels are known.
+/// Ranges of single pixels, which are known for the paper's two lengths.
 fn of_pixels(
     ranges: &SequenceRanges,
     test: &StaticTest,
@@ -115,8 +151,8 @@ fn of_pixels(
     values.map(|((color, depth), is_static)| ((color, is_static), (*depth, is_static))).unzip()
 }
 
-/// Of the tree of spans, counts between two ends are known: as many values, scaled down to about `room` of them, and spread
-/// evenly in the logarithm.
+/// Values for the counts of bins, which are known for the tree of spans: about `room` of them in all, spread evenly in the logarithm
+/// between the ends of each bin.
 fn spread(bins: impl Iterator<Item = ([f32; 2], u64)>, room: usize) -> impl Iterator<Item = f32> {
     let bins: Vec<_> = bins.collect();
     let total = bins.iter().map(|(_, count)| count).sum::<u64>().max(1);

@@ -134,7 +134,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
         let image = picture.image[(x, y)];
         let shows_sky = key.color_by == ColorBy::Picture && picture.inverse_depth[(x, y)] == 0.0;
-        let background = background_at(key.display.background, (x, y)).filter(|_| shows_sky);
+        let background = background_at(key.display.background, x, y).filter(|_| shows_sky);
         let own = background.unwrap_or_else(|| displayed(&key.display, picture.color[(x, y)]));
         if image == NO_IMAGE {
             let nth = (x + y) / stripe % 2;
@@ -144,7 +144,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 _ if !is_filled => pattern,
                 (HoleDisplay::Hatched, _) => mix(own, pattern, HATCHING[nth]),
                 (HoleDisplay::Filled, ColorBy::Picture) => own,
-                // Such colors tell of samples, of which there is none here.
+                // These colors describe samples, and this pixel has none.
                 (HoleDisplay::Filled, _) => dimmed(own, DIMMED),
             };
         }
@@ -154,7 +154,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
             ColorBy::Camera => {
                 mix(dimmed(own, DIMMED), camera_cues::color_at(source.camera as usize, x, y), 0.7)
             }
-            ColorBy::Agreement => match agreement.at(key, picture, (x, y)) {
+            ColorBy::Agreement => match agreement.at(key, picture, x, y) {
                 Some(found) => agreeing(own, found, tokens),
                 None => dimmed(own, DIMMED),
             },
@@ -172,12 +172,12 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     })
 }
 
-/// How the samples of each camera stand among the others; `None` for cameras of which the picture shows nothing.
+/// How the samples of each camera agree with other cameras; `None` for cameras without a sample in the picture.
 struct LiveAgreement {
     of_camera: Vec<Option<Arc<Grid<Option<SampleAgreement>>>>>,
 }
 
-/// What is farther off than this share of its depth in the camera's own picture is another surface, and has to be looked for.
+/// A point whose depth differs by more than this share from the camera's own picture is on another surface: its pixel is searched.
 const NEARLY: f64 = 0.01;
 
 impl LiveAgreement {
@@ -191,12 +191,12 @@ impl LiveAgreement {
         Self { of_camera }
     }
 
-    /// How the sample that a pixel shows stands; `None` where that is not known.
-    fn at(&self, key: &LiveKey, picture: &Picture, (x, y): (usize, usize)) -> Option<SampleAgreement> {
+    /// How the sample that a pixel shows agrees with other cameras; `None` if that is not known.
+    fn at(&self, key: &LiveKey, picture: &Picture, x: usize, y: usize) -> Option<SampleAgreement> {
         let inspection = key.inspection.as_ref()?;
         let camera = key.samples.images[picture.image[(x, y)] as usize].camera as usize;
         let agreement = self.of_camera.get(camera)?.as_ref()?;
-        let there = recorded_at(key, picture, (x, y)).filter(|(place, depth)| {
+        let there = recorded_at(key, picture, x, y).filter(|(place, depth)| {
             let recorded = inspection.cameras[camera].frame.inverse_depth.get(place[0], place[1]);
             recorded.is_some_and(|recorded| (f64::from(*recorded) * depth - 1.0).abs() < NEARLY)
         });
@@ -210,9 +210,9 @@ impl LiveAgreement {
     }
 }
 
-/// Where the camera whose sample a pixel shows has the point, column and row, and at which planar depth; `None` at infinity and
-/// outside its picture.
-fn recorded_at(key: &LiveKey, picture: &Picture, (x, y): (usize, usize)) -> Option<([usize; 2], f64)> {
+/// Column, row and planar depth of a pixel's point in the camera that recorded its sample; `None` at infinity and outside that
+/// camera's picture.
+fn recorded_at(key: &LiveKey, picture: &Picture, x: usize, y: usize) -> Option<([usize; 2], f64)> {
     let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);
     let image = &key.samples.images[picture.image[(x, y)] as usize];
     let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::requests::OpenRequest;
-use crate::app::model::{Message, OpenScene, Origin, median_depth};
+use crate::app::model::{Message, OpenScene, SceneSource, median_depth};
 use overlook_engine::capture::{Capture, Source, TruthView, transforms};
 use overlook_engine::demo::Demo;
 use overlook_engine::error::{Error, Result};
@@ -21,7 +21,7 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
             let demo = Demo::new(&spec)?;
             let capture = demo.capture(&settings);
             let truth = demo.truth_views();
-            open_capture(Origin::Demo(spec.scene), capture, truth, job)
+            open_capture(SceneSource::Demo(spec.scene), capture, truth, job)
         }
         OpenRequest::Path { path, settings, keys } => {
             job.start(format!("Opening {}", path.display()), 0);
@@ -53,18 +53,23 @@ fn open_path(
     if is_reread {
         let keys: Vec<String> = keys.iter().map(|(key, value)| format!("\"{key}\": {value}")).collect();
         capture = capture.with_warning(format!(
-            "it is read otherwise than its files say; to keep this, write {} in the manifest",
+            "it is open under another reading than that of its files; to keep this, write {} in the manifest",
             keys.join(", ")
         ));
     } else if let Some(views) = transforms::truth_beside(&path) {
         // Views beside a capture that is read otherwise are placed as the capture was: they would show something else.
         truth = transforms::open_views_of(&views, capture.frames_are_ranked())?;
     }
-    let scene = open_capture(Origin::Path(path), capture, truth, job)?;
+    let scene = open_capture(SceneSource::Path(path), capture, truth, job)?;
     Ok(OpenScene { manifest, is_reread, ..scene })
 }
 
-fn open_capture(origin: Origin, capture: Capture, truth: Vec<TruthView>, job: &Job) -> Result<OpenScene> {
+fn open_capture(
+    origin: SceneSource,
+    capture: Capture,
+    truth: Vec<TruthView>,
+    job: &Job,
+) -> Result<OpenScene> {
     job.check()?;
     if capture.cameras.is_empty() || capture.frame_count() == 0 {
         return Err(Error::invalid(&capture.name, "there is no camera or no frame in it"));

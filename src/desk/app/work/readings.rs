@@ -13,7 +13,7 @@ use overlook_engine::grid::Grid;
 /// Columns of the pictures at most.
 const WIDTH: usize = 320;
 
-/// What is asked about the readings of a scene.
+/// The questions about the readings of a scene.
 pub(crate) enum ReadingRequest {
     /// Whether another reading fits better.
     Check(Arc<OpenScene>),

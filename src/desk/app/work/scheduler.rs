@@ -8,7 +8,7 @@ use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
 use super::worker::Worker;
 use super::workers::Workers;
 use crate::app::model::{
-    ColorBy, CompareKey, DockView, LiveKey, OpenScene, Origin, ProbeKey, SettingsSlot, SourceKey, Spot,
+    ColorBy, CompareKey, DockView, LiveKey, OpenScene, ProbeKey, SceneSource, SettingsSlot, SourceKey, Spot,
     State, method_of,
 };
 use overlook_engine::preprocess::inspect::FrameInspection;
@@ -99,7 +99,7 @@ impl Scheduler {
         })
     }
 
-    /// Asks the workers for whatever is missing. Gives how long to wait before it should be called again, if so.
+    /// Requests everything that is missing from the workers. Gives the time after which to call again, if any.
     pub(crate) fn request_missing(
         &mut self,
         state: &State,
@@ -308,7 +308,7 @@ impl Scheduler {
     /// Once the first frame is shown: whether the capture's files are read as they are meant. A built-in scene is.
     fn request_readings(&mut self, state: &State, workers: &Workers) {
         let Some(scene) = state.scene.as_ref().filter(|_| state.inspected.is_some()) else { return };
-        let is_read = state.has_capture() && matches!(scene.origin, Origin::Path(_));
+        let is_read = state.has_capture() && matches!(scene.origin, SceneSource::Path(_));
         if !is_read {
             return;
         }

@@ -66,7 +66,7 @@ fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
 fn shown_picture(key: &SourceKey, frame: &Frame) -> Grid<Color32> {
     Grid::from_fn(frame.color.width(), frame.color.height(), |x, y| {
         let at_infinity = frame.inverse_depth[(x, y)] == 0.0;
-        let background = background_at(key.display.background, (x, y)).filter(|_| at_infinity);
+        let background = background_at(key.display.background, x, y).filter(|_| at_infinity);
         background.unwrap_or_else(|| displayed(&key.display, frame.color[(x, y)].map(half::f16::to_f32)))
     })
 }
@@ -138,7 +138,7 @@ fn who_won(
             dropped += 1;
             return tokens.hole;
         }
-        colors.at(winner, (x, y), dimmed(own, 0.8))
+        colors.at(winner, x, y, dimmed(own, 0.8))
     });
     (pixels, Legend::Winners { kept, lost_to, dropped, invalid })
 }
@@ -191,7 +191,7 @@ impl CameraColors {
     }
 
     /// The color of a pixel that `camera` won, over what it shows.
-    fn at(&self, camera: usize, (x, y): (usize, usize), under: Color32) -> Color32 {
+    fn at(&self, camera: usize, x: usize, y: usize, under: Color32) -> Color32 {
         match self.isolated {
             Some(isolated) if isolated != camera => dimmed(under, ASIDE),
             None if !self.is_named.get(camera).is_some_and(|named| *named) => mix(under, self.others, 0.72),

@@ -57,7 +57,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::app::model::{OpenScene, Origin};
+    use crate::app::model::{OpenScene, SceneSource};
     use overlook_engine::demo::{Demo, DemoSpec};
     use overlook_engine::settings::Settings;
 
@@ -66,7 +66,8 @@ mod tests {
         let settings = Settings::default();
         let spec = DemoSpec::new("orrery").cameras(1).frames(2).size((16, 12));
         let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        let scene = Arc::new(OpenScene::of_capture(Origin::Demo("orrery".into()), capture, Vec::new(), 1.0));
+        let scene =
+            Arc::new(OpenScene::of_capture(SceneSource::Demo("orrery".into()), capture, Vec::new(), 1.0));
         let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
         let outbox = Outbox::new(sender, egui::Context::default());
         for study in [Study::Sweep, Study::Stress] {

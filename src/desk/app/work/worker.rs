@@ -49,12 +49,13 @@ impl<R> LatestRequest<R> {
     }
 }
 
-struct Shared<R> {
+/// What a worker's thread and the window share: the requests that wait, and the signal that one arrived.
+struct RequestSlot<R> {
     slot: Mutex<LatestRequest<R>>,
     arrived: Condvar,
 }
 
-impl<R> Shared<R> {
+impl<R> RequestSlot<R> {
     fn lock(&self) -> MutexGuard<'_, LatestRequest<R>> {
         // Nothing that changes the slot can panic halfway, so that it is whole even after a panic elsewhere.
         self.slot.lock().unwrap_or_else(PoisonError::into_inner)
@@ -84,7 +85,7 @@ impl Outbox {
 
 /// A named thread that does one kind of work, one request at a time.
 pub(crate) struct Worker<R> {
-    shared: Arc<Shared<R>>,
+    shared: Arc<RequestSlot<R>>,
     supersede: Supersede,
     thread: Option<JoinHandle<()>>,
 }
@@ -107,7 +108,7 @@ impl<R: Send + 'static> Worker<R> {
             last_was_superseded: false,
             closed: false,
         };
-        let shared = Arc::new(Shared { slot: Mutex::new(slot), arrived: Condvar::new() });
+        let shared = Arc::new(RequestSlot { slot: Mutex::new(slot), arrived: Condvar::new() });
         let (inbox, outbox) = (shared.clone(), outbox.clone());
         let thread = std::thread::Builder::new()
             .name(format!("{kind:?}"))
@@ -148,7 +149,7 @@ impl<R: Send + 'static> Worker<R> {
 }
 
 impl<R> Worker<R> {
-    /// Cancels what runs, or is next. What waits behind it is dropped, but where requests queue.
+    /// Cancels the running request, or the next one. Waiting requests are dropped unless requests queue.
     pub(crate) fn cancel(&self) {
         let mut slot = self.shared.lock();
         if self.supersede != Supersede::Queue {
@@ -159,7 +160,7 @@ impl<R> Worker<R> {
         }
     }
 
-    /// How far the running work has come; `None` while there is none.
+    /// Progress of the running work; `None` while none runs.
     pub(crate) fn progress(&self) -> Option<Progress> {
         self.shared.lock().now().map(|job| job.progress())
     }
@@ -183,7 +184,7 @@ impl<R> Drop for Worker<R> {
     }
 }
 
-fn next<R>(shared: &Shared<R>) -> Option<(R, Arc<Job>)> {
+fn next<R>(shared: &RequestSlot<R>) -> Option<(R, Arc<Job>)> {
     let mut slot = shared.lock();
     loop {
         if slot.closed {

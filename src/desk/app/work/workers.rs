@@ -35,7 +35,7 @@ pub(crate) struct Workers {
     pub file: Worker<FileRequest>,
     /// The system's dialogs, and the name that they suggest.
     pub dialog: Worker<(Purpose, String)>,
-    /// What stands where something is to be written.
+    /// Whether a destination exists already.
     pub check: Worker<Destination>,
     pub probe: Worker<ProbeKey>,
     pub thumbs: Worker<(u64, Arc<FrameInspection>)>,

@@ -101,7 +101,7 @@ impl AlignArgs {
         let folder = manifest.parent().unwrap_or(Path::new(""));
         let is_beside = absolute(out)?.parent() == absolute(&manifest)?.parent();
         let convention = capture.source.pose_convention();
-        let shared = Shared::of(&json);
+        let shared = ManifestDefaults::of(&json);
         let entries = json.get_mut("frames").and_then(Value::as_array_mut);
         for (index, entry) in entries.into_iter().flatten().enumerate() {
             let camera = camera_of(entry, capture, folder).ok_or_else(|| {
@@ -111,7 +111,7 @@ impl AlignArgs {
             let no_matrix = || invalid(format!("entry {index} has no 4×4 transform_matrix; give it one"));
             if let Some(lens) = lenses.iter().find(|lens| lens.claimed == then.intrinsics) {
                 let size = depth_size_of(entry, folder, lens)?;
-                correct_lens(entry, &shared, [then, now], (lens, size), convention).ok_or_else(no_matrix)?;
+                correct_lens(entry, &shared, [then, now], lens, size, convention).ok_or_else(no_matrix)?;
             } else if then != now {
                 correct_matrix(entry, then, now, convention).ok_or_else(no_matrix)?;
             }
@@ -143,8 +143,7 @@ fn camera_of(entry: &Value, capture: &Capture, folder: &Path) -> Option<usize> {
     })
 }
 
-/// Turns and moves the matrix of an entry, which is meant as `convention` says, as its camera was; `None` where there is no such
-/// matrix.
+/// Moves the matrix of an entry, which is in `convention`, by the change from `then` to `now`; `None` without such a matrix.
 fn correct_matrix(entry: &mut Value, then: &Camera, now: &Camera, convention: PoseConvention) -> Option<()> {
     let rows = entry.get_mut("transform_matrix")?.as_array_mut()?;
     let at = |row: usize, column: usize| rows.get(row)?.get(column)?.as_f64();
@@ -163,13 +162,13 @@ fn correct_matrix(entry: &mut Value, then: &Camera, now: &Camera, convention: Po
     Some(())
 }
 
-/// What a manifest says of all entries that say nothing else.
-struct Shared {
+/// Values of a manifest for all entries without their own.
+struct ManifestDefaults {
     depth_camera: Option<Value>,
     pixel_center_offset: Option<f64>,
 }
 
-impl Shared {
+impl ManifestDefaults {
     fn of(manifest: &Value) -> Self {
         Self {
             depth_camera: manifest.get("depth_camera").cloned(),
@@ -178,23 +177,24 @@ impl Shared {
     }
 }
 
-/// Columns and rows of the depth of an entry; those of its color where depth lies in the same file.
+/// Columns and rows of the depth of an entry; those of its color if one file holds both.
 fn depth_size_of(entry: &Value, folder: &Path, lens: &AlignedLens) -> Result<(usize, usize)> {
     let named = ["depth_file_path", "depth_path"].iter().find_map(|key| entry.get(key)?.as_str());
     let is_apart = |path: &PathBuf| path.extension().is_some_and(|extension| extension != "exr");
     match named.map(|name| folder.join(name)).filter(is_apart) {
-        // The capture was opened: what its bits mean is known to be right.
+        // The capture was opened, so that the meaning of its bits is known to be right.
         Some(path) => depth_size(&path, true, &path.display().to_string()),
         None => Ok(lens.claimed.size()),
     }
 }
 
-/// Gives an entry the lens and the pose of its color, and what it had to its depth; `None` where it has no matrix.
+/// Gives an entry the corrected lens and pose of its color, and moves its own to its depth; `None` without a matrix.
 fn correct_lens(
     entry: &mut Value,
-    shared: &Shared,
+    shared: &ManifestDefaults,
     [then, now]: [&Camera; 2],
-    (lens, depth_size): (&AlignedLens, (usize, usize)),
+    lens: &AlignedLens,
+    depth_size: (usize, usize),
     convention: PoseConvention,
 ) -> Option<()> {
     let mut depth_now = now.clone();
@@ -306,8 +306,8 @@ mod tests {
             [0, 1, 2].map(|row: usize| [m.x_axis[row], m.y_axis[row], m.z_axis[row], t[row]])
         };
         let mut entry = json!({ "transform_matrix": rows(&then.world_from_camera), "fl_x": claimed.fx });
-        let shared = Shared { depth_camera: None, pixel_center_offset: Some(0.0) };
-        correct_lens(&mut entry, &shared, [&then, &now], (&lens, (16, 12)), convention).unwrap();
+        let shared = ManifestDefaults { depth_camera: None, pixel_center_offset: Some(0.0) };
+        correct_lens(&mut entry, &shared, [&then, &now], &lens, (16, 12), convention).unwrap();
         assert_eq!(
             [&entry["fl_x"], &entry["fl_y"], &entry["cx"]].map(Value::as_f64),
             [6.0, 6.0, 3.75].map(Some)

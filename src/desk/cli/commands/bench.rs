@@ -42,7 +42,7 @@ impl BenchArgs {
         let options = Options { threads: rayon::current_num_threads(), quick, backend, instructions, only };
         let report = output::watched(|job| bench::measure(&options, job))?;
         if !report.machine.optimized {
-            output::warn(&["this is no release build; its times say nothing".to_owned()]);
+            output::warn(&["this is not a release build; its times mean nothing".to_owned()]);
         }
         if json { output::print_json(&report) } else { output::print(&text(&report)) }
     }

@@ -26,15 +26,15 @@ pub(crate) struct EvaluateArgs {
     /// Vantages whose truth is known [default: the capture's novel/transforms.json].
     #[arg(long, value_name = "TRANSFORMS", conflicts_with = "hold_out")]
     views: Option<PathBuf>,
-    /// Also score each view from where its own true picture says that it was taken, at its own exposure: poses of recordings are
-    /// wrong by some pixels, those of views as those of cameras.
+    /// Also score each view at the pose and exposure that are estimated from its own true picture: recorded poses of views and
+    /// cameras are wrong by some pixels.
     #[arg(long)]
     align_views: bool,
     #[command(flatten)]
     held_out: HoldOutArgs,
-    /// Score the pictures that another program made of the same viewpoints; may be given several times. Where the folder has a
-    /// transforms.json, a viewpoint's picture is the one that it says was taken from there, by the same lens, at the same frame; else
-    /// the one under the viewpoint's own name.
+    /// Score the pictures that another program made of the same viewpoints; may be given several times. If the folder has a
+    /// transforms.json, a viewpoint's picture is its entry with the same pose, lens and frame; otherwise it is the file with the
+    /// viewpoint's name.
     #[arg(long, value_name = "DIR")]
     pictures: Vec<PathBuf>,
     /// Folder for the truth, each picture of --pictures and of ours (in `overlook`), and its error, beside each other.

@@ -19,11 +19,11 @@ use overlook_engine::store::file::{Provenance, Store};
 pub(crate) struct InfoArgs {
     /// A capture (a folder, or a file in it that names its pictures) or a store.
     path: PathBuf,
-    /// Write the manifest that the capture amounts to, to be corrected by hand [default file: transforms.json in its folder].
+    /// Write a manifest of the capture as it is read, to be corrected by hand [default file: transforms.json in its folder].
     #[arg(long, value_name = "FILE")]
     #[expect(clippy::option_option, reason = "without, with, and with a file")]
     write_manifest: Option<Option<PathBuf>>,
-    /// Choose this many views of a moving camera that together show the most, and say what each adds.
+    /// Choose this many views of a moving camera that together show the most, and print what each adds.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     views: Option<u32>,
     /// Print one JSON document.
@@ -71,10 +71,10 @@ enum Contents {
         normals: bool,
         reading: Box<Description>,
         warnings: Vec<String>,
-        /// Views that were chosen, in that order, and the share of what all views show that is shown with each.
+        /// Chosen views in their order, each with the share of the surface that the views up to it show.
         #[serde(skip_serializing_if = "Option::is_none")]
         chosen: Option<Vec<ChosenView>>,
-        /// What the agreement between views says about how poses and depth are read.
+        /// The finding about the reading of poses and depth, from the agreement between views.
         conventions: ConventionInfo,
     },
     Store {

@@ -20,8 +20,8 @@ pub(crate) struct StressArgs {
     capture: PathBuf,
     #[command(flatten)]
     truth: TruthArgs,
-    /// Folder for stress.csv, stress.json, stress.png, pictures at the breaking points, and report.html with all of it. A run that was
-    /// cut short goes on from what it left there.
+    /// Folder for stress.csv, stress.json, stress.png, pictures at the breaking points, and report.html with all of it. An interrupted
+    /// run resumes from the results there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Apply this disturbance alone; may be given several times.
@@ -54,7 +54,7 @@ impl StressArgs {
             stress::run(&capture, &plan, &truth, job, |point, _| keep(point))
         })?;
         let failures = stress::failures(&points);
-        let breaking = self.breaking((&capture, &truth), &plan, &points)?;
+        let breaking = self.breaking(&capture, &truth, &plan, &points)?;
         let chart = chart::stress(&capture.name, &points);
         let document = StressDocument {
             capture: capture.name.clone(),
@@ -65,7 +65,7 @@ impl StressArgs {
             failures,
             breaking,
         };
-        output::write_results(&self.out, "stress", &document, &document.points, ("stress.png", &chart))?;
+        output::write_results(&self.out, "stress", &document, &document.points, "stress.png", &chart)?;
         output::write_page(std::slice::from_ref(&self.out), &self.out.join(output::PAGE))?;
         if self.json {
             output::print_json(&document)
@@ -77,7 +77,8 @@ impl StressArgs {
     /// Writes what each disturbance looks like where it breaks ours.
     fn breaking(
         &self,
-        (capture, truth): (&Capture, &Truth),
+        capture: &Capture,
+        truth: &Truth,
         plan: &StressPlan,
         points: &[StressPoint],
     ) -> Result<Vec<SavedPicture>, CommandError> {

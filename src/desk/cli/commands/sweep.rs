@@ -14,13 +14,13 @@ use overlook_lab::sweep::{self, ExternalPoint, SweepPlan};
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
-    /// The captures, each a folder or the file in it that names its pictures. Of several, each gets a folder of its own in DIR.
+    /// The captures, each a folder or the file in it that names its pictures. Each of several gets a folder of its own in DIR.
     #[arg(required = true, value_name = "CAPTURE")]
     captures: Vec<PathBuf>,
     #[command(flatten)]
     truth: TruthArgs,
-    /// Folder for sweep.csv, sweep.json, pareto.png, the worst viewpoints, and report.html with all of it. A sweep that was cut short
-    /// goes on from what it left there.
+    /// Folder for sweep.csv, sweep.json, pareto.png, the worst viewpoints, and report.html with all of it. An interrupted sweep
+    /// resumes from the results there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Try these values of a setting, and all combinations where given several times, instead of the usual variations: as
@@ -66,7 +66,7 @@ impl SweepArgs {
         let folders = self.folders(&opened)?;
         let mut documents = Vec::new();
         for ((path, capture), folder) in opened.iter().zip(&folders) {
-            documents.push(self.sweep((path.as_path(), capture), folder, &settings, &external)?);
+            documents.push(self.sweep(path.as_path(), capture, folder, &settings, &external)?);
         }
         output::write_page(&folders, &self.out.join(output::PAGE))?;
         match documents.as_slice() {
@@ -97,10 +97,11 @@ impl SweepArgs {
         Ok(names.iter().map(|name| self.out.join(name)).collect())
     }
 
-    /// Sweeps one capture, and writes what it gave.
+    /// Sweeps one capture, and writes the results.
     fn sweep(
         &self,
-        (path, opened): (&Path, &Capture),
+        path: &Path,
+        opened: &Capture,
         folder: &Path,
         settings: &Settings,
         external: &[ExternalPoint],
@@ -130,7 +131,7 @@ impl SweepArgs {
             points,
             worst,
         };
-        output::write_results(folder, "sweep", &document, &document.points, ("pareto.png", &chart))?;
+        output::write_results(folder, "sweep", &document, &document.points, "pareto.png", &chart)?;
         Ok(document)
     }
 
@@ -147,7 +148,9 @@ impl SweepArgs {
             let earlier =
                 named[..index].iter().find(|(_, other)| other == settings).map(|(name, _)| name.as_str());
             if let Some(same) = earlier.or((settings == reference).then_some("default")) {
-                output::warn(&[format!("'{name}' says the same as '{same}', and has no row of its own")]);
+                output::warn(&[format!(
+                    "'{name}' has the same settings as '{same}', and gets no row of its own"
+                )]);
             }
         }
         Ok(named)

@@ -74,7 +74,7 @@ pub(crate) fn sums_of(files: &[PathBuf], job: &Job) -> Result<Vec<(u64, u32)>> {
     read.collect()
 }
 
-/// All files of a capture in one sum; `None` where there is none.
+/// All files of a capture in one sum; `None` without files.
 pub(crate) fn summed_up(files: impl Iterator<Item = (PathBuf, (u64, u32))>) -> Option<InputFiles> {
     let files: BTreeMap<PathBuf, (u64, u32)> = files.collect();
     // Names are relative to the folder common to all files, so that a capture may move as a whole.

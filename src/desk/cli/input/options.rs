@@ -61,13 +61,13 @@ impl SettingsArgs {
 /// The choices that are made most often when painting; they win over the settings.
 #[derive(Debug, Args)]
 pub(crate) struct PaintingArgs {
-    /// How samples are rendered [default: as the settings say].
+    /// How samples are rendered [default: as in the settings].
     #[arg(long, value_parser = choice::<Kernel>(Kernel::NAMES))]
     kernel: Option<Kernel>,
-    /// How pixels without any sample are filled [default: as the settings say].
+    /// How pixels without any sample are filled [default: as in the settings].
     #[arg(long, value_parser = choice::<Fill>(Fill::NAMES))]
     fill: Option<Fill>,
-    /// What renders [default: as the settings say].
+    /// The renderer [default: as in the settings].
     #[arg(long, value_parser = choice::<Backend>(Backend::NAMES))]
     backend: Option<Backend>,
 }

@@ -23,7 +23,7 @@ pub(crate) struct TruthArgs {
     /// Leave each camera out in turn and score against its frames, where the others could have seen what it saw.
     #[arg(long)]
     cross_validate: bool,
-    /// Look at this many frames alone, spread over the capture, those with truth among them.
+    /// Use only this many frames, spread over the capture, frames with truth among them.
     #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     pub(crate) frames: Option<usize>,
 }

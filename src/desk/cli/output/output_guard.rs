@@ -79,7 +79,7 @@ pub(crate) fn refuse_pipe(views: &Path) -> Result<()> {
     }
 }
 
-/// Refuses a file that a capture or the truth beside it is read from: what says which pictures there are, or a picture.
+/// Refuses a file that a capture or the truth beside it is read from: a list of pictures, or a picture.
 pub(crate) fn refuse_capture_files(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
     let beside = truth_beside(capture);
     if let Some(beside) = &beside {

@@ -21,7 +21,7 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::part::Part;
 use overlook_engine::whole_file;
 
-/// Hashes of what a piece of work is made from, by what they are called in messages.
+/// Hashes of the inputs of a piece of work, by their names in messages.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Inputs(BTreeMap<String, String>);
 
@@ -246,7 +246,7 @@ fn sum_from(file: &mut File, start: u64, bytes: u64) -> std::io::Result<String> 
     }
 }
 
-/// The last line of a file of so many bytes.
+/// The last line of a file of this many bytes.
 fn tail_of(file: &mut File, bytes: u64) -> std::io::Result<Vec<u8>> {
     let mut tail = Vec::new();
     file.seek(SeekFrom::Start(bytes - TAIL_BYTES))?;

@@ -137,7 +137,8 @@ pub(crate) fn write_results(
     name: &str,
     document: &impl Serialize,
     rows: &[impl Serialize],
-    (picture, chart): (&str, &Chart),
+    picture: &str,
+    chart: &Chart,
 ) -> Result<()> {
     write_json(&folder.join(format!("{name}.json")), document)?;
     write_csv(&folder.join(format!("{name}.csv")), rows)?;

@@ -85,7 +85,7 @@ pub(crate) fn painter_line(evaluation: &Evaluation) -> String {
     format!("Rendered by {}", painters.into_iter().collect::<Vec<_>>().join(" and "))
 }
 
-/// One line for each program whose pictures were scored, after an empty line and a heading; empty where there is none.
+/// One line for each program whose pictures were scored, after an empty line and a heading; empty without such a program.
 pub(crate) fn picture_table(programs: &[PictureScores]) -> String {
     let mut text = String::new();
     if !programs.is_empty() {

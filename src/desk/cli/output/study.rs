@@ -119,7 +119,7 @@ pub(crate) fn write_error_map(
     whole_file::write_all(path, png)
 }
 
-/// Writes one page on what lies in some folders, or in folders in them, to `out`. Returns how many captures it shows.
+/// Writes one page on the results in some folders, or in folders in them, to `out`. Returns how many captures it shows.
 pub(crate) fn write_page(folders: &[PathBuf], out: &Path) -> Result<usize> {
     let mut captures = Vec::new();
     for folder in folders {

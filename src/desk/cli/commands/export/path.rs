@@ -43,5 +43,5 @@ pub(crate) fn along(manifest: &Path, store: &StoreInfo) -> Result<Stops> {
         stops.vantages.push(Vantage { camera, frame });
         stops.numbers.push(number);
     }
-    if stops.numbers.is_empty() { invalid("no view lies at a time that the store has") } else { Ok(stops) }
+    if stops.numbers.is_empty() { invalid("no view is at a frame of the store") } else { Ok(stops) }
 }

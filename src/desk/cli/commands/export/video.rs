@@ -24,11 +24,7 @@ pub(crate) struct VideoArgs {
 
 fn frames_per_second(text: &str) -> Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.1..=1000.0).contains(&number) {
-        Ok(number)
-    } else {
-        Err("must lie between 0.1 and 1000".to_owned())
-    }
+    if (0.1..=1000.0).contains(&number) { Ok(number) } else { Err("must be between 0.1 and 1000".to_owned()) }
 }
 
 impl VideoArgs {

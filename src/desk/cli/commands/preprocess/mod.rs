@@ -23,7 +23,7 @@ use overlook_engine::preprocess::{BufferedResult, preprocess_buffered};
 use overlook_engine::settings::{CaptureSettings, Settings, SpanLevels};
 use overlook_engine::store::file::{self, Extras, InputFiles, Provenance};
 use overlook_lab::truth::{self, ViewCorrections};
-use stages::{Stage, Stages};
+use stages::{PreprocessStage, Stages};
 
 #[derive(Debug, Args)]
 pub(crate) struct PreprocessArgs {
@@ -39,14 +39,14 @@ pub(crate) struct PreprocessArgs {
     /// Use only the cameras that this file names, one a line, as `overlook tune --fewest-views` writes it.
     #[arg(long, value_name = "FILE")]
     only: Option<PathBuf>,
-    /// Read at most this many views: those that together show the most [default: as the settings say].
+    /// Read at most this many views: those that together show the most [default: as in the settings].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     views: Option<u32>,
     /// Do one stage of the work, cut by runs of frames for several machines. In this order: `measure`; each `--part` of `scan`, then
-    /// its `--join`; each `--part` of `prune`, then its `--join`, which writes the store. What stages leave for each other lies beside
-    /// the store, under its name.
+    /// its `--join`; each `--part` of `prune`, then its `--join`, which writes the store. Files between stages are beside the store, under
+    /// its name.
     #[arg(long, value_enum)]
-    stage: Option<Stage>,
+    stage: Option<PreprocessStage>,
     #[command(flatten)]
     parts: PartArgs,
     /// Also measure how long decoding every frame takes on its own.
@@ -71,8 +71,8 @@ fn frame_cache(settings: &Settings) -> CaptureSettings {
 enum Work {
     Whole,
     Measure,
-    Part(Stage, Part),
-    Join(Stage, u32),
+    Part(PreprocessStage, Part),
+    Join(PreprocessStage, u32),
 }
 
 /// Writes a store, and gives its report and its bytes.
@@ -133,11 +133,15 @@ impl PreprocessArgs {
             }
             Work::Part(stage, part) => {
                 let file = output::watched(|job| {
-                    if stage == Stage::Prune { stages.prune(part, job) } else { stages.scan(part, job) }
+                    if stage == PreprocessStage::Prune {
+                        stages.prune(part, job)
+                    } else {
+                        stages.scan(part, job)
+                    }
                 })?;
                 return output::print_parts(part, &[file], self.json);
             }
-            Work::Join(Stage::Prune, of) => output::watched(|job| {
+            Work::Join(PreprocessStage::Prune, of) => output::watched(|job| {
                 let (result, inputs) = stages.join_pruned(of, job)?;
                 store(&capture, result, inputs, &self.out, job)
             })?,
@@ -163,25 +167,25 @@ impl PreprocessArgs {
         if self.json { output::print_json(&result) } else { output::print(&self.text(&result)) }
     }
 
-    /// Which part of the work is asked for.
+    /// The part of the work that the options choose.
     fn work(&self) -> Result<Work, CommandError> {
         let usage = |what: &str| Err(CommandError::Usage(what.to_owned()));
         match (self.stage, self.parts.part, self.parts.join) {
             (None, None, None) => Ok(Work::Whole),
-            (None, ..) => usage("--part and --join need to know of which stage; name it with --stage"),
-            (Some(Stage::Measure), None, None) => Ok(Work::Measure),
-            (Some(Stage::Measure), ..) => {
+            (None, ..) => usage("--part and --join are of one stage; name it with --stage"),
+            (Some(PreprocessStage::Measure), None, None) => Ok(Work::Measure),
+            (Some(PreprocessStage::Measure), ..) => {
                 usage("--stage measure is not cut into parts; leave --part and --join out")
             }
             (Some(stage), Some(part), _) => Ok(Work::Part(stage, part)),
             (Some(stage), None, Some(of)) => Ok(Work::Join(stage, of)),
             (Some(_), None, None) => {
-                usage("say which part of the stage, as in --part 2/6, or --join 6 to put all parts together")
+                usage("name the part of the stage, as in --part 2/6, or put all parts together with --join 6")
             }
         }
     }
 
-    /// Says what a stage left, and what comes next.
+    /// Reports the file of a stage, and the next step.
     fn left(&self, file: &Path, next: &str) -> Result<(), CommandError> {
         if self.json {
             return output::print_json(&serde_json::json!({ "files": [file] }));

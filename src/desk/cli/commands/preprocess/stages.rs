@@ -30,7 +30,7 @@ use overlook_engine::whole_file;
 
 /// A stage of preprocessing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Stage {
+pub(super) enum PreprocessStage {
     /// What the rig got wrong, and noise: measured once, for all parts.
     Measure,
     /// The pass over the frames of each run; joined, the spans that are longer than a run.

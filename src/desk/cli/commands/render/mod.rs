@@ -26,12 +26,12 @@ pub(crate) struct RenderArgs {
     /// Folder for the pictures, each under its view's own name.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Also score each view from where its own true picture says that it was taken, at its own exposure: poses of recordings are
-    /// wrong by some pixels, those of views as those of cameras. Pictures are written as the views say.
+    /// Also score each view at the pose and exposure that are estimated from its own true picture: recorded poses of views and
+    /// cameras are wrong by some pixels. Pictures are written at the poses of the views file.
     #[arg(long)]
     align_views: bool,
-    /// Render views from exactly where they say, as the corrected cameras are exposed. Else views that were recorded with the capture
-    /// are corrected as the pictures beside them were, where those predict it.
+    /// Render views at exactly the poses of their file, at the exposure of the corrected cameras. Without this, views that were
+    /// recorded with the capture are corrected like the pictures beside them, if those predict the correction.
     #[arg(long, conflicts_with = "align_views")]
     as_claimed: bool,
     #[command(flatten)]
@@ -118,7 +118,10 @@ fn correction_notices(corrected: CorrectedViews, all: usize) -> Vec<String> {
     ];
     let told = notices.into_iter().filter(|(count, _)| *count > 0);
     told.map(|(count, what)| {
-        format!("{count} of {} {what} (--as-claimed renders them as they say)", counted(all, "view"))
+        format!(
+            "{count} of {} {what} (--as-claimed renders them at the poses of their file)",
+            counted(all, "view")
+        )
     })
     .collect()
 }

@@ -15,7 +15,7 @@ pub(super) struct ViewPainting<'a> {
     pub(super) views: &'a [TruthView],
     pub(super) paths: &'a [PicturePaths],
     pub(super) settings: &'a RenderSettings,
-    /// Whether each view is also scored from where its true picture says that it was taken.
+    /// Whether each view is also scored at the pose estimated from its true picture.
     pub(super) aligns: bool,
 }
 

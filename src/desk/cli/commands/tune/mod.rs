@@ -26,23 +26,23 @@ pub(crate) struct TuneArgs {
     /// views.png, and report.html. Where no true pictures are known, accuracy is measured at views that were not chosen.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "max_bytes", "max_ms", "at_most", "all_cameras", "journal"])]
     fewest_views: Option<PathBuf>,
-    /// How much of what all views saw the chosen ones show [default: 99].
+    /// Percentage of the surface seen by all views that the chosen views must show [default: 99].
     #[arg(long = "show", value_name = "PERCENT", value_parser = parse_percent)]
     show_percent: Option<f64>,
-    /// Take the most accurate setting whose store of the whole capture has at most so many bytes, instead of the simplest good
+    /// Take the most accurate setting whose store of the whole capture has at most this many bytes, instead of the simplest good
     /// enough.
     #[arg(long, value_name = "BYTES", conflicts_with = "max_ms", value_parser = clap::value_parser!(u64).range(1..))]
     max_bytes: Option<u64>,
-    /// Take the most accurate setting that renders a view within so many milliseconds on this machine, holes not filled.
+    /// Take the most accurate setting that renders a view within this many milliseconds on this machine, holes not filled.
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = parse_milliseconds)]
     max_ms: Option<f64>,
-    /// Give up at most so many dB of the most accurate setting, with 95 % confidence.
+    /// Lose at most this many dB against the most accurate setting, with 95 % confidence.
     #[arg(long, value_name = "DB", default_value_t = tune::AT_MOST_DB, allow_negative_numbers = true, value_parser = parse_decibels, conflicts_with_all = ["max_bytes", "max_ms"])]
     at_most: f64,
     /// Keep all cameras.
     #[arg(long)]
     all_cameras: bool,
-    /// Folder to keep what was measured in, so that a run that was cut short goes on from there.
+    /// Folder for the measurements, from which an interrupted run resumes.
     #[arg(long, value_name = "DIR")]
     journal: Option<PathBuf>,
     #[command(flatten)]
@@ -63,7 +63,7 @@ impl TuneArgs {
         };
         if self.show_percent.is_some() {
             return Err(CommandError::Usage(
-                "--show says what --fewest-views looks for; give that too".to_owned(),
+                "--show is the goal of --fewest-views; give that option too".to_owned(),
             ));
         }
         output::check_file(out, "tuned.toml")?;
@@ -112,7 +112,7 @@ impl TuneArgs {
         output::check_folder(folder)?;
         let opened = input::open_capture(&self.capture, &settings.capture)?;
         let (capture, truth) = self.truth.open(&self.capture, &opened)?;
-        self.choose_views(folder, settings, (&capture, &truth))
+        self.choose_views(folder, settings, &capture, &truth)
     }
 }
 

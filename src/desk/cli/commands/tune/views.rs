@@ -17,12 +17,13 @@ use overlook_lab::tune::{self, ChosenViews};
 const NAMES: &str = "views.txt";
 
 impl TuneArgs {
-    /// Chooses views, and leaves in a folder what that gave.
+    /// Chooses views, and writes the results to a folder.
     pub(super) fn choose_views(
         &self,
         folder: &Path,
         settings: &Settings,
-        (capture, truth): (&Capture, &Truth),
+        capture: &Capture,
+        truth: &Truth,
     ) -> Result<(), CommandError> {
         std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         let shown = self.show_percent.map_or(tune::SHOWN_AT_LEAST, |percent| percent / 100.0);
@@ -36,7 +37,7 @@ impl TuneArgs {
             version: output::version(),
             chosen,
         };
-        output::write_results(folder, "views", &document, &document.chosen.order, ("views.png", &chart))?;
+        output::write_results(folder, "views", &document, &document.chosen.order, "views.png", &chart)?;
         whole_file::write_all(&folder.join(NAMES), names)?;
         output::write_page(&[folder.to_path_buf()], &folder.join(output::PAGE))?;
         if self.json {
