@@ -63,7 +63,7 @@ pub(crate) fn mix(under: Color32, over: Color32, opacity: f32) -> Color32 {
     )
 }
 
-/// A color of a picture under the color of how its sample stands among the other cameras: what is right stays readable.
+/// A color of a picture, tinted by how its sample agrees with other cameras; confirmed colors stay readable.
 pub(crate) fn agreeing(own: Color32, agreement: SampleAgreement, tokens: &Tokens) -> Color32 {
     let opacity = if agreement == SampleAgreement::Contradicted { 0.85 } else { 0.6 };
     mix(dimmed(own, 0.9), tokens.of_agreement(agreement), opacity)

@@ -62,9 +62,9 @@ pub(crate) struct Tokens {
     pub alone: Color32,
     /// Pixels without depth.
     pub invalid: Color32,
-    /// Behind text that lies on a picture.
+    /// Behind text on a picture.
     pub scrim: Color32,
-    /// Text that lies on a picture, on the scrim.
+    /// Text on a picture, on the scrim.
     pub on_scrim: Color32,
     /// The mark of the selected pixel, on pictures of any color.
     pub mark: Color32,
@@ -281,7 +281,7 @@ fn visuals(tokens: &Tokens, theme: Theme) -> Visuals {
         state.corner_radius = radius;
         state.expansion = 0.0;
     }
-    // The empty part of a slider's rail and an unticked box must stand out from the panel they lie on.
+    // The empty part of a slider's rail and an unticked box must be visible on their panel.
     visuals.widgets.inactive.bg_fill = tokens.raised_hovered;
     visuals
 }

@@ -185,7 +185,7 @@ pub(crate) fn weak(ui: &mut Ui, text: impl Into<String>) -> Response {
     ui.label(RichText::new(text).color(Tokens::in_ui(ui).text_weak))
 }
 
-/// A line of small text that is cut off where it has no room.
+/// A line of small text, cut off at the end of its room.
 pub(crate) fn one_line(ui: &mut Ui, text: impl Into<String>, color: Color32) -> Response {
     ui.add(egui::Label::new(RichText::new(text).small().color(color)).truncate())
 }
@@ -214,7 +214,7 @@ pub(crate) fn dot(ui: &mut Ui, camera: usize) {
 /// A field for a line of text, which has the keyboard while nothing else has; `name` names it for screen readers. Gives whether
 /// the text was changed, and whether Enter was pressed.
 pub(crate) fn text_field_ui(ui: &mut Ui, text: &mut String, hint: &str, name: &str) -> (bool, bool) {
-    // An identity of its own: what comes and goes above the field must not take the keyboard from it.
+    // An identity of its own, so that widgets that come and go above the field do not take the keyboard from it.
     let field = TextEdit::singleline(text).id_salt(name);
     let field = field.desired_width(f32::INFINITY).margin(Vec2::new(8.0, 6.0));
     let field = ui.add(field.hint_text(hint)).accessible_name(name);

@@ -1,4 +1,4 @@
-//! The whole window: its bars, the views, and what lies over them. Areas borrow the state and send commands.
+//! The whole window: its bars, the views, and dialogs over them. Areas borrow the state and send commands.
 
 use egui::{CentralPanel, Frame, Margin, Panel};
 use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};

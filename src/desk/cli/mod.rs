@@ -65,7 +65,7 @@ enum CliCommand {
     Preprocess(commands::preprocess::PreprocessArgs),
     /// Render a store from any viewpoints, and score the pictures where the truth is known.
     Render(commands::render::RenderArgs),
-    /// Measure what the rig got wrong, and write corrected poses for other programs.
+    /// Measure errors of the rig, and write corrected poses for other programs.
     Align(commands::align::AlignArgs),
     /// Score settings: accuracy, speed and size, against no pruning and against first camera wins.
     Evaluate(commands::evaluate::EvaluateArgs),
@@ -118,22 +118,20 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
     }
 }
 
-/// The command line as clap knows it: manual pages and shell completions are made from it.
+/// The command line for clap: manual pages and shell completions are made from it.
 #[must_use]
 pub fn command() -> clap::Command {
     Cli::command()
 }
 
 impl Cli {
-    /// As `Parser::try_parse`. Clap's own way to refuse PATH before a command finds no command after --threads either.
+    /// As `Parser::try_parse`, but PATH before a command is refused here: clap's own check would miss commands after --threads.
     fn read(arguments: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         let cli = Self::try_parse_from(arguments)?;
         match &cli {
             Self { command: Some(_), path: Some(path), .. } => {
-                let what = format!(
-                    "'{}' stands before a command, which takes what it works on after its own name",
-                    path.display()
-                );
+                let what =
+                    format!("'{}' is before a command; write paths after the command's name", path.display());
                 Err(Self::command().error(ErrorKind::ArgumentConflict, what))
             }
             _ => Ok(cli),
@@ -221,7 +219,7 @@ mod tests {
                 (ErrorKind::ArgumentConflict, 2),
                 "{arguments}"
             );
-            assert!(refused.to_string().contains("'scene' stands before a command"), "{refused}");
+            assert!(refused.to_string().contains("'scene' is before a command"), "{refused}");
         }
     }
 

@@ -25,7 +25,8 @@ impl OverlookApp {
         }
     }
 
-    /// Shows pictures of another program beside ours, from the first viewpoint that they show; once more in place of the same folder.
+    /// Shows pictures of another program beside ours, from the first viewpoint that they show. A folder that is opened again replaces
+    /// its earlier pictures.
     pub(crate) fn pictures_opened(&mut self, folder: PictureFolder) {
         let frame = self.state.timeline.frame;
         let inspector = &mut self.state.inspector;

@@ -101,7 +101,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
     let edits = edits_text(ctx);
     let asks = state.is_asking() || inspector.help.is_some();
-    // An open menu takes the key for itself, and so does a number that is typed: it goes back to what it was.
+    // An open menu takes the key, and so does a number that is being typed, which gets its earlier value back.
     if !egui::Popup::is_any_open(ctx)
         && (asks || !edits)
         && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
@@ -180,7 +180,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// What is copied and pasted where no text is: the view.
+/// Copying and pasting outside of text: the view.
 fn clipboard(event: &egui::Event) -> Option<Command> {
     match event {
         egui::Event::Copy => Some(Command::View(ViewCommand::Copy)),

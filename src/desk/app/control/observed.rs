@@ -20,7 +20,7 @@ pub struct Observed<'a> {
     pub settings: &'a Settings,
     /// Pixel size of the live picture on screen and the share of it that samples reached; `None` before the first.
     pub live_coverage: Option<([usize; 2], f64)>,
-    /// What egui knows the live picture by: [`egui::TextureId::User`] where its pixels never left the device that draws the window;
+    /// The texture of the live picture: [`egui::TextureId::User`] if its pixels never left the device that draws the window;
     /// `None` before the first.
     pub live_texture: Option<egui::TextureId>,
     /// Position of the live view in world space; `None` while nothing is open.

@@ -1,5 +1,5 @@
-//! The window's contents, and what happens between two pictures of it: answers are taken in, commands carried out, and what is
-//! missing is requested.
+//! The window's contents, and the work between two pictures of it: answers are taken in, commands carried out, and missing data
+//! requested.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -50,7 +50,7 @@ pub struct OverlookApp {
     /// The path that was taken from the field last.
     pub(crate) last_typed: Option<TypedPath>,
     pub(crate) ctx: egui::Context,
-    /// What draws the window, where that is wgpu.
+    /// The renderer of the window, if that is wgpu.
     pub(crate) window: Option<eframe::egui_wgpu::RenderState>,
     /// Where a picture of the window is to be written, once it is taken.
     pub(crate) shot_wanted: Option<PathBuf>,
@@ -61,8 +61,8 @@ pub struct OverlookApp {
 }
 
 impl OverlookApp {
-    /// A window that opens `start`. `storage` brings back what an earlier run remembered; on the device of `window` the GPU
-    /// paints, so that pictures in motion need not be copied.
+    /// A window that opens `start`. `storage` restores the memory of an earlier run. The GPU renders on the device of `window`,
+    /// so that pictures in motion need not be copied.
     ///
     /// # Errors
     /// `Io` where the operating system gives no threads.
@@ -115,7 +115,7 @@ impl OverlookApp {
         Ok(app)
     }
 
-    /// What happens between two pictures of the window: all that changes what it shows.
+    /// The work between two pictures of the window: every change of the state.
     pub(crate) fn between_pictures(&mut self, ctx: &egui::Context) {
         let watch = Stopwatch::start();
         while let Ok(message) = self.inbox.try_recv() {
@@ -217,7 +217,7 @@ impl OverlookApp {
             (StoppableWork::File, workers.file.progress(), true),
             (StoppableWork::Export, workers.export.progress(), true),
             (StoppableWork::Study, workers.study.progress(), true),
-            // Only where it reads the capture again, which takes long.
+            // Only if the capture is read again, which takes long.
             (StoppableWork::Compare, workers.compare.progress().filter(|progress| progress.total > 0), true),
             (StoppableWork::Measure, workers.measure.progress(), false),
         ];

@@ -95,7 +95,7 @@ impl OverlookApp {
     pub(crate) fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
         let asked_at = self.asked_at.take();
         match path {
-            // The dialog asks before a file of the chosen name is replaced; not for folders, nor for a name with an added ending.
+            // The dialog asks before it replaces a file of the chosen name, but not for folders, nor for a name with an added ending.
             Some(path)
                 if (matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr)
                     || named(purpose, path.clone()).as_ref() != Some(&path))
@@ -306,7 +306,7 @@ fn suggested_name(state: &State, purpose: Purpose) -> String {
     }
 }
 
-/// Where a typed text leads to, `~` being the person's own folder; `None` where there is none.
+/// The path of a typed text, with `~` for the home folder; `None` for an empty text.
 fn place(text: &str) -> Option<PathBuf> {
     let text = text.trim();
     let at_home = text.strip_prefix('~').filter(|rest| rest.is_empty() || rest.starts_with('/'));
@@ -317,7 +317,7 @@ fn place(text: &str) -> Option<PathBuf> {
     (!text.is_empty()).then(|| lasting(path))
 }
 
-/// The path with the ending that a file of this purpose needs; `None` where it has one of another kind of file.
+/// The path with the ending that a file of this purpose needs; `None` if it has the ending of another kind of file.
 fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
     let ending = match purpose {
         Purpose::SavePicture => return with_ending(path),
@@ -327,19 +327,19 @@ fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
         Purpose::ExportFilm => "mp4",
         _ => return Some(path),
     };
-    // A dot within a name, as in `take.2`, is no ending that people mean; one that they typed is theirs.
+    // Digits after a dot, as in `take.2`, are part of the name; any other ending was typed on purpose.
     let known = path
         .extension()
         .is_some_and(|typed| typed.len() > 1 && !typed.to_string_lossy().chars().all(|c| c.is_ascii_digit()));
     Some(if known { path } else { PathBuf::from(format!("{}.{ending}", path.display())) })
 }
 
-/// Where the path in the field leads to; `None` where it cannot be taken.
+/// The destination of the path in the field; `None` if it cannot be taken.
 fn typed_destination(typed: &TypedPath) -> Option<PathBuf> {
     named(typed.purpose, place(&typed.text)?)
 }
 
-/// A path that means the same from whatever folder the window is started next time.
+/// A path that stays valid when the window is started from another folder.
 pub(crate) fn lasting(path: PathBuf) -> PathBuf {
     std::path::absolute(&path).unwrap_or(path)
 }

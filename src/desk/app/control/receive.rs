@@ -10,8 +10,8 @@ use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
     self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, NoticeLink, OpenScene,
-    OrbitCamera, PixelSource, Probed, Readings, Ruler, SceneSource, ShownCameras, ShownPicture, SourceLook,
-    Spot, Texture, Unit, Whole, WorkKind, and_others, method_of,
+    OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneSource, ShownCameras, ShownPicture,
+    SourceLook, Spot, Texture, Unit, Whole, WorkKind, and_others, method_of,
 };
 use overlook_engine::error::Error;
 use overlook_engine::plural::{counted, either};
@@ -20,7 +20,7 @@ use overlook_engine::preprocess::{PreparedScan, Preprocessed};
 use overlook_engine::settings::Settings;
 
 impl OverlookApp {
-    /// The texture that shows a picture of the live view; `None` where nothing draws the window that could.
+    /// The texture that shows a picture of the live view; `None` if it is on the GPU and the window does not draw with one.
     fn texture_of(&mut self, picture: &LivePicture) -> Option<Texture> {
         let replaced = self.state.live_shown.take().map(|shown| shown.texture);
         match &picture.pixels {
@@ -140,8 +140,8 @@ impl OverlookApp {
         self.play_once_ready();
     }
 
-    /// Sets the scene of a start without a path in motion, once it is ready and nothing explains it any more: the introduction speaks of
-    /// pixels, whose verdicts are those of a frame.
+    /// Plays the scene of a start without a path, once it is ready and the introduction is closed: that explains pixels, whose verdicts
+    /// belong to one frame.
     pub(crate) fn play_once_ready(&mut self) {
         if self.state.accuracy.is_none() || !self.state.inspector.introduced {
             return;
@@ -209,7 +209,7 @@ impl OverlookApp {
         state.inspected = None;
         state.accuracy = None;
         if !scene.is_reread {
-            state.inspector.readings = Readings::default();
+            state.inspector.readings = ReadingCheck::default();
         }
         state.inspector.close_scene();
         state.source_shown = None;

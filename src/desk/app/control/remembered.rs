@@ -13,8 +13,8 @@ const KEY: &str = "overlook";
 /// Recent files kept.
 const RECENT: usize = 8;
 
-/// What is remembered. Settings travel as TOML, so that one that another version wrote and this one does not know falls back to its
-/// default, and all others stay.
+/// The memory between runs. Settings are kept as TOML, so that an unknown value of another version falls back to its default, and
+/// all others stay.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that the window has, each by its name")]

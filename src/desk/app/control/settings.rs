@@ -97,7 +97,7 @@ impl OverlookApp {
         self.state.settings = settings;
     }
 
-    /// Puts the settings of a preset on. How frames are read and what paints are matters of the machine.
+    /// Takes the settings of a preset. How frames are read and what renders depend on the machine, and stay.
     fn take_preset(&mut self, preset: Settings) {
         let now = &self.state.settings;
         let mut settings = Settings { capture: now.capture.clone(), ..preset };

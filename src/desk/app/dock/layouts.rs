@@ -1,4 +1,4 @@
-//! Where the views of each workspace lie at first: shares that suit 1280 × 800, and their limits in larger windows.
+//! The first layout of each workspace: shares that suit 1280 × 800, and their limits in larger windows.
 
 use egui::Vec2;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};

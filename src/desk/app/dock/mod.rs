@@ -13,7 +13,7 @@ use super::theme::{Tokens, space};
 pub(crate) use behavior::DockPart;
 use behavior::{DockBehavior, contents_ui, maximize_button};
 
-/// Where the views lie, workspace by workspace.
+/// The layout of the views of each workspace.
 pub(crate) struct Dock {
     workspace: Workspace,
     /// The layouts of workspaces that were shown.
@@ -90,7 +90,7 @@ impl Dock {
         }
     }
 
-    /// Puts the views of the shown workspace back where they were at first.
+    /// Restores the first layout of the shown workspace.
     pub(crate) fn reset(&mut self) {
         self.trees.insert(self.workspace, layouts::tree_of(self.workspace));
         self.set_fitted(self.workspace, true);
@@ -124,7 +124,7 @@ impl Dock {
         self.pointed_at
     }
 
-    /// Shows or hides the views of an area, wherever they lie.
+    /// Shows or hides the views of an area, at any place.
     pub(crate) fn show_area(&mut self, area: Area, show: bool) {
         let tree = self.tree_mut();
         let panes: Vec<TileId> = (tree.tiles.iter())
@@ -136,7 +136,7 @@ impl Dock {
         }
     }
 
-    /// Brings a view to the front, wherever it is; puts it beside its neighbor where it is nowhere.
+    /// Brings a view to the front; one that is not in the layout is put beside its neighbor.
     pub(crate) fn open(&mut self, view: DockView) {
         let (is_new, workspace) = (!self.holds(view), self.workspace);
         let tree = self.tree_mut();
@@ -155,8 +155,8 @@ impl Dock {
         tree.make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == view));
     }
 
-    /// Draws all views, or the one that is `maximized`: `draw` is given each part of the layout that a view fills. Gives the
-    /// view that is to fill the window from now on, or that no longer is to.
+    /// Draws all views, or the one that is `maximized`, by `draw` for each part of the layout. Returns the view that a person
+    /// maximizes or restores, if any.
     pub(crate) fn ui(
         &mut self,
         ui: &mut Ui,

@@ -1,7 +1,7 @@
-//! A camera path: keys that are set by standing somewhere, played in the live view and exported as pictures or as a film.
+//! A camera path: keys taken from the live view, which plays it, and pictures or a film exported from it.
 //!
-//! Between keys the camera moves as [`overlook_engine::render::film::pose_at`] says; every leg takes as many pictures, and time and lens change evenly
-//! from one key's to the next one's.
+//! Between keys the camera moves by [`overlook_engine::render::film::pose_at`]. Every leg takes the same number of pictures, and time
+//! and lens change evenly from key to key.
 
 use std::path::PathBuf;
 
@@ -108,7 +108,7 @@ impl CameraPath {
     }
 }
 
-/// The lens on the way from one to another: what it sees of the world changes evenly, whatever the sizes of the two pictures.
+/// The lens on the way from one to another: its field of view changes evenly, for pictures of any size.
 fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
     if from == to {
         return from;

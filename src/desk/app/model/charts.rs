@@ -116,7 +116,7 @@ impl Charts {
         front
     }
 
-    /// Begins to measure from `settings`, or goes on where the same was stopped. Gives false where nothing is left.
+    /// Begins to measure from `settings`, or resumes a stopped run of the same. Returns false if nothing is left.
     pub(crate) fn begin(&mut self, study: Study, settings: &Settings) -> bool {
         let run = &mut self.runs[study as usize];
         let known = run.as_ref().filter(|run| run.settings == *settings);
@@ -153,12 +153,12 @@ impl Charts {
         self.runs[study as usize].as_ref()
     }
 
-    /// Whether measuring from `settings` goes on where it was stopped.
+    /// Whether measuring from `settings` resumes a stopped run.
     pub(crate) fn goes_on(&self, study: Study, settings: &Settings) -> bool {
         self.run(study).is_some_and(|run| run.known.0 > 0 && !run.is_complete && run.settings == *settings)
     }
 
-    /// Note for a stress test that was made with other settings than `now`; `None` where it holds.
+    /// Note for a stress test that was made with other settings than `now`; `None` for a current one.
     pub(crate) fn stale_stress_note(&self, now: &Settings) -> Option<&'static str> {
         let made = &self.runs[Study::Stress as usize].as_ref()?.settings;
         if self.is_of_previous_test && !self.stress.is_empty() {
@@ -198,7 +198,7 @@ pub(crate) fn settings_alone(point: &Point) -> Option<&Settings> {
     (!more_was_done).then_some(&point.settings)
 }
 
-/// What a sweep of the window starts from: the sliders, wherever they stand.
+/// The start of a sweep in the window: the settings on the sliders.
 const START: &str = "settings it started from";
 
 /// Name of a series in the window.

@@ -99,7 +99,7 @@ pub(crate) enum Command {
     View(ViewCommand),
     /// Show colors otherwise in both views.
     Display(Display),
-    /// Where the live view and its legend lie in the window, points.
+    /// The area of the live view and its legend in the window, points.
     LiveArea(egui::Rect),
     /// First and last frame of what is played; all frames by `None`.
     LoopRange(Option<[usize; 2]>),

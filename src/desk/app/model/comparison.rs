@@ -143,7 +143,7 @@ impl CompareMeasure {
         (
             Self::Class,
             "Where",
-            "The absolute difference, colored by where it lies: on surfaces that no camera saw (pink), at edges of the truth (orange), \
+            "The absolute difference, colored by its place: on surfaces that no camera saw (pink), at edges of the truth (orange), \
              elsewhere (blue).",
         ),
         (
@@ -155,7 +155,7 @@ impl CompareMeasure {
     ];
 }
 
-/// What is compared, and what the map of the difference shows.
+/// The compared sides, and the measure on the map of the difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CompareChoice {
     pub sides: [CompareSide; 2],
@@ -237,7 +237,7 @@ pub(crate) struct ShownComparison {
     pub textures: [egui::TextureHandle; 3],
 }
 
-/// Displayed colors (0 to 255 a channel); `None` where there is nothing.
+/// Displayed colors (0 to 255 a channel); `None` in holes.
 pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
 
 /// Two pictures and their difference.

@@ -1,5 +1,4 @@
-//! How linear color becomes what the screen shows, in both views: exposure, offset, tone curve, channel, and what stands for the
-//! background; and how bright a picture is.
+//! Display of linear color in both views: exposure, offset, tone curve, channel and background; and the histogram of a picture.
 //!
 //! Source of the order and of the names: *tev*, the image viewer of Müller. The filmic curve is the fit of Narkowicz (*ACES filmic tone
 //! mapping curve*, 2015), the curve for bright scenes that of Reinhard et al. (*Photographic tone reproduction for digital images*,

@@ -55,9 +55,9 @@ pub(crate) struct LiveLook {
     pub cameras: ShownCameras,
     pub ruler: Ruler,
     pub unit: Unit,
-    /// Which way is up in world space, where it was chosen; as the capture says else.
+    /// The chosen direction of up in world space; `None` takes the one of the capture.
     pub up: Option<DVec3>,
-    /// Where the view and its legend lie in the window, points.
+    /// The area of the view and its legend in the window, points.
     pub area: egui::Rect,
     /// How fast keys fly, in the speed of a first run.
     pub fly_speed: f64,
@@ -169,12 +169,12 @@ impl State {
         self.whole.as_ref().is_some_and(|whole| method_of(&whole.settings) != method_of(&self.settings))
     }
 
-    /// The whole capture's samples, where they were made with the settings on the sliders.
+    /// The whole capture's samples, if they were made with the settings on the sliders.
     pub(crate) fn current_whole(&self) -> Option<&Arc<SampleSet>> {
         self.whole.as_ref().filter(|_| !self.is_stale()).map(|whole| &whole.samples)
     }
 
-    /// Note for numbers of the whole capture that were made with other settings; `None` where they hold.
+    /// Note for numbers of the whole capture that were made with other settings; `None` for current numbers.
     pub(crate) fn stale_note(&self) -> Option<&'static str> {
         self.is_stale().then_some(if self.stopped {
             "Made with other settings; Recompute (below) brings it up to date."
@@ -207,7 +207,7 @@ impl State {
         }
     }
 
-    /// Whether thresholds differ from those that the store saved last was made with, or that the capture was opened with.
+    /// Whether thresholds differ from those of the last saved store; before one is saved, from those at opening.
     pub(crate) fn is_unsaved(&self) -> bool {
         let saved = self.inspector.saved.as_ref().filter(|_| self.has_capture());
         saved.is_some_and(|saved| method_of(saved) != method_of(&self.settings))
@@ -223,7 +223,7 @@ impl State {
         }
     }
 
-    /// The verdicts at the frame shown, by whatever settings.
+    /// The verdicts at the frame shown, under any settings.
     pub(crate) fn inspection_here(&self) -> Option<&Arc<FrameInspection>> {
         let inspected = self.inspected.as_ref()?;
         (inspected.inspection.frame == self.timeline.frame).then_some(&inspected.inspection)
@@ -234,7 +234,7 @@ impl State {
         self.failed_frame == Some(self.timeline.frame) && self.inspection_here().is_none()
     }
 
-    /// Up in world space, unit length: as chosen, else as the capture says.
+    /// Up in world space, unit length: as chosen, or as in the capture.
     pub(crate) fn up_in_world(&self) -> DVec3 {
         let recorded = self.scene.as_ref().map_or(DVec3::Z, |scene| scene.up_in_world);
         self.live.up.unwrap_or(recorded)
@@ -309,7 +309,7 @@ impl State {
         Some(orbit.camera(width, height))
     }
 
-    /// Whether a dialog lies over the window.
+    /// Whether a dialog is open over the window.
     pub(crate) fn is_asking(&self) -> bool {
         let inspector = &self.inspector;
         self.typed_path.is_some()

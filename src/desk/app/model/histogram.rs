@@ -28,7 +28,7 @@ impl ThresholdAxis {
         }
     }
 
-    /// Where a value lies, 0 to 1.
+    /// The position of a value on the axis, 0 to 1.
     pub(crate) fn position(self, value: f64) -> f32 {
         let value = value.clamp(self.min, self.max);
         let share = if self.log {
@@ -72,9 +72,9 @@ pub(crate) struct ThresholdHistogram {
     pub bars: Vec<[u32; 2]>,
     /// Every value, ascending.
     sorted: Vec<f32>,
-    /// The frame it is of; `None` where it is of all.
+    /// The counted frame; `None` if all frames are counted.
     pub frame: Option<usize>,
-    /// What the measured noise explains, in the unit of the axis; `None` where none was measured.
+    /// The largest value that measured noise explains, in the unit of the axis; `None` without measured noise.
     pub noise: Option<f32>,
 }
 
@@ -106,7 +106,7 @@ impl ThresholdHistogram {
         self.sorted.is_empty()
     }
 
-    /// How many values lie within a threshold, and how many beyond.
+    /// The number of values within a threshold, and beyond it.
     pub(crate) fn sides(&self, threshold: f64) -> (usize, usize) {
         let within = self.sorted.partition_point(|value| f64::from(*value) <= threshold);
         (within, self.sorted.len() - within)

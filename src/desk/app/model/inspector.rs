@@ -71,7 +71,7 @@ pub(crate) struct Inspector {
     pub charts: Charts,
     pub path: CameraPath,
     /// How the capture is read, and how it would fit better.
-    pub readings: Readings,
+    pub readings: ReadingCheck,
     /// The command palette, while it is open.
     pub palette: Option<CommandPalette>,
     /// The page of help that is open.
@@ -91,7 +91,7 @@ pub(crate) struct Inspector {
     /// What stands between the person and closing the window.
     pub closing: Closing,
     pub log: VecDeque<LogLine>,
-    /// What could not be read of the open store, as far as it was reported.
+    /// The reported parts of the open store that could not be read.
     pub reported_damage: BTreeSet<String>,
     pub meter: Meter,
 }

@@ -71,7 +71,7 @@ impl HoleDisplay {
 pub(crate) struct LiveKey {
     pub scene: u64,
     pub samples: Arc<SampleSet>,
-    /// What reads the frame's samples from a file, where they are not all in memory.
+    /// The reader of the frame's samples from a file; `None` if all are in memory.
     pub playback: Option<Arc<Playback>>,
     /// Where from, and when.
     pub vantage: Vantage,
@@ -87,7 +87,7 @@ pub(crate) struct LiveKey {
     pub dark: bool,
     /// Whether the next picture follows at once: then its pixels are not read back, and may stay on the GPU.
     pub in_motion: bool,
-    /// How many of its pixels lie along one of a picture in motion.
+    /// Its pixels along one pixel of a picture in motion.
     pub per_coarse_pixel: f64,
 }
 
@@ -119,7 +119,7 @@ const STRIPE: f64 = 6.0;
 
 /// The right picture.
 pub(crate) struct LivePicture {
-    /// What was painted: of a store played from disk, the samples of this frame alone, and of these what the vantage needs.
+    /// The rendered samples. For a store played from disk: those of this frame that the vantage needs.
     pub samples: Arc<SampleSet>,
     /// Columns and rows.
     pub size: [usize; 2],

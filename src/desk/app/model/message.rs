@@ -58,7 +58,7 @@ pub(crate) enum Message {
         settings: Settings,
         accuracy: Option<Accuracy>,
     },
-    /// What is known of a pixel; `None` where nothing is, or for a hole.
+    /// The evidence about a pixel; `None` for a hole, and without verdicts.
     Probed {
         scene: u64,
         spot: Spot,
@@ -127,7 +127,7 @@ pub(crate) enum Message {
         path: PathBuf,
         settings: Settings,
     },
-    /// A dialog was answered; `None` where it was closed.
+    /// A dialog was answered; `None` if it was closed.
     PathChosen {
         purpose: Purpose,
         path: Option<PathBuf>,

@@ -71,7 +71,7 @@ pub(crate) use pixel::{ProbeKey, Probed, Spot};
 pub(crate) use pose::{ANGLES_OF_VIEW, ViewAngles};
 pub(crate) use presets::{PRESETS, keep};
 pub(crate) use purpose::{Destination, Purpose, TypedPath};
-pub(crate) use readings::{ReadingImages, Readings, ShownReadings};
+pub(crate) use readings::{ReadingCheck, ReadingImages, ShownReadings};
 pub(crate) use recent::{RECENT_SIDES, RecentPicture};
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth};

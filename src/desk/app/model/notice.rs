@@ -31,7 +31,7 @@ pub(crate) struct Notice {
     /// What happened, and what to do.
     pub text: String,
     pub since: Instant,
-    /// The scene it speaks of, with which it ends; `None` where it holds whatever is open.
+    /// The scene of the notice, which ends with it; `None` for a notice about no scene.
     pub scene: Option<u64>,
     /// What shows what it speaks of.
     pub link: Option<NoticeLink>,

@@ -8,18 +8,18 @@ use overlook_engine::capture::{Camera, Intrinsics};
 /// How near to straight up or down orbiting goes, as a cosine, so that up stays up.
 const STEEPEST: f64 = 0.985;
 
-/// Pixels of a resting view along each side of one that the lens recorded, at most. Finer ones show little more but the specks between
-/// samples of surfaces that were seen at a slant: on one capture 320 pixels of them at 2, as if painted at 1 and magnified 140, and 1090 at 3.
+/// The finest resting view: its pixels per recorded pixel, along each side. Finer views show little more than specks between samples
+/// of slanted surfaces: on one capture 140 pixels of them at 1 (magnified), 320 at 2 and 1090 at 3.
 const FINEST_AT_REST: f64 = 2.0;
 
-/// How far the first vantage stands from the first camera, as a share of the way to the second.
+/// Distance of the first vantage from the first camera, as a share of the way to the second.
 const HOME_STEP: f64 = 0.3;
 
-/// How near the pivot and how far from it zooming goes, in distances from the first camera to what the cameras look at: a
-/// scene may be a molecule in meters, or a galaxy.
+/// The least and largest distance from the pivot by zooming, in distances from the first camera to the point that the cameras look
+/// at: a scene may be a molecule in meters, or a galaxy.
 const ZOOM: [f64; 2] = [1e-5, 1e6];
 
-/// Cameras that stand in their pivot count as this far from it.
+/// Cameras at their pivot count as this far from it.
 const LEAST_DISTANCE: f64 = 1e-12;
 
 /// The pose and lens of the live view.
@@ -89,8 +89,8 @@ impl OrbitCamera {
         Camera { name: "live view".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
     }
 
-    /// The same pose with a lens whose whole picture is what [`Self::camera`] gives a picture of `width × height` pixels: views
-    /// then show all of that picture, however wide or high it is.
+    /// The same pose with the lens of [`Self::camera`] for a picture of `width × height` pixels: views of any shape then show all of
+    /// that picture.
     pub(crate) fn framed(&self, [width, height]: [u32; 2]) -> Self {
         Self { lens: self.camera(width, height).intrinsics, ..self.clone() }
     }
@@ -100,8 +100,8 @@ impl OrbitCamera {
         self.painted_size(size, 1.0)
     }
 
-    /// The size at which it is painted once it rests. Outlines are as sharp as the view then, and what another camera saw from nearer
-    /// by has its detail; beyond [`FINEST_AT_REST`] there is nothing more to be seen.
+    /// The size at which it is painted once it rests. Outlines are then as sharp as the view, and surfaces that another camera saw from
+    /// nearer have their detail; beyond [`FINEST_AT_REST`] nothing more is visible.
     pub(crate) fn size_at_rest(&self, size: [u32; 2]) -> [u32; 2] {
         self.painted_size(size, FINEST_AT_REST)
     }

@@ -30,7 +30,7 @@ impl PictureFolder {
         self.known().next().map(|pictures| pictures.name()).unwrap_or_default()
     }
 
-    /// Where it lies and how its pictures were found.
+    /// Its path, and how its pictures were found.
     pub(crate) fn words(&self) -> String {
         let parts = [(&self.of_views, "viewpoints"), (&self.of_cameras, "frames of cameras")];
         let parts = parts.into_iter().filter_map(|(pictures, of)| {

@@ -1,4 +1,4 @@
-//! How a picture lies in a view: which part of it is shown, and how large.
+//! The part of a picture that a view shows, and its magnification.
 
 use egui::{Rect, Vec2};
 
@@ -27,7 +27,7 @@ impl PictureZoom {
         Self { zoom: zoom.clamp(1.0, MOST), center: center.clamp(Vec2::ZERO, Vec2::splat(1.0)) }
     }
 
-    /// Where a picture of `size` lies in the view `canvas`.
+    /// The area of a picture of `size` in the view `canvas`.
     pub(crate) fn placed(self, size: Vec2, canvas: Rect) -> Rect {
         let drawn = size * (canvas.width() / size.x).min(canvas.height() / size.y) * self.zoom;
         Rect::from_min_size(canvas.center() - drawn * self.center, drawn)

@@ -26,7 +26,7 @@ pub(crate) enum Spot {
 pub(crate) struct ProbeKey {
     pub scene: Arc<OpenScene>,
     pub spot: Spot,
-    /// The verdicts at the frame shown; `None` where there are none.
+    /// The verdicts at the frame shown; `None` for a store, and until they are computed.
     pub inspection: Option<Arc<FrameInspection>>,
     /// The whole capture's samples, for the spans of the pixel; `None` while there are none.
     pub whole: Option<Arc<SampleSet>>,
@@ -66,9 +66,9 @@ pub(crate) struct Probed {
     pub camera: usize,
     pub x: usize,
     pub y: usize,
-    /// The surface point; `None` at infinity and where there is no depth.
+    /// The surface point; `None` at infinity and without depth.
     pub point_in_world: Option<DVec3>,
-    /// The evidence of every camera; `None` where there are no verdicts.
+    /// The evidence of every camera; `None` without verdicts.
     pub explanation: Option<PixelExplanation>,
     /// The spans in which the pixel is stored; `None` while the whole capture is not pruned, and for stores.
     pub spans: Option<Vec<Span>>,

@@ -5,7 +5,7 @@ use overlook_engine::settings::{Fill, Kernel, MixedPixels, PruningMethod, RateMo
 /// Settings to start from.
 type Preset = (&'static str, &'static str, fn(&mut Settings));
 
-/// Settings to start from: name, what they are for, and what they change of the defaults.
+/// Settings to start from: name, purpose, and changes of the defaults.
 pub(crate) const PRESETS: [Preset; 6] = [
     ("Balanced", "The defaults.", |_| {}),
     (

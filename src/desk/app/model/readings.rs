@@ -23,25 +23,25 @@ pub(crate) struct ShownReadings {
     pub votes: [[f64; 2]; 2],
 }
 
-/// What is known of the open capture's reading.
+/// The check of how the open capture is read: its finding, and the dialog that compares two readings.
 #[derive(Default)]
-pub(crate) struct Readings {
+pub(crate) struct ReadingCheck {
     /// The finding from the agreement between its views; `None` before it was made.
     pub finding: Option<Arc<Finding>>,
     /// Whether the dialog is open that compares two readings.
     pub is_open: bool,
     pub shown: Option<ShownReadings>,
-    /// Why nothing can be shown.
+    /// Why the comparison cannot be shown.
     pub trouble: Option<String>,
 }
 
-impl Readings {
-    /// The reading that fits far better than the capture's own, where there is one.
+impl ReadingCheck {
+    /// The reading that fits far better than the capture's own, if any.
     pub(crate) fn alternative(&self) -> Option<&Alternative> {
         self.finding.as_ref()?.alternative()
     }
 
-    /// What to write into a manifest so that the capture opens under the other reading, one key a line.
+    /// The keys of a manifest by which the capture opens under the other reading, one a line.
     pub(crate) fn keys(&self) -> String {
         let lines = self.alternative().into_iter().flat_map(|other| &other.keys);
         lines.map(|(key, value)| format!("\"{key}\": {value},")).collect::<Vec<_>>().join("\n")

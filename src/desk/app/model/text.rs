@@ -45,7 +45,7 @@ pub(crate) fn significant(value: f64) -> String {
     }
 }
 
-/// The share of `part` in `whole` as a percentage; `–` where there is no whole.
+/// The share of `part` in `whole` as a percentage; `–` if `whole` is 0.
 pub(crate) fn percent(part: u64, whole: u64) -> String {
     if whole == 0 { "–".to_owned() } else { format!("{:.1} %", 100.0 * part as f64 / whole as f64) }
 }

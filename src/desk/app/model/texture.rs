@@ -24,7 +24,7 @@ impl Texture {
         }
     }
 
-    /// Sends a picture: into the texture that it replaces, where that was sent too.
+    /// Sends a picture: into the replaced texture if that was sent too, otherwise into a new one.
     pub(crate) fn send(
         ctx: &egui::Context,
         name: &str,

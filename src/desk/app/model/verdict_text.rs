@@ -173,7 +173,7 @@ pub(crate) fn fate(verdict: Verdict) -> CameraText {
     }
 }
 
-/// What became of a camera's own pixel, and for what it yields to others however dense it is; `None` outside its picture.
+/// The verdict on a camera's own pixel, with the reasons for which it yields at any density; `None` outside its picture.
 pub(crate) fn own_sample(row: &CameraEvidence) -> Option<CameraText> {
     let mut text = fate(row.verdict?);
     for (yields, why) in [(row.is_mixed, ", edge-blended"), (row.is_unsure, ", no normal")] {
@@ -199,7 +199,7 @@ pub(crate) fn distance(value: f64) -> String {
     if value.abs() < 0.1 { format!("{:.2}", value.abs()) } else { number(value) }
 }
 
-/// A number with three digits; `–` where it is not known, `infinite` where it has no end.
+/// A number with three digits; `–` for NaN, `infinite` for infinity.
 pub(crate) fn number(value: f64) -> String {
     if value.is_nan() {
         "–".to_owned()

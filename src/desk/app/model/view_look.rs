@@ -1,4 +1,4 @@
-//! What surrounds the live view's picture: guides, the cameras that are on, a measured distance; and what a person can do to them.
+//! The surroundings of the live view's picture (guides, the cameras that are on, a measured distance), and commands for them.
 
 use std::collections::BTreeSet;
 

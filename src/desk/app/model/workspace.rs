@@ -1,4 +1,4 @@
-//! Workspaces: arrangements of the views, each for one kind of work; and what of the window is shown.
+//! Workspaces: arrangements of the views, each for one kind of work; and the areas of the window that are shown.
 
 use super::view::{Area, DockView};
 

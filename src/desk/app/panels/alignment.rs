@@ -11,7 +11,7 @@ use crate::app::widgets::{note, table_ui, weak};
 use overlook_engine::alignment::{AlignedCamera, AlignedExposure, Alignment};
 use overlook_engine::preprocess::diagnostics::Report;
 
-/// What was corrected, and a button that shows the picture with and without it. Nothing where nothing was.
+/// The corrections, and a button that shows the picture with and without them. Nothing without corrections.
 pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands: &mut Commands) {
     let Some(alignment) = &report.alignment else { return };
     ui.heading("What was corrected");

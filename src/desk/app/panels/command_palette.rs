@@ -17,7 +17,7 @@ struct PaletteEntry {
     name: String,
     keys: &'static str,
     command: Command,
-    /// Why it cannot be done now; `None` where it can.
+    /// Why it cannot be done now; `None` if it can.
     why_not: Option<String>,
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
 
 fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<usize> {
     let mut clicked = None;
-    // As high whatever was found: the field above stays where it is, and nothing shrinks for good.
+    // The height is constant, so that the field above does not move.
     let list =
         ScrollArea::vertical().max_height(LIST_HEIGHT).min_scrolled_height(LIST_HEIGHT).auto_shrink(false);
     list.show(ui, |ui| {

@@ -1,5 +1,5 @@
-//! Which camera's samples replace whose, and how well cameras agree about where things are: a wrong pose shows in what never
-//! moves, a wrong clock in what does, noise in both.
+//! Which camera's samples replace whose, and how well cameras agree on positions: a wrong pose shows on static surfaces, a wrong clock
+//! on moving ones, noise on both.
 
 use egui::{RichText, Ui};
 
@@ -44,7 +44,7 @@ const ABOVE_MEAN: f32 = 3.0;
 /// The least that the end of a scale stands for, footprints.
 const LEAST_FOOTPRINTS: f32 = 0.05;
 
-/// Both matrices, and what is to be said about cameras that do not fit.
+/// Both matrices, and notes on cameras that do not fit.
 pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("How well cameras agree");

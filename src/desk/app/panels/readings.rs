@@ -2,7 +2,7 @@
 
 use egui::{Button, Id, Label, Modal, RichText, Ui, Vec2};
 
-use crate::app::model::{Command, Commands, OpenScene, Readings, ShownReadings, State};
+use crate::app::model::{Command, Commands, OpenScene, ReadingCheck, ShownReadings, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, picture, waiting, weak};
 use overlook_engine::capture::conventions::{Alternative, Finding, Reading};
@@ -44,7 +44,7 @@ pub(crate) fn readings_ui(ctx: &egui::Context, state: &State, commands: &mut Com
     }
 }
 
-fn columns_ui(ui: &mut Ui, readings: &Readings, finding: &Finding, other: &Alternative, width: f32) {
+fn columns_ui(ui: &mut Ui, readings: &ReadingCheck, finding: &Finding, other: &Alternative, width: f32) {
     let shown = readings.shown.as_ref();
     let camera = shown.map_or("one camera", |shown| &shown.camera);
     let columns = [
@@ -72,7 +72,7 @@ fn columns_ui(ui: &mut Ui, readings: &Readings, finding: &Finding, other: &Alter
     });
 }
 
-fn picture_ui(ui: &mut Ui, readings: &Readings, index: usize, name: &str, width: f32) {
+fn picture_ui(ui: &mut Ui, readings: &ReadingCheck, index: usize, name: &str, width: f32) {
     let texture = readings.shown.as_ref().map(|shown: &ShownReadings| &shown.textures[index]);
     let aspect = texture.map_or(ASPECT, |texture| {
         let size = texture.size_vec2();
@@ -115,7 +115,7 @@ fn unit(unit: f64) -> String {
 }
 
 /// The keys that make the capture open under the other reading from now on, and the file to write them to.
-fn keys_ui(ui: &mut Ui, readings: &Readings, scene: &OpenScene, finding: &Finding, other: &Alternative) {
+fn keys_ui(ui: &mut Ui, readings: &ReadingCheck, scene: &OpenScene, finding: &Finding, other: &Alternative) {
     if let Some(trouble) = &readings.trouble {
         ui.add(Label::new(RichText::new(trouble).color(Tokens::in_ui(ui).error)).wrap());
     }

@@ -33,7 +33,7 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// Says that the numbers were made with other settings, where they were.
+/// A note on numbers that were made with other settings.
 pub(crate) fn stale_ui(ui: &mut Ui, state: &State) {
     if let Some(words) = state.stale_note() {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));

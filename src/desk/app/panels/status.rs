@@ -37,7 +37,7 @@ pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// What is going on. Where it is a part of more, the whole comes first and has the time that is left.
+/// The running work. If it is a part of larger work, the larger comes first and has the remaining time.
 fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
     let tokens = Tokens::in_ui(ui);
     let progress = &busy.progress;

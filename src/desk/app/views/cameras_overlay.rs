@@ -18,7 +18,7 @@ const PYRAMID: f64 = 0.12;
 /// Parts of a picture along each side: drawn as flat patches, it follows the perspective.
 const PATCHES: usize = 6;
 
-/// Pyramids that cover more of the view than this are clicked at their edges alone, as the picture lies behind them.
+/// Pyramids that cover more of the view than this are clicked at their edges alone: the picture is behind them.
 const LARGE: f32 = 0.1;
 
 /// How far from an edge a click may be, points.
@@ -30,7 +30,7 @@ pub(super) struct ProjectedCamera<'a> {
     camera: &'a Camera,
     lines: Vec<[Pos2; 2]>,
     apex: Option<Pos2>,
-    /// Its picture in patches, row by row, where all of it lies before the view.
+    /// Its picture in patches, row by row, if all of it is in front of the view.
     picture: Option<Vec<Pos2>>,
     apart: f64,
     /// How much of it is to be seen, 0 to 1.
@@ -113,7 +113,7 @@ fn is_chosen(state: &State, camera: usize) -> bool {
     camera == state.source.camera && state.has_capture()
 }
 
-/// The camera that is pointed at: the nearest one whose name or pyramid lies under the pointer.
+/// The nearest camera with its name or pyramid under the pointer.
 pub(super) fn camera_at(seen: &[ProjectedCamera<'_>], canvas: Rect, pointer: Option<Pos2>) -> Option<usize> {
     let pointer = pointer.filter(|pointer| canvas.contains(*pointer))?;
     let named = seen

@@ -103,7 +103,7 @@ pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2
         .map(|(index, _)| index)
 }
 
-/// The button that measures, or goes on where it was stopped.
+/// The button that measures, or resumes a stopped run.
 pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Commands) {
     let charts = &state.inspector.charts;
     let (name, help) = match study {

@@ -1,4 +1,4 @@
-//! Two pictures of one place: wiped over each other, flipped, beside each other, or as their difference. One zoom for both.
+//! Two pictures from one viewpoint: wiped over each other, flipped, beside each other, or as their difference. One zoom for both.
 
 use egui::{Align, Align2, Key, Layout, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
 use egui_material_icons::icons::{ICON_ADD_PHOTO_ALTERNATE, ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};

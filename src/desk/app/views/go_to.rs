@@ -15,7 +15,7 @@ const ROW: f32 = 42.0;
 /// Width of an entry's picture.
 const PICTURE: f32 = 52.0;
 
-/// Width that is left of the tabs and the button, below which the button has an icon for a name: the tabs need the room.
+/// In less than this width the button shows an icon instead of its name, since the tabs need the room.
 const NARROW: f32 = 180.0;
 
 /// The button and its list.

@@ -18,13 +18,13 @@ const ROOM_OF_AXES: f32 = 300.0;
 /// Shortest axes, as a share of that length.
 const SHORTEST_AXES: f32 = 0.6;
 
-/// How far the axes' middle lies from the corner.
+/// Offset of the axes' middle from the corner.
 const FROM_CORNER: Vec2 = vec2(46.0, -46.0);
 
 /// Lines of the ground on either side of its middle.
 const LINES: i32 = 12;
 
-/// Parts that a line of the ground is drawn in, each before or behind what the picture shows.
+/// Parts of a line of the ground; each is drawn in front of the picture or behind it.
 const PARTS: i32 = 24;
 
 /// Nearest part of a line that is drawn, in pivot distances.

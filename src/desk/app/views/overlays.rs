@@ -53,7 +53,7 @@ pub(super) fn clipped([a, b]: [DVec3; 2], near: f64) -> Option<[DVec3; 2]> {
     }
 }
 
-/// A ring with a cross through it where the point is seen, an empty ring where it is not.
+/// A ring with a cross through it for a point that is seen, an empty ring for one that is not.
 pub(crate) fn mark(painter: &Painter, at: Pos2, sees: bool, pinned: bool, tokens: &Tokens) {
     if !painter.clip_rect().contains(at) {
         return;

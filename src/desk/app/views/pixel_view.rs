@@ -17,7 +17,7 @@ use overlook_engine::preprocess::inspect::CameraEvidence;
 /// Width of the summary beside the table.
 const SUMMARY: f32 = 264.0;
 
-/// Width that the table needs at its full size, and the size of its letters where there is less.
+/// Width that the table needs at its full size, and the size of its letters in less.
 const TABLE: f32 = 826.0;
 const NARROW: f32 = 11.0;
 

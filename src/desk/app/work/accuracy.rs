@@ -17,7 +17,7 @@ use overlook_lab::truth::views_as_taken;
 /// Vantages that are compared: enough for a figure in passing, few enough to take seconds.
 const VIEWS: usize = 3;
 
-/// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` where there is no truth.
+/// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` without truth.
 pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {
     let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
     let scan = request.scan.as_deref();
@@ -49,7 +49,7 @@ pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accu
     Ok(Some(Accuracy { psnr_db: mean(pruned_db), unpruned_psnr_db: mean(unpruned_db), views }))
 }
 
-/// Settings by which every pixel of a frame is kept as it was recorded.
+/// Settings that keep every pixel of a frame as it was recorded.
 pub(crate) fn with_nothing_pruned(settings: &Settings) -> Settings {
     let mut settings = settings.clone();
     settings.pruning.method = PruningMethod::Off;

@@ -230,7 +230,7 @@ impl Comparer {
     }
 }
 
-/// Adds the latest; of more than `most` the first goes.
+/// Adds the latest, and drops the first if there are more than `most`.
 fn keep<T>(kept: &mut Vec<T>, most: usize, latest: T) {
     if kept.len() == most {
         kept.remove(0);

@@ -22,7 +22,7 @@ const BEYOND: f32 = 0.01;
 pub(crate) struct DisplayedSide {
     /// `None` in holes that were not filled.
     pub shown: DisplayColors,
-    /// What is compared: `None` in all holes, as what fills them was not recorded.
+    /// The compared colors; `None` in all holes, since colors that fill them were not recorded.
     pub known: DisplayColors,
 }
 
@@ -100,7 +100,7 @@ pub(crate) fn between(
     })
 }
 
-/// A map of how far pixels are apart, in a color of its own where that is not known.
+/// A map of the difference of pixels; unknown differences have a color of their own.
 fn map_of(apart: &Grid<Option<f32>>, unknown: Color32, color: impl Fn(f32) -> Color32) -> Arc<ColorImage> {
     let map = apart.map(|apart| apart.map_or(unknown, &color));
     Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()))
@@ -145,13 +145,13 @@ pub(crate) fn flicker(
     Ok(PictureDifference { difference, measure, apart, range, mean, flicker_steps, ..compared })
 }
 
-/// The color of a class on the map of where a difference lies.
+/// The color of a class of pixels on the map of a difference.
 fn class_color(class: ErrorClass) -> Color32 {
     let [r, g, b] = class.color();
     Color32::from_rgb(r, g, b)
 }
 
-/// Colors the map of a comparison by where differences lie, and works out the share of each class. `Invalid` where sizes differ.
+/// Colors the map of a comparison by the class of each pixel, and computes the share of each class. `Invalid` if sizes differ.
 pub(crate) fn by_class(
     compared: PictureDifference,
     classes: &ClassMap,
@@ -194,7 +194,7 @@ fn apart(left: &DisplayColors, right: &DisplayColors, measure: CompareMeasure) -
         }
         CompareMeasure::Brightness => both(&|a, b| luma(b) - luma(a)),
         CompareMeasure::Flip => {
-            // What one side alone shows differs from nothing: its neighbors are filtered as if the other showed the same.
+            // A pixel of one side alone has no difference: its neighbors are filtered as if the other side showed the same.
             let linear = |own: &DisplayColors, other: &DisplayColors| {
                 let pixels = own.as_slice().iter().zip(other.as_slice());
                 let colors = pixels.map(|(own, other)| {
@@ -235,7 +235,7 @@ fn psnr_db(left: &DisplayColors, right: &DisplayColors) -> f64 {
     10.0 * (255.0 * 255.0 * count.max(1) as f64 / squares).log10()
 }
 
-/// Structural similarity of luma where both sides have a sample; elsewhere the other side is taken to be equal.
+/// Structural similarity of luma over pixels with a sample on both sides; elsewhere the sides count as equal.
 fn similarity(left: &DisplayColors, right: &DisplayColors) -> f64 {
     let of = |own: &DisplayColors, other: &DisplayColors| {
         let pixels = own.as_slice().iter().zip(other.as_slice());

@@ -56,7 +56,7 @@ pub(crate) fn memory(samples: &SampleSet) -> Vec<CameraMemory> {
     cameras
 }
 
-/// Explains a spot; `None` where it shows nothing.
+/// Explains a spot; `None` for a spot without a sample.
 pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
     let (camera, x, y, seen) = match key.spot {
         Spot::Source { camera, x, y } => (camera, x, y, None),

@@ -25,7 +25,7 @@ use overlook_engine::{store, whole_file};
 /// The endings of a picture's file: as shown, and as rendered with depth.
 const ENDINGS: [&str; 2] = ["png", "exr"];
 
-/// The path with the ending that a picture has; `None` where it has another one.
+/// The path with the ending of a picture; `None` if it has another one.
 pub(crate) fn with_ending(path: PathBuf) -> Option<PathBuf> {
     match path.extension() {
         None => Some(path.with_extension(ENDINGS[0])),
@@ -197,7 +197,7 @@ pub(crate) fn check(destination: Destination) -> Message {
     Message::DestinationChecked { destination, taken }
 }
 
-/// The path that is chosen in the system's dialog; `None` where it is closed.
+/// The path that is chosen in the system's dialog; `None` if the dialog is closed.
 pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new().set_file_name(name).set_title(purpose.title());
     match purpose {

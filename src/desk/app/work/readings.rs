@@ -51,7 +51,7 @@ fn show(scene: &OpenScene, finding: &Finding) -> Result<ReadingImages> {
     })
 }
 
-/// A picture for the screen; transparent where there is nothing.
+/// A picture for the screen; transparent in holes.
 fn image<T>(colors: &Grid<T>, color: impl Fn(&T) -> Option<[f32; 3]>) -> Arc<ColorImage> {
     let shown = |value: &T| match color(value) {
         Some(color) => {

@@ -44,7 +44,7 @@ pub(crate) struct MeasureRequest {
     pub scene: Arc<OpenScene>,
     /// What was kept.
     pub samples: Arc<SampleSet>,
-    /// The scan that knows what the rig got wrong; `None` while it is under way.
+    /// The scan with the corrections of the rig; `None` while it is under way.
     pub scan: Option<Arc<PreparedScan>>,
     pub settings: Settings,
 }

@@ -1,4 +1,4 @@
-//! Requests what the state needs and does not have, after every change; nothing is requested twice.
+//! Requests missing parts of the state after every change; nothing is requested twice.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -138,8 +138,7 @@ impl Scheduler {
         }
     }
 
-    /// Once a frame is shown and everything rests, makes it ready for the thresholds to be turned. Gives how long to wait for
-    /// that, if so.
+    /// Prepares the shown frame for interactive thresholds, once everything rests. Returns the time to wait for that, if any.
     fn request_preparation(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
         let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
         let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);

@@ -7,7 +7,7 @@ use crate::app::model::{Legend, RATIO_RANGE, SourceKey, VIEW_DEPENDENCE_RANGE};
 use overlook_engine::grid::Grid;
 use overlook_engine::preprocess::inspect::VISIBLE_STEPS;
 
-/// The sampling ratio against another camera, or the best of them; dimmed where no other shows the point.
+/// The sampling ratio against another camera, or the best of them; dimmed if no other camera shows the point.
 pub(super) fn sampling_ratio(key: &SourceKey, picture: &Grid<Color32>) -> Grid<Color32> {
     let Some(inspection) = &key.inspection else { return picture.clone() };
     let ratio = inspection.log2_sampling_ratio(key.camera, key.against);

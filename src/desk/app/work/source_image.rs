@@ -22,7 +22,7 @@ use overlook_engine::samples::TILE;
 /// Largest side of a texture that every graphics card of the last ten years takes.
 const LARGEST_TEXTURE: usize = 4096;
 
-/// Paints the picture of `key`; where it comes without verdicts, `decoder` reads the frame.
+/// Paints the picture of `key`; without verdicts `decoder` reads the frame.
 pub(crate) fn paint_source(
     scene: &OpenScene,
     key: SourceKey,

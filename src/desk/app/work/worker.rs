@@ -35,9 +35,9 @@ struct LatestRequest<R> {
     /// The next first; more than one only where requests queue.
     waiting: VecDeque<(R, Arc<Job>)>,
     running: Option<Arc<Job>>,
-    /// Whether what runs was cancelled for a newer request.
+    /// Whether the running request was cancelled for a newer one.
     is_superseded: bool,
-    /// Whether what ran before was.
+    /// Whether the request before it was.
     last_was_superseded: bool,
     closed: bool,
 }

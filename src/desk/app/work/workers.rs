@@ -156,7 +156,7 @@ impl Workers {
     }
 }
 
-/// Does work, and sends a message where it is stopped.
+/// Does work, and sends a message if it is stopped.
 fn or_stopped(
     job: &Job,
     title: &'static str,
@@ -169,8 +169,8 @@ fn or_stopped(
     }
 }
 
-/// Threads apart from the pool that the views share, where a picture would wait behind minutes of pruning. Where `makes_way`, the
-/// window and its pictures go before them.
+/// Threads apart from the pool that the views share, so that no picture waits behind minutes of pruning. With `makes_way` they have
+/// a lower priority than the window and its pictures.
 pub(crate) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -185,9 +185,9 @@ pub(crate) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Resul
         .map_err(|error| Error::invalid("thread pool", error.to_string()))
 }
 
-/// Lets the thread that draws, and those whose pictures are waited for, go before the calling one, which works for minutes.
-/// Linux keeps a niceness per thread; other systems put the threads of the window in front first anyway. Best effort: where it
-/// is refused, the window is only less smooth.
+/// Lowers the priority of the calling thread, which works for minutes, below that of the threads that draw and render. Linux keeps
+/// a niceness per thread; other systems favor the window in front anyway. Best effort: if it is refused, the window is only less
+/// smooth.
 fn make_way() {
     // A third of the share of others: more, and a window in steady motion would starve the work that it waits for.
     #[cfg(target_os = "linux")]

@@ -24,8 +24,8 @@ use overlook_lab::truth::ViewCorrections;
 pub(crate) struct AlignArgs {
     /// The capture: a folder or its transforms.json.
     capture: PathBuf,
-    /// Where to write a manifest of the same pictures with the corrected poses and color lenses, for other programs. Pictures are
-    /// named as they lie beside the capture's own manifest. Color and depth have a lens each where they differ.
+    /// File for a manifest of the same pictures with the corrected poses and color lenses, for other programs. It names pictures
+    /// relative to the capture's own manifest. Color and depth have a lens each if they differ.
     #[arg(long, value_name = "TRANSFORMS")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -37,9 +37,9 @@ pub(crate) struct AlignArgs {
 
 #[derive(Serialize)]
 struct AlignOutput<'a> {
-    /// `None` where nothing pays.
+    /// `None` if no correction pays.
     alignment: Option<&'a Alignment>,
-    /// How views beside the capture are corrected; `None` where nothing is predicted.
+    /// The corrections of views beside the capture; `None` if nothing is predicted.
     #[serde(skip_serializing_if = "Option::is_none")]
     views: Option<&'a ViewCorrections<'a>>,
     seconds: f64,

@@ -135,7 +135,7 @@ impl EvaluateArgs {
         Ok(all)
     }
 
-    /// Writes the truth, the picture of a program and its error, where that is asked for.
+    /// Writes the truth, the picture of a program and its error, if the options choose a folder for them.
     fn save_error_map(
         &self,
         program: &str,

@@ -74,7 +74,7 @@ impl StressArgs {
         }
     }
 
-    /// Writes what each disturbance looks like where it breaks ours.
+    /// Writes a picture at the breaking point of each disturbance.
     fn breaking(
         &self,
         capture: &Capture,
@@ -101,7 +101,7 @@ impl StressArgs {
     }
 }
 
-/// Per disturbance: where each method loses 1 dB, and the smallest lead of ours over each other method.
+/// Per disturbance: the dial at which each method loses 1 dB, and the smallest lead of ours over each other method.
 fn table(points: &[StressPoint], failures: &[BreakingPoint]) -> String {
     let methods = stress::distinct(failures.iter().map(|failure| failure.method.as_str()));
     let mut text = format!("{:<44}", "1 dB is lost at");

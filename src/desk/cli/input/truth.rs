@@ -36,7 +36,7 @@ impl TruthArgs {
         Ok(truth::frames(opened, truth, frames)?)
     }
 
-    /// The manifest of the views that are the truth, where they are.
+    /// The manifest of the views with truth, if there is one.
     fn views(&self, path: &Path) -> Option<PathBuf> {
         let beside = || if self.cross_validate { None } else { transforms::truth_beside(path) };
         self.views.clone().or_else(beside)

@@ -1,4 +1,4 @@
-//! Files of parts: what one machine made of a piece of work, to be put together with what others did.
+//! Files of parts: the results of one machine, to be put together with those of others.
 //!
 //! ```text
 //! DIR/NAME.part-2-of-6   { "overlook": "0.1.0", "of": "scene.ovl.scan", "part": "2/6", "inputs": { "settings": "…", … } }
@@ -6,7 +6,7 @@
 //!                        number of these bytes, 20 digits; their CRC-32, 8 hexadecimal digits
 //! ```
 //!
-//! The head names the inputs by hashes; a part is used only where they are those of the command that puts parts together.
+//! The head names the inputs by hashes; a part is used only if the command that puts parts together has the same inputs.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -88,7 +88,7 @@ impl Write for Summed<'_> {
 pub(crate) struct OpenPart {
     /// Where it is.
     pub(crate) path: PathBuf,
-    /// Its last line, which tells it from any other that was made from the same inputs.
+    /// Its last line, which differs from that of any other part of the same inputs.
     pub(crate) tail: String,
     /// Positioned at the first byte of what was made.
     pub(crate) reader: BufReader<std::io::Take<File>>,
@@ -175,7 +175,7 @@ impl PartFiles {
         Ok(OpenPart { reader: BufReader::new(file.take(bytes)), ..opened })
     }
 
-    /// What tells a part from any other, if it is of these inputs. All of it is not read.
+    /// The last line of a part of these inputs, which differs from that of any other part. The rest is not read.
     ///
     /// # Errors
     /// As [`PartFiles::open`].

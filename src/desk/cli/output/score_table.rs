@@ -64,7 +64,7 @@ pub(crate) fn view_table(evaluation: &Evaluation) -> String {
     text
 }
 
-/// A line after those before it on where the error lies; nothing where that is not known.
+/// A line on the shares of the error by place; empty if they are not known.
 pub(crate) fn class_line(evaluation: &Evaluation) -> String {
     let Some(error) = &evaluation.mean.error_by_class else { return String::new() };
     let classes = [("unseen", error.unseen), ("edge", error.edge), ("inner", error.inner)];

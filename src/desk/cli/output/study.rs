@@ -1,4 +1,4 @@
-//! What sweeps, stress tests and choices of views leave in a folder, and the page that is made of it.
+//! Results of sweeps, stress tests and choices of views in a folder, and the page that is made of them.
 
 use std::path::{Path, PathBuf};
 

@@ -31,7 +31,7 @@ use overlook_engine::whole_file;
 /// A stage of preprocessing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum PreprocessStage {
-    /// What the rig got wrong, and noise: measured once, for all parts.
+    /// Errors of the rig, and noise: measured once, for all parts.
     Measure,
     /// The pass over the frames of each run; joined, the spans that are longer than a run.
     Scan,
@@ -57,9 +57,9 @@ fn named(part: OpenPart) -> NamedPart {
 /// What was measured once, for all parts.
 struct Measurement {
     measured: Measured,
-    /// Tells its file from any other.
+    /// Differs from that of any other such file.
     identity: String,
-    /// The capture without what the rig got wrong.
+    /// The capture with the errors of the rig corrected.
     corrected: Capture,
 }
 
@@ -72,7 +72,7 @@ impl Stages<'_> {
         format!("{}.{suffix}", self.out.file_name().unwrap_or_default().to_string_lossy())
     }
 
-    /// What all stages are made from. How much memory there is changes nothing.
+    /// The inputs of all stages. The size of the cache is left out: it changes no result.
     fn inputs(&self) -> Result<Inputs> {
         let capture = CaptureSettings { cache: 0, ..self.settings.capture.clone() };
         let settings = Settings { capture, ..self.settings.clone() };
@@ -154,7 +154,7 @@ impl Stages<'_> {
         Ok(files.path(part))
     }
 
-    /// What tells each part of the scan from any other.
+    /// The identity of each part of the scan.
     fn scans(&self, measurement: &Measurement, of: u32) -> Result<Vec<String>> {
         Part::all(of).map(|part| self.scan_files(measurement, part)?.identity(part)).collect()
     }
@@ -211,7 +211,7 @@ impl Stages<'_> {
         Ok(files.path(part))
     }
 
-    /// Joins what is kept of all parts; also gives what the capture was read from.
+    /// Joins the kept samples of all parts; also gives the files of the capture.
     pub(super) fn join_pruned(&self, of: u32, job: &Job) -> Result<(BufferedResult, Option<InputFiles>)> {
         let measurement = self.measured()?;
         let scans = self.scans(&measurement, of)?;

@@ -20,7 +20,7 @@ use views::ViewPainting;
 pub(crate) struct RenderArgs {
     /// The store.
     store: PathBuf,
-    /// The viewpoints: a manifest of the same form as a capture's. Where its pictures exist, they are the truth.
+    /// The viewpoints: a manifest of the same form as a capture's. Its pictures are the truth, if they exist.
     #[arg(long, value_name = "TRANSFORMS")]
     views: PathBuf,
     /// Folder for the pictures, each under its view's own name.

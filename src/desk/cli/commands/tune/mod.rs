@@ -23,7 +23,7 @@ pub(crate) struct TuneArgs {
     out: Option<PathBuf>,
     /// Choose the fewest views that show everything, by what each adds, instead of settings. The folder gets their names in views.txt
     /// (for `overlook preprocess --only`), the curve of coverage and accuracy against their number in views.json, views.csv and
-    /// views.png, and report.html. Where no true pictures are known, accuracy is measured at views that were not chosen.
+    /// views.png, and report.html. Without true pictures, accuracy is measured at views that were not chosen.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "max_bytes", "max_ms", "at_most", "all_cameras", "journal"])]
     fewest_views: Option<PathBuf>,
     /// Percentage of the surface seen by all views that the chosen views must show [default: 99].

@@ -55,7 +55,7 @@ fn truth_in_words(chosen: &ChosenViews) -> String {
     }
 }
 
-/// A line for each view that is needed, with the accuracy of that many where it was measured; then what all give.
+/// A line for each needed view, with the accuracy of that many views if it was measured; then a line for all views.
 fn table(chosen: &ChosenViews) -> String {
     let mut text =
         format!("{:>6} {:>8} {:>8} {:>16} {:>10}  view", "views", "adds %", "shown %", "dB ± SE", "bytes");
