@@ -6,7 +6,8 @@ use std::sync::Arc;
 use crate::scene::{Scene, Sphere};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use overlook_engine::capture::conventions::{
-    CameraAxes, DepthMeasure, Finding, Part, PoseConvention, PoseDirection, Verdict, check, pictures,
+    CameraAxes, ConventionVerdict, DepthMeasure, Finding, PoseConvention, PoseDirection, ReadingPart, check,
+    pictures,
 };
 use overlook_engine::capture::transforms::{self, write_capture};
 use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, Source};
@@ -119,27 +120,28 @@ fn every_export() -> Vec<Export> {
 }
 
 /// Whether a finding names the export, part by part, or says of a part that it cannot tell.
-fn wrong_parts(export: &Export, finding: &Finding) -> Vec<Part> {
+fn wrong_parts(export: &Export, finding: &Finding) -> Vec<ReadingPart> {
     let (reading, undecided) = match &finding.verdict {
-        Verdict::Stands { undecided } => (finding.claimed, undecided.clone()),
-        Verdict::Other(other) => (other.reading, other.undecided.clone()),
-        Verdict::Unknown { .. } => return Vec::new(),
+        ConventionVerdict::Stands { undecided } => (finding.claimed, undecided.clone()),
+        ConventionVerdict::Other(other) => (other.reading, other.undecided.clone()),
+        ConventionVerdict::Unknown { .. } => return Vec::new(),
     };
     let parts = [
-        (Part::Pose, reading.pose == export.pose),
-        (Part::Measure, reading.measure == export.measure),
-        (Part::Unit, (reading.unit / export.unit - 1.0).abs() < 1e-6),
+        (ReadingPart::Pose, reading.pose == export.pose),
+        (ReadingPart::Measure, reading.measure == export.measure),
+        (ReadingPart::Unit, (reading.unit / export.unit - 1.0).abs() < 1e-6),
     ];
-    let is_open =
-        |part: Part| undecided.iter().any(|undecided| undecided.part == part && !undecided.why.is_empty());
+    let is_open = |part: ReadingPart| {
+        undecided.iter().any(|undecided| undecided.part == part && !undecided.why.is_empty())
+    };
     parts.into_iter().filter(|(part, right)| !right && !is_open(*part)).map(|(part, _)| part).collect()
 }
 
 fn is_decided(finding: &Finding) -> bool {
     match &finding.verdict {
-        Verdict::Stands { undecided } => undecided.is_empty(),
-        Verdict::Other(other) => other.undecided.is_empty(),
-        Verdict::Unknown { .. } => false,
+        ConventionVerdict::Stands { undecided } => undecided.is_empty(),
+        ConventionVerdict::Other(other) => other.undecided.is_empty(),
+        ConventionVerdict::Unknown { .. } => false,
     }
 }
 
@@ -332,9 +334,9 @@ fn what_views_cannot_tell_is_said_and_why() {
     let finding =
         check(&read_as_nerfstudio(&turning, &Arc::new(frames), Export { unit: 1e-3, ..as_read })).unwrap();
     assert_eq!(finding.warning(), None);
-    let Verdict::Stands { undecided } = &finding.verdict else { panic!("{finding:?}") };
+    let ConventionVerdict::Stands { undecided } = &finding.verdict else { panic!("{finding:?}") };
     assert!(
-        undecided.iter().any(|open| open.part == Part::Unit && open.why.contains("close together")),
+        undecided.iter().any(|open| open.part == ReadingPart::Unit && open.why.contains("close together")),
         "{finding:?}"
     );
 }

@@ -64,7 +64,7 @@ impl ClockCorrection {
 
 /// The frames around one moment.
 #[derive(Clone, Copy)]
-struct Span {
+struct FrameWindow {
     /// The moment's own frame.
     at: i64,
     /// Frames before and after it that are looked at.
@@ -95,7 +95,7 @@ struct PairTracks {
 }
 
 /// How much later the source of a pair was taken than its target.
-struct Difference {
+struct PairDelay {
     frames: f64,
     weight: f64,
 }
@@ -113,9 +113,10 @@ pub(crate) fn align_clocks(problem: &Problem, capture: &Capture, job: &Job) -> R
     let frames = capture.frame_count() as i64;
     // Moments lie a quarter of the capture from its ends.
     let reach = (MOST_FRAMES + 1).min(frames / 4).max(1);
-    let spans = MOMENTS.map(|share| Span { at: (share * frames as f64) as i64, before: reach, after: reach });
+    let spans =
+        MOMENTS.map(|share| FrameWindow { at: (share * frames as f64) as i64, before: reach, after: reach });
     let pairs = tracks(problem, capture, &spans, job)?;
-    let found: Vec<([usize; 2], Difference)> =
+    let found: Vec<([usize; 2], PairDelay)> =
         pairs.iter().filter_map(|pair| Some((pair.pair, pair.widest_difference(reach)?))).collect();
     let mut clocks = solved(&found, cameras);
     let shifts: Vec<i64> = clocks.iter().map(|clock| clock.delay.round() as i64).collect();
@@ -131,7 +132,7 @@ pub(crate) fn align_clocks(problem: &Problem, capture: &Capture, job: &Job) -> R
 /// the first ones.
 fn first_look_finds_none(problem: &Problem, capture: &Capture, job: &Job) -> Result<bool> {
     for at in [capture.frame_count() as i64 / 2, 0] {
-        let first = tracks(problem, capture, &[Span { at, before: 0, after: 1 }], job)?;
+        let first = tracks(problem, capture, &[FrameWindow { at, before: 0, after: 1 }], job)?;
         let found: Vec<([usize; 2], f64)> = first
             .iter()
             .filter_map(|pair| Some((pair.pair, pair.difference(0, [0, 1])?.frames.abs())))
@@ -151,7 +152,7 @@ fn first_look_finds_none(problem: &Problem, capture: &Capture, job: &Job) -> Res
 
 /// Follows what moves in every camera through the frames of some spans in the others. Of spans that reach beyond the capture nothing
 /// is followed.
-fn tracks(problem: &Problem, capture: &Capture, spans: &[Span], job: &Job) -> Result<Vec<PairTracks>> {
+fn tracks(problem: &Problem, capture: &Capture, spans: &[FrameWindow], job: &Job) -> Result<Vec<PairTracks>> {
     let frames = capture.frame_count() as i64;
     let mut pairs: Vec<PairTracks> =
         problem.pairs.iter().map(|pair| PairTracks { pair: *pair, tracks: Vec::new() }).collect();
@@ -172,8 +173,14 @@ fn tracks(problem: &Problem, capture: &Capture, spans: &[Span], job: &Job) -> Re
 }
 
 impl Moment {
-    fn new(problem: &Problem, capture: &Capture, camera: usize, span: Span, job: &Job) -> Result<Self> {
-        let Span { at, before, after } = span;
+    fn new(
+        problem: &Problem,
+        capture: &Capture,
+        camera: usize,
+        span: FrameWindow,
+        job: &Job,
+    ) -> Result<Self> {
+        let FrameWindow { at, before, after } = span;
         let lens = &problem.views[camera].camera;
         let view = |frame: i64| {
             job.check()?;
@@ -213,14 +220,14 @@ impl Moment {
 impl PairTracks {
     /// How late the source is, looked at beside the target's frame `offset` after its own, where the first of the residuals is of
     /// the frame `reach` before it; `None` where too little moves.
-    fn difference_beside(&self, offset: i64, reach: i64) -> Option<Difference> {
+    fn difference_beside(&self, offset: i64, reach: i64) -> Option<PairDelay> {
         let middle = (reach + offset) as usize;
         let found = self.difference(middle, [middle - 1, middle + 1])?;
-        Some(Difference { frames: offset as f64 + found.frames, ..found })
+        Some(PairDelay { frames: offset as f64 + found.frames, ..found })
     }
 
     /// How late the source is by the residuals at `now`, which change as they do between two others; `None` where too little moves.
-    fn difference(&self, now: usize, [from, to]: [usize; 2]) -> Option<Difference> {
+    fn difference(&self, now: usize, [from, to]: [usize; 2]) -> Option<PairDelay> {
         let (mut products, mut squares, mut counted) = (0.0, 0.0, 0);
         for kind in [0, 1] {
             let fitting = self.tracks.iter().filter(|track| !track.judges);
@@ -238,11 +245,11 @@ impl PairTracks {
             squares += square;
         }
         (counted >= LEAST_SAMPLES && squares > 0.0)
-            .then(|| Difference { frames: products / squares, weight: squares })
+            .then(|| PairDelay { frames: products / squares, weight: squares })
     }
 
     /// As [`PairTracks::difference_beside`], beside the frame of the target that fits best.
-    fn widest_difference(&self, reach: i64) -> Option<Difference> {
+    fn widest_difference(&self, reach: i64) -> Option<PairDelay> {
         let offsets = 1 - reach..reach;
         let best = offsets.min_by(|a, b| self.loss(*a, reach).total_cmp(&self.loss(*b, reach)))?;
         let found = self.difference_beside(best, reach)?;
@@ -311,11 +318,11 @@ fn least_squares(moving: &[[f64; 2]], start: f64, least_sigma: f64) -> (f64, f64
 }
 
 /// The clocks that fit the differences best, that of the camera in the middle being right; nothing is judged yet.
-fn solved(found: &[([usize; 2], Difference)], cameras: usize) -> Vec<ClockCorrection> {
+fn solved(found: &[([usize; 2], PairDelay)], cameras: usize) -> Vec<ClockCorrection> {
     /// Keeps the mean where nothing tells it: far less than any difference weighs.
     const PULL: f64 = 1e-6;
     let mut equations = NormalEquations::new(cameras);
-    for (pair, Difference { frames, weight }) in found {
+    for (pair, PairDelay { frames, weight }) in found {
         equations.add_difference(*pair, *frames, *weight);
     }
     for camera in 0..cameras {

@@ -114,7 +114,7 @@ pub(crate) struct Matches<'a> {
 }
 
 /// The difference of standardized brightness at one match, and its derivatives.
-pub(crate) struct Difference {
+pub(crate) struct BrightnessDifference {
     pub(crate) match_index: usize,
     pub(crate) value: f64,
     pub(crate) by_unknown: [f64; UNKNOWNS],
@@ -130,7 +130,7 @@ impl Matches<'_> {
     }
 
     /// The differences at all matches that both color pictures show.
-    pub(crate) fn differences(&self, lens: &ColorLens, sensing: &Sensing) -> Vec<Difference> {
+    pub(crate) fn differences(&self, lens: &ColorLens, sensing: &Sensing) -> Vec<BrightnessDifference> {
         let points = self.points.iter().enumerate().step_by(sensing.stride);
         let seen: Vec<(usize, [Brightness; 2])> = points
             .filter_map(|(index, [own, other])| {
@@ -144,7 +144,7 @@ impl Matches<'_> {
             let square = seen.iter().map(|(_, both)| (both[side].value - mean).powi(2)).sum::<f64>();
             (mean, 1.0 / (square / count).sqrt().max(LEAST_CONTRAST))
         });
-        let difference = |(match_index, both): &(usize, [Brightness; 2])| Difference {
+        let difference = |(match_index, both): &(usize, [Brightness; 2])| BrightnessDifference {
             match_index: *match_index,
             value: (both[1].value - other.0) * other.1 - (both[0].value - own.0) * own.1,
             by_unknown: std::array::from_fn(|unknown| {

@@ -7,9 +7,9 @@
 
 use rayon::prelude::*;
 
-use super::color_lens::{ColorLens, Difference, Matches, Sensing, UNKNOWNS};
+use super::color_lens::{BrightnessDifference, ColorLens, Matches, Sensing, UNKNOWNS};
 use super::color_lens_matches::matches;
-use super::color_lens_shares::{Share, shares};
+use super::color_lens_shares::{LensEquations, shares};
 use super::judge::Judgment;
 use super::normal_equations::NormalEquations;
 use super::solver::{Problem, loss};
@@ -88,7 +88,7 @@ pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<Vec<Lens
     }
     let mut found = Vec::new();
     for lens in claimed {
-        if let Some(search) = Search::new(problem, lens) {
+        if let Some(search) = LensSearch::new(problem, lens) {
             found.extend(search.run(job)?);
         }
     }
@@ -96,7 +96,7 @@ pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<Vec<Lens
 }
 
 /// All pairs of cameras that claim one lens.
-struct Search<'a> {
+struct LensSearch<'a> {
     claimed: Intrinsics,
     distance: f64,
     /// Pairs that find the lens, and pairs that judge it.
@@ -104,7 +104,7 @@ struct Search<'a> {
     judging: Vec<Matches<'a>>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> LensSearch<'a> {
     /// `None` where too few cameras claim the lens, or too few of their pairs match.
     fn new(problem: &'a Problem, claimed: Intrinsics) -> Option<Self> {
         let cameras: Vec<usize> = (0..problem.views.len())
@@ -265,21 +265,26 @@ impl<'a> Search<'a> {
     }
 
     /// Moves a lens by one step of Gauss–Newton, which it returns; `None` where the equations do not tell it.
-    fn step(&self, lens: &mut ColorLens, free: &[usize], shares: &[Share]) -> Option<[f64; UNKNOWNS]> {
+    fn step(
+        &self,
+        lens: &mut ColorLens,
+        free: &[usize],
+        shares: &[LensEquations],
+    ) -> Option<[f64; UNKNOWNS]> {
         let equations = self.equations(lens, free, shares);
         let step = spread(free, &equations.factor()?.solve(&equations.right));
         *lens = lens.moved(&step, &self.claimed, self.distance);
         Some(step)
     }
 
-    fn shares_of_all(&self, lens: &ColorLens, sensing: &Sensing) -> Vec<Share> {
+    fn shares_of_all(&self, lens: &ColorLens, sensing: &Sensing) -> Vec<LensEquations> {
         let mut all = shares(&self.fitting, lens, sensing);
         all.extend(shares(&self.judging, lens, sensing));
         all
     }
 
     /// The normal equations of the free unknowns, with the pull toward what is claimed.
-    fn equations(&self, lens: &ColorLens, free: &[usize], shares: &[Share]) -> NormalEquations {
+    fn equations(&self, lens: &ColorLens, free: &[usize], shares: &[LensEquations]) -> NormalEquations {
         let now = lens.unknowns(&self.claimed, self.distance);
         let mut equations = NormalEquations::new(free.len());
         for (row, &unknown) in free.iter().enumerate() {
@@ -360,7 +365,7 @@ fn pays(judgment: &Judgment) -> bool {
 }
 
 /// The values of differences at the same matches, which are in order.
-fn common(before: &[Difference], after: &[Difference]) -> Vec<[f64; 2]> {
+fn common(before: &[BrightnessDifference], after: &[BrightnessDifference]) -> Vec<[f64; 2]> {
     let mut after = after.iter().peekable();
     let mut both = Vec::with_capacity(before.len());
     for own in before {

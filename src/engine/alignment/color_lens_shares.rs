@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::color_lens::{ColorLens, Difference, Matches, Sensing, UNKNOWNS};
+use super::color_lens::{BrightnessDifference, ColorLens, Matches, Sensing, UNKNOWNS};
 use super::solver::TUKEY;
 use crate::median::{MEDIAN_PER_SIGMA, median};
 
@@ -15,22 +15,22 @@ const INDEPENDENT: f64 = 0.05;
 const LEAST_SIGMA: f64 = 0.05;
 
 /// One pair's share of the normal equations of all unknowns, of which the lower triangle counts.
-pub(super) struct Share {
+pub(super) struct LensEquations {
     pub(super) matrix: [[f64; UNKNOWNS]; UNKNOWNS],
     pub(super) right: [f64; UNKNOWNS],
 }
 
 /// The shares of all pairs, in their order.
-pub(super) fn shares(pairs: &[Matches], lens: &ColorLens, sensing: &Sensing) -> Vec<Share> {
+pub(super) fn shares(pairs: &[Matches], lens: &ColorLens, sensing: &Sensing) -> Vec<LensEquations> {
     pairs.par_iter().map(|pair| share(&pair.differences(lens, sensing))).collect()
 }
 
-fn share(differences: &[Difference]) -> Share {
-    let mut share = Share { matrix: [[0.0; UNKNOWNS]; UNKNOWNS], right: [0.0; UNKNOWNS] };
+fn share(differences: &[BrightnessDifference]) -> LensEquations {
+    let mut share = LensEquations { matrix: [[0.0; UNKNOWNS]; UNKNOWNS], right: [0.0; UNKNOWNS] };
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.value.abs()).collect();
     let Some(middle) = median(&mut sizes) else { return share };
     let sigma = (middle / MEDIAN_PER_SIGMA).max(LEAST_SIGMA);
-    for Difference { value, by_unknown, .. } in differences {
+    for BrightnessDifference { value, by_unknown, .. } in differences {
         let relative = value / (TUKEY * sigma);
         if relative.abs() >= 1.0 {
             continue;

@@ -44,14 +44,14 @@ pub(super) fn kept_gain(gains: &[GainCorrection], camera: usize) -> Option<&Gain
 }
 
 /// The logarithms of colors of two cameras at one sample: the sample's own, and what the other shows.
-struct Reading {
+struct ColorPair {
     own: [f64; 3],
     found: [f64; 3],
     judges: bool,
 }
 
 /// A pair of cameras with all readings of it.
-type PairReadings = ([usize; 2], Vec<Reading>);
+type ColorsOfPair = ([usize; 2], Vec<ColorPair>);
 
 /// Per pair and channel: the median difference of logarithms, its weight, and the spread.
 struct Ratio {
@@ -68,7 +68,7 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
     let of_pair = |(pair, weighed): (&[usize; 2], &PairWeighing)| {
         (*pair, readings(problem, (weighing.level, weighed.gate), *pair, &own[pair[0]]))
     };
-    let readings: Vec<PairReadings> = problem.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
+    let readings: Vec<ColorsOfPair> = problem.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
     let ratios: Vec<Ratio> = readings.iter().filter_map(|(pair, readings)| ratio(*pair, readings)).collect();
     let mut corrections = solved(&ratios, &problem.is_free);
     let spreads = spreads(&ratios, &readings);
@@ -118,7 +118,7 @@ fn solved(ratios: &[Ratio], is_free: &[bool]) -> Vec<GainCorrection> {
 fn judged<'a>(
     camera: usize,
     found: &[[f64; 3]],
-    pairs: impl Iterator<Item = (&'a PairReadings, &'a [f64; 3])>,
+    pairs: impl Iterator<Item = (&'a ColorsOfPair, &'a [f64; 3])>,
 ) -> Judgment {
     let mut losses = Vec::new();
     for ((pair, readings), spread) in pairs.filter(|((pair, _), _)| pair.contains(&camera)) {
@@ -139,8 +139,8 @@ fn judged<'a>(
 }
 
 /// The spreads of each pair that has a ratio; of others nothing counts.
-fn spreads(ratios: &[Ratio], readings: &[PairReadings]) -> Vec<[f64; 3]> {
-    let of_pair = |(pair, _): &PairReadings| {
+fn spreads(ratios: &[Ratio], readings: &[ColorsOfPair]) -> Vec<[f64; 3]> {
+    let of_pair = |(pair, _): &ColorsOfPair| {
         ratios.iter().find(|ratio| ratio.pair == *pair).map_or([1e-9; 3], |ratio| ratio.spread)
     };
     readings.iter().map(of_pair).collect()
@@ -171,7 +171,7 @@ fn readings(
     (level, gate): (usize, f64),
     pair: [usize; 2],
     own_colors: &[LogColor],
-) -> Vec<Reading> {
+) -> Vec<ColorPair> {
     let views = problem.pair(pair);
     let [own, other] = pair.map(|camera| &problem.views[camera]);
     let samples = problem.samples[pair[0]].iter().zip(own_colors);
@@ -181,7 +181,7 @@ fn readings(
         let point = own.camera.unproject(sample.pixel, 1.0 / sample.inverse_depth);
         let (image, _) = other.camera.project(point)?;
         let found = mean_log_color(&other.frame.color, image.x, image.y)?;
-        Some(Reading { own: own_color, found, judges: sample.judges })
+        Some(ColorPair { own: own_color, found, judges: sample.judges })
     });
     readings.collect()
 }
@@ -212,8 +212,8 @@ fn mean_log_color(color: &Grid<[half::f16; 3]>, u: f64, v: f64) -> LogColor {
     mean.iter().all(|mean| *mean >= USABLE[0]).then(|| mean.map(|mean| f64::from(mean.ln())))
 }
 
-fn ratio(pair: [usize; 2], readings: &[Reading]) -> Option<Ratio> {
-    let fitting: Vec<&Reading> = readings.iter().filter(|reading| !reading.judges).collect();
+fn ratio(pair: [usize; 2], readings: &[ColorPair]) -> Option<Ratio> {
+    let fitting: Vec<&ColorPair> = readings.iter().filter(|reading| !reading.judges).collect();
     if fitting.len() < LEAST_SAMPLES {
         return None;
     }

@@ -15,7 +15,7 @@ use super::camera_correction::{CameraCorrection, CameraCorrections};
 use super::capture_correction::CaptureCorrection;
 use super::color_lens_search::LensCorrection;
 use super::corrected_frames::FrameCorrection;
-use super::groups::Group;
+use super::groups::CameraGroup;
 use super::report::{AlignedCamera, AlignedLens, AlignedPair, Alignment};
 use super::together::{Aligned, aligned_beside_lenses, problem};
 use crate::capture::{Camera, Capture};
@@ -24,13 +24,13 @@ use crate::job::Job;
 use crate::settings::AlignSettings;
 
 /// What is known of all cameras while one group after the other is aligned.
-struct Decided {
+struct DecidedCameras {
     correction: CaptureCorrection,
     cameras: Vec<AlignedCamera>,
     pairs: Vec<AlignedPair>,
 }
 
-impl Decided {
+impl DecidedCameras {
     /// That all cameras are as they claim to be, but for their lenses.
     fn nothing(seen: &Capture, lenses: &[LensCorrection]) -> Self {
         let named = |camera: &Camera| AlignedCamera { name: camera.name.clone(), ..AlignedCamera::default() };
@@ -47,7 +47,7 @@ impl Decided {
     }
 
     /// Takes over what was found of the new cameras of a group.
-    fn take(&mut self, group: &Group, held: &[usize], found: Aligned) {
+    fn take(&mut self, group: &CameraGroup, held: &[usize], found: Aligned) {
         let is_new = |camera: usize| group.new.binary_search(&camera).is_ok();
         let CaptureCorrection { cameras, frames, late_frames, .. } = found.correction;
         let alignment = found.alignment.unwrap_or_default();
@@ -69,12 +69,12 @@ impl Decided {
 /// Finds poses, exposures and clocks of a capture that is seen through its color lenses, as [`aligned_beside_lenses`] does of few cameras.
 pub(super) fn aligned_in_groups(
     seen: &Capture,
-    (groups, typical_depth): (&[Group], f64),
+    (groups, typical_depth): (&[CameraGroup], f64),
     lenses: &[LensCorrection],
     settings: &AlignSettings,
     job: &Job,
 ) -> Result<Option<Aligned>> {
-    let mut decided = Decided::nothing(seen, lenses);
+    let mut decided = DecidedCameras::nothing(seen, lenses);
     let mut so_far = seen.clone();
     for group in groups {
         let mut held = [group.new.as_slice(), group.decided.as_slice()].concat();
@@ -87,7 +87,7 @@ pub(super) fn aligned_in_groups(
             so_far = decided.correction.applied_to_seen(seen);
         }
     }
-    let Decided { mut correction, cameras, pairs } = decided;
+    let DecidedCameras { mut correction, cameras, pairs } = decided;
     if lenses.is_empty() && cameras.iter().all(|camera| camera.sentence().is_none()) {
         return Ok(None);
     }

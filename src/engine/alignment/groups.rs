@@ -4,7 +4,7 @@ use crate::capture::Camera;
 
 /// Cameras that are aligned together.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Group {
+pub(super) struct CameraGroup {
     /// Those that no group before has, ascending.
     pub(super) new: Vec<usize>,
     /// Those of groups before that hold them where they are, ascending.
@@ -31,7 +31,7 @@ fn first_by(mut cameras: Vec<usize>, count: usize, measure: impl Fn(usize) -> f6
 
 /// Cuts cameras that look at things `typical_depth` away into groups of at most `most`. The first group lies at an end; each other one
 /// grows from the camera nearest to those before it.
-pub(super) fn groups(cameras: &[Camera], typical_depth: f64, most: usize) -> Vec<Group> {
+pub(super) fn groups(cameras: &[Camera], typical_depth: f64, most: usize) -> Vec<CameraGroup> {
     let between = |a: usize, b: usize| distance(cameras, typical_depth, a, b);
     // How far each camera is from those that are decided; none while nothing is.
     let mut beside = vec![f64::INFINITY; cameras.len()];
@@ -53,7 +53,7 @@ pub(super) fn groups(cameras: &[Camera], typical_depth: f64, most: usize) -> Vec
         for camera in all().filter(|camera| !is_decided[*camera]) {
             beside[camera] = beside[camera].min(nearest(camera));
         }
-        groups.push(Group { new, decided });
+        groups.push(CameraGroup { new, decided });
         let left = all().filter(|camera| !is_decided[*camera]);
         start = left.min_by(|a, b| beside[*a].total_cmp(&beside[*b]).then(a.cmp(b)));
     }

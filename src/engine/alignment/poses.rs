@@ -6,25 +6,25 @@ use rayon::prelude::*;
 use super::judge::Judgment;
 use super::normal_equations::eigen;
 use super::residuals::{GAIN, UNKNOWNS};
-use super::solver::{Problem, Stage, Weighing, make_rigid, moved};
+use super::solver::{Problem, SolverStage, Weighing, make_rigid, moved};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::job::Job;
 
 /// From errors of tens of footprints to hundredths.
-const STAGES: [Stage; 5] = [
-    Stage { gate: 60.0, level: 3, steps: 4 },
-    Stage { gate: 30.0, level: 3, steps: 5 },
-    Stage { gate: 15.0, level: 2, steps: 5 },
-    Stage { gate: 8.0, level: 1, steps: 5 },
-    Stage { gate: 8.0, level: 0, steps: 8 },
+const STAGES: [SolverStage; 5] = [
+    SolverStage { gate: 60.0, level: 3, steps: 4 },
+    SolverStage { gate: 30.0, level: 3, steps: 5 },
+    SolverStage { gate: 15.0, level: 2, steps: 5 },
+    SolverStage { gate: 8.0, level: 1, steps: 5 },
+    SolverStage { gate: 8.0, level: 0, steps: 8 },
 ];
 
 /// What tells whether anything is wrong at all.
-const FIRST_LOOK: Stage = Stage { gate: 15.0, level: 0, steps: 1 };
+const FIRST_LOOK: SolverStage = SolverStage { gate: 15.0, level: 0, steps: 1 };
 
 /// What tells how far apart two cameras are: as far as poses are looked for, in full resolution.
-pub(super) const WIDE_LOOK: Stage = Stage { level: 0, ..STAGES[0] };
+pub(super) const WIDE_LOOK: SolverStage = SolverStage { level: 0, ..STAGES[0] };
 
 /// A pose that moves samples by less than this, in footprints, does not show.
 const LEAST_MOVE: f64 = 0.05;

@@ -40,14 +40,14 @@ pub(crate) struct PairOfViews<'a> {
     source_lens: Intrinsics,
     /// Gains of source and target.
     gains: [f64; 2],
-    scale: Scale,
+    scale: ProblemScale,
     /// No depth in the target is looked at.
     color_alone: bool,
 }
 
 /// What makes unknowns and residuals comparable: all cameras are taken to have this.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scale {
+pub(crate) struct ProblemScale {
     /// Typical inverse depth, 1/unit.
     pub(crate) inverse_depth: f64,
     /// Typical focal length, pixels.
@@ -63,7 +63,7 @@ impl<'a> PairOfViews<'a> {
     pub(crate) fn new(
         [source, target]: [&'a ReferenceView; 2],
         log_gains: [f64; 2],
-        scale: Scale,
+        scale: ProblemScale,
         color_alone: bool,
     ) -> Self {
         let target_from_source = target.camera.camera_from_world() * source.camera.world_from_camera;

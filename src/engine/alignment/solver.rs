@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::normal_equations::NormalEquations;
 use super::reference_view::ReferenceView;
-use super::residuals::{GAIN, PairOfViews, Scale, Term, UNKNOWNS};
+use super::residuals::{GAIN, PairOfViews, ProblemScale, Term, UNKNOWNS};
 use super::surface_samples::SurfaceSample;
 use crate::error::Result;
 use crate::job::Job;
@@ -22,7 +22,7 @@ pub(crate) struct Problem {
     pub(crate) samples: Vec<Vec<SurfaceSample>>,
     /// Cameras whose samples are carried, and where to.
     pub(crate) pairs: Vec<[usize; 2]>,
-    pub(crate) scale: Scale,
+    pub(crate) scale: ProblemScale,
     /// Logarithm of each camera's gain of brightness.
     pub(crate) log_gains: Vec<f64>,
     /// What has been added to each camera's unknowns of the pose, in the order of [`UNKNOWNS`], up to now.
@@ -35,7 +35,7 @@ pub(crate) struct Problem {
 
 /// One stage of the search: how coarse it is, and how long.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stage {
+pub(crate) struct SolverStage {
     /// Distances beyond this, in footprints, are other surfaces.
     pub(crate) gate: f64,
     /// Resolution of the brightness that is compared.
@@ -77,13 +77,13 @@ const TRUST: [f64; 2] = [1.0, 0.5];
 const MEAN_WEIGHT: f64 = 1e4;
 
 /// One pair's share of the normal equations.
-struct Share {
+struct PairEquations {
     matrix: [[f64; 2 * UNKNOWNS]; 2 * UNKNOWNS],
     right: [f64; 2 * UNKNOWNS],
     terms: f64,
 }
 
-impl Share {
+impl PairEquations {
     fn new() -> Self {
         Self { matrix: [[0.0; 2 * UNKNOWNS]; 2 * UNKNOWNS], right: [0.0; 2 * UNKNOWNS], terms: 0.0 }
     }
@@ -121,7 +121,7 @@ impl Problem {
     }
 
     /// Magnitudes of a pair's distances (footprints) and differences of brightness, of every `step`-th sample that is seen.
-    pub(crate) fn magnitudes(&self, pair: [usize; 2], stage: &Stage, step: usize) -> [Vec<f64>; 2] {
+    pub(crate) fn magnitudes(&self, pair: [usize; 2], stage: &SolverStage, step: usize) -> [Vec<f64>; 2] {
         let views = self.pair(pair);
         let mut found = [Vec::new(), Vec::new()];
         for sample in self.samples[pair[0]].iter().step_by(step) {
@@ -134,7 +134,7 @@ impl Problem {
     }
 
     /// How residuals are weighed, as wide as they are now.
-    pub(crate) fn weighing(&self, stage: &Stage) -> Weighing {
+    pub(crate) fn weighing(&self, stage: &SolverStage) -> Weighing {
         let of_pair = |pair: &[usize; 2]| {
             // A part of the samples tells the width of all.
             let mut found = self.magnitudes(*pair, stage, 2);
@@ -162,7 +162,7 @@ impl Problem {
     pub(crate) fn equations(&self, weighing: &Weighing) -> NormalEquations {
         let of_pair = |(pair, weighed): (&[usize; 2], &PairWeighing)| {
             let views = self.pair(*pair);
-            let mut share = Share::new();
+            let mut share = PairEquations::new();
             for sample in self.samples[pair[0]].iter().filter(|sample| !sample.judges) {
                 let Some(terms) = views.terms(sample, weighing.level, weighed.gate) else { continue };
                 for (term, sigma) in [terms.distance, terms.color].into_iter().zip(weighed.sigmas) {
@@ -173,7 +173,7 @@ impl Problem {
             }
             share
         };
-        let shares: Vec<Share> = self.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
+        let shares: Vec<PairEquations> = self.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
         let mut equations = NormalEquations::new(self.views.len() * UNKNOWNS);
         for (pair, share) in self.pairs.iter().zip(&shares) {
             let places: Vec<Option<usize>> = pair.iter().flat_map(|camera| self.places(*camera)).collect();
@@ -253,7 +253,7 @@ impl Problem {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub(crate) fn iterate(&mut self, stage: &Stage, job: &Job) -> Result<()> {
+    pub(crate) fn iterate(&mut self, stage: &SolverStage, job: &Job) -> Result<()> {
         for _ in 0..stage.steps {
             job.check()?;
             let equations = self.equations(&self.weighing(stage));
@@ -274,7 +274,7 @@ impl Problem {
 const SETTLED: f64 = 0.003;
 
 /// A pose moved by rotation and translation in camera space, which count in footprints.
-pub(crate) fn moved(pose: &DAffine3, step: &[f64], scale: Scale) -> DAffine3 {
+pub(crate) fn moved(pose: &DAffine3, step: &[f64], scale: ProblemScale) -> DAffine3 {
     let rotation = DVec3::from_slice(&step[..3]) / scale.focal;
     let translation = DVec3::from_slice(&step[3..6]) / (scale.focal * scale.inverse_depth);
     let mut moved =

@@ -12,7 +12,7 @@ use super::overlaps::overlapping_pairs;
 use super::poses;
 use super::reference_view::ReferenceView;
 use super::report::Alignment;
-use super::residuals::Scale;
+use super::residuals::ProblemScale;
 use super::solver::Problem;
 use super::surface_samples::surface_samples;
 use crate::capture::Capture;
@@ -107,7 +107,7 @@ pub(super) fn problem(capture: &Capture, pairs: Option<Vec<[usize; 2]>>, job: &J
     let pairs = pairs.unwrap_or_else(|| overlapping_pairs(&views, &samples));
     let mut depths: Vec<f64> = samples.iter().flatten().map(|sample| sample.inverse_depth).collect();
     let mut focals: Vec<f64> = views.iter().map(|view| view.camera.intrinsics.fx).collect();
-    let scale = Scale {
+    let scale = ProblemScale {
         inverse_depth: median(&mut depths).unwrap_or(1.0),
         focal: median(&mut focals).unwrap_or(1.0),
     };

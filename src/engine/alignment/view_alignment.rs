@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use super::reference_view::ReferenceView;
-use super::residuals::Scale;
-use super::solver::{PairWeighing, Problem, Stage, Weighing, loss};
+use super::residuals::ProblemScale;
+use super::solver::{PairWeighing, Problem, SolverStage, Weighing, loss};
 use super::surface_samples::surface_samples;
 use crate::capture::{Camera, Frame};
 use crate::error::Result;
@@ -38,7 +38,7 @@ pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job)
     }
     let mut depths: Vec<f64> = samples.iter().map(|sample| sample.inverse_depth).collect();
     let inverse_depth = median(&mut depths).unwrap_or(1.0);
-    let scale = Scale { inverse_depth, focal: camera.intrinsics.fx };
+    let scale = ProblemScale { inverse_depth, focal: camera.intrinsics.fx };
     let mut problem = Problem {
         views: vec![source, target],
         samples: vec![samples, Vec::new()],
@@ -50,9 +50,9 @@ pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job)
         color_alone: true,
     };
     for (level, steps) in STAGES {
-        problem.iterate(&Stage { gate: f64::INFINITY, level, steps }, job)?;
+        problem.iterate(&SolverStage { gate: f64::INFINITY, level, steps }, job)?;
     }
-    let weighing = problem.weighing(&Stage { gate: f64::INFINITY, level: 1, steps: 0 });
+    let weighing = problem.weighing(&SolverStage { gate: f64::INFINITY, level: 1, steps: 0 });
     let after = mean_color_loss(&problem, &weighing);
     let aligned = problem.views[1].camera.clone();
     problem.views[1].camera = camera.clone();

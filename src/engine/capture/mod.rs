@@ -37,4 +37,4 @@ pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
 pub use open::{Source, open};
 pub use parts::{Capture, CaptureParts, FrameSource, TruthLoader, TruthView};
 pub use readers::{Description, Skipped};
-pub use recording::{Addition, GreedyCover, Shown, ViewChoice};
+pub use recording::{Addition, CoveredSet, GreedyCover, ViewChoice};

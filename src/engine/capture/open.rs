@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::parts::Capture;
-use super::readers::{self, Description, Reading, SaidBy};
+use super::readers::{self, Description, ReadSource, SaidBy};
 use super::recording::ViewChoice;
 use super::transforms::{PictureEntry, capture_of};
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use crate::whole_file;
 /// A path that was found to be a capture, and how it was understood.
 #[derive(Clone, Debug)]
 pub struct Source {
-    reading: Reading,
+    reading: ReadSource,
 }
 
 impl Source {

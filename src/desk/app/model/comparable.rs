@@ -2,7 +2,7 @@
 
 use super::document::State;
 use super::scene::SceneSource;
-use overlook_engine::capture::conventions::Verdict;
+use overlook_engine::capture::conventions::ConventionVerdict;
 
 impl State {
     /// Why two readings cannot be compared; `None` where they can.
@@ -20,11 +20,11 @@ impl State {
         }
         match readings.finding.as_ref().map(|finding| &finding.verdict) {
             None => Some("How well the views agree is not known yet.".to_owned()),
-            Some(Verdict::Stands { .. }) => {
+            Some(ConventionVerdict::Stands { .. }) => {
                 Some("The views agree as the capture is read; no other reading fits better.".to_owned())
             }
-            Some(Verdict::Unknown { why }) => Some(format!("The views cannot tell: {why}.")),
-            Some(Verdict::Other(_)) => None,
+            Some(ConventionVerdict::Unknown { why }) => Some(format!("The views cannot tell: {why}.")),
+            Some(ConventionVerdict::Other(_)) => None,
         }
     }
 }

@@ -17,7 +17,7 @@ const POINT_BYTES: usize = 8 + 8 + 8;
 /// # Errors
 /// `Invalid` with the byte at which the file is damaged or ends.
 pub fn cameras_of_bytes(bytes: &[u8], place: &str) -> Result<Vec<ColmapCamera>> {
-    let mut from = ByteReader { bytes, at: 0, place };
+    let mut from = ColmapBytes { bytes, at: 0, place };
     let count = from.count(CAMERA_BYTES, "cameras")?;
     let mut cameras = Vec::new();
     for _ in 0..count {
@@ -40,7 +40,7 @@ pub fn cameras_of_bytes(bytes: &[u8], place: &str) -> Result<Vec<ColmapCamera>> 
 /// # Errors
 /// `Invalid` with the byte at which the file is damaged or ends.
 pub fn images_of_bytes(bytes: &[u8], place: &str) -> Result<Vec<ColmapImage>> {
-    let mut from = ByteReader { bytes, at: 0, place };
+    let mut from = ColmapBytes { bytes, at: 0, place };
     let count = from.count(IMAGE_BYTES, "images")?;
     let mut images = Vec::new();
     for _ in 0..count {
@@ -56,13 +56,13 @@ pub fn images_of_bytes(bytes: &[u8], place: &str) -> Result<Vec<ColmapImage>> {
 }
 
 /// Bytes, and how far they are read.
-struct ByteReader<'a> {
+struct ColmapBytes<'a> {
     bytes: &'a [u8],
     at: usize,
     place: &'a str,
 }
 
-impl ByteReader<'_> {
+impl ColmapBytes<'_> {
     fn error(&self, what: &str) -> Error {
         let what = format!("byte {}: {what}; it is damaged, or no file of COLMAP", self.at);
         Error::invalid(self.place, what)

@@ -11,10 +11,10 @@ use crate::error::{Error, Result};
 /// # Errors
 /// `Invalid` and `Unsupported` with the line.
 pub fn cameras_of_text(text: &str, place: &str) -> Result<Vec<ColmapCamera>> {
-    lines(text, place).filter(Line::is_data).map(|line| camera(&line)).collect()
+    lines(text, place).filter(ColmapLine::is_data).map(|line| camera(&line)).collect()
 }
 
-fn camera(line: &Line) -> Result<ColmapCamera> {
+fn camera(line: &ColmapLine) -> Result<ColmapCamera> {
     let id = line.value(0)?;
     let name = line.field(1)?;
     let model = LensModel::of_name(name).ok_or_else(|| {
@@ -62,15 +62,15 @@ pub fn images_of_text(text: &str, place: &str) -> Result<Vec<ColmapImage>> {
 }
 
 /// One line.
-struct Line<'a> {
+struct ColmapLine<'a> {
     place: &'a str,
     number: usize,
     fields: Vec<&'a str>,
     is_comment: bool,
 }
 
-fn lines<'a>(text: &'a str, place: &'a str) -> impl Iterator<Item = Line<'a>> {
-    text.lines().enumerate().map(move |(index, text)| Line {
+fn lines<'a>(text: &'a str, place: &'a str) -> impl Iterator<Item = ColmapLine<'a>> {
+    text.lines().enumerate().map(move |(index, text)| ColmapLine {
         place,
         number: index + 1,
         fields: text.split_whitespace().collect(),
@@ -78,7 +78,7 @@ fn lines<'a>(text: &'a str, place: &'a str) -> impl Iterator<Item = Line<'a>> {
     })
 }
 
-impl Line<'_> {
+impl ColmapLine<'_> {
     fn is_data(&self) -> bool {
         !self.is_comment && !self.fields.is_empty()
     }

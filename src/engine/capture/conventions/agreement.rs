@@ -7,23 +7,23 @@
 use glam::{DAffine3, DVec3};
 
 use super::reading::Reading;
-use super::views::View;
+use super::views::ComparedView;
 use crate::capture::depth_claim::DepthMeasure;
 use crate::median::median;
 
 /// What readings are tried on.
 pub(super) struct Comparison {
-    pub views: Vec<View>,
+    pub views: Vec<ComparedView>,
     /// Source and target, by their index.
     pub pairs: Vec<(usize, usize)>,
     /// Distance of the near plane, world units.
     pub near_clip: f64,
-    /// The convention of the matrices of [`View::world_from_camera`].
+    /// The convention of the matrices of [`ComparedView::world_from_camera`].
     pub claimed: Reading,
 }
 
 /// What a point says that was carried into another view.
-enum Vote {
+enum PointAgreement {
     Agrees,
     InFront,
     Hidden,
@@ -31,7 +31,7 @@ enum Vote {
 
 /// What points say that were carried from view to view.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Votes {
+pub(super) struct AgreementCounts {
     pub agree: usize,
     /// Those that lie before all that the other view saw there.
     pub contradict: usize,
@@ -39,7 +39,7 @@ pub(super) struct Votes {
     pub tried: usize,
 }
 
-impl Votes {
+impl AgreementCounts {
     /// Points that agree less those that contradict, as a share of all.
     pub(super) fn score(&self) -> f64 {
         (self.agree as f64 - self.contradict as f64) / self.tried.max(1) as f64
@@ -49,7 +49,7 @@ impl Votes {
 impl Comparison {
     /// World space from our camera space of every view, if its matrix is meant as `reading` says.
     pub(super) fn poses(&self, reading: &Reading) -> Vec<DAffine3> {
-        let matrix = |view: &View| self.claimed.pose.matrix(&view.world_from_camera);
+        let matrix = |view: &ComparedView| self.claimed.pose.matrix(&view.world_from_camera);
         self.views.iter().map(|view| reading.pose.world_from_camera(&matrix(view))).collect()
     }
 
@@ -60,7 +60,7 @@ impl Comparison {
     }
 
     /// What `points` points of each pair say.
-    pub(super) fn votes(&self, reading: &Reading, points: usize, tolerance: f64) -> Votes {
+    pub(super) fn votes(&self, reading: &Reading, points: usize, tolerance: f64) -> AgreementCounts {
         self.votes_of(reading, self.pairs.iter().copied(), points, tolerance)
     }
 
@@ -71,9 +71,9 @@ impl Comparison {
         pairs: impl Iterator<Item = (usize, usize)>,
         points: usize,
         tolerance: f64,
-    ) -> Votes {
+    ) -> AgreementCounts {
         let poses = self.poses(reading);
-        let mut votes = Votes::default();
+        let mut votes = AgreementCounts::default();
         for (from, to) in pairs {
             let (source, target) = (&self.views[from], &self.views[to]);
             let target_from_source = poses[to].inverse() * poses[from];
@@ -86,9 +86,9 @@ impl Comparison {
                     continue;
                 }
                 match self.vote(reading, target, point_in_target, &poses[to], tolerance) {
-                    Some(Vote::Agrees) => votes.agree += 1,
-                    Some(Vote::InFront) => votes.contradict += 1,
-                    Some(Vote::Hidden) | None => {}
+                    Some(PointAgreement::Agrees) => votes.agree += 1,
+                    Some(PointAgreement::InFront) => votes.contradict += 1,
+                    Some(PointAgreement::Hidden) | None => {}
                 }
             }
         }
@@ -99,11 +99,11 @@ impl Comparison {
     fn vote(
         &self,
         reading: &Reading,
-        target: &View,
+        target: &ComparedView,
         point: DVec3,
         pose: &DAffine3,
         tolerance: f64,
-    ) -> Option<Vote> {
+    ) -> Option<PointAgreement> {
         let at = target.intrinsics.project(point)?;
         let (width, height) = target.intrinsics.size();
         if !(at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 && at.y < height as f64) {
@@ -122,12 +122,12 @@ impl Comparison {
                     _ => there,
                 };
                 if (point.z - there).abs() <= tolerance * size.abs() {
-                    return Some(Vote::Agrees);
+                    return Some(PointAgreement::Agrees);
                 }
                 is_in_front = Some(is_in_front.unwrap_or(true) && point.z < there);
             }
         }
-        Some(if is_in_front? { Vote::InFront } else { Vote::Hidden })
+        Some(if is_in_front? { PointAgreement::InFront } else { PointAgreement::Hidden })
     }
 
     /// How far apart compared cameras stand, as a share of the depth that they see, in the middle; 0 where none can be compared.
@@ -148,7 +148,7 @@ impl Comparison {
     /// The depth in the middle of what the views see, under a reading.
     pub(super) fn middle_depth(&self, reading: &Reading) -> f64 {
         let poses = self.poses(reading);
-        let depth = |(view, pose): (&View, &DAffine3)| {
+        let depth = |(view, pose): (&ComparedView, &DAffine3)| {
             Some(reading.planar_z(view.middle_value()?, (DVec3::Z, 1.0), pose, self.near_clip).abs())
         };
         let mut depths: Vec<f64> = self.views.iter().zip(&poses).filter_map(depth).collect();

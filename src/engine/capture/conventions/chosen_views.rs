@@ -16,7 +16,7 @@ const FEW_VIEWS: usize = 4;
 const MANY_VIEWS: usize = 24;
 
 /// The views of a capture that are compared.
-pub(super) struct ChosenViews {
+pub(super) struct ComparedViews {
     /// The frame, in the middle of the recording.
     pub frame: usize,
     /// Their cameras' indices, ascending.
@@ -25,7 +25,7 @@ pub(super) struct ChosenViews {
     pub pairs: Vec<(usize, usize)>,
 }
 
-impl ChosenViews {
+impl ComparedViews {
     /// No more of them than can be read in a moment.
     pub(super) fn of(capture: &Capture) -> Self {
         let largest = capture.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).max();

@@ -22,7 +22,7 @@ pub use super::depth_claim::{DepthClaim, DepthMeasure};
 pub use super::pose_convention::{AxisDirection, CameraAxes, MIRROR, PoseConvention, PoseDirection, upright};
 pub use pictures::{ReadingPictures, RegisteredViews, pictures};
 pub use reading::Reading;
-pub use verdict::{Alternative, Finding, Part, Undecided, Verdict};
+pub use verdict::{Alternative, ConventionVerdict, Finding, ReadingPart, Undecided};
 
 use rayon::prelude::*;
 
@@ -30,8 +30,8 @@ use super::camera::Camera;
 use super::parts::Capture;
 use crate::error::Result;
 use agreement::Comparison;
-use chosen_views::ChosenViews;
-use views::View;
+use chosen_views::ComparedViews;
+use views::ComparedView;
 
 /// Checks how a capture's poses and depth are read, by the agreement between its views at one instant, in the middle of the recording.
 ///
@@ -39,11 +39,11 @@ use views::View;
 /// Those of reading the frames that are looked at.
 pub fn check(capture: &Capture) -> Result<Finding> {
     let (claim, pose) = (capture.source.depth_claim(), capture.source.pose_convention());
-    let chosen = ChosenViews::of(capture);
+    let chosen = ComparedViews::of(capture);
     let views = chosen.frames(capture)?;
     let views = views.iter().zip(&chosen.cameras).map(|(picture, &camera)| {
         let inverse = picture.inverse_depth.as_slice();
-        View::new(&capture.cameras[camera], |index| inverse[index], &claim)
+        ComparedView::new(&capture.cameras[camera], |index| inverse[index], &claim)
     });
     Ok(check_views(views.collect(), chosen.pairs, &claim, pose))
 }
@@ -58,7 +58,7 @@ pub(crate) fn check_pictures(
     let is_compared = |index: usize| pairs.iter().any(|&(from, to)| from == index || to == index);
     let views = cameras.par_iter().enumerate().map(|(index, camera)| {
         let inverse = inverse_depths(index)?;
-        let mut view = View::new(camera, |pixel| inverse[pixel], &claim);
+        let mut view = ComparedView::new(camera, |pixel| inverse[pixel], &claim);
         // Of many cameras, the pictures of most say no more than their points do.
         if !is_compared(index) {
             view.values = Vec::new();
@@ -69,7 +69,7 @@ pub(crate) fn check_pictures(
 }
 
 fn check_views(
-    views: Vec<View>,
+    views: Vec<ComparedView>,
     pairs: Vec<(usize, usize)>,
     claim: &DepthClaim,
     pose: PoseConvention,
@@ -79,7 +79,7 @@ fn check_views(
     let claimed = Reading { pose, measure: claim.measure, unit: claim.unit };
     let points: usize = pairs.iter().map(|&(from, _)| views[from].points.len()).sum();
     let unknown = |why: &str| Finding {
-        verdict: Verdict::Unknown { why: why.to_owned() },
+        verdict: ConventionVerdict::Unknown { why: why.to_owned() },
         claimed,
         claimed_score: 0.0,
     };

@@ -10,10 +10,10 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::agreement::Comparison;
-use super::chosen_views::ChosenViews;
+use super::chosen_views::ComparedViews;
 use super::reading::Reading;
 use super::search::WIDE;
-use super::views::{POINTS, View};
+use super::views::{ComparedView, POINTS};
 use crate::capture::camera::Intrinsics;
 use crate::capture::frame::Frame;
 use crate::capture::parts::Capture;
@@ -51,12 +51,12 @@ pub struct RegisteredViews {
 /// # Errors
 /// Those of reading frames, and `Invalid` where there is one view only.
 pub fn pictures(capture: &Capture, readings: [Reading; 2], width: usize) -> Result<ReadingPictures> {
-    let chosen = ChosenViews::of(capture);
+    let chosen = ComparedViews::of(capture);
     let frames = chosen.frames(capture)?;
     let claim = capture.source.depth_claim();
     let views = frames.iter().zip(&chosen.cameras).map(|(frame, &camera)| {
         let inverse = frame.inverse_depth.as_slice();
-        View::new(&capture.cameras[camera], |index| inverse[index], &claim)
+        ComparedView::new(&capture.cameras[camera], |index| inverse[index], &claim)
     });
     let claimed =
         Reading { pose: capture.source.pose_convention(), measure: claim.measure, unit: claim.unit };
@@ -172,7 +172,7 @@ fn registered(
 
 /// Paints all pixels of one view; `depth` gives planar z of a number and its ray.
 fn carry(
-    view: &View,
+    view: &ComparedView,
     frame: &Frame,
     target_from_source: &DAffine3,
     depth: impl Fn(f64, (glam::DVec3, f64)) -> f64,

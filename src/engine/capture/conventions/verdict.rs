@@ -23,7 +23,7 @@ const SAME_UNIT: f64 = 1.06;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// The outcome.
-    pub verdict: Verdict,
+    pub verdict: ConventionVerdict,
     /// How the capture is read.
     pub claimed: Reading,
     /// Points of one view that another confirms less those that it contradicts, as a share of all, as the capture is read.
@@ -33,7 +33,7 @@ pub struct Finding {
 /// Whether the claimed reading stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "outcome", rename_all = "snake_case")]
-pub enum Verdict {
+pub enum ConventionVerdict {
     /// No other reading fits far better.
     Stands {
         /// Parts that another reading would fit as well, and why the views cannot tell.
@@ -66,7 +66,7 @@ pub struct Alternative {
 /// Parts of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Part {
+pub enum ReadingPart {
     /// Direction and axes of poses.
     Pose,
     /// What depth measures.
@@ -79,7 +79,7 @@ pub enum Part {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Undecided {
     /// Which.
-    pub part: Part,
+    pub part: ReadingPart,
     /// Why.
     pub why: String,
 }
@@ -92,10 +92,10 @@ pub(super) fn decide(comparison: &Comparison, scored: &[Scored]) -> Finding {
     let best = scored.first().map_or(0.0, |scored| scored.score);
     if best < NOT_CHANCE {
         let why = "the views agree under no reading: they may show different things, poses or lenses may be wrong, or depth too noisy";
-        return finding(Verdict::Unknown { why: why.to_owned() });
+        return finding(ConventionVerdict::Unknown { why: why.to_owned() });
     }
     let chosen = chosen(comparison, scored, best);
-    let parts = [Part::Pose, Part::Measure, Part::Unit];
+    let parts = [ReadingPart::Pose, ReadingPart::Measure, ReadingPart::Unit];
     let undecided = |from: &Scored| -> Vec<Undecided> {
         let margin = |part| margin(comparison, scored, from, part);
         let open = parts.into_iter().filter(|part| margin(*part) < DECIDES);
@@ -103,10 +103,10 @@ pub(super) fn decide(comparison: &Comparison, scored: &[Scored]) -> Finding {
     };
     if claimed_score * DECIDES >= best || is_same(comparison, &chosen.reading, &claimed) {
         let claimed = Scored { reading: claimed, score: claimed_score };
-        return finding(Verdict::Stands { undecided: undecided(&claimed) });
+        return finding(ConventionVerdict::Stands { undecided: undecided(&claimed) });
     }
     let margins = parts.map(|part| margin(comparison, scored, &chosen, part));
-    finding(Verdict::Other(Box::new(Alternative {
+    finding(ConventionVerdict::Other(Box::new(Alternative {
         reading: chosen.reading,
         score: chosen.score,
         margin: margins.into_iter().fold(99.0, f64::min),
@@ -119,7 +119,7 @@ pub(super) fn decide(comparison: &Comparison, scored: &[Scored]) -> Finding {
 fn chosen(comparison: &Comparison, scored: &[Scored], best: f64) -> Scored {
     let claimed = &comparison.claimed;
     let changes = |s: &Scored| {
-        let parts = [Part::Pose, Part::Measure, Part::Unit].into_iter();
+        let parts = [ReadingPart::Pose, ReadingPart::Measure, ReadingPart::Unit].into_iter();
         let changed = parts.filter(|part| differs(comparison, &s.reading, claimed, *part)).count();
         let is_mirrored = comparison.poses(&s.reading).iter().any(|pose| pose.matrix3.determinant() < 0.0);
         let pose = s.reading.pose;
@@ -132,15 +132,19 @@ fn chosen(comparison: &Comparison, scored: &[Scored], best: f64) -> Scored {
 }
 
 fn is_same(comparison: &Comparison, a: &Reading, b: &Reading) -> bool {
-    [Part::Pose, Part::Measure, Part::Unit].into_iter().all(|part| !differs(comparison, a, b, part))
+    [ReadingPart::Pose, ReadingPart::Measure, ReadingPart::Unit]
+        .into_iter()
+        .all(|part| !differs(comparison, a, b, part))
 }
 
 /// Whether two readings differ in a part so that views could show it.
-fn differs(comparison: &Comparison, a: &Reading, b: &Reading, part: Part) -> bool {
+fn differs(comparison: &Comparison, a: &Reading, b: &Reading, part: ReadingPart) -> bool {
     match part {
-        Part::Pose => a.pose != b.pose && !comparison.are_one_arrangement(a, b),
-        Part::Measure => !a.measure.is_like(b.measure, comparison.near_clip, comparison.middle_depth(a)),
-        Part::Unit => {
+        ReadingPart::Pose => a.pose != b.pose && !comparison.are_one_arrangement(a, b),
+        ReadingPart::Measure => {
+            !a.measure.is_like(b.measure, comparison.near_clip, comparison.middle_depth(a))
+        }
+        ReadingPart::Unit => {
             let ratio = a.unit / b.unit;
             ratio.max(ratio.recip()) > SAME_UNIT
         }
@@ -148,24 +152,24 @@ fn differs(comparison: &Comparison, a: &Reading, b: &Reading, part: Part) -> boo
 }
 
 /// How many times as well a reading fits as any other that differs in a part; at most 99.
-fn margin(comparison: &Comparison, scored: &[Scored], from: &Scored, part: Part) -> f64 {
+fn margin(comparison: &Comparison, scored: &[Scored], from: &Scored, part: ReadingPart) -> f64 {
     let others = scored.iter().filter(|s| differs(comparison, &s.reading, &from.reading, part));
     let runner_up = others.map(|s| s.score).fold(0.0, f64::max);
     (from.score / runner_up.max(1e-3)).min(99.0)
 }
 
-fn why_undecided(comparison: &Comparison, reading: &Reading, part: Part) -> String {
+fn why_undecided(comparison: &Comparison, reading: &Reading, part: ReadingPart) -> String {
     let baseline = comparison.baseline_over_depth(reading);
     match part {
-        Part::Unit if baseline < MIN_BASELINE => format!(
+        ReadingPart::Unit if baseline < MIN_BASELINE => format!(
             "the cameras stand too close together ({:.1} % of the depth) to tell the unit of depth",
             100.0 * baseline
         ),
-        Part::Unit => "another unit of depth fits about as well".to_owned(),
-        Part::Pose => {
+        ReadingPart::Unit => "another unit of depth fits about as well".to_owned(),
+        ReadingPart::Pose => {
             "other axes of the poses fit about as well: cameras that look the same way from one plane, or a scene that is flat or symmetric, cannot tell them".to_owned()
         }
-        Part::Measure => {
+        ReadingPart::Measure => {
             "planar depth and distance along the ray fit about as well: the lenses are too narrow, or the depth too noisy, to tell them".to_owned()
         }
     }
@@ -175,7 +179,7 @@ fn why_undecided(comparison: &Comparison, reading: &Reading, part: Part) -> Stri
 fn keys(comparison: &Comparison, reading: &Reading) -> Vec<(String, String)> {
     let claimed = &comparison.claimed;
     let mut keys = Vec::new();
-    if differs(comparison, reading, claimed, Part::Pose) {
+    if differs(comparison, reading, claimed, ReadingPart::Pose) {
         if reading.pose.direction != claimed.pose.direction {
             keys.push(("transform_direction", format!("\"{}\"", reading.pose.direction.name())));
         }
@@ -184,11 +188,11 @@ fn keys(comparison: &Comparison, reading: &Reading) -> Vec<(String, String)> {
         }
     }
     if let Some(kind) = reading.measure.depth_kind()
-        && differs(comparison, reading, claimed, Part::Measure)
+        && differs(comparison, reading, claimed, ReadingPart::Measure)
     {
         keys.push(("depth_kind", format!("\"{kind}\"")));
     }
-    if differs(comparison, reading, claimed, Part::Unit) {
+    if differs(comparison, reading, claimed, ReadingPart::Unit) {
         keys.push(("depth_unit_scale_factor", number(reading.unit)));
     }
     keys.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
@@ -204,8 +208,8 @@ impl Finding {
     #[must_use]
     pub fn alternative(&self) -> Option<&Alternative> {
         match &self.verdict {
-            Verdict::Other(other) => Some(other),
-            Verdict::Stands { .. } | Verdict::Unknown { .. } => None,
+            ConventionVerdict::Other(other) => Some(other),
+            ConventionVerdict::Stands { .. } | ConventionVerdict::Unknown { .. } => None,
         }
     }
 
@@ -236,9 +240,9 @@ impl Finding {
     #[must_use]
     pub fn sentence(&self) -> String {
         match &self.verdict {
-            Verdict::Other(_) => self.warning().unwrap_or_default(),
-            Verdict::Unknown { why } => format!("conventions cannot be checked: {why}"),
-            Verdict::Stands { undecided } => {
+            ConventionVerdict::Other(_) => self.warning().unwrap_or_default(),
+            ConventionVerdict::Unknown { why } => format!("conventions cannot be checked: {why}"),
+            ConventionVerdict::Stands { undecided } => {
                 let mut said = format!(
                     "the views agree as the capture is read ({:.2} of the points)",
                     self.claimed_score

@@ -25,7 +25,7 @@ pub(super) struct SourcePoint {
 }
 
 /// One picture of depth, as it was read.
-pub(super) struct View {
+pub(super) struct ComparedView {
     pub intrinsics: Intrinsics,
     /// The matrix of the pose, camera to world, of our camera space as the capture's convention gives it.
     pub world_from_camera: DAffine3,
@@ -35,7 +35,7 @@ pub(super) struct View {
     pub points: Vec<SourcePoint>,
 }
 
-impl View {
+impl ComparedView {
     /// A view of a picture of inverse planar z (1/unit; 0 and below say nothing).
     pub(super) fn new(camera: &Camera, inverse_depth: impl Fn(usize) -> f32, claim: &DepthClaim) -> Self {
         let intrinsics = camera.intrinsics;

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use super::sequence::{SequenceCamera, SequenceFile, rotation};
 use crate::capture::camera::Camera;
 use crate::capture::parts::Capture;
-use crate::capture::yuv::{ColorMatrix, DepthRange, PixelFormat, encode_color, encode_levels};
+use crate::capture::yuv::{ColorMatrix, LevelRange, PixelFormat, encode_color, encode_levels};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::whole_file;
@@ -27,7 +27,7 @@ const DEPTH: PixelFormat = PixelFormat { bits: 16, has_chroma: true };
 
 /// What a camera's depth spans over all frames.
 #[derive(Clone, Copy)]
-struct Extent {
+struct CameraDepths {
     /// Largest and smallest inverse depth above 0.
     nearest: f32,
     farthest: f32,
@@ -89,8 +89,9 @@ pub fn write_sequence(folder: &Path, name: &str, capture: &Capture, job: &Job) -
     })
 }
 
-fn extent(capture: &Capture, camera: usize, job: &Job) -> Result<Extent> {
-    let mut extent = Extent { nearest: 0.0, farthest: f32::INFINITY, has_sky: false, has_unknown: false };
+fn extent(capture: &Capture, camera: usize, job: &Job) -> Result<CameraDepths> {
+    let mut extent =
+        CameraDepths { nearest: 0.0, farthest: f32::INFINITY, has_sky: false, has_unknown: false };
     for frame in 0..capture.frame_count() {
         job.check()?;
         for &inverse in capture.frame(camera, frame)?.inverse_depth.as_slice() {
@@ -107,7 +108,7 @@ fn extent(capture: &Capture, camera: usize, job: &Job) -> Result<Extent> {
 }
 
 /// The range that holds all of a camera's depths. It is a little wider, so that rounding the planes loses no end of it.
-fn range(extent: Extent) -> DepthRange {
+fn range(extent: CameraDepths) -> LevelRange {
     const MARGIN: f64 = 1e-3;
     let (near, far) = if extent.nearest > 0.0 {
         (
@@ -118,14 +119,14 @@ fn range(extent: Extent) -> DepthRange {
         (1.0, 2.0)
     };
     let far = if extent.has_sky || far >= 1000.0 { f64::INFINITY } else { far };
-    DepthRange { near, far, zero_is_unknown: extent.has_unknown }
+    LevelRange { near, far, zero_is_unknown: extent.has_unknown }
 }
 
 fn write_camera(
     content: &Path,
     index: usize,
     capture: &Capture,
-    range: &DepthRange,
+    range: &LevelRange,
     job: &Job,
 ) -> Result<()> {
     let size = capture.cameras[index].intrinsics.size();
@@ -152,7 +153,7 @@ fn write_camera(
     depth.flush().map_err(|error| Error::io(&depth_path, error))
 }
 
-fn entry(camera: &Camera, name: &str, world_from_camera: &DAffine3, range: &DepthRange) -> SequenceCamera {
+fn entry(camera: &Camera, name: &str, world_from_camera: &DAffine3, range: &LevelRange) -> SequenceCamera {
     let lens = camera.intrinsics;
     let far = if range.far.is_finite() { json!(range.far) } else { Value::from("inf") };
     SequenceCamera {

@@ -9,13 +9,13 @@ use glam::{DMat2, DVec2};
 /// How a lens differs from a pinhole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Distortion {
-    model: Model,
+    model: DistortionModel,
     /// Beyond this distance from the axis, undistorted, the model folds back: such rays are not seen.
     max_radius: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Model {
+enum DistortionModel {
     /// `(1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶)`, and `p1`, `p2`.
     RadialTangential { k: [f64; 6], p: [f64; 2] },
     /// `θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸)`.
@@ -33,20 +33,20 @@ impl Distortion {
     /// Radial coefficients `k1` to `k6` and tangential ones; `None` where all are 0.
     pub(crate) fn radial_tangential(k: [f64; 6], p: [f64; 2]) -> Option<Self> {
         let is_bent = k.iter().chain(&p).any(|value| *value != 0.0);
-        is_bent.then(|| Self::new(Model::RadialTangential { k, p }))
+        is_bent.then(|| Self::new(DistortionModel::RadialTangential { k, p }))
     }
 
     /// A fisheye; also with all coefficients 0 it is no pinhole.
     pub(crate) fn fisheye(k: [f64; 4]) -> Self {
-        Self::new(Model::Fisheye(k))
+        Self::new(DistortionModel::Fisheye(k))
     }
 
     /// COLMAP's `FOV`; `None` where it is 0.
     pub(crate) fn field_of_view(omega: f64) -> Option<Self> {
-        (omega != 0.0).then(|| Self::new(Model::FieldOfView(omega)))
+        (omega != 0.0).then(|| Self::new(DistortionModel::FieldOfView(omega)))
     }
 
-    fn new(model: Model) -> Self {
+    fn new(model: DistortionModel) -> Self {
         let radius = |step: usize| FARTHEST * step as f64 / STEPS as f64;
         let folds = (1..=STEPS).find(|step| model.radius(radius(*step)) <= model.radius(radius(step - 1)));
         Self { model, max_radius: folds.map_or(FARTHEST, |step| radius(step - 1)) }
@@ -59,7 +59,7 @@ impl Distortion {
         let r = squared.sqrt();
         let scaled = if r > 0.0 { ideal * (self.model.radius(r) / r) } else { DVec2::ZERO };
         let tangential = match self.model {
-            Model::RadialTangential { p: [p1, p2], .. } => {
+            DistortionModel::RadialTangential { p: [p1, p2], .. } => {
                 let (x, y) = (ideal.x, ideal.y);
                 DVec2::new(
                     2.0 * p1 * x * y + p2 * (squared + 2.0 * x * x),
@@ -98,7 +98,7 @@ impl Distortion {
     /// stays within bounds: the model rises up to `max_radius`.
     fn ideal_radius(&self, target: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_radius);
-        if let Model::RadialTangential { k: [k1, ..], p } = self.model
+        if let DistortionModel::RadialTangential { k: [k1, ..], p } = self.model
             && p == [0.0; 2]
             && k1.abs() * target * target < 1e-12
         {
@@ -130,7 +130,7 @@ impl Distortion {
     }
 }
 
-impl Model {
+impl DistortionModel {
     /// The distance from the axis where the lens puts a ray at distance `r`, without the tangential part.
     fn radius(&self, r: f64) -> f64 {
         match *self {

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader};
 use super::views::{entry, lens, recording};
 use crate::capture::colmap::{self, ColmapCamera, ColmapImage};
 use crate::capture::transforms::{Keys, LensKeys, NormalSpaceName, PictureEntry};
@@ -27,7 +27,7 @@ const DENSE: &str = "there is no stereo/depth_maps, and thus no depth; compute i
 pub(super) struct Colmap;
 
 /// Where the parts of a workspace lie below the place's folder: `""`, or a path that ends in `/`.
-struct Workspace {
+struct ColmapWorkspace {
     /// The folder of `images/` and `stereo/`.
     root: String,
     /// The folder of the cameras and images.
@@ -43,18 +43,18 @@ impl Reader for Colmap {
         "stereo/depth_maps beside sparse/ with cameras.bin or cameras.txt, also within dense/ (COLMAP)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         let is_ours = place.file.as_deref().is_none_or(|file| {
             ["cameras.bin", "images.bin", "cameras.txt", "images.txt", "points3D.bin"].contains(&file)
         });
         is_ours && !models(place).is_empty()
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let found = models(place);
         let with_depth = found.iter().filter(|it| place.join(&it.depth_maps()).is_dir());
         // Of several reconstructions the one with the most images' worth of bytes; of equal ones the first.
-        let size = |it: &&Workspace| {
+        let size = |it: &&ColmapWorkspace| {
             let images = ["images.bin", "images.txt"].map(|name| place.join(&format!("{}{name}", it.model)));
             images.iter().find_map(|path| path.metadata().ok()).map_or(0, |data| data.len())
         };
@@ -113,14 +113,14 @@ impl Reader for Colmap {
     }
 }
 
-impl Workspace {
+impl ColmapWorkspace {
     fn depth_maps(&self) -> String {
         format!("{}stereo/depth_maps", self.root)
     }
 }
 
 /// Reconstructions at a place: the place itself may be the model, the workspace or what holds them.
-fn models(place: &Place) -> Vec<Workspace> {
+fn models(place: &SourceFolder) -> Vec<ColmapWorkspace> {
     let numbered = |folder: &str| -> Vec<String> {
         let digits = (0..10).map(|number| format!("{folder}{number}/"));
         digits.filter(|name| place.join(name).is_dir()).collect()
@@ -133,27 +133,27 @@ fn models(place: &Place) -> Vec<Workspace> {
         let mut below = vec![format!("{root}sparse/")];
         below.extend(numbered(&below[0]));
         for model in below.into_iter().filter(|model| holds_model(place, model)) {
-            found.push(Workspace { root: root.clone(), model });
+            found.push(ColmapWorkspace { root: root.clone(), model });
         }
     }
     if holds_model(place, "") {
         // The place is the model: its workspace holds it, as sparse/ or sparse/0/, or is the place itself.
         let is_root = |root: &&&str| place.join(&format!("{root}images")).is_dir();
         let root = ["", "../", "../../"].iter().find(is_root).unwrap_or(&"../");
-        found.push(Workspace { root: (*root).to_owned(), model: String::new() });
+        found.push(ColmapWorkspace { root: (*root).to_owned(), model: String::new() });
     }
     found
 }
 
-fn holds_model(place: &Place, model: &str) -> bool {
+fn holds_model(place: &SourceFolder, model: &str) -> bool {
     let has = |name: &str| place.join(&format!("{model}{name}")).is_file();
     [".bin", ".txt"].iter().any(|ending| has(&format!("cameras{ending}")) && has(&format!("images{ending}")))
 }
 
 /// Cameras by their numbers, images in the order of their names, and the files they were read from: cameras, images.
-type Model = (BTreeMap<u64, ColmapCamera>, Vec<ColmapImage>, Vec<PathBuf>);
+type Reconstruction = (BTreeMap<u64, ColmapCamera>, Vec<ColmapImage>, Vec<PathBuf>);
 
-fn model_of(place: &Place, model: &str) -> Result<Model> {
+fn model_of(place: &SourceFolder, model: &str) -> Result<Reconstruction> {
     let is_binary =
         ["cameras.bin", "images.bin"].iter().all(|name| place.join(&format!("{model}{name}")).is_file());
     let ending = if is_binary { "bin" } else { "txt" };
@@ -193,7 +193,7 @@ struct Maps {
 
 impl Maps {
     /// The filtered maps, or the others where there are none.
-    fn find(place: &Place, workspace: &Workspace, description: &mut Description) -> Self {
+    fn find(place: &SourceFolder, workspace: &ColmapWorkspace, description: &mut Description) -> Self {
         let folder = place.join(&workspace.depth_maps());
         let kind = if holds_maps(&folder, ".geometric.bin") { "geometric" } else { "photometric" };
         if kind == "photometric" {
@@ -204,7 +204,7 @@ impl Maps {
     }
 
     /// The map of an image, `what` being `depth` or `normal`.
-    fn of(&self, place: &Place, what: &str, image: &str) -> Option<String> {
+    fn of(&self, place: &SourceFolder, what: &str, image: &str) -> Option<String> {
         let path = format!("{}stereo/{what}_maps/{image}.{}.bin", self.root, self.kind);
         place.join(&path).is_file().then_some(path)
     }

@@ -1,6 +1,6 @@
 //! Sources that another program has to convert first, or that hold no depth.
 
-use super::place::Place;
+use super::place::SourceFolder;
 use crate::error::Error;
 
 /// A source that is recognized and not read.
@@ -71,7 +71,7 @@ const BY_ENDING: [Convertible; 16] = [
 ];
 
 /// The advice on a place that is recognized and cannot be read.
-pub(super) fn advice(place: &Place) -> Option<Error> {
+pub(super) fn advice(place: &SourceFolder) -> Option<Error> {
     let names: Vec<&str> = place.file.as_deref().map_or_else(|| place.names().collect(), |name| vec![name]);
     let has = |name: &str| place.has(name);
     let refuse = |name: &str, what: &str| Some(Error::unsupported(place.join(name).display(), what));

@@ -10,8 +10,8 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use super::place::{Place, names_in};
-use super::reader::{Description, Reader, Reading};
+use super::place::{SourceFolder, names_in};
+use super::reader::{Description, ReadSource, Reader};
 use super::text::TextFile;
 use super::views::{
     MILLIMETERS, OPENCV_POSES, colors_in, entry, lens, number_in, pictures_in, pose_of_rows,
@@ -36,12 +36,12 @@ impl Reader for EasyMocap {
         "intri.yml, extri.yml and images/ (EasyMocap)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         let is_ours = place.file.as_deref().is_none_or(|file| FILES.contains(&file));
         is_ours && place.has_all(&FILES)
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let paths = FILES.map(|name| place.join(name));
         let [lenses, poses] = [matrices(&paths[0])?, matrices(&paths[1])?];
         let Some(depth) = place.first_of(&["depth", "depths"]) else {
@@ -174,7 +174,7 @@ fn pose_of(poses: &BTreeMap<String, Vec<f64>>, name: &str, path: &Path) -> Resul
 
 /// The pictures of a camera that have color and depth.
 fn pictures_of(
-    place: &Place,
+    place: &SourceFolder,
     depth_folder: &str,
     name: &str,
     (lens, world_from_camera): (&Keys, &DAffine3),

@@ -7,8 +7,8 @@
 use glam::DAffine3;
 use serde::Deserialize;
 
-use super::place::{Place, names_in};
-use super::reader::{Description, Reader, Reading};
+use super::place::{SourceFolder, names_in};
+use super::reader::{Description, ReadSource, Reader};
 use super::views::{digits_between, entry, from_opengl, json, lens, pose_of_rows, rig_or_recording};
 use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::{Error, Result};
@@ -22,7 +22,7 @@ pub(super) struct Isaac;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct CameraFile {
+struct IsaacCamera {
     camera_view_transform: [f64; 16],
     camera_projection: [f64; 16],
     render_product_resolution: [f64; 2],
@@ -39,11 +39,11 @@ impl Reader for Isaac {
         "camera_params_*.json beside rgb_*.png and distance_to_*.npy (Isaac Sim)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         place.file.as_deref().is_none_or(|file| number(file).is_some()) && !folders(place).is_empty()
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let mut description = Description {
             source: self.source().to_owned(),
             poses:
@@ -67,7 +67,7 @@ impl Reader for Isaac {
                     continue;
                 };
                 let path = place.join(&at(&name));
-                let camera: CameraFile = json(&path)?;
+                let camera: IsaacCamera = json(&path)?;
                 let keys = Keys {
                     camera: Some(if folder.is_empty() { "camera".to_owned() } else { folder.clone() }),
                     frame: number.parse().ok(),
@@ -86,7 +86,7 @@ impl Reader for Isaac {
     }
 }
 
-fn keys_of(camera: &CameraFile) -> Keys {
+fn keys_of(camera: &IsaacCamera) -> Keys {
     let [width, height] = camera.render_product_resolution;
     let p = &camera.camera_projection;
     let [fx, fy] = [0.5 * width * p[0], 0.5 * height * p[5]];
@@ -95,7 +95,7 @@ fn keys_of(camera: &CameraFile) -> Keys {
 }
 
 /// World from camera in meters.
-fn pose(camera: &CameraFile) -> Option<DAffine3> {
+fn pose(camera: &IsaacCamera) -> Option<DAffine3> {
     let m = &camera.camera_view_transform;
     let rows: Vec<f64> = (0..16).map(|index| m[index % 4 * 4 + index / 4]).collect();
     let mut pose = pose_of_rows(&rows)?.inverse();
@@ -109,7 +109,7 @@ fn number(name: &str) -> Option<&str> {
 }
 
 /// The folders of cameras: the place itself, or those in it.
-fn folders(place: &Place) -> Vec<String> {
+fn folders(place: &SourceFolder) -> Vec<String> {
     if place.names().any(|name| number(name).is_some()) {
         return vec![String::new()];
     }

@@ -6,8 +6,8 @@
 
 use serde::Deserialize;
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader};
 use super::views::{entry, from_opengl, json, number_in, pose_of_quaternion, rig_or_recording};
 use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::{Error, Result};
@@ -18,12 +18,12 @@ const METADATA: &str = "metadata.json";
 pub(super) struct Kubric;
 
 #[derive(Deserialize)]
-struct Metadata {
-    camera: CameraFile,
+struct KubricMetadata {
+    camera: KubricCamera,
 }
 
 #[derive(Deserialize)]
-struct CameraFile {
+struct KubricCamera {
     positions: Vec<[f64; 3]>,
     /// w, x, y, z.
     quaternions: Vec<[f64; 4]>,
@@ -40,14 +40,14 @@ impl Reader for Kubric {
         "metadata.json beside rgba_*.png and depth_*.tiff (Kubric)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         let is_ours = place.file.as_deref().is_none_or(|file| file == METADATA);
         is_ours && place.has(METADATA) && place.names().any(is_color)
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let path = place.join(METADATA);
-        let Metadata { camera } = json(&path)?;
+        let KubricMetadata { camera } = json(&path)?;
         let mut description = Description {
             source: self.source().to_owned(),
             poses: "camera to world; camera x right, y up, looking along −z; z is up".to_owned(),

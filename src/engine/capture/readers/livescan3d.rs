@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use glam::DAffine3;
 use serde::Deserialize;
 
-use super::place::{Place, names_in};
-use super::reader::{Description, Reader, Reading};
+use super::place::{SourceFolder, names_in};
+use super::reader::{Description, ReadSource, Reader};
 use super::text::TextFile;
 use super::views::{
     OPENCV_POSES, colors_in, digits_between, entry, json, lens, pictures_in, pose_of_rows, rig_or_recording,
@@ -32,7 +32,7 @@ pub(super) struct LiveScan3d;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "PascalCase")]
-struct Calibration {
+struct SensorCalibration {
     calibration_information: CalibrationInformation,
 }
 
@@ -67,13 +67,13 @@ struct FromDepth {
 }
 
 /// A sensor's side and the part of it that a mode shows: pictures are the sensor, scaled to `scaled`, from `offset` on.
-struct Mode {
+struct SensorMode {
     scaled: (f64, f64),
     offset: (f64, f64),
 }
 
 /// A lens in pixels from the corner of the first one.
-struct Lens {
+struct ModeLens {
     focal_px: (f64, f64),
     center_px: (f64, f64),
     coefficients: LensKeys,
@@ -88,12 +88,12 @@ impl Reader for LiveScan3d {
         "Extrinsics_Open3D.log beside client_0/ (LiveScan3D)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         let is_ours = place.file.as_deref().is_none_or(|file| file == POSES);
         is_ours && place.has(POSES) && place.names().any(|name| client(name).is_some())
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let path = place.join(POSES);
         let poses = poses(&path)?;
         let mut description = Description {
@@ -170,7 +170,7 @@ fn calibration_in(folder: &Path) -> Result<PathBuf> {
 }
 
 /// A camera's lens, of pictures in this mode.
-fn lens_of(camera: &SensorCamera, mode: &Mode, path: &Path) -> Result<Lens> {
+fn lens_of(camera: &SensorCamera, mode: &SensorMode, path: &Path) -> Result<ModeLens> {
     let [cx, cy, fx, fy, k1, k2, k3, k4, k5, k6, away_x, away_y, p2, p1] =
         camera.intrinsics.model_parameters[..]
     else {
@@ -188,7 +188,7 @@ fn lens_of(camera: &SensorCamera, mode: &Mode, path: &Path) -> Result<Lens> {
     }
     let coefficients =
         [("k1", k1), ("k2", k2), ("k3", k3), ("k4", k4), ("k5", k5), ("k6", k6), ("p1", p1), ("p2", p2)];
-    Ok(Lens {
+    Ok(ModeLens {
         focal_px: (fx * mode.scaled.0, fy * mode.scaled.1),
         center_px: (cx * mode.scaled.0 - mode.offset.0, cy * mode.scaled.1 - mode.offset.1),
         coefficients: LensKeys::of(&coefficients),
@@ -196,15 +196,15 @@ fn lens_of(camera: &SensorCamera, mode: &Mode, path: &Path) -> Result<Lens> {
 }
 
 /// Color: the whole width of a sensor of 4:3, and of pictures of 16:9 the middle of its rows.
-fn color_mode((width, height): (usize, usize)) -> Option<Mode> {
+fn color_mode((width, height): (usize, usize)) -> Option<SensorMode> {
     let (width, height) = (width as f64, height as f64);
     let all_rows = 0.75 * width;
     let is_known = height * 4.0 == width * 3.0 || height * 16.0 == width * 9.0;
-    is_known.then_some(Mode { scaled: (width, all_rows), offset: (0.0, 0.5 * (all_rows - height)) })
+    is_known.then_some(SensorMode { scaled: (width, all_rows), offset: (0.0, 0.5 * (all_rows - height)) })
 }
 
 /// Depth: the four modes of the sensor of 1024×1024.
-fn depth_mode(size: (usize, usize)) -> Option<Mode> {
+fn depth_mode(size: (usize, usize)) -> Option<SensorMode> {
     let (side, offset) = match size {
         (640, 576) => (1024.0, (192.0, 180.0)),
         (320, 288) => (512.0, (96.0, 90.0)),
@@ -212,12 +212,12 @@ fn depth_mode(size: (usize, usize)) -> Option<Mode> {
         (512, 512) => (512.0, (0.0, 0.0)),
         _ => return None,
     };
-    Some(Mode { scaled: (side, side), offset })
+    Some(SensorMode { scaled: (side, side), offset })
 }
 
 /// Keys of a sensor's pictures: the lens of color, and the depth camera where depth is not on color's pixels already.
 fn keys_of(path: &Path, sizes: [(usize, usize); 2], pose: &DAffine3) -> Result<Keys> {
-    let Calibration { calibration_information: CalibrationInformation { cameras } } = json(path)?;
+    let SensorCalibration { calibration_information: CalibrationInformation { cameras } } = json(path)?;
     let camera = |purpose: &str| {
         cameras.iter().find(|camera| camera.purpose == purpose).ok_or_else(|| {
             Error::invalid(path.display(), format!("there is no camera whose Purpose is {purpose}"))
@@ -234,7 +234,7 @@ fn keys_of(path: &Path, sizes: [(usize, usize); 2], pose: &DAffine3) -> Result<K
     let [color_size, depth_size] = sizes;
     let color = camera(COLOR)?;
     let mode = color_mode(color_size).ok_or_else(|| unknown("color", color_size))?;
-    let Lens { focal_px, center_px, coefficients } = lens_of(color, &mode, path)?;
+    let ModeLens { focal_px, center_px, coefficients } = lens_of(color, &mode, path)?;
     let mut keys = lens(focal_px.0, focal_px.1, center_px.0, center_px.1, 0.5);
     keys.camera_model = Some("FULL_OPENCV".to_owned());
     keys.lens = coefficients;
@@ -242,7 +242,7 @@ fn keys_of(path: &Path, sizes: [(usize, usize); 2], pose: &DAffine3) -> Result<K
         return Ok(keys);
     }
     let mode = depth_mode(depth_size).ok_or_else(|| unknown("depth", depth_size))?;
-    let Lens { focal_px, center_px, coefficients } = lens_of(camera(DEPTH)?, &mode, path)?;
+    let ModeLens { focal_px, center_px, coefficients } = lens_of(camera(DEPTH)?, &mode, path)?;
     let FromDepth { rotation, translation } = &color.rt;
     let [a, b, c, d, e, f, g, h, i] = *rotation;
     let [x, y, z] = *translation;
@@ -263,7 +263,7 @@ fn keys_of(path: &Path, sizes: [(usize, usize); 2], pose: &DAffine3) -> Result<K
 
 /// The pictures of a sensor that have color and depth.
 fn pictures_of(
-    place: &Place,
+    place: &SourceFolder,
     client: &str,
     pose: &DAffine3,
     calibration: &Path,

@@ -5,11 +5,11 @@
 
 use serde_json::Value;
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading, SaidBy};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader, SaidBy};
 use super::views::{entry, lens};
 use crate::capture::miv::{SequenceCamera, SequenceFile, pose, projection};
-use crate::capture::transforms::{Keys, Manifest, Origin, RawVideoKeys};
+use crate::capture::transforms::{Keys, Manifest, ManifestOrigin, RawVideoKeys};
 use crate::capture::yuv::{PixelFormat, pictures_in};
 use crate::error::{Error, Result};
 
@@ -34,11 +34,11 @@ impl Reader for Miv {
         "a JSON file of \"cameras\" with a \"Projection\" (MPEG immersive video)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         sequence_in(place).is_some()
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let name = sequence_in(place).unwrap_or_default();
         let path = place.join(&name);
         let shown = path.display().to_string();
@@ -80,9 +80,9 @@ impl Reader for Miv {
         }
         description.found = frames.len();
         let keys = Keys { up: Some([0.0, 0.0, 1.0]), ..Keys::default() };
-        Ok(Reading {
+        Ok(ReadSource {
             manifest: Manifest { keys, frames },
-            origin: Origin { path, folder: place.folder.clone() },
+            origin: ManifestOrigin { path, folder: place.folder.clone() },
             inputs,
             description,
             said_by: SaidBy::Layout,
@@ -91,7 +91,7 @@ impl Reader for Miv {
 }
 
 /// The name of the file that describes the cameras: the one that was named, or the first of the folder's.
-fn sequence_in(place: &Place) -> Option<String> {
+fn sequence_in(place: &SourceFolder) -> Option<String> {
     let is_sequence = |name: &str| {
         let path = place.join(name);
         let is_small = path.metadata().is_ok_and(|it| it.is_file() && it.len() <= MAX_BYTES);
@@ -155,7 +155,7 @@ fn keys_of(camera: &SequenceCamera, place: &str) -> Result<Keys> {
 
 /// The raw video of a camera, which lies in the folder of the content, or beside the cameras.
 fn video(
-    place: &Place,
+    place: &SourceFolder,
     sequence: &SequenceFile,
     camera: &SequenceCamera,
     kind: &str,
@@ -188,7 +188,7 @@ fn video(
 
 /// The pictures of a camera's two files that belong to the sequence.
 fn pictures(
-    place: &Place,
+    place: &SourceFolder,
     sequence: &SequenceFile,
     videos: [&Video; 2],
     size: (usize, usize),

@@ -30,9 +30,9 @@ mod scanner_app;
 mod text;
 mod views;
 
-pub(crate) use place::Place;
+pub(crate) use place::SourceFolder;
 pub use reader::{Description, Skipped};
-pub(crate) use reader::{Reader, Reading, SaidBy};
+pub(crate) use reader::{ReadSource, Reader, SaidBy};
 
 use std::path::Path;
 
@@ -67,8 +67,8 @@ const READERS: &[&dyn Reader] = &[
 /// # Errors
 /// `Io` where it is not there, `Unsupported` where another program has to convert it first, `Invalid` where nothing is
 /// recognized, and whatever its reader gives.
-pub(crate) fn read(path: &Path) -> Result<Reading> {
-    let place = Place::look(path)?;
+pub(crate) fn read(path: &Path) -> Result<ReadSource> {
+    let place = SourceFolder::look(path)?;
     if let Some(reader) = READERS.iter().find(|reader| reader.recognizes(&place)) {
         return reader.read(&place);
     }
@@ -79,7 +79,7 @@ pub(crate) fn read(path: &Path) -> Result<Reading> {
 }
 
 /// The error of a place that no reader recognizes.
-fn unknown(place: &Place) -> Error {
+fn unknown(place: &SourceFolder) -> Error {
     if place.file.is_some()
         && let Ok(Some(what)) = other_file(&place.path)
     {

@@ -8,8 +8,8 @@
 
 use std::path::Path;
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader};
 use super::text::TextFile;
 use super::views::{
     colors_in, digits_between, entry, lens, pictures_in, pose_of_rows, rig_or_recording, stem,
@@ -29,7 +29,7 @@ const NUMBERS: usize = 1 + 9 + 2 + 12;
 pub(super) struct Msr;
 
 /// A camera of the file of calibrations.
-struct Calibration {
+struct MsrCamera {
     index: usize,
     /// 3×3, row by row; rows of the picture count from the bottom.
     lens: [f64; 9],
@@ -46,11 +46,11 @@ impl Reader for Msr {
         "calibParams-*.txt and cam0/color-cam0-f000.jpg (Microsoft Research)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         calibration_of(place).is_some()
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let path = place.join(calibration_of(place).unwrap_or_default());
         let (near, far) = range_of(&path, &place.folder)?;
         let cameras = calibrations(&path)?;
@@ -84,7 +84,7 @@ impl Reader for Msr {
 }
 
 /// The file of calibrations: the one that was named, or the first of the folder's.
-fn calibration_of(place: &Place) -> Option<&str> {
+fn calibration_of(place: &SourceFolder) -> Option<&str> {
     let is_ours = |name: &str| name.strip_suffix(".txt").is_some_and(|stem| stem.starts_with("calibParams"));
     match place.file.as_deref() {
         Some(name) => Some(name).filter(|name| is_ours(name)),
@@ -103,7 +103,7 @@ fn range_of(path: &Path, folder: &Path) -> Result<(f64, f64)> {
     })
 }
 
-fn calibrations(path: &Path) -> Result<Vec<Calibration>> {
+fn calibrations(path: &Path) -> Result<Vec<MsrCamera>> {
     let numbers = TextFile::read(path)?.numbers()?;
     if numbers.is_empty() || numbers.len() % NUMBERS != 0 {
         let what = format!(
@@ -132,15 +132,15 @@ fn calibrations(path: &Path) -> Result<Vec<Calibration>> {
         if pose_of_rows(&pose).is_none() {
             return Err(wrong("has a pose that is not rigid".to_owned()));
         }
-        Ok(Calibration { index: index as usize, lens, pose })
+        Ok(MsrCamera { index: index as usize, lens, pose })
     };
     numbers.chunks_exact(NUMBERS).enumerate().map(calibration).collect()
 }
 
 /// The pictures of a camera that have color and depth.
 fn pictures_of(
-    place: &Place,
-    camera: &Calibration,
+    place: &SourceFolder,
+    camera: &MsrCamera,
     calibration: &Path,
     description: &mut Description,
 ) -> Result<Vec<PictureEntry>> {

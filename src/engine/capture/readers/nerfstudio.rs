@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading, SaidBy};
-use crate::capture::transforms::{MANIFEST_NAME, Manifest, Origin, PictureEntry};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader, SaidBy};
+use crate::capture::transforms::{MANIFEST_NAME, Manifest, ManifestOrigin, PictureEntry};
 use crate::error::Result;
 
 /// Reads a manifest: the file itself, or the one in the folder.
@@ -19,14 +19,14 @@ impl Reader for Nerfstudio {
         MANIFEST_NAME
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         match &place.file {
             Some(name) => name == MANIFEST_NAME || (is_json(name) && holds_frames(place)),
             None => place.has(MANIFEST_NAME),
         }
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let path = place.join(place.file.as_deref().unwrap_or(MANIFEST_NAME));
         let manifest = Manifest::read(&path)?;
         let named =
@@ -38,8 +38,8 @@ impl Reader for Nerfstudio {
             found: manifest.frames.len(),
             ..Description::default()
         };
-        let origin = Origin::of_file(&path);
-        Ok(Reading { manifest, origin, inputs: vec![path], description, said_by: SaidBy::Manifest })
+        let origin = ManifestOrigin::of_file(&path);
+        Ok(ReadSource { manifest, origin, inputs: vec![path], description, said_by: SaidBy::Manifest })
     }
 }
 
@@ -57,7 +57,7 @@ fn is_json(name: &str) -> bool {
 }
 
 /// Whether a JSON file lists pictures as a manifest does. One that is no JSON counts too: reading it says what is wrong.
-fn holds_frames(place: &Place) -> bool {
+fn holds_frames(place: &SourceFolder) -> bool {
     let Ok(bytes) = std::fs::read(&place.path) else { return false };
     let document: Result<serde_json::Value, _> = serde_json::from_slice(&bytes);
     document.map_or(true, |document| document.get("frames").is_some())

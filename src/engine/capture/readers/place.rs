@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 
 /// A folder, or one file in it, with the names that lie directly in the folder. Subfolders are looked into by path.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct SourceFolder {
     /// What was named.
     pub path: PathBuf,
     /// The folder: `path` itself, or the one that its file lies in.
@@ -17,7 +17,7 @@ pub(crate) struct Place {
     names: BTreeSet<String>,
 }
 
-impl Place {
+impl SourceFolder {
     /// Looks at `path`.
     ///
     /// # Errors
@@ -101,7 +101,7 @@ mod tests {
         let names = names_in(folder.path()).unwrap();
         let at = |name: &str| names.iter().position(|other| other == name).unwrap();
         assert!(at("2.png") < at("10.png") && at("frame-9.png") < at("frame-000010.png"), "{names:?}");
-        let place = Place::look(&folder.path().join("a")).unwrap();
+        let place = SourceFolder::look(&folder.path().join("a")).unwrap();
         assert_eq!((place.folder.as_path(), place.file.as_deref()), (folder.path(), Some("a")));
         assert!(place.has_all(&["a", "2.png"]));
     }

@@ -7,8 +7,8 @@
 
 use serde_json::{Map, Value};
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader};
 use super::views::{
     ARKIT_POSES, MILLIMETERS, entry, from_opengl, json, lens, pictures_in, pose_of_rows, recording, stem,
 };
@@ -27,11 +27,11 @@ impl Reader for Polycam {
         "keyframes/ with cameras/, images/ and depth/ (Polycam)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         place.file.is_none() && root(place).is_some()
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let root = root(place).unwrap_or_default();
         let has = |name: &str| place.join(&format!("{root}{name}")).is_dir();
         let is_corrected = has("corrected_cameras") && has("corrected_images");
@@ -91,7 +91,7 @@ impl Reader for Polycam {
 }
 
 /// Where the keyframes lie below the place: `""`, or a path that ends in `/`.
-fn root(place: &Place) -> Option<String> {
+fn root(place: &SourceFolder) -> Option<String> {
     let is_root = |root: &&&str| {
         let has = |name: &str| place.join(&format!("{root}{name}")).is_dir();
         has("depth") && (has("cameras") && has("images") || has("corrected_cameras"))

@@ -8,8 +8,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader};
 use super::text::TextFile;
 use super::views::{json, lens, recording};
 use crate::capture::transforms::{Keys, PictureEntry};
@@ -22,7 +22,7 @@ pub(super) struct PosedFolder {
     /// Whether a file of this name stands for its folder.
     pub(super) stands_for_folder: fn(&str) -> bool,
     /// Whether a folder is of this source.
-    pub(super) is_here: fn(&Place) -> bool,
+    pub(super) is_here: fn(&SourceFolder) -> bool,
     /// What [`Description::poses`] says.
     pub(super) poses: &'static str,
     /// What [`Description::depth`] says, unless `find` knows better.
@@ -33,7 +33,7 @@ pub(super) struct PosedFolder {
 
 /// What was found so far.
 pub(super) struct Found<'a> {
-    pub(super) place: &'a Place,
+    pub(super) place: &'a SourceFolder,
     pub(super) description: Description,
     /// Files that were read; the first is what an error about all of them names.
     pub(super) inputs: Vec<PathBuf>,
@@ -51,11 +51,11 @@ impl Reader for PosedFolder {
         self.marks
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         place.file.as_deref().is_none_or(self.stands_for_folder) && (self.is_here)(place)
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let [source, poses, depth] = [self.source, self.poses, self.depth].map(str::to_owned);
         let description = Description { source, poses, depth, ..Description::default() };
         let (inputs, keys, frames) = (Vec::new(), Keys::default(), Vec::new());

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DAffine3;
 use serde::Deserialize;
 
-use super::place::{Place, names_in};
+use super::place::{SourceFolder, names_in};
 use super::posed_folder::{Found, PosedFolder};
 use super::text::TextFile;
 use super::views::{
@@ -82,7 +82,7 @@ fn is_pose(name: &str) -> bool {
 }
 
 /// Folders with poses: the place itself, or its sequences.
-fn sequences(place: &Place) -> Vec<String> {
+fn sequences(place: &SourceFolder) -> Vec<String> {
     if place.names().any(is_pose) {
         return vec![String::new()];
     }
@@ -142,7 +142,7 @@ pub(super) const REPLICA: PosedFolder = PosedFolder {
 };
 
 #[derive(Deserialize)]
-struct Parameters {
+struct ReplicaParameters {
     camera: ReplicaCamera,
 }
 
@@ -162,7 +162,7 @@ fn find_replica(found: &mut Found<'_>) -> Result<()> {
     let path = found.place.join("traj.txt");
     found.inputs.push(path.clone());
     let ReplicaCamera { fx, fy, cx, cy, scale } = match found.here_or_above("cam_params.json") {
-        Some(path) => found.json::<Parameters>(&path)?.camera,
+        Some(path) => found.json::<ReplicaParameters>(&path)?.camera,
         None => ALL_SCENES,
     };
     found.description.depth = format!("planar z in 1/{scale} m, 16-bit PNG; 0 is no depth");

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat4};
 use serde::Deserialize;
 
 use super::posed_folder::{Found, PosedFolder};
-use super::text::{Line, TextFile};
+use super::text::{TextFile, TextLine};
 use super::views::{
     INTRINSICS, MILLIMETERS, OPENCV_POSES, colors_in, entry, json, pictures_in, pose_of_quaternion,
     pose_of_rows,
@@ -51,7 +51,7 @@ const LENSES: [&str; 3] = ["camera_intrinsic.json", "intrinsic.json", "camera_in
 
 /// `PinholeCameraIntrinsic` of `Open3D`, and what its recorders write beside it.
 #[derive(Deserialize)]
-struct Intrinsics {
+struct RedwoodIntrinsics {
     /// Column by column.
     intrinsic_matrix: Vec<f64>,
     #[serde(default)]
@@ -59,12 +59,12 @@ struct Intrinsics {
 }
 
 #[derive(Deserialize)]
-struct Trajectory {
-    parameters: Vec<Parameters>,
+struct RedwoodTrajectory {
+    parameters: Vec<RedwoodPose>,
 }
 
 #[derive(Deserialize)]
-struct Parameters {
+struct RedwoodPose {
     /// World to camera, column by column.
     extrinsic: Vec<f64>,
 }
@@ -91,7 +91,7 @@ fn set_redwood_lens(found: &mut Found<'_>) -> Result<()> {
         return Ok(());
     };
     let path = found.place.join(name);
-    let Intrinsics { intrinsic_matrix, depth_scale } = found.json(&path)?;
+    let RedwoodIntrinsics { intrinsic_matrix, depth_scale } = found.json(&path)?;
     let [fx, _, _, _, fy, _, cx, cy, _] = intrinsic_matrix[..] else {
         let count = counted(intrinsic_matrix.len(), "number");
         let what = format!("intrinsic_matrix has {count}; 9 are expected, column by column");
@@ -125,7 +125,7 @@ fn poses_of_log(path: &Path) -> Result<Poses> {
 
 fn poses_of_json(path: &Path) -> Result<Poses> {
     let rows_of = |matrix: DMat4| matrix.transpose().to_cols_array();
-    let pose = |(index, parameters): (usize, Parameters)| {
+    let pose = |(index, parameters): (usize, RedwoodPose)| {
         let columns = <[f64; 16]>::try_from(parameters.extrinsic).ok();
         let camera_from_world = columns.and_then(|m| pose_of_rows(&rows_of(DMat4::from_cols_array(&m))));
         let Some(camera_from_world) = camera_from_world else {
@@ -134,7 +134,7 @@ fn poses_of_json(path: &Path) -> Result<Poses> {
         };
         Ok((index, pose_of_rows(&rows_of(camera_from_world.inverse().into()))))
     };
-    json::<Trajectory>(path)?.parameters.into_iter().enumerate().map(pose).collect()
+    json::<RedwoodTrajectory>(path)?.parameters.into_iter().enumerate().map(pose).collect()
 }
 
 /// A folder of color, a folder of depth, and one line a frame for its pose.
@@ -181,7 +181,7 @@ fn find_pose_list(found: &mut Found<'_>) -> Result<()> {
 }
 
 /// `None` where it is not rigid.
-fn pose_of_line(line: &Line<'_>) -> Result<Option<DAffine3>> {
+fn pose_of_line(line: &TextLine<'_>) -> Result<Option<DAffine3>> {
     Ok(match line.fields.len() {
         7 => {
             let [x, y, z, qx, qy, qz, qw] = line.numbers(0)?;

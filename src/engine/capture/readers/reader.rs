@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::place::Place;
-use crate::capture::transforms::{Manifest, Origin, places_of};
+use super::place::SourceFolder;
+use crate::capture::transforms::{Manifest, ManifestOrigin, places_of};
 use crate::error::Result;
 use crate::plural::counted;
 
@@ -21,22 +21,22 @@ pub(crate) trait Reader: Sync {
     fn marks(&self) -> &'static str;
 
     /// Whether the place is of this source. Looks at names, and at most at the start of a small file.
-    fn recognizes(&self, place: &Place) -> bool;
+    fn recognizes(&self, place: &SourceFolder) -> bool;
 
     /// Reads the place, which it has recognized.
     ///
     /// # Errors
     /// `Io`, `Invalid`, `Unsupported`: the file, and its line or byte; what is wrong; what to do.
-    fn read(&self, place: &Place) -> Result<Reading>;
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource>;
 }
 
 /// A source as it was understood.
 #[derive(Clone, Debug)]
-pub(crate) struct Reading {
+pub(crate) struct ReadSource {
     /// Every picture, and how it is read.
     pub manifest: Manifest,
     /// Where that comes from.
-    pub origin: Origin,
+    pub origin: ManifestOrigin,
     /// The text and binary files that were read to make it; pictures are not among them.
     pub inputs: Vec<PathBuf>,
     /// How the source was understood.
@@ -54,7 +54,7 @@ pub(crate) enum SaidBy {
     Layout,
 }
 
-impl Reading {
+impl ReadSource {
     /// Every place that the capture is read from, whether or not there is a file.
     pub(crate) fn places(&self) -> Vec<PathBuf> {
         let mut places = self.inputs.clone();

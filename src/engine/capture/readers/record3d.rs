@@ -7,8 +7,8 @@
 
 use serde::Deserialize;
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader};
 use super::views::{
     ARKIT_POSES, colors_in, entry, from_opengl, json, lens, number_in, pose_of_quaternion, recording, stem,
 };
@@ -22,7 +22,7 @@ const METADATA: &str = "metadata.json";
 pub(super) struct Record3d;
 
 #[derive(Deserialize)]
-struct Metadata {
+struct Record3dMetadata {
     /// Column by column.
     #[serde(rename = "K")]
     lens: Vec<f64>,
@@ -38,15 +38,15 @@ impl Reader for Record3d {
         "metadata.json beside rgb/ and depth/, or EXR_RGBD/ (Record3D)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         let is_ours = place.file.as_deref().is_none_or(|file| file == METADATA);
         is_ours && root(place).is_some()
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let root = root(place).unwrap_or_default();
         let path = place.join(&format!("{root}{METADATA}"));
-        let metadata: Metadata = json(&path)?;
+        let metadata: Record3dMetadata = json(&path)?;
         let [fx, _, _, _, fy, _, cx, cy, _] = metadata.lens[..] else {
             let what = format!("K has {} where a lens has 9", counted(metadata.lens.len(), "number"));
             return Err(Error::invalid(path.display(), what));
@@ -94,7 +94,7 @@ impl Reader for Record3d {
 }
 
 /// The folder of `metadata.json` below the place: it, or the one that the app names.
-fn root(place: &Place) -> Option<String> {
+fn root(place: &SourceFolder) -> Option<String> {
     let roots = ["", "EXR_RGBD/"];
     let is_root = |root: &&&str| {
         place.join(&format!("{root}{METADATA}")).is_file()

@@ -7,8 +7,8 @@
 
 use serde::Deserialize;
 
-use super::place::Place;
-use super::reader::{Description, Reader, Reading};
+use super::place::SourceFolder;
+use super::reader::{Description, ReadSource, Reader};
 use super::views::{
     ARKIT_POSES, MILLIMETERS, digits_between, entry, from_opengl, json, lens, pose_of_rows, recording,
 };
@@ -35,13 +35,13 @@ impl Reader for ScannerApp {
         "frame_*.json beside depth_*.png (3D Scanner App)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         let is_ours = place.file.as_deref().is_none_or(|file| number(file).is_some());
         let is_first = |name: &str| number(name).is_some_and(|number| place.has(&depth(number)));
         is_ours && place.names().any(is_first)
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let mut description = Description {
             source: self.source().to_owned(),
             poses: ARKIT_POSES.to_owned(),

@@ -14,7 +14,7 @@ pub(super) struct TextFile {
 }
 
 /// One line, split at white space and commas.
-pub(super) struct Line<'a> {
+pub(super) struct TextLine<'a> {
     path: &'a Path,
     /// Counted from 1.
     pub number: usize,
@@ -46,13 +46,13 @@ impl TextFile {
     }
 
     /// Lines that are neither empty nor comments (`#`).
-    pub(super) fn lines(&self) -> impl Iterator<Item = Line<'_>> {
+    pub(super) fn lines(&self) -> impl Iterator<Item = TextLine<'_>> {
         self.text.lines().enumerate().filter_map(|(index, text)| {
             let text = text.trim();
             let separates = |letter: char| letter.is_whitespace() || letter == ',';
             let fields: Vec<&str> = text.split(separates).filter(|field| !field.is_empty()).collect();
             let is_data = !fields.is_empty() && !text.starts_with('#');
-            is_data.then_some(Line { path: &self.path, number: index + 1, fields })
+            is_data.then_some(TextLine { path: &self.path, number: index + 1, fields })
         })
     }
     /// All numbers of the file in their order.
@@ -70,7 +70,7 @@ impl TextFile {
     }
 }
 
-impl Line<'_> {
+impl TextLine<'_> {
     /// An error in this line.
     pub(super) fn error(&self, what: impl Into<String>) -> Error {
         Error::invalid(format!("{}, line {}", self.path.display(), self.number), what)

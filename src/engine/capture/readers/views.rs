@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
-use super::place::{Place, names_in};
-use super::reader::{Description, Reading, SaidBy};
-use crate::capture::transforms::{Keys, Manifest, Origin, PictureEntry, opengl_matrix};
+use super::place::{SourceFolder, names_in};
+use super::reader::{Description, ReadSource, SaidBy};
+use crate::capture::transforms::{Keys, Manifest, ManifestOrigin, PictureEntry, opengl_matrix};
 use crate::error::{Error, Result};
 
 /// How far a quaternion's length, squared, may be from 1, and the axes of a matrix from orthonormal.
@@ -85,12 +85,12 @@ pub(super) fn name_as_views(entries: &mut [PictureEntry]) {
 /// # Errors
 /// `Invalid` where no picture is left.
 pub(super) fn recording(
-    place: &Place,
+    place: &SourceFolder,
     keys: Keys,
     mut frames: Vec<PictureEntry>,
     mut description: Description,
     inputs: Vec<PathBuf>,
-) -> Result<Reading> {
+) -> Result<ReadSource> {
     if frames.is_empty() {
         let path = inputs.first().unwrap_or(&place.folder);
         let why = description.skipped.first().map_or_else(String::new, |skipped| {
@@ -105,12 +105,17 @@ pub(super) fn recording(
 }
 
 /// The reading of a manifest whose paths are relative to the place's folder.
-fn reading(place: &Place, manifest: Manifest, mut description: Description, inputs: Vec<PathBuf>) -> Reading {
+fn reading(
+    place: &SourceFolder,
+    manifest: Manifest,
+    mut description: Description,
+    inputs: Vec<PathBuf>,
+) -> ReadSource {
     let skipped: usize = description.skipped.iter().map(|skipped| skipped.count).sum();
     description.found = manifest.frames.len() + skipped;
     let path = inputs.first().cloned().unwrap_or_else(|| place.folder.clone());
-    let origin = Origin { path, folder: place.folder.clone() };
-    Reading { manifest, origin, inputs, description, said_by: SaidBy::Layout }
+    let origin = ManifestOrigin { path, folder: place.folder.clone() };
+    ReadSource { manifest, origin, inputs, description, said_by: SaidBy::Layout }
 }
 
 /// The reading of pictures whose entries name camera and frame: static cameras, or one that moves, whose scene is taken as static.
@@ -118,12 +123,12 @@ fn reading(place: &Place, manifest: Manifest, mut description: Description, inpu
 /// # Errors
 /// As [`recording`].
 pub(super) fn rig_or_recording(
-    place: &Place,
+    place: &SourceFolder,
     keys: Keys,
     frames: Vec<PictureEntry>,
     mut description: Description,
     inputs: Vec<PathBuf>,
-) -> Result<Reading> {
+) -> Result<ReadSource> {
     if frames.is_empty() || is_one_that_moves(&frames) {
         description.notes.push("the scene is taken as static, as one camera moves through it".to_owned());
         return recording(place, keys, frames, description, inputs);

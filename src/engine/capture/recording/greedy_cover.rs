@@ -12,7 +12,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// What is shown by the views that were taken.
-pub trait Shown {
+pub trait CoveredSet {
     /// What a view would add. It never grows when another view is taken.
     fn added_by(&self, view: usize) -> u64;
 
@@ -25,7 +25,7 @@ pub trait Shown {
 pub struct Addition {
     /// Its index.
     pub view: usize,
-    /// In the unit of [`Shown::added_by`].
+    /// In the unit of [`CoveredSet::added_by`].
     pub added: u64,
 }
 
@@ -36,7 +36,7 @@ pub struct GreedyCover<'a, S> {
     at_most: BinaryHeap<(u64, Reverse<usize>)>,
 }
 
-impl<'a, S: Shown> GreedyCover<'a, S> {
+impl<'a, S: CoveredSet> GreedyCover<'a, S> {
     /// Views are taken among `views`, which are different indices.
     pub fn new(shown: &'a mut S, views: impl Iterator<Item = usize>) -> Self {
         let at_most = views.map(|view| (shown.added_by(view), Reverse(view))).collect();
@@ -44,7 +44,7 @@ impl<'a, S: Shown> GreedyCover<'a, S> {
     }
 }
 
-impl<S: Shown> Iterator for GreedyCover<'_, S> {
+impl<S: CoveredSet> Iterator for GreedyCover<'_, S> {
     type Item = Addition;
 
     fn next(&mut self) -> Option<Addition> {
@@ -71,7 +71,7 @@ mod tests {
         taken: u64,
     }
 
-    impl Shown for Bits {
+    impl CoveredSet for Bits {
         fn added_by(&self, view: usize) -> u64 {
             (self.views[view] & !self.taken).count_ones().into()
         }

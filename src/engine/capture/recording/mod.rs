@@ -5,7 +5,7 @@ mod pairing;
 mod trajectory;
 mod view_choice;
 
-pub use greedy_cover::{Addition, GreedyCover, Shown};
+pub use greedy_cover::{Addition, CoveredSet, GreedyCover};
 pub(crate) use pairing::nearest;
 pub(crate) use trajectory::Trajectory;
 pub use view_choice::ViewChoice;

@@ -8,7 +8,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::greedy_cover::{Addition, GreedyCover, Shown};
+use super::greedy_cover::{Addition, CoveredSet, GreedyCover};
 use crate::capture::camera::{Camera, PixelSide};
 use crate::capture::frame::Frame;
 use crate::capture::parts::Capture;
@@ -44,11 +44,11 @@ impl ViewChoice {
         let count = cameras.min(MAX_CANDIDATES.max(most));
         let candidates: Vec<usize> = (0..count).map(|index| index * cameras / count).collect();
         let frame = capture.frame_count() / 2;
-        let views: Vec<View> = candidates
+        let views: Vec<CandidateView> = candidates
             .par_iter()
             .map(|&camera| {
                 let picture = capture.frame(camera, frame)?;
-                Ok(View::new(&capture.cameras[camera], &picture))
+                Ok(CandidateView::new(&capture.cameras[camera], &picture))
             })
             .collect::<Result<_>>()?;
         let shown: Vec<Vec<u8>> = views.par_iter().map(|view| view.shows_of(&views)).collect();
@@ -76,7 +76,7 @@ struct Fineness<'a> {
     best: Vec<u8>,
 }
 
-impl Shown for Fineness<'_> {
+impl CoveredSet for Fineness<'_> {
     fn added_by(&self, view: usize) -> u64 {
         let points = self.shown[view].iter().zip(&self.best);
         points.map(|(new, old)| u64::from(new.saturating_sub(*old))).sum()
@@ -105,7 +105,7 @@ fn choose(shown: &[Vec<u8>], most: usize) -> Vec<(usize, f64)> {
 }
 
 /// What is known of one view: where its points are, and the depth that hides what is behind.
-struct View {
+struct CandidateView {
     camera: Camera,
     /// 1/z row by row.
     inverse_depth: Vec<f32>,
@@ -113,7 +113,7 @@ struct View {
     points: Vec<(glam::DVec3, f64)>,
 }
 
-impl View {
+impl CandidateView {
     fn new(camera: &Camera, frame: &Frame) -> Self {
         let inverse_depth = frame.inverse_depth.as_slice().to_vec();
         let (width, height) = camera.intrinsics.size();

@@ -7,7 +7,7 @@ use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
 use super::manifest::{Keys, Manifest, PictureEntry};
-use super::origin::Origin;
+use super::origin::ManifestOrigin;
 use super::same_camera::refuse_motion;
 use super::{frame_numbers, header_probe, intrinsics, pose};
 use crate::capture::camera::Camera;
@@ -59,8 +59,8 @@ impl PlacedEntry {
 }
 
 /// All entries in the manifest's order, each with camera and frame.
-pub(super) fn entries(manifest: &Manifest, origin: &Origin) -> Result<Vec<PlacedEntry>> {
-    let Origin { path, folder } = origin;
+pub(super) fn entries(manifest: &Manifest, origin: &ManifestOrigin) -> Result<Vec<PlacedEntry>> {
+    let ManifestOrigin { path, folder } = origin;
     let keys: Vec<Keys> = manifest.frames.iter().map(|entry| entry.keys.clone().or(&manifest.keys)).collect();
     let poses: Vec<DAffine3> = manifest
         .frames
@@ -158,7 +158,7 @@ impl CameraFiles {
     ///
     /// # Errors
     /// `Invalid` for a camera without one of the frames, or with one twice; `Unsupported` for one that moves.
-    pub(super) fn group(manifest: &Manifest, origin: &Origin) -> Result<Self> {
+    pub(super) fn group(manifest: &Manifest, origin: &ManifestOrigin) -> Result<Self> {
         let path = &origin.path;
         let mut warnings = Vec::new();
         let is_ranked = frame_numbers::are_ranked(manifest);
@@ -282,7 +282,7 @@ mod tests {
             })
             .collect();
         let manifest = json!({ "frames": frames }).to_string();
-        let origin = Origin::of_file(Path::new("transforms.json"));
+        let origin = ManifestOrigin::of_file(Path::new("transforms.json"));
         CameraFiles::group(&Manifest::from_json(manifest.as_bytes(), "transforms.json")?, &origin)
     }
 

@@ -44,7 +44,7 @@ pub(crate) use lens::LensKeys;
 pub(crate) use manifest::{Keys, Manifest, NormalSpaceName, PictureEntry};
 pub(crate) use manifest_file::other_file;
 pub use manifest_file::{MANIFEST_NAME, manifest_path, truth_beside};
-pub(crate) use origin::Origin;
+pub(crate) use origin::ManifestOrigin;
 pub use other_pictures::{MatchedBy, OtherPictures};
 pub use path::{PathView, path_from_json, path_to_json};
 pub use pictures_of_views::open_pictures;
@@ -58,7 +58,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::conventions::{self, Verdict};
+use super::conventions::{self, ConventionVerdict};
 use super::parts::{Capture, CaptureParts, TruthLoader, TruthView, stem_of};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
@@ -75,7 +75,7 @@ use source::FileSource;
 /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
 pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
     let path = manifest_path(path);
-    capture_of(&Manifest::read(&path)?, &Origin::of_file(&path), settings)
+    capture_of(&Manifest::read(&path)?, &ManifestOrigin::of_file(&path), settings)
 }
 
 /// The capture that a manifest describes, wherever the manifest comes from. Its name is that of the folder.
@@ -84,7 +84,7 @@ pub fn open(path: &Path, settings: &CaptureSettings) -> Result<Capture> {
 /// As [`open`].
 pub(crate) fn capture_of(
     manifest: &Manifest,
-    origin: &Origin,
+    origin: &ManifestOrigin,
     settings: &CaptureSettings,
 ) -> Result<Capture> {
     open_manifest(manifest, origin, settings)
@@ -92,7 +92,7 @@ pub(crate) fn capture_of(
 }
 
 /// Of a manifest all of whose poses mirror, the error that names the axes that fit.
-fn mirrored(mut manifest: Manifest, origin: &Origin, settings: &CaptureSettings) -> Option<Error> {
+fn mirrored(mut manifest: Manifest, origin: &ManifestOrigin, settings: &CaptureSettings) -> Option<Error> {
     let is_open = manifest.keys.camera_axes.is_none()
         && manifest.frames.iter().all(|entry| entry.keys.camera_axes.is_none());
     if !is_open || !manifest.frames.iter().all(|entry| pose::mirrors(&entry.transform_matrix)) {
@@ -103,19 +103,23 @@ fn mirrored(mut manifest: Manifest, origin: &Origin, settings: &CaptureSettings)
     let capture = open_manifest(&manifest, origin, settings).ok()?;
     let found = conventions::check(&capture).ok()?;
     let axes = match &found.verdict {
-        Verdict::Other(_) => found.sentence(),
-        Verdict::Stands { .. } => {
+        ConventionVerdict::Other(_) => found.sentence(),
+        ConventionVerdict::Stands { .. } => {
             let axes = manifest.keys.camera_axes.map(conventions::CameraAxes::json);
             format!("the views agree if one writes \"camera_axes\": {}", axes.unwrap_or_default())
         }
-        Verdict::Unknown { .. } => return None,
+        ConventionVerdict::Unknown { .. } => return None,
     };
     let what =
         format!("every transform_matrix mirrors: the axes of its camera space are left-handed; {axes}");
     Some(Error::invalid(origin.path.display(), what))
 }
 
-fn open_manifest(manifest: &Manifest, origin: &Origin, settings: &CaptureSettings) -> Result<Capture> {
+fn open_manifest(
+    manifest: &Manifest,
+    origin: &ManifestOrigin,
+    settings: &CaptureSettings,
+) -> Result<Capture> {
     let path = &origin.path;
     let mut recording = CameraFiles::group(manifest, origin)?;
     recording.check_files_exist()?;
@@ -163,7 +167,7 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
     let path = manifest_path(path);
     let manifest = Manifest::read(&path)?;
     frame_numbers::refuse_times(&manifest, &path, frames_are_ranked)?;
-    let places = cameras::entries(&manifest, &Origin::of_file(&path))?;
+    let places = cameras::entries(&manifest, &ManifestOrigin::of_file(&path))?;
     let mut known = Vec::new();
     places
         .into_iter()
@@ -180,7 +184,7 @@ pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthVi
 }
 
 /// The name of the capture's folder, or of the manifest itself at the root.
-fn capture_name(origin: &Origin) -> String {
+fn capture_name(origin: &ManifestOrigin) -> String {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let (folder, path) = (absolute(&origin.folder.join(".")), absolute(&origin.path));
     let folder = folder.file_name().or(path.file_stem());

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 /// Where a manifest comes from.
 #[derive(Clone, Debug)]
-pub(crate) struct Origin {
+pub(crate) struct ManifestOrigin {
     /// The file that says which pictures there are and where they were taken, for messages.
     pub path: PathBuf,
     /// The folder that the paths in it are relative to.
     pub folder: PathBuf,
 }
 
-impl Origin {
+impl ManifestOrigin {
     /// A manifest whose paths are relative to its own folder.
     pub(crate) fn of_file(path: &Path) -> Self {
         Self { path: path.to_path_buf(), folder: path.parent().unwrap_or(Path::new("")).to_path_buf() }

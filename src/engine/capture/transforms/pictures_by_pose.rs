@@ -6,7 +6,7 @@ use std::path::Path;
 use super::cameras::{self, PlacedEntry};
 use super::manifest::Manifest;
 use super::manifest_file::MANIFEST_NAME;
-use super::origin::Origin;
+use super::origin::ManifestOrigin;
 use super::other_pictures::{MatchedBy, OtherPictures, loader};
 use super::{frame_numbers, same_camera};
 use crate::capture::camera::Camera;
@@ -25,7 +25,7 @@ pub(super) fn by_pose(
 ) -> Result<OtherPictures> {
     let manifest = Manifest::read(manifest_path)?;
     frame_numbers::refuse_times(&manifest, manifest_path, frames_are_ranked)?;
-    let entries = cameras::entries(&manifest, &Origin::of_file(manifest_path))?;
+    let entries = cameras::entries(&manifest, &ManifestOrigin::of_file(manifest_path))?;
     let has_frames = entries.iter().any(|entry| entry.keys.frame.or(entry.keys.time).is_some());
     let entries: Vec<(PlacedEntry, Camera)> = entries
         .into_iter()

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::capture::yuv::{ColorMatrix, DepthRange, PixelFormat, YuvFile};
+use crate::capture::yuv::{ColorMatrix, LevelRange, PixelFormat, YuvFile};
 use crate::error::{Error, Result};
 
 /// The manifest's keys of raw video.
@@ -52,7 +52,7 @@ pub(crate) struct RawVideo {
     color: Option<PixelFormat>,
     depth: Option<PixelFormat>,
     matrix: ColorMatrix,
-    range: Option<DepthRange>,
+    range: Option<LevelRange>,
 }
 
 impl RawVideo {
@@ -74,7 +74,7 @@ impl RawVideo {
             let far = far.unwrap_or(f64::INFINITY);
             if near > 0.0 && near < far {
                 let zero_is_unknown = keys.depth_zero_is_unknown.unwrap_or(false);
-                return Ok(DepthRange { near, far, zero_is_unknown });
+                return Ok(LevelRange { near, far, zero_is_unknown });
             }
             let what = format!("depth_range is [{near}, {far}]; it is [near, far], with 0 < near < far");
             Err(Error::invalid(place, what))
@@ -136,7 +136,7 @@ impl RawVideo {
         path: &'a Path,
         place: &'a str,
         size: (usize, usize),
-    ) -> Result<(YuvFile<'a>, DepthRange)> {
+    ) -> Result<(YuvFile<'a>, LevelRange)> {
         let format = self.depth.ok_or_else(|| missing(place, "depth_pixel_format"))?;
         let range = self.range.ok_or_else(|| missing(place, "depth_range"))?;
         Ok((YuvFile::new(path, place, format, size), range))

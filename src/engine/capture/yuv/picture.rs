@@ -19,7 +19,7 @@ pub(crate) struct YuvFile<'a> {
 
 /// What the levels of a picture of depth mean: 1/z runs evenly from the far to the near plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DepthRange {
+pub(crate) struct LevelRange {
     /// The nearest depth, of the largest level.
     pub near: f64,
     /// The farthest depth, of level 0; may be infinite.
@@ -28,7 +28,7 @@ pub(crate) struct DepthRange {
     pub zero_is_unknown: bool,
 }
 
-impl DepthRange {
+impl LevelRange {
     /// The depth of a level of at most `largest`, in world units: infinite at infinity, NaN where it is not known.
     pub(crate) fn depth(&self, level: f32, largest: f32) -> f32 {
         if level == 0.0 && self.zero_is_unknown {
@@ -90,7 +90,7 @@ impl<'a> YuvFile<'a> {
     }
 
     /// Half a level, as inverse depth.
-    pub(crate) fn half_step(&self, range: &DepthRange) -> f32 {
+    pub(crate) fn half_step(&self, range: &LevelRange) -> f32 {
         range.half_step(f32::from(self.format.largest()))
     }
 
@@ -145,7 +145,7 @@ impl<'a> YuvFile<'a> {
     ///
     /// # Errors
     /// `Io`, and `Invalid` where the file ends too early.
-    pub(crate) fn depth(&self, index: u64, range: &DepthRange) -> Result<Vec<f32>> {
+    pub(crate) fn depth(&self, index: u64, range: &LevelRange) -> Result<Vec<f32>> {
         let largest = f32::from(self.format.largest());
         let mut samples = self.read(index)?;
         samples.truncate(self.size.0 * self.size.1);
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn the_worked_example_of_16_bits_is_met() {
-        let range = DepthRange { near: 0.3, far: 1.62, zero_is_unknown: false };
+        let range = LevelRange { near: 0.3, far: 1.62, zero_is_unknown: false };
         for (level, depth) in [(32_768.0, 0.506_245), (65_535.0, 0.3), (0.0, 1.62)] {
             assert!((range.depth(level, 65_535.0) - depth).abs() < 1e-6, "{level}");
         }
@@ -257,11 +257,11 @@ mod tests {
 
     #[test]
     fn what_has_no_depth_and_what_is_at_infinity_stay_apart() {
-        let range = DepthRange { near: 0.5, far: f64::INFINITY, zero_is_unknown: true };
+        let range = LevelRange { near: 0.5, far: f64::INFINITY, zero_is_unknown: true };
         assert_eq!(range.level(-1.0, 65_535), 0);
         assert_eq!(range.level(0.0, 65_535), 1);
         assert!(range.depth(0.0, 65_535.0).is_nan());
-        let open = DepthRange { zero_is_unknown: false, ..range };
+        let open = LevelRange { zero_is_unknown: false, ..range };
         assert_eq!(open.level(0.0, 65_535), 0);
         assert_eq!(open.depth(0.0, 65_535.0), f32::INFINITY);
     }
@@ -284,7 +284,7 @@ mod tests {
             let yuv = YuvFile::new(file.path(), "test", format, size);
             let fits = bytes.len() as u64 >= (index + 1) * format.picture_bytes(size);
             let range =
-                DepthRange { near: 0.5, far: f64::INFINITY, zero_is_unknown: next().is_multiple_of(2) };
+                LevelRange { near: 0.5, far: f64::INFINITY, zero_is_unknown: next().is_multiple_of(2) };
             let (color, depth) = (yuv.color(index, ColorMatrix::default()), yuv.depth(index, &range));
             assert_eq!((color.is_ok(), depth.is_ok()), (fits, fits));
             if let (Ok(color), Ok(depth)) = (color, depth) {

@@ -4,7 +4,7 @@
 //! once, however many views saw it. A surface that n views show has a point in each of them, so each point weighs 1/n.
 
 use super::visibility::{ShownOf, ShownPoints, all_bits, common_bits};
-use overlook_engine::capture::{Addition, GreedyCover, Shown};
+use overlook_engine::capture::{Addition, CoveredSet, GreedyCover};
 
 /// Weight of a point that a single view shows. It is a multiple of 1 to 16, so that weights are whole and sums do not depend on their
 /// order.
@@ -108,7 +108,7 @@ struct Missing<'a> {
     points: &'a mut [Vec<u64>],
 }
 
-impl Shown for Missing<'_> {
+impl CoveredSet for Missing<'_> {
     fn added_by(&self, view: usize) -> u64 {
         let weights = &self.coverage.weights;
         let of = |of: &ShownOf| -> u64 {

@@ -8,8 +8,8 @@ mod unreal;
 
 use std::collections::BTreeMap;
 
-use super::place::{Place, names_in};
-use super::reader::{Description, Reader, Reading};
+use super::place::{SourceFolder, names_in};
+use super::reader::{Description, ReadSource, Reader};
 use super::views::{entry, lens, rig_or_recording, stem};
 use crate::capture::exr::HeaderAttributes;
 use crate::capture::transforms::{Keys, PictureEntry};
@@ -19,7 +19,7 @@ use crate::error::Result;
 pub(super) struct ExrHeader;
 
 /// A picture: its path below the place, its camera, the number of its frame.
-struct Picture {
+struct HeaderPicture {
     path: String,
     camera: String,
     number: i64,
@@ -34,7 +34,7 @@ impl Reader for ExrHeader {
         "*.exr with unreal/camera, worldToScreen or worldToNDC in the header (Unreal, Arnold, Karma)"
     }
 
-    fn recognizes(&self, place: &Place) -> bool {
+    fn recognizes(&self, place: &SourceFolder) -> bool {
         if place.file.as_deref().is_some_and(|file| !is_exr(file)) {
             return false;
         }
@@ -43,7 +43,7 @@ impl Reader for ExrHeader {
         header.is_some_and(|header| unreal::is_of(&header) || projection::is_of(&header))
     }
 
-    fn read(&self, place: &Place) -> Result<Reading> {
+    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let pictures = pictures(place);
         let is_unreal = unreal::is_of(&HeaderAttributes::read(&place.join(&pictures[0].path))?);
         let description = description(is_unreal, self.source());
@@ -104,8 +104,8 @@ fn is_exr(name: &str) -> bool {
 }
 
 /// The pictures of the place and of the folders in it, by cameras and frames.
-fn pictures(place: &Place) -> Vec<Picture> {
-    let mut by_camera: BTreeMap<String, Vec<Picture>> = BTreeMap::new();
+fn pictures(place: &SourceFolder) -> Vec<HeaderPicture> {
+    let mut by_camera: BTreeMap<String, Vec<HeaderPicture>> = BTreeMap::new();
     let mut add = |folder: &str, name: &str| {
         let stem = stem(name);
         let digits = stem.bytes().rev().take_while(u8::is_ascii_digit).count();
@@ -115,7 +115,7 @@ fn pictures(place: &Place) -> Vec<Picture> {
             [folder, start].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("/");
         let camera = if camera.is_empty() { "camera".to_owned() } else { camera };
         let path = if folder.is_empty() { name.to_owned() } else { format!("{folder}/{name}") };
-        let picture = Picture { path, camera: camera.clone(), number: number.parse().unwrap_or(0) };
+        let picture = HeaderPicture { path, camera: camera.clone(), number: number.parse().unwrap_or(0) };
         by_camera.entry(camera).or_default().push(picture);
     };
     let own: Vec<&str> = place.names().filter(|name| is_exr(name)).collect();
@@ -128,7 +128,7 @@ fn pictures(place: &Place) -> Vec<Picture> {
             names.iter().filter(|name| is_exr(name)).for_each(|name| add(folder, name));
         }
     }
-    let mut all: Vec<Picture> = by_camera.into_values().flatten().collect();
+    let mut all: Vec<HeaderPicture> = by_camera.into_values().flatten().collect();
     all.sort_by(|a, b| (&a.camera, a.number).cmp(&(&b.camera, b.number)));
     all
 }
