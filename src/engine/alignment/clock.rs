@@ -74,7 +74,7 @@ struct FrameWindow {
 
 /// One camera around one moment.
 struct Moment {
-    /// Views of the frames of the span.
+    /// Views of the frames of the window.
     views: Vec<ReferenceView>,
     /// The moment's own among them.
     own: usize,
@@ -113,9 +113,9 @@ pub(crate) fn align_clocks(problem: &Problem, capture: &Capture, job: &Job) -> R
     let frames = capture.frame_count() as i64;
     // Moments lie a quarter of the capture from its ends.
     let reach = (MOST_FRAMES + 1).min(frames / 4).max(1);
-    let spans =
+    let windows =
         MOMENTS.map(|share| FrameWindow { at: (share * frames as f64) as i64, before: reach, after: reach });
-    let pairs = tracks(problem, capture, &spans, job)?;
+    let pairs = tracks(problem, capture, &windows, job)?;
     let found: Vec<([usize; 2], PairDelay)> =
         pairs.iter().filter_map(|pair| Some((pair.pair, pair.widest_difference(reach)?))).collect();
     let mut clocks = solved(&found, cameras);
@@ -150,18 +150,23 @@ fn first_look_finds_none(problem: &Problem, capture: &Capture, job: &Job) -> Res
     Ok(true)
 }
 
-/// Follows what moves in every camera through the frames of some spans in the others. Of spans that reach beyond the capture nothing
+/// Follows what moves in every camera through the frames of some windows in the others. Of windows that reach beyond the capture nothing
 /// is followed.
-fn tracks(problem: &Problem, capture: &Capture, spans: &[FrameWindow], job: &Job) -> Result<Vec<PairTracks>> {
+fn tracks(
+    problem: &Problem,
+    capture: &Capture,
+    windows: &[FrameWindow],
+    job: &Job,
+) -> Result<Vec<PairTracks>> {
     let frames = capture.frame_count() as i64;
     let mut pairs: Vec<PairTracks> =
         problem.pairs.iter().map(|pair| PairTracks { pair: *pair, tracks: Vec::new() }).collect();
-    for span in spans {
-        if span.at - span.before < 0 || span.at + span.after >= frames {
+    for window in windows {
+        if window.at - window.before < 0 || window.at + window.after >= frames {
             continue;
         }
         let seen = (0..capture.cameras.len()).into_par_iter();
-        let seen = seen.map(|camera| Moment::new(problem, capture, camera, *span, job));
+        let seen = seen.map(|camera| Moment::new(problem, capture, camera, *window, job));
         let seen: Vec<Moment> = seen.collect::<Result<_>>()?;
         pairs.par_iter_mut().for_each(|pair| {
             let [source, target] = pair.pair.map(|camera| &seen[camera]);
@@ -177,10 +182,10 @@ impl Moment {
         problem: &Problem,
         capture: &Capture,
         camera: usize,
-        span: FrameWindow,
+        window: FrameWindow,
         job: &Job,
     ) -> Result<Self> {
-        let FrameWindow { at, before, after } = span;
+        let FrameWindow { at, before, after } = window;
         let lens = &problem.views[camera].camera;
         let view = |frame: i64| {
             job.check()?;

@@ -50,7 +50,7 @@ struct ColorPair {
     judges: bool,
 }
 
-/// A pair of cameras with all readings of it.
+/// A pair of cameras, with the colors of the samples that both see.
 type ColorsOfPair = ([usize; 2], Vec<ColorPair>);
 
 /// Per pair and channel: the median difference of logarithms, its weight, and the spread.
@@ -66,16 +66,16 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
     let views = problem.views.par_iter().zip(&problem.samples);
     let own: Vec<Vec<LogColor>> = views.map(|(view, samples)| own_colors(view, samples)).collect();
     let of_pair = |(pair, weighed): (&[usize; 2], &PairWeighing)| {
-        (*pair, readings(problem, (weighing.level, weighed.gate), *pair, &own[pair[0]]))
+        (*pair, color_pairs(problem, weighing.level, weighed.gate, *pair, &own[pair[0]]))
     };
-    let readings: Vec<ColorsOfPair> = problem.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
-    let ratios: Vec<Ratio> = readings.iter().filter_map(|(pair, readings)| ratio(*pair, readings)).collect();
+    let colors: Vec<ColorsOfPair> = problem.pairs.par_iter().zip(&weighing.pairs).map(of_pair).collect();
+    let ratios: Vec<Ratio> = colors.iter().filter_map(|(pair, colors)| ratio(*pair, colors)).collect();
     let mut corrections = solved(&ratios, &problem.is_free);
-    let spreads = spreads(&ratios, &readings);
+    let spreads = spreads(&ratios, &colors);
     // All gains are applied; what is left is judged camera by camera beside them.
     let found: Vec<[f64; 3]> = corrections.iter().map(|correction| correction.log_gain).collect();
     for (camera, correction) in corrections.iter_mut().enumerate() {
-        correction.judgment = judged(camera, &found, readings.iter().zip(&spreads));
+        correction.judgment = judged(camera, &found, colors.iter().zip(&spreads));
         let largest =
             |values: [f64; 3]| values.into_iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let [stops, errors] = [correction.log_gain, correction.standard_error]
@@ -114,20 +114,20 @@ fn solved(ratios: &[Ratio], is_free: &[bool]) -> Vec<GainCorrection> {
     corrections
 }
 
-/// What the readings that took no part say about one camera's gain, the other cameras having theirs.
+/// Judges one camera's gain by the samples that took no part in finding it. The other cameras have theirs.
 fn judged<'a>(
     camera: usize,
     found: &[[f64; 3]],
     pairs: impl Iterator<Item = (&'a ColorsOfPair, &'a [f64; 3])>,
 ) -> Judgment {
     let mut losses = Vec::new();
-    for ((pair, readings), spread) in pairs.filter(|((pair, _), _)| pair.contains(&camera)) {
+    for ((pair, colors), spread) in pairs.filter(|((pair, _), _)| pair.contains(&camera)) {
         let now = pair.map(|index| found[index]);
         let before = pair.map(|index| if index == camera { [0.0; 3] } else { found[index] });
-        for reading in readings.iter().filter(|reading| reading.judges) {
+        for color in colors.iter().filter(|color| color.judges) {
             let off = |[own, other]: [[f64; 3]; 2]| -> f64 {
                 let of_channel = |channel: usize| {
-                    let off = reading.own[channel] + own[channel] - reading.found[channel] - other[channel];
+                    let off = color.own[channel] + own[channel] - color.found[channel] - other[channel];
                     loss(off, spread[channel])
                 };
                 (0..3).map(of_channel).sum()
@@ -139,11 +139,11 @@ fn judged<'a>(
 }
 
 /// The spreads of each pair that has a ratio; of others nothing counts.
-fn spreads(ratios: &[Ratio], readings: &[ColorsOfPair]) -> Vec<[f64; 3]> {
+fn spreads(ratios: &[Ratio], colors: &[ColorsOfPair]) -> Vec<[f64; 3]> {
     let of_pair = |(pair, _): &ColorsOfPair| {
         ratios.iter().find(|ratio| ratio.pair == *pair).map_or([1e-9; 3], |ratio| ratio.spread)
     };
-    readings.iter().map(of_pair).collect()
+    colors.iter().map(of_pair).collect()
 }
 
 fn hold_mean(equations: &mut NormalEquations, held: &[usize]) {
@@ -166,16 +166,17 @@ fn own_colors(view: &ReferenceView, samples: &[SurfaceSample]) -> Vec<LogColor> 
     samples.iter().map(of_sample).collect()
 }
 
-fn readings(
+fn color_pairs(
     problem: &Problem,
-    (level, gate): (usize, f64),
+    level: usize,
+    gate: f64,
     pair: [usize; 2],
     own_colors: &[LogColor],
 ) -> Vec<ColorPair> {
     let views = problem.pair(pair);
     let [own, other] = pair.map(|camera| &problem.views[camera]);
     let samples = problem.samples[pair[0]].iter().zip(own_colors);
-    let readings = samples.filter_map(|(sample, own_color)| {
+    let colors = samples.filter_map(|(sample, own_color)| {
         let own_color = (*own_color)?;
         views.terms(sample, level, gate)?;
         let point = own.camera.unproject(sample.pixel, 1.0 / sample.inverse_depth);
@@ -183,7 +184,7 @@ fn readings(
         let found = mean_log_color(&other.frame.color, image.x, image.y)?;
         Some(ColorPair { own: own_color, found, judges: sample.judges })
     });
-    readings.collect()
+    colors.collect()
 }
 
 /// Logarithms of a mean color; `None` near the border, and where it is too dark or too bright to tell a ratio.
@@ -212,15 +213,15 @@ fn mean_log_color(color: &Grid<[half::f16; 3]>, u: f64, v: f64) -> LogColor {
     mean.iter().all(|mean| *mean >= USABLE[0]).then(|| mean.map(|mean| f64::from(mean.ln())))
 }
 
-fn ratio(pair: [usize; 2], readings: &[ColorPair]) -> Option<Ratio> {
-    let fitting: Vec<&ColorPair> = readings.iter().filter(|reading| !reading.judges).collect();
+fn ratio(pair: [usize; 2], colors: &[ColorPair]) -> Option<Ratio> {
+    let fitting: Vec<&ColorPair> = colors.iter().filter(|color| !color.judges).collect();
     if fitting.len() < LEAST_SAMPLES {
         return None;
     }
     let mut ratio = Ratio { pair, difference: [0.0; 3], weight: [0.0; 3], spread: [0.0; 3] };
     for channel in 0..3 {
         let mut differences: Vec<f64> =
-            fitting.iter().map(|reading| reading.found[channel] - reading.own[channel]).collect();
+            fitting.iter().map(|color| color.found[channel] - color.own[channel]).collect();
         let middle = median(&mut differences)?;
         let mut away: Vec<f64> = differences.iter().map(|difference| (difference - middle).abs()).collect();
         let spread = (median(&mut away)? / MEDIAN_PER_SIGMA).max(LEAST_SPREAD);

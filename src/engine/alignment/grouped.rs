@@ -69,7 +69,8 @@ impl DecidedCameras {
 /// Finds poses, exposures and clocks of a capture that is seen through its color lenses, as [`aligned_beside_lenses`] does of few cameras.
 pub(super) fn aligned_in_groups(
     seen: &Capture,
-    (groups, typical_depth): (&[CameraGroup], f64),
+    groups: &[CameraGroup],
+    typical_depth: f64,
     lenses: &[LensCorrection],
     settings: &AlignSettings,
     job: &Job,
@@ -157,7 +158,7 @@ mod tests {
             AlignSettings { poses: Correction::Auto, exposure: Correction::Auto, ..AlignSettings::OFF };
         let groups = groups(&wrong.cameras, 4.0, 12);
         assert!(groups.len() > 1);
-        let found = aligned_in_groups(&wrong, (&groups, 4.0), &[], &settings, &Job::new()).unwrap().unwrap();
+        let found = aligned_in_groups(&wrong, &groups, 4.0, &[], &settings, &Job::new()).unwrap().unwrap();
         let alignment = found.alignment.unwrap();
         let off: Vec<f64> = (0..24)
             .map(|camera| {
@@ -184,7 +185,7 @@ mod tests {
         let settings =
             AlignSettings { poses: Correction::Auto, exposure: Correction::Auto, ..AlignSettings::OFF };
         let groups = groups(&right.cameras, 4.0, 6);
-        let found = aligned_in_groups(&right, (&groups, 4.0), &[], &settings, &Job::new()).unwrap();
+        let found = aligned_in_groups(&right, &groups, 4.0, &[], &settings, &Job::new()).unwrap();
         assert!(found.is_none());
     }
 }

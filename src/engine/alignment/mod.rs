@@ -54,6 +54,7 @@ use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
 use color_lens_search::{LEAST_CAMERAS, LensCorrection};
 use grouped::aligned_in_groups;
+use report::FoundCorrections;
 use solver::Problem;
 use together::{aligned_beside_lenses, problem};
 
@@ -90,7 +91,7 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         let typical_depth = 1.0 / looked.problem.scale.inverse_depth;
         drop(looked);
         let groups = groups::groups(&seen.cameras, typical_depth, most);
-        aligned_in_groups(&seen, (&groups, typical_depth), &lenses, settings, job)?
+        aligned_in_groups(&seen, &groups, typical_depth, &lenses, settings, job)?
     } else {
         // The problem of the lens search serves for poses too, unless a lens changed the pictures or cameras were left out.
         let known = looked.filter(|looked| lenses.is_empty() && looked.cameras.len() == cameras);
@@ -143,7 +144,7 @@ impl LookedAt {
     fn through(self, lenses: &[LensCorrection], seen: Capture, job: &Job) -> Result<Aligned> {
         let before = self.problem.pair_medians();
         let problem = problem(&Self::of(&seen, &self.cameras), Some(self.problem.pairs), job)?;
-        let mut alignment = Alignment::new((&seen, &problem), lenses, &[], (&[], &[]), before);
+        let mut alignment = Alignment::new(&seen, &problem, &FoundCorrections::of_lenses(lenses), before);
         for pair in &mut alignment.pairs {
             pair.source = self.cameras[pair.source];
             pair.target = self.cameras[pair.target];

@@ -17,7 +17,7 @@ fn registered(frame: &Frame, depth: &Camera, lens: &ColorLens, rays: &RayCache) 
     let normal_in_world = frame.normal_in_world.as_ref().map(|normals| {
         Grid::from_fn(width, height, |x, y| {
             let position = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-            normal_behind((frame, normals), &depth.intrinsics, lens, position, inverse_depth[(x, y)])
+            normal_behind(frame, normals, &depth.intrinsics, lens, position, inverse_depth[(x, y)])
                 .unwrap_or_default()
         })
     });
@@ -29,7 +29,8 @@ const SAME_DEPTH_RELATIVE: f64 = 0.02;
 
 /// The normal that the depth camera has for what is seen at a position of the color picture; `None` where it has none.
 fn normal_behind(
-    (frame, normals): (&Frame, &Grid<[f32; 3]>),
+    frame: &Frame,
+    normals: &Grid<[f32; 3]>,
     depth: &Intrinsics,
     lens: &ColorLens,
     position: DVec2,

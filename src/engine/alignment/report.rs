@@ -154,14 +154,31 @@ pub struct AlignedPair {
     pub brightness: [f64; 2],
 }
 
+/// Everything that was found, whether or not it is kept. Lists of cameras are empty where nothing was looked for.
+pub(super) struct FoundCorrections<'a> {
+    pub(super) lenses: &'a [LensCorrection],
+    /// One a camera, as the lists below.
+    pub(super) poses: &'a [PoseCorrection],
+    pub(super) gains: &'a [GainCorrection],
+    pub(super) clocks: &'a [ClockCorrection],
+}
+
+impl<'a> FoundCorrections<'a> {
+    /// Nothing but lenses.
+    pub(super) fn of_lenses(lenses: &'a [LensCorrection]) -> Self {
+        Self { lenses, poses: &[], gains: &[], clocks: &[] }
+    }
+}
+
 impl Alignment {
+    /// Reports what was found; `before` has the medians of each pair in the capture as it is claimed.
     pub(super) fn new(
-        (capture, problem): (&Capture, &Problem),
-        lenses: &[LensCorrection],
-        poses: &[PoseCorrection],
-        (gains, clocks): (&[GainCorrection], &[ClockCorrection]),
+        capture: &Capture,
+        problem: &Problem,
+        found: &FoundCorrections<'_>,
         before: Vec<[f64; 2]>,
     ) -> Self {
+        let FoundCorrections { lenses, poses, gains, clocks } = *found;
         let of_camera = |camera: usize| {
             let pose = poses.get(camera).filter(|pose| pose.kept).map(|pose| {
                 let now = problem.views[camera].camera.world_from_camera;

@@ -95,22 +95,18 @@ impl<'a> PairOfViews<'a> {
         let distance = if self.color_alone {
             None
         } else {
-            let term = self.distance(sample, (point, normal), image)?;
+            let term = self.distance(sample, point, normal, image)?;
             if term.residual.abs() > gate {
                 return None;
             }
             Some(term)
         };
-        let color = self.color(sample, (point, there, image), level);
+        let color = self.color(sample, point, there, image, level);
         Some(Terms { distance, color })
     }
 
-    fn distance(
-        &self,
-        sample: &SurfaceSample,
-        (point, normal): (DVec3, DVec3),
-        image: DVec2,
-    ) -> Option<Term> {
+    /// The distance of a sample from the surface that the target saw at `image`; `point` is in the source, `normal` in the target.
+    fn distance(&self, sample: &SurfaceSample, point: DVec3, normal: DVec3, image: DVec2) -> Option<Term> {
         let (column, row, here) = self.target.surface_at(image)?;
         let lens = &self.target.camera.intrinsics;
         let found = lens.ray_in_camera(DVec2::new(column as f64 + 0.5, row as f64 + 0.5)) / f64::from(here);
@@ -125,10 +121,13 @@ impl<'a> PairOfViews<'a> {
         Some(term)
     }
 
+    /// The difference of brightness between a sample and `image`; `point` is in the source, `there` is the same in the target.
     fn color(
         &self,
         sample: &SurfaceSample,
-        (point, there, image): (DVec3, DVec3, DVec2),
+        point: DVec3,
+        there: DVec3,
+        image: DVec2,
         level: usize,
     ) -> Option<Term> {
         let [found, across, down] = self.target.brightness_at(level, image.x, image.y)?;

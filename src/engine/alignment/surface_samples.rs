@@ -51,12 +51,12 @@ pub(crate) fn surface_samples(view: &ReferenceView, count: usize) -> Vec<Surface
         })
     };
     let focal = view.camera.intrinsics.fx;
-    let exact = places(RADII[0]).filter_map(|(x, y, _)| plane_at(view, (x, y), 0));
+    let exact = places(RADII[0]).filter_map(|(x, y, _)| plane_at(view, x, y, 0));
     let mut off: Vec<f64> = exact.map(|plane| plane.deviation_relative * focal).collect();
     let is_noisy = median(&mut off).is_none_or(|off| off > NOISY_FOOTPRINTS);
     let window = usize::from(is_noisy);
     let samples = places(RADII[window]).filter_map(|(x, y, judges)| {
-        let plane = plane_at(view, (x, y), window)?;
+        let plane = plane_at(view, x, y, window)?;
         let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let mut brightness = [0.0; LEVELS];
         for (level, value) in brightness.iter_mut().enumerate() {
@@ -93,7 +93,7 @@ impl Plane {
     }
 }
 
-fn plane_at(view: &ReferenceView, (x, y): (usize, usize), window: usize) -> Option<Plane> {
+fn plane_at(view: &ReferenceView, x: usize, y: usize, window: usize) -> Option<Plane> {
     let (depth, radius) = (&view.frame.inverse_depth, RADII[window]);
     let here = f64::from(depth[(x, y)]);
     if here <= 0.0 {

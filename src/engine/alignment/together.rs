@@ -11,7 +11,7 @@ use super::exposure::{self, kept_gain};
 use super::overlaps::overlapping_pairs;
 use super::poses;
 use super::reference_view::ReferenceView;
-use super::report::Alignment;
+use super::report::{Alignment, FoundCorrections};
 use super::residuals::ProblemScale;
 use super::solver::Problem;
 use super::surface_samples::surface_samples;
@@ -86,7 +86,8 @@ pub(super) fn aligned_beside_lenses(
             normal_turn: if now == then { DMat3::IDENTITY } else { now * then.transpose() },
         }
     };
-    let alignment = Alignment::new((seen, &problem), lenses, &poses, (&gains, &clocks), before);
+    let found = FoundCorrections { lenses, poses: &poses, gains: &gains, clocks: &clocks };
+    let alignment = Alignment::new(seen, &problem, &found, before);
     let is_shifted = clocks.iter().any(|clock| clock.shift != 0);
     let correction = CaptureCorrection {
         cameras: problem.views.iter().map(|view| view.camera.clone()).collect(),

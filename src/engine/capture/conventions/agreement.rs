@@ -6,7 +6,7 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::reading::Reading;
+use super::reading::{PixelRay, Reading};
 use super::views::ComparedView;
 use crate::capture::depth_claim::DepthMeasure;
 use crate::median::median;
@@ -79,9 +79,8 @@ impl Comparison {
             let target_from_source = poses[to].inverse() * poses[from];
             for point in source.points.iter().take(points) {
                 votes.tried += 1;
-                let ray = (point.ray, point.ray_length);
-                let z = reading.planar_z(point.value, ray, &poses[from], self.near_clip);
-                let point_in_target = target_from_source.transform_point3(point.ray * z);
+                let z = reading.planar_z(point.value, point.ray, &poses[from], self.near_clip);
+                let point_in_target = target_from_source.transform_point3(point.ray.to_unit_z * z);
                 if !(z > 0.0 && point_in_target.z > 0.0) {
                     continue;
                 }
@@ -109,8 +108,7 @@ impl Comparison {
         if !(at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 && at.y < height as f64) {
             return None;
         }
-        let ray = point / point.z;
-        let ray = (ray, ray.length());
+        let ray = PixelRay::new(point / point.z);
         // Whether it lies before all that is there; `None` while nothing is.
         let mut is_in_front = None;
         for row in target.around(at) {
@@ -118,7 +116,9 @@ impl Comparison {
                 let there = reading.planar_z(f64::from(value), ray, pose, self.near_clip);
                 // Heights in world space are no distances from the camera: a share of them is allowed, not of the distance.
                 let size = match reading.measure {
-                    DepthMeasure::WorldZ => f64::from(value) * reading.unit / pose.transform_vector3(ray.0).z,
+                    DepthMeasure::WorldZ => {
+                        f64::from(value) * reading.unit / pose.transform_vector3(ray.to_unit_z).z
+                    }
                     _ => there,
                 };
                 if (point.z - there).abs() <= tolerance * size.abs() {
@@ -136,8 +136,7 @@ impl Comparison {
         let share = |&(from, to): &(usize, usize)| {
             let source = &self.views[from];
             let value = source.middle_value()?;
-            let axis = (DVec3::Z, 1.0);
-            let depth = reading.planar_z(value, axis, &poses[from], self.near_clip).abs();
+            let depth = reading.planar_z(value, PixelRay::AXIS, &poses[from], self.near_clip).abs();
             Some(poses[from].translation.distance(poses[to].translation) / depth)
         };
         let mut shares: Vec<f64> =
@@ -149,7 +148,7 @@ impl Comparison {
     pub(super) fn middle_depth(&self, reading: &Reading) -> f64 {
         let poses = self.poses(reading);
         let depth = |(view, pose): (&ComparedView, &DAffine3)| {
-            Some(reading.planar_z(view.middle_value()?, (DVec3::Z, 1.0), pose, self.near_clip).abs())
+            Some(reading.planar_z(view.middle_value()?, PixelRay::AXIS, pose, self.near_clip).abs())
         };
         let mut depths: Vec<f64> = self.views.iter().zip(&poses).filter_map(depth).collect();
         median(&mut depths).unwrap_or(0.0)

@@ -51,21 +51,22 @@ pub fn check(capture: &Capture) -> Result<Finding> {
 /// The same of pictures of depth at hand: `inverse_depth` gives 1/z of a camera's pixel, by their indices, 0 or less for none.
 pub(crate) fn check_pictures(
     cameras: &[Camera],
-    (claim, pose): (DepthClaim, PoseConvention),
+    claim: &DepthClaim,
+    pose: PoseConvention,
     inverse_depths: impl Fn(usize) -> Result<Vec<f32>> + Sync,
 ) -> Result<Finding> {
     let pairs = views::pairs(cameras.len());
     let is_compared = |index: usize| pairs.iter().any(|&(from, to)| from == index || to == index);
     let views = cameras.par_iter().enumerate().map(|(index, camera)| {
         let inverse = inverse_depths(index)?;
-        let mut view = ComparedView::new(camera, |pixel| inverse[pixel], &claim);
+        let mut view = ComparedView::new(camera, |pixel| inverse[pixel], claim);
         // Of many cameras, the pictures of most say no more than their points do.
         if !is_compared(index) {
             view.values = Vec::new();
         }
         Ok(view)
     });
-    Ok(check_views(views.collect::<Result<_>>()?, pairs, &claim, pose))
+    Ok(check_views(views.collect::<Result<_>>()?, pairs, claim, pose))
 }
 
 fn check_views(

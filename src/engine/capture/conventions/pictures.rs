@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::agreement::Comparison;
 use super::chosen_views::ComparedViews;
-use super::reading::Reading;
+use super::reading::{PixelRay, Reading};
 use super::search::WIDE;
 use super::views::{ComparedView, POINTS};
 use crate::capture::camera::Intrinsics;
@@ -160,9 +160,8 @@ fn registered(
     let painted = sources.map(|source| {
         let mut canvas = Canvas::new(*lens);
         let target_from_source = poses[target].inverse() * poses[source];
-        let depth = |value: f64, ray: (glam::DVec3, f64)| {
-            reading.planar_z(value, ray, &poses[source], comparison.near_clip)
-        };
+        let depth =
+            |value: f64, ray: PixelRay| reading.planar_z(value, ray, &poses[source], comparison.near_clip);
         carry(&comparison.views[source], &frames[source], &target_from_source, depth, &mut canvas);
         canvas
     });
@@ -175,7 +174,7 @@ fn carry(
     view: &ComparedView,
     frame: &Frame,
     target_from_source: &DAffine3,
-    depth: impl Fn(f64, (glam::DVec3, f64)) -> f64,
+    depth: impl Fn(f64, PixelRay) -> f64,
     canvas: &mut Canvas,
 ) {
     let (width, _) = view.intrinsics.size();
@@ -183,9 +182,9 @@ fn carry(
     let whole = DVec2::new(columns as f64, rows as f64);
     for (index, &value) in view.values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
         let center = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
-        let ray = view.intrinsics.ray_in_camera(center);
-        let z = depth(f64::from(value), (ray, ray.length()));
-        let point = target_from_source.transform_point3(ray * z);
+        let ray = PixelRay::new(view.intrinsics.ray_in_camera(center));
+        let z = depth(f64::from(value), ray);
+        let point = target_from_source.transform_point3(ray.to_unit_z * z);
         let Some(at) = canvas.lens.project(point).filter(|_| z > 0.0) else { continue };
         if !(at.cmpge(DVec2::ZERO).all() && at.cmplt(whole).all()) {
             continue;

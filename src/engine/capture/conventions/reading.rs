@@ -6,6 +6,25 @@ use serde::{Deserialize, Serialize};
 use crate::capture::depth_claim::DepthMeasure;
 use crate::capture::pose_convention::PoseConvention;
 
+/// The ray through a point of a picture, in camera space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PixelRay {
+    /// From the camera to planar z 1.
+    pub to_unit_z: DVec3,
+    /// Its length.
+    pub length: f64,
+}
+
+impl PixelRay {
+    /// The ray along the camera's axis.
+    pub(super) const AXIS: Self = Self { to_unit_z: DVec3::Z, length: 1.0 };
+
+    /// The ray that goes through a point at planar z 1.
+    pub(super) fn new(to_unit_z: DVec3) -> Self {
+        Self { to_unit_z, length: to_unit_z.length() }
+    }
+}
+
 /// One way to read poses and depth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
@@ -18,24 +37,24 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// Planar z of a pixel of the number `value`, whose ray to planar z 1 is `ray` and has the length `ray_length`.
+    /// Planar z of a pixel with the number `value` and the ray `ray`.
     pub(super) fn planar_z(
         &self,
         value: f64,
-        (ray, ray_length): (DVec3, f64),
+        ray: PixelRay,
         world_from_camera: &DAffine3,
         near_clip: f64,
     ) -> f64 {
         let scaled = value * self.unit;
         match self.measure {
             DepthMeasure::PlanarZ => scaled,
-            DepthMeasure::RayDistance => scaled / ray_length,
-            DepthMeasure::RayDistanceFromNearClip => scaled / ray_length + near_clip,
+            DepthMeasure::RayDistance => scaled / ray.length,
+            DepthMeasure::RayDistanceFromNearClip => scaled / ray.length + near_clip,
             DepthMeasure::InversePlanarZ => scaled.recip(),
-            DepthMeasure::InverseRayDistance => (scaled * ray_length).recip(),
+            DepthMeasure::InverseRayDistance => (scaled * ray.length).recip(),
             DepthMeasure::WorldZ => {
                 let eye = world_from_camera.translation.z;
-                (scaled - eye) / world_from_camera.transform_vector3(ray).z
+                (scaled - eye) / world_from_camera.transform_vector3(ray.to_unit_z).z
             }
         }
     }

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DVec2};
 
+use super::reading::PixelRay;
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::depth_claim::DepthClaim;
 use crate::median::median;
@@ -16,10 +17,8 @@ const EDGE: f64 = 0.06;
 
 /// One pixel of a view.
 pub(super) struct SourcePoint {
-    /// The ray through the pixel's center, in our camera space, to planar z 1.
-    pub ray: DVec3,
-    /// Its length.
-    pub ray_length: f64,
+    /// The ray through the pixel's center, in our camera space.
+    pub ray: PixelRay,
     /// The number of its depth.
     pub value: f64,
 }
@@ -97,8 +96,8 @@ fn spread_points(intrinsics: &Intrinsics, values: &[f32]) -> Vec<SourcePoint> {
         if !value.is_finite() || !seen.insert((x, y)) {
             continue;
         }
-        let ray = intrinsics.ray_in_camera(center(x, y));
-        let point = SourcePoint { ray, ray_length: ray.length(), value: f64::from(value) };
+        let ray = PixelRay::new(intrinsics.ray_in_camera(center(x, y)));
+        let point = SourcePoint { ray, value: f64::from(value) };
         if is_smooth(x, y) {
             smooth.push(point);
         } else {

@@ -88,12 +88,8 @@ fn color_channels(plane: impl Fn(usize) -> Vec<f16>) -> Vec<AnyChannel<FlatSampl
         .collect()
 }
 
-fn write_channels(
-    path: &Path,
-    (width, height): (usize, usize),
-    channels: Vec<AnyChannel<FlatSamples>>,
-) -> Result<()> {
-    if width == 0 || height == 0 {
+fn write_channels(path: &Path, size: (usize, usize), channels: Vec<AnyChannel<FlatSamples>>) -> Result<()> {
+    if size.0 == 0 || size.1 == 0 {
         return Err(Error::invalid(path.display(), "a picture without pixels cannot be written"));
     }
     let encoding = Encoding {
@@ -101,7 +97,7 @@ fn write_channels(
         blocks: exr::image::Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let image = Image::from_encoded_channels((width, height), encoding, AnyChannels::sort(channels.into()));
+    let image = Image::from_encoded_channels(size, encoding, AnyChannels::sort(channels.into()));
     whole_file::write(path, |writer| {
         // Callers write many pictures at once; one thread each keeps all cores busy without contention.
         image.write().non_parallel().to_buffered(writer).map_err(|error| match error {

@@ -144,7 +144,8 @@ pub(crate) fn register(
 const EDGE_SLACK: f64 = 1e-9;
 
 /// Draws a triangle into the nearest surfaces so far. Inverse depth is linear in the picture.
-fn draw([a, b, c]: [Vertex; 3], (width, height): (usize, usize), target: &mut [f32]) {
+fn draw([a, b, c]: [Vertex; 3], size: (usize, usize), target: &mut [f32]) {
+    let (width, height) = size;
     let (ab, ac) = (b.pixel - a.pixel, c.pixel - a.pixel);
     let area = ab.perp_dot(ac);
     if area == 0.0 || !area.is_finite() {

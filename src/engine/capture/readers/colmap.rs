@@ -72,35 +72,8 @@ impl Reader for Colmap {
             let name = if workspace.root.is_empty() { "this folder" } else { &workspace.root };
             description.notes.push(format!("of several reconstructions the largest is read, {name}"));
         }
-        let (cameras, images, inputs) = model_of(place, &workspace.model)?;
-        let maps = Maps::find(place, workspace, &mut description);
-        let (mut frames, mut ups) = (Vec::new(), DVec3::ZERO);
-        for image in &images {
-            let Some(depth) = maps.of(place, "depth", &image.name) else {
-                description.skip("without a map of depth", image.name.clone());
-                continue;
-            };
-            let color = format!("{}images/{}", workspace.root, image.name);
-            if !place.join(&color).is_file() {
-                description.skip("that are not in images/", image.name.clone());
-                continue;
-            }
-            let Some(pose) = image.world_from_camera() else {
-                description.skip("without a pose", image.name.clone());
-                continue;
-            };
-            let camera = cameras.get(&image.camera).ok_or_else(|| {
-                let what = format!(
-                    "image '{}' is of camera {}, which cameras does not list",
-                    image.name, image.camera
-                );
-                Error::invalid(inputs[1].display(), what)
-            })?;
-            ups -= pose.matrix3.y_axis;
-            let normal = maps.of(place, "normal", &image.name);
-            frames.push(picture(color, depth, normal, &pose, camera, &inputs[0])?);
-        }
-        let up = ups.try_normalize().unwrap_or(DVec3::NEG_Y);
+        let reconstruction = Reconstruction::read(place, &workspace.model)?;
+        let (frames, up) = reconstruction.pictures(place, workspace, &mut description)?;
         let keys = Keys {
             depth_unit_scale_factor: Some(1.0),
             depth_kind: Some("planar_z".to_owned()),
@@ -109,7 +82,7 @@ impl Reader for Colmap {
             ..Keys::default()
         };
         description.notes.push("up is the mean of the cameras' up, which COLMAP does not say".to_owned());
-        recording(place, keys, frames, description, inputs)
+        recording(place, keys, frames, description, reconstruction.inputs)
     }
 }
 
@@ -150,27 +123,74 @@ fn holds_model(place: &SourceFolder, model: &str) -> bool {
     [".bin", ".txt"].iter().any(|ending| has(&format!("cameras{ending}")) && has(&format!("images{ending}")))
 }
 
-/// Cameras by their numbers, images in the order of their names, and the files they were read from: cameras, images.
-type Reconstruction = (BTreeMap<u64, ColmapCamera>, Vec<ColmapImage>, Vec<PathBuf>);
+/// What a model holds.
+struct Reconstruction {
+    /// By their numbers.
+    cameras: BTreeMap<u64, ColmapCamera>,
+    /// In the order of their names.
+    images: Vec<ColmapImage>,
+    /// The files of cameras and of images.
+    inputs: Vec<PathBuf>,
+}
 
-fn model_of(place: &SourceFolder, model: &str) -> Result<Reconstruction> {
-    let is_binary =
-        ["cameras.bin", "images.bin"].iter().all(|name| place.join(&format!("{model}{name}")).is_file());
-    let ending = if is_binary { "bin" } else { "txt" };
-    let paths = ["cameras", "images"].map(|name| place.join(&format!("{model}{name}.{ending}")));
-    let [cameras, images] = [read(&paths[0])?, read(&paths[1])?];
-    let shown = paths.each_ref().map(|path| path.display().to_string());
-    let (cameras, mut images) = if is_binary {
-        (colmap::cameras_of_bytes(&cameras, &shown[0])?, colmap::images_of_bytes(&images, &shown[1])?)
-    } else {
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        (
-            colmap::cameras_of_text(&text(&cameras), &shown[0])?,
-            colmap::images_of_text(&text(&images), &shown[1])?,
-        )
-    };
-    images.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok((cameras.into_iter().map(|camera| (camera.id, camera)).collect(), images, paths.to_vec()))
+impl Reconstruction {
+    fn read(place: &SourceFolder, model: &str) -> Result<Self> {
+        let is_binary =
+            ["cameras.bin", "images.bin"].iter().all(|name| place.join(&format!("{model}{name}")).is_file());
+        let ending = if is_binary { "bin" } else { "txt" };
+        let paths = ["cameras", "images"].map(|name| place.join(&format!("{model}{name}.{ending}")));
+        let [cameras, images] = [read(&paths[0])?, read(&paths[1])?];
+        let shown = paths.each_ref().map(|path| path.display().to_string());
+        let (cameras, mut images) = if is_binary {
+            (colmap::cameras_of_bytes(&cameras, &shown[0])?, colmap::images_of_bytes(&images, &shown[1])?)
+        } else {
+            let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+            (
+                colmap::cameras_of_text(&text(&cameras), &shown[0])?,
+                colmap::images_of_text(&text(&images), &shown[1])?,
+            )
+        };
+        images.sort_by(|a, b| a.name.cmp(&b.name));
+        let cameras = cameras.into_iter().map(|camera| (camera.id, camera)).collect();
+        Ok(Self { cameras, images, inputs: paths.to_vec() })
+    }
+
+    /// The entries of images with a map of depth, a file and a pose, and the mean of their cameras' up. `description` gets the others.
+    fn pictures(
+        &self,
+        place: &SourceFolder,
+        workspace: &ColmapWorkspace,
+        description: &mut Description,
+    ) -> Result<(Vec<PictureEntry>, DVec3)> {
+        let maps = Maps::find(place, workspace, description);
+        let (mut frames, mut ups) = (Vec::new(), DVec3::ZERO);
+        for image in &self.images {
+            let Some(depth) = maps.of(place, "depth", &image.name) else {
+                description.skip("without a map of depth", image.name.clone());
+                continue;
+            };
+            let color = format!("{}images/{}", workspace.root, image.name);
+            if !place.join(&color).is_file() {
+                description.skip("that are not in images/", image.name.clone());
+                continue;
+            }
+            let Some(pose) = image.world_from_camera() else {
+                description.skip("without a pose", image.name.clone());
+                continue;
+            };
+            let camera = self.cameras.get(&image.camera).ok_or_else(|| {
+                let what = format!(
+                    "image '{}' is of camera {}, which cameras does not list",
+                    image.name, image.camera
+                );
+                Error::invalid(self.inputs[1].display(), what)
+            })?;
+            ups -= pose.matrix3.y_axis;
+            let normal = maps.of(place, "normal", &image.name);
+            frames.push(picture(color, depth, normal, &pose, camera, &self.inputs[0])?);
+        }
+        Ok((frames, ups.try_normalize().unwrap_or(DVec3::NEG_Y)))
+    }
 }
 
 fn read(path: &Path) -> Result<Vec<u8>> {

@@ -60,7 +60,7 @@ impl Reader for EasyMocap {
             if lenses.contains_key(&format!("K_{name}")) {
                 let keys = lens_of(&lenses, &name, &paths[0])?;
                 let pose = pose_of(&poses, &name, &paths[1])?;
-                frames.extend(pictures_of(place, depth, &name, (&keys, &pose), &mut description));
+                frames.extend(pictures_of(place, depth, &name, &keys, &pose, &mut description));
             } else {
                 description.skip("cameras without a calibration", name);
             }
@@ -177,7 +177,8 @@ fn pictures_of(
     place: &SourceFolder,
     depth_folder: &str,
     name: &str,
-    (lens, world_from_camera): (&Keys, &DAffine3),
+    lens: &Keys,
+    world_from_camera: &DAffine3,
     description: &mut Description,
 ) -> Vec<PictureEntry> {
     let depths = pictures_in(&place.join(&format!("{depth_folder}/{name}")), &[".png"]);

@@ -196,8 +196,8 @@ fn lens_of(camera: &SensorCamera, mode: &SensorMode, path: &Path) -> Result<Mode
 }
 
 /// Color: the whole width of a sensor of 4:3, and of pictures of 16:9 the middle of its rows.
-fn color_mode((width, height): (usize, usize)) -> Option<SensorMode> {
-    let (width, height) = (width as f64, height as f64);
+fn color_mode(size: (usize, usize)) -> Option<SensorMode> {
+    let (width, height) = (size.0 as f64, size.1 as f64);
     let all_rows = 0.75 * width;
     let is_known = height * 4.0 == width * 3.0 || height * 16.0 == width * 9.0;
     is_known.then_some(SensorMode { scaled: (width, all_rows), offset: (0.0, 0.5 * (all_rows - height)) })

@@ -1,7 +1,7 @@
 //! Readers: what a folder or file is, and the manifest that it amounts to.
 //!
 //! ```text
-//! path ─ Place (names) ─ the first reader that recognizes it ─ Reading: Manifest, Origin, Description
+//! path ─ SourceFolder (names) ─ the first reader that recognizes it ─ ReadSource: Manifest, ManifestOrigin, Description
 //! ```
 //!
 //! A reader is one file or folder here, or a row of [`PosedFolder`](posed_folder::PosedFolder), implements [`Reader`] and stands in

@@ -76,7 +76,8 @@ impl DepthCamera {
     }
 
     /// What it is for a picture of this size beside this color camera.
-    pub(crate) fn grid(&self, (width, height): (usize, usize), color: &Camera) -> DepthGrid {
+    pub(crate) fn grid(&self, size: (usize, usize), color: &Camera) -> DepthGrid {
+        let (width, height) = size;
         let color_from_depth =
             self.world_from_camera.map_or(DAffine3::IDENTITY, |world| color.camera_from_world() * world);
         DepthGrid {
@@ -102,11 +103,12 @@ const SAME_SHAPE: f64 = 0.03;
 /// # Errors
 /// `Invalid` where it has another shape, so that it cannot be of the same lens.
 pub(crate) fn shared_grid(
-    (width, height): (usize, usize),
+    size: (usize, usize),
     color: &Camera,
     distortion: Option<Distortion>,
     place: &str,
 ) -> Result<DepthGrid> {
+    let (width, height) = size;
     let own = &color.intrinsics;
     let (sx, sy) = (width as f64 / f64::from(own.width), height as f64 / f64::from(own.height));
     if (sx / sy - 1.0).abs() > SAME_SHAPE {

@@ -34,14 +34,14 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         let (values, half_step) = files.raw_video.depth(path, place, camera.intrinsics.size())?;
         let rules = files.level_rules(place)?;
         refuse_bent_rays(rules.kind, &grid, place)?;
-        let mut depth = of_levels((values, half_step), &rules, &camera_of(&grid, camera), path);
+        let mut depth = of_levels(values, half_step, &rules, &camera_of(&grid, camera), path);
         return finish(&mut depth, &grid, files, camera, place).map(|()| depth);
     }
     let map = DepthMap::read(path, files.raw_video.has_range(), place)?;
     let grid = grid_of(map.size, files, camera, place)?;
     if files.raw_video.has_range() {
         let levels = map.whole_up_to.and_then(|most| files.raw_video.depth_of_levels(&map.values, most));
-        let Some(levels) = levels else {
+        let Some((values, half_step)) = levels else {
             return Err(Error::invalid(
                 place,
                 "depth_range is of depth in whole numbers, and these are floats; leave it out",
@@ -49,7 +49,7 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         };
         let rules = files.level_rules(place)?;
         refuse_bent_rays(rules.kind, &grid, place)?;
-        let mut depth = of_levels(levels, &rules, &camera_of(&grid, camera), path);
+        let mut depth = of_levels(values, half_step, &rules, &camera_of(&grid, camera), path);
         return finish(&mut depth, &grid, files, camera, place).map(|()| depth);
     }
     let rules = files.map_depth_rules(map.whole_up_to, place)?;
@@ -67,7 +67,8 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
 
 /// Depth in world units that was given in levels, half of which is `half_step` as inverse depth.
 fn of_levels(
-    (values, half_step): (Vec<f32>, f32),
+    values: Vec<f32>,
+    half_step: f32,
     rules: &DepthRules,
     camera: &Camera,
     path: &Path,

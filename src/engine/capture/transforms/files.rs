@@ -51,6 +51,35 @@ pub(crate) struct PictureFiles {
     pub is_linear: Option<bool>,
 }
 
+/// The kind of depth that the manifest names; `None` where it names none.
+fn depth_kind_of(keys: &Keys, place: &str) -> Result<Option<DepthKind>> {
+    let kind = keys.depth_kind.as_deref().map(|name| {
+        DepthKind::from_name(name).ok_or_else(|| {
+            Error::invalid(
+                place,
+                format!(
+                    "depth_kind '{name}' is unknown; there are planar_z, ray_distance, ray_distance_from_near_clip, position, world_z"
+                ),
+            )
+        })
+    });
+    kind.transpose()
+}
+
+/// The space of the normals; `None` where they are not to be read.
+fn normal_space_of(keys: &Keys, place: &str) -> Result<Option<NormalSpace>> {
+    match &keys.normal_space {
+        None => Ok(Some(NormalSpace::World)),
+        Some(NormalSpaceName::Null) => Ok(None),
+        Some(NormalSpaceName::Text(name)) => NormalSpace::from_name(name).map(Some).ok_or_else(|| {
+            Error::invalid(
+                place,
+                format!("normal_space '{name}' is unknown; there are world, camera, camera_opencv, null"),
+            )
+        }),
+    }
+}
+
 impl PictureFiles {
     /// Takes what the manifest's keys say; `place` is the entry.
     ///
@@ -63,33 +92,14 @@ impl PictureFiles {
         keys: &Keys,
         place: &str,
     ) -> Result<Self> {
-        let depth_kind = keys.depth_kind.as_deref().map(|name| {
-            DepthKind::from_name(name).ok_or_else(|| {
-                Error::invalid(
-                    place,
-                    format!(
-                        "depth_kind '{name}' is unknown; there are planar_z, ray_distance, ray_distance_from_near_clip, position, world_z"
-                    ),
-                )
-            })
-        });
-        let normal_space = match &keys.normal_space {
-            None => Some(NormalSpace::World),
-            Some(NormalSpaceName::Null) => None,
-            Some(NormalSpaceName::Text(name)) => Some(NormalSpace::from_name(name).ok_or_else(|| {
-                Error::invalid(
-                    place,
-                    format!("normal_space '{name}' is unknown; there are world, camera, camera_opencv, null"),
-                )
-            })?),
-        };
+        let normal_space = normal_space_of(keys, place)?;
         let positive = |name: &str, value: Option<f64>| match value {
             Some(value) if !(value.is_finite() && value > 0.0) => {
                 Err(Error::invalid(place, format!("{name} is {value}; it must be above 0")))
             }
             _ => Ok(value),
         };
-        let depth_kind = depth_kind.transpose()?;
+        let depth_kind = depth_kind_of(keys, place)?;
         let holds_positions = depth_kind == Some(DepthKind::WorldPosition);
         let near_clip = keys.near_clip.filter(|near| *near != 0.0);
         Ok(Self {

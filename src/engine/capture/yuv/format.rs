@@ -41,8 +41,8 @@ impl PixelFormat {
     }
 
     /// Columns and rows of a plane of color.
-    pub(crate) fn chroma_size((width, height): (usize, usize)) -> (usize, usize) {
-        (width.div_ceil(2), height.div_ceil(2))
+    pub(crate) fn chroma_size(size: (usize, usize)) -> (usize, usize) {
+        (size.0.div_ceil(2), size.1.div_ceil(2))
     }
 
     /// Bytes of a picture.

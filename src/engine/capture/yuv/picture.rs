@@ -129,7 +129,7 @@ impl<'a> YuvFile<'a> {
             for x in 0..width {
                 let level = f32::from(luma[y * width + x]) / full;
                 let [u, v] = if self.format.has_chroma {
-                    [0, 1].map(|index| interpolated(plane(index), (columns, rows), (x, y)) / full)
+                    [0, 1].map(|index| interpolated(plane(index), (columns, rows), x, y) / full)
                 } else {
                     [0.5; 2]
                 };
@@ -153,8 +153,9 @@ impl<'a> YuvFile<'a> {
     }
 }
 
-/// A plane of color at a pixel.
-fn interpolated(plane: &[u16], (columns, rows): (usize, usize), (x, y): (usize, usize)) -> f32 {
+/// A plane of color at pixel `x`, `y`; `size` is the plane's columns and rows.
+fn interpolated(plane: &[u16], size: (usize, usize), x: usize, y: usize) -> f32 {
+    let (columns, rows) = size;
     // The pixel's own block counts three quarters, the one on its side a quarter, both ways.
     let beside = |at: usize, size: usize| {
         let own = at / 2;
@@ -170,10 +171,11 @@ fn interpolated(plane: &[u16], (columns, rows): (usize, usize), (x, y): (usize, 
 /// The bytes of a picture of linear color, row-major; columns and rows are even.
 pub(crate) fn encode_color(
     color: &[[half::f16; 3]],
-    (width, height): (usize, usize),
+    size: (usize, usize),
     format: PixelFormat,
     matrix: ColorMatrix,
 ) -> Vec<u8> {
+    let (width, height) = size;
     let encoded = |pixel: &[half::f16; 3]| {
         matrix.yuv(pixel.map(|value| srgb_from_linear(value.to_f32().clamp(0.0, 1.0))))
     };

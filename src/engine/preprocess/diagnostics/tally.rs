@@ -108,8 +108,8 @@ impl Tally {
         inverse_depths: impl Fn(usize) -> Result<Vec<f32>> + Sync,
         better: impl FnOnce() -> Result<Option<DepthReading>>,
     ) -> Result<()> {
-        let claim = (self.depth_claim, self.pose_convention);
-        let found = conventions::check_pictures(cameras, claim, inverse_depths)?;
+        let (claim, pose) = (&self.depth_claim, self.pose_convention);
+        let found = conventions::check_pictures(cameras, claim, pose, inverse_depths)?;
         self.report.conventions = Some(found).filter(|found| found.warning().is_some());
         if self.report.conventions.is_none() {
             self.report.better_reading = better()?;
