@@ -1,4 +1,4 @@
-//! What was corrected of each camera, with every bit: what tells how a picture that was taken beside the cameras is wrong.
+//! The correction of each camera, with every bit. It also corrects a picture that was taken beside the cameras.
 
 use glam::{DAffine3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};

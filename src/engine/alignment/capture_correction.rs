@@ -35,7 +35,7 @@ impl CaptureCorrection {
         self.applied_to_seen(&self.seen_through_lenses(capture))
     }
 
-    /// The same, of what is seen through the lenses already.
+    /// The same for a capture that is seen through the lenses already.
     pub(super) fn applied_to_seen(&self, seen: &Capture) -> Capture {
         let moved = if self.cameras.is_empty() {
             seen.clone()

@@ -1,12 +1,12 @@
 //! Clocks: how late the pictures of each camera are, in frames.
 //!
-//! Purpose: what moves lies elsewhere in a camera whose frames were taken later. Source: the distance of a moving surface from where
-//! another camera saw it passes zero linearly where both look at the same moment, so that one Newton step finds the fraction of a
-//! frame (as temporal alignment of image sequences does: Y. Caspi and M. Irani, *Spatio-Temporal Alignment of Sequences*, PAMI 2002).
+//! Purpose: a late camera sees moving surfaces in other places than the rest do. Source: two cameras see a moving surface at some
+//! distance from each other, which passes zero linearly where both look at the same moment; so one Newton step finds the fraction of
+//! a frame (as in temporal alignment of image sequences: Y. Caspi and M. Irani, *Spatio-Temporal Alignment of Sequences*, PAMI 2002).
 //! What differs: the residuals are those of poses, point to plane and brightness, and their rate of change is measured between the
 //! frames before and after.
 //!
-//! Only differences between cameras are known: the clock of most cameras stays. Whole frames are corrected, fractions are told.
+//! Only differences between cameras are known: the clock of most cameras stays. Whole frames are corrected, fractions are reported.
 
 use rayon::prelude::*;
 
@@ -31,15 +31,15 @@ const SAMPLES: usize = 12_000;
 const GATE: f64 = 20.0;
 /// The resolution at which brightness is compared: coarse, as it changes linearly only over a part of its texture.
 const LEVEL: usize = 2;
-/// A pair with fewer moving samples tells nothing.
+/// A pair with fewer moving samples gives no delay.
 const LEAST_SAMPLES: usize = 30;
-/// Residuals are uncertain by at least so much: footprints, and brightness.
+/// The least uncertainty of residuals: footprints, and brightness.
 const LEAST_SIGMAS: [f64; 2] = [0.1, 0.01];
-/// What changes less from frame to frame does not move.
+/// A sample whose residuals change less from frame to frame does not move.
 const LEAST_RATES: [f64; 2] = [0.3, 0.02];
 /// Delays below this do not show, frames.
 const LEAST_DELAY: f64 = 0.1;
-/// Neighboring samples are not independent: standard errors are so many times larger.
+/// Standard errors are multiplied with this, as neighboring samples are not independent.
 const INFLATION: f64 = 3.0;
 /// The first look finds no delay where all cameras agree within this, frames.
 const IN_TIME: f64 = 0.08;
@@ -56,7 +56,7 @@ pub(crate) struct ClockCorrection {
 }
 
 impl ClockCorrection {
-    /// Whether there is anything to tell: the delay is neither too small to show nor chance.
+    /// Whether the delay is neither too small to show nor chance.
     pub(crate) fn shows(&self) -> bool {
         self.delay.abs() > LEAST_DELAY && self.delay.abs() > 3.0 * self.standard_error
     }
@@ -111,7 +111,7 @@ pub(crate) fn align_clocks(problem: &Problem, capture: &Capture, job: &Job) -> R
         return Ok(none);
     }
     let frames = capture.frame_count() as i64;
-    // Moments lie a quarter of the capture from its ends.
+    // Moments are a quarter of the capture away from its ends.
     let reach = (MOST_FRAMES + 1).min(frames / 4).max(1);
     let windows =
         MOMENTS.map(|share| FrameWindow { at: (share * frames as f64) as i64, before: reach, after: reach });
@@ -128,8 +128,7 @@ pub(crate) fn align_clocks(problem: &Problem, capture: &Capture, job: &Job) -> R
     Ok(clocks)
 }
 
-/// Whether cameras are in time, as far as two frames that follow each other tell: those in the middle, or where nothing moves there
-/// the first ones.
+/// Whether two successive frames show that cameras are in time: the two in the middle, or the first two if nothing moves there.
 fn first_look_finds_none(problem: &Problem, capture: &Capture, job: &Job) -> Result<bool> {
     for at in [capture.frame_count() as i64 / 2, 0] {
         let first = tracks(problem, capture, &[FrameWindow { at, before: 0, after: 1 }], job)?;
@@ -138,7 +137,7 @@ fn first_look_finds_none(problem: &Problem, capture: &Capture, job: &Job) -> Res
             .filter_map(|pair| Some((pair.pair, pair.difference(0, [0, 1])?.frames.abs())))
             .collect();
         if !found.is_empty() {
-            // What is hidden in one of the frames looks late in single pairs. A camera that is late is so in most of its pairs.
+            // A surface that is hidden in one of the frames looks late in single pairs. A late camera is late in most of its pairs.
             let is_in_time = |camera: usize| {
                 let of_camera = found.iter().filter(|(pair, _)| pair.contains(&camera));
                 let mut off: Vec<f64> = of_camera.map(|(_, off)| *off).collect();
@@ -150,8 +149,8 @@ fn first_look_finds_none(problem: &Problem, capture: &Capture, job: &Job) -> Res
     Ok(true)
 }
 
-/// Follows what moves in every camera through the frames of some windows in the others. Of windows that reach beyond the capture nothing
-/// is followed.
+/// Follows the moving samples of every camera through the frames of some windows in the others. A window that reaches beyond the
+/// capture is left out.
 fn tracks(
     problem: &Problem,
     capture: &Capture,
@@ -223,8 +222,8 @@ impl Moment {
 }
 
 impl PairTracks {
-    /// How late the source is, looked at beside the target's frame `offset` after its own, where the first of the residuals is of
-    /// the frame `reach` before it; `None` where too little moves.
+    /// How late the source is beside the target's frame `offset` after its own. The first residual is of the frame `reach` before it.
+    /// `None` where too little moves.
     fn difference_beside(&self, offset: i64, reach: i64) -> Option<PairDelay> {
         let middle = (reach + offset) as usize;
         let found = self.difference(middle, [middle - 1, middle + 1])?;
@@ -281,7 +280,7 @@ impl Track {
     }
 }
 
-/// The delay that most of the motion speaks for: the median of `−residual / rate`, each counting by its rate.
+/// The delay of most of the motion: the median of `−residual / rate`, weighted by the rate.
 fn weighted_median(moving: &[[f64; 2]]) -> Option<f64> {
     let mut delays: Vec<[f64; 2]> = moving.iter().map(|[now, rate]| [-now / rate, rate.abs()]).collect();
     delays.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -322,9 +321,9 @@ fn least_squares(moving: &[[f64; 2]], start: f64, least_sigma: f64) -> (f64, f64
     (product, square)
 }
 
-/// The clocks that fit the differences best, that of the camera in the middle being right; nothing is judged yet.
+/// The clocks that fit the differences best. The camera in the middle is taken to be right. Nothing is judged yet.
 fn solved(found: &[([usize; 2], PairDelay)], cameras: usize) -> Vec<ClockCorrection> {
-    /// Keeps the mean where nothing tells it: far less than any difference weighs.
+    /// Holds the mean, which no difference determines: far less than any difference weighs.
     const PULL: f64 = 1e-6;
     let mut equations = NormalEquations::new(cameras);
     for (pair, PairDelay { frames, weight }) in found {
@@ -350,7 +349,7 @@ fn solved(found: &[([usize; 2], PairDelay)], cameras: usize) -> Vec<ClockCorrect
     clocks
 }
 
-/// What the samples that took no part say about one camera's whole frames, the other cameras having theirs.
+/// Judges one camera's whole frames by the samples that took no part in finding them. The other cameras have theirs.
 fn judged(camera: usize, shifts: &[i64], pairs: &[PairTracks], reach: i64) -> Judgment {
     let mut losses = Vec::new();
     for PairTracks { pair, tracks } in pairs.iter().filter(|pair| pair.pair.contains(&camera)) {

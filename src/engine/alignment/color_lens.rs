@@ -1,4 +1,4 @@
-//! A color lens that is not the depth lens, and what pairs of cameras say about it.
+//! A color lens that is not the depth lens, and how well pairs of cameras agree under it.
 //!
 //! Purpose: recordings of depth sensors often claim one lens and one place for color and depth, which come from two sensors beside
 //! each other. Source: color is looked up for points of the depth camera, and has to be the same in every camera that sees the point
@@ -14,7 +14,7 @@ use crate::capture::Intrinsics;
 /// Unknowns: logarithm of the focal length, rotation, translation, principal point; see [`ColorLens::moved`].
 pub(crate) const UNKNOWNS: usize = 9;
 
-/// Where color is seen by a sensor whose depth has the lens that a capture claims for both.
+/// The lens of color beside the depth camera, for a sensor whose depth has the lens that the capture claims for both.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct ColorLens {
     /// The lens of color.
@@ -57,7 +57,7 @@ impl ColorLens {
         [focal, turn.x, turn.y, turn.z, shift.x, shift.y, shift.z, center.x, center.y]
     }
 
-    /// Where a point of the depth camera lies in the color picture; `None` behind the color camera.
+    /// Position in the color picture of a point in depth camera space; `None` behind the color camera.
     pub(crate) fn image(&self, point_in_depth: DVec3) -> Option<DVec2> {
         self.intrinsics.project(self.color_from_depth.transform_point3(point_in_depth))
     }
@@ -99,7 +99,7 @@ struct Brightness {
 pub(crate) struct Sensing {
     /// Resolution.
     pub(crate) level: usize,
-    /// Every so many of the matches.
+    /// One match of this many is looked at.
     pub(crate) stride: usize,
     /// What translation counts in: a typical depth.
     pub(crate) distance: f64,
@@ -120,7 +120,7 @@ pub(crate) struct BrightnessDifference {
     pub(crate) by_unknown: [f64; UNKNOWNS],
 }
 
-/// A picture without contrast tells nothing: its brightness is taken to vary by so much.
+/// The least contrast: brightness is taken to vary by this much, so that flat pictures do not count.
 const LEAST_CONTRAST: f64 = 0.02;
 
 impl Matches<'_> {

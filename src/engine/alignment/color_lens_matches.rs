@@ -1,4 +1,4 @@
-//! Which samples of two cameras show one surface point, so that their colors tell of the color lens.
+//! Which samples of two cameras show one surface point, so that their colors determine the color lens.
 //!
 //! Purpose: see [`super::color_lens_search`]. Source: none; a sample counts where the other camera's depth confirms it.
 

@@ -19,7 +19,7 @@ use crate::job::Job;
 
 /// Fewer cameras do not judge a lens that they share.
 pub(crate) const LEAST_CAMERAS: usize = 4;
-/// Every so many cameras take no part, from the second on.
+/// One camera of this many takes no part, the second one first.
 const JUDGES: usize = 4;
 /// Matches of a pair, at least, and of all pairs, at most; and at the coarsest resolution, where a pixel is an eighth.
 const LEAST_MATCHES: usize = 40;
@@ -45,18 +45,18 @@ const SETTLED_PX: f64 = 0.3;
 /// agree under it as renderers' do. A lens that is 2 % off moves three times as far and agrees half as well, on every texture tried.
 const RIGHT_PX: [f64; 2] = [0.08, 0.15];
 const RIGHT_LOSS: f64 = 0.06;
-/// Standardized brightness differs by so much within one surface whatever the lens: the width of the loss that judges.
+/// Width of the loss that judges: the spread of standardized brightness within one surface, whatever the lens.
 const JUDGED_SIGMA: f64 = 0.3;
 /// A better start has a loss that is lower by this share.
 const BETTER_START: f64 = 0.03;
-/// A model pays where the loss of pairs that judge falls by so many standard errors, and by this share. Pairs come in both
+/// A model pays where the loss of the judging pairs falls by this many standard errors, and by this share. Pairs come in both
 /// directions: half of them are independent.
 const STANDARD_ERRORS: f64 = 2.0;
 const LEAST_FALL: f64 = 0.005;
-/// The lens that is found in the end pays where their loss is lower than that of the claimed one by this share: what is less may be
-/// wrong poses, which a lens can make up for in part.
+/// The final lens pays where the loss of the judging pairs is lower than under the claimed lens by this share. A smaller fall may
+/// come from wrong poses, which a lens can make up for in part.
 const LEAST_FALL_IN_ALL: f64 = 0.1;
-/// A pair of which less is in the pictures says nothing for a lens.
+/// A pair counts for a lens where at least this share of its matches is in the pictures.
 const LEAST_SEEN: f64 = 0.5;
 
 /// What was found of the color lens of all cameras that claim one lens.
@@ -200,8 +200,8 @@ impl<'a> LensSearch<'a> {
         Ok((self.moved_px(&claimed, &looked) > SETTLED_PX).then_some(claimed))
     }
 
-    /// Whether nothing else needs to be tried: a lens that were wrong by more than texture is wide might look settled, but its
-    /// pictures would not agree.
+    /// Whether nothing else needs to be tried. A lens that is wrong by more than the width of the texture may look settled, but then
+    /// its pictures do not agree.
     fn is_right(&self, claimed: &ColorLens, job: &Job) -> Result<bool> {
         for (level, most_px) in [1, 2].into_iter().zip(RIGHT_PX) {
             let looked = self.refined(*claimed, MODELS[1], &[(level, 1)], job)?;
@@ -228,7 +228,7 @@ impl<'a> LensSearch<'a> {
         sum / count
     }
 
-    /// Refined by the pairs that find the lens: so many steps at each resolution, fewer where nothing changes any more.
+    /// Refines a lens by the pairs that find it. A stage is a resolution and its steps at most; it ends where nothing changes.
     fn refined(
         &self,
         mut lens: ColorLens,
@@ -250,7 +250,7 @@ impl<'a> LensSearch<'a> {
         Ok(lens)
     }
 
-    /// Refined by all pairs at the finest resolution.
+    /// Refines a lens by all pairs at the finest resolution.
     fn refined_by_all(&self, mut lens: ColorLens, free: &[usize], job: &Job) -> Result<ColorLens> {
         const STEPS: usize = 4;
         let sensing = self.sensing(0);
@@ -264,7 +264,7 @@ impl<'a> LensSearch<'a> {
         Ok(lens)
     }
 
-    /// Moves a lens by one step of Gauss–Newton, which it returns; `None` where the equations do not tell it.
+    /// Moves a lens by one step of Gauss–Newton, and returns the step; `None` where the equations are singular.
     fn step(
         &self,
         lens: &mut ColorLens,
@@ -283,7 +283,7 @@ impl<'a> LensSearch<'a> {
         all
     }
 
-    /// The normal equations of the free unknowns, with the pull toward what is claimed.
+    /// The normal equations of the free unknowns, with the pull toward the claimed lens.
     fn equations(&self, lens: &ColorLens, free: &[usize], shares: &[LensEquations]) -> NormalEquations {
         let now = lens.unknowns(&self.claimed, self.distance);
         let mut equations = NormalEquations::new(free.len());
@@ -303,7 +303,7 @@ impl<'a> LensSearch<'a> {
         equations
     }
 
-    /// Standard errors from what each pair asks for: its residuals have the same cause, where a pose is wrong.
+    /// Standard errors from the step that each pair alone would take. Residuals of one pair have one cause where a pose is wrong.
     fn standard_errors(&self, lens: &ColorLens, free: &[usize]) -> [f64; UNKNOWNS] {
         let shares = self.shares_of_all(lens, &self.sensing(0));
         let mut errors = [0.0; UNKNOWNS];
@@ -317,7 +317,7 @@ impl<'a> LensSearch<'a> {
         }
         let in_units = [1.0, 1.0, 1.0, 1.0, self.distance, self.distance, self.distance];
         let units = in_units.into_iter().chain([self.claimed.fx; 2]);
-        // Both directions of a pair say the same.
+        // Both directions of a pair hold the same information.
         for (error, unit) in errors.iter_mut().zip(units) {
             *error = (2.0 * *error).sqrt() * unit;
         }
@@ -333,7 +333,7 @@ impl<'a> LensSearch<'a> {
         (sum / count.max(1.0)).sqrt()
     }
 
-    /// What pairs with cameras that took no part say, pair by pair, about matches that both lenses show.
+    /// Judges two lenses by the pairs with cameras that took no part, at the matches that both lenses show.
     fn judged(&self, before: &ColorLens, after: &ColorLens) -> Judgment {
         let sensing = Sensing { stride: 1, ..self.sensing(1) };
         let of_pair = |pair: &Matches| {

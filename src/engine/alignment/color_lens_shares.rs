@@ -1,4 +1,4 @@
-//! What each pair of cameras asks of a color lens: its share of the normal equations.
+//! The share of each pair of cameras in the normal equations of a color lens.
 //!
 //! Purpose: see [`super::color_lens_search`]. Source: iteratively reweighted least squares with Tukey's biweight, whose width is
 //! measured pair by pair.
@@ -14,7 +14,7 @@ const INDEPENDENT: f64 = 0.05;
 /// Standard deviations of differences are never taken for less.
 const LEAST_SIGMA: f64 = 0.05;
 
-/// One pair's share of the normal equations of all unknowns, of which the lower triangle counts.
+/// One pair's share of the normal equations of all unknowns. The lower triangle counts.
 pub(super) struct LensEquations {
     pub(super) matrix: [[f64; UNKNOWNS]; UNKNOWNS],
     pub(super) right: [f64; UNKNOWNS],

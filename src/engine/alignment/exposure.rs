@@ -2,8 +2,8 @@
 //!
 //! Purpose: cameras that see one surface are to show it in one color. Source: gains by least squares over pairs of overlapping
 //! pictures (M. Brown and D. Lowe, *Automatic Panoramic Image Stitching using Invariant Features*, IJCV 2007). What differs: a
-//! pair gives the median ratio of its samples, in a coarse picture, so that highlights and what is not the same surface do not
-//! count; ratios are logarithms, so that the mean gain is held by their sum.
+//! pair gives the median ratio of its samples in a coarse picture, so that highlights and other surfaces do not count. Ratios are
+//! logarithms, so that their sum holds the mean gain.
 
 use rayon::prelude::*;
 
@@ -17,15 +17,15 @@ use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// Half the side of the square whose mean color is compared, pixels.
 const RADIUS: usize = 2;
-/// Colors beyond these are too dark to tell a ratio, or may be cut off: linear.
+/// Linear colors below the first are too dark for a ratio; those above the second may be cut off.
 const USABLE: [f32; 2] = [0.004, 0.85];
-/// A pair with fewer samples tells nothing.
+/// A pair with fewer samples gives no ratio.
 const LEAST_SAMPLES: usize = 40;
 /// A gain that changes less, in stops, does not show.
 pub(crate) const LEAST_STOPS: f64 = 0.02;
-/// A gain is kept where it is so many times its standard error, which is wider than independent samples would make it.
+/// A gain is kept from this many standard errors on. They are wider than those of independent samples.
 const LEAST_ERRORS: f64 = 2.0;
-/// Samples differ at least so much for reasons other than the gain, natural logarithm.
+/// The least spread of samples for other reasons than the gain, natural logarithm.
 const LEAST_SPREAD: f64 = 0.02;
 
 /// What was found of one camera's exposure.
@@ -72,7 +72,7 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
     let ratios: Vec<Ratio> = colors.iter().filter_map(|(pair, colors)| ratio(*pair, colors)).collect();
     let mut corrections = solved(&ratios, &problem.is_free);
     let spreads = spreads(&ratios, &colors);
-    // All gains are applied; what is left is judged camera by camera beside them.
+    // All gains are applied; then each camera's is judged beside those of the others.
     let found: Vec<[f64; 3]> = corrections.iter().map(|correction| correction.log_gain).collect();
     for (camera, correction) in corrections.iter_mut().enumerate() {
         correction.judgment = judged(camera, &found, colors.iter().zip(&spreads));
@@ -187,7 +187,7 @@ fn color_pairs(
     colors.collect()
 }
 
-/// Logarithms of a mean color; `None` near the border, and where it is too dark or too bright to tell a ratio.
+/// Logarithms of a mean color; `None` near the border, and where it is too dark or too bright for a ratio.
 type LogColor = Option<[f64; 3]>;
 
 fn mean_log_color(color: &Grid<[half::f16; 3]>, u: f64, v: f64) -> LogColor {

@@ -11,10 +11,10 @@ pub(super) struct CameraGroup {
     pub(super) decided: Vec<usize>,
 }
 
-/// One in so many cameras of a group is of those before it.
+/// One camera of this many in a group is of those before it.
 const DECIDED_SHARE: usize = 4;
 
-/// How far apart two cameras are: where they stand, and what they look at.
+/// How far apart two cameras are: their positions, and the points that they look at.
 fn distance(cameras: &[Camera], typical_depth: f64, a: usize, b: usize) -> f64 {
     let looks_at = |camera: &Camera| camera.position_in_world() + typical_depth * camera.forward_in_world();
     let [a, b] = [a, b].map(|index| &cameras[index]);
@@ -29,7 +29,7 @@ fn first_by(mut cameras: Vec<usize>, count: usize, measure: impl Fn(usize) -> f6
     cameras
 }
 
-/// Cuts cameras that look at things `typical_depth` away into groups of at most `most`. The first group lies at an end; each other one
+/// Cuts cameras that look at things `typical_depth` away into groups of at most `most`. The first group is at an end; each other one
 /// grows from the camera nearest to those before it.
 pub(super) fn groups(cameras: &[Camera], typical_depth: f64, most: usize) -> Vec<CameraGroup> {
     let between = |a: usize, b: usize| distance(cameras, typical_depth, a, b);

@@ -4,7 +4,7 @@ use glam::DAffine3;
 
 use super::solver::{Problem, Weighing, loss};
 
-/// What samples that took no part say about a correction.
+/// The loss of samples that took no part, without and with a correction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Judgment {
     /// Mean loss without and with the correction: 0 where cameras agree, 1 where they have nothing in common.
@@ -16,7 +16,7 @@ pub(crate) struct Judgment {
     pub(crate) samples: usize,
 }
 
-/// A correction pays where the loss falls by more than so many standard errors, and by this share.
+/// A correction pays where the loss falls by more than this many standard errors, and by this share.
 const STANDARD_ERRORS: f64 = 2.0;
 const LEAST_FALL: f64 = 0.01;
 /// Fewer samples judge nothing.
@@ -52,7 +52,7 @@ impl Judgment {
             let gains = pair.map(|index| problem.log_gains[index]);
             let before = super::residuals::PairOfViews::new(views, gains, problem.scale, problem.color_alone);
             for sample in problem.samples[pair[0]].iter().filter(|sample| sample.judges) {
-                // What no camera sees either way says nothing.
+                // A sample that no camera sees either way does not count.
                 let [before, after] = [&before, &now].map(|views| {
                     views.terms(sample, weighing.level, f64::INFINITY).map(|terms| {
                         let kinds = [terms.distance, terms.color].into_iter().zip(weighed.sigmas);

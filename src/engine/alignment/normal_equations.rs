@@ -4,7 +4,7 @@
 //! Computations*, 4.2). A crate for linear algebra would take longer to compile than everything that is solved here takes to run,
 //! and the order of its sums would depend on the machine.
 
-/// A symmetric matrix of which the lower triangle counts, row-major, with a right-hand side.
+/// A symmetric matrix, row-major, with a right-hand side. Its lower triangle counts.
 #[derive(Clone)]
 pub(crate) struct NormalEquations {
     size: usize,

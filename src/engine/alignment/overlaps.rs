@@ -5,19 +5,19 @@ use rayon::prelude::*;
 use super::reference_view::ReferenceView;
 use super::surface_samples::SurfaceSample;
 
-/// Cameras that one camera's samples are carried into, at most, where there are more than [`FEW`].
+/// A camera's samples are carried into this many others at most, in captures of more than [`FEW`] cameras.
 const MOST_TARGETS: usize = 8;
-/// Up to so many cameras all pairs are compared.
+/// All pairs are compared in captures of up to this many cameras.
 const FEW: usize = 10;
-/// Samples of a camera that tell how much another one sees of it.
+/// Samples of a camera that measure how much another one sees of it.
 const PROBES: usize = 96;
 /// Two cameras overlap where one sees this share of the other's samples.
 const LEAST_SHARE: f64 = 0.08;
 /// A sample counts as seen where depths differ by less, relative.
 const SAME_DEPTH_RELATIVE: f64 = 0.15;
 
-/// The pairs of source and target that overlap. Of many cameras each is compared with some that see most of it and some that see
-/// less, so that all hang together.
+/// The pairs of source and target that overlap. In a large capture each camera is compared with some that see most of it and some
+/// that see less, so that all hang together.
 pub(crate) fn overlapping_pairs(views: &[ReferenceView], samples: &[Vec<SurfaceSample>]) -> Vec<[usize; 2]> {
     let most = if views.len() <= FEW { views.len() } else { MOST_TARGETS };
     let of_source = |source: usize| {

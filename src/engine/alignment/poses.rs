@@ -20,24 +20,24 @@ const STAGES: [SolverStage; 5] = [
     SolverStage { gate: 8.0, level: 0, steps: 8 },
 ];
 
-/// What tells whether anything is wrong at all.
+/// The stage that decides whether anything is wrong at all.
 const FIRST_LOOK: SolverStage = SolverStage { gate: 15.0, level: 0, steps: 1 };
 
-/// What tells how far apart two cameras are: as far as poses are looked for, in full resolution.
+/// The stage that measures how far apart two cameras are: as far as poses are looked for, in full resolution.
 pub(super) const WIDE_LOOK: SolverStage = SolverStage { level: 0, ..STAGES[0] };
 
 /// A pose that moves samples by less than this, in footprints, does not show.
 const LEAST_MOVE: f64 = 0.05;
 
-/// Where no pose would move samples by more than this, in footprints, all stay: on point-sampled texture colors agree better by as
-/// much, in a rig that is exact.
+/// All poses stay if none would move samples by more than this, in footprints. Point-sampled texture makes colors agree better by
+/// as much in an exact rig.
 const LEAST_WORST_MOVE: f64 = 0.25;
 
 /// What was found of one camera's pose.
 #[derive(Clone, Debug)]
 pub(crate) struct PoseCorrection {
     pub(crate) kept: bool,
-    /// Whether it would pay, but what is seen does not tell the pose in some direction.
+    /// Whether it would pay, but the pictures do not determine the pose in some direction.
     pub(crate) is_weak: bool,
     /// How far samples of the camera move, root mean square, footprints.
     pub(crate) footprints: f64,
@@ -132,7 +132,7 @@ pub(crate) fn align_poses(problem: &mut Problem, job: &Job) -> Result<Vec<PoseCo
     }
     let before = (problem.log_gains.clone(), problem.moved.clone());
     let weighing = problem.solve(job)?;
-    // Where some stay, the others go by them.
+    // Cameras that stay hold the others.
     if problem.is_free.iter().all(|is_free| *is_free) {
         hold_most(problem, &original);
     }

@@ -1,4 +1,4 @@
-//! What alignment looks at of one camera: the pictures of one frame, in several resolutions, and where nothing moves.
+//! One camera as alignment sees it: the pictures of one frame in several resolutions, and the pixels that do not move.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ pub(crate) const LEVELS: usize = 4;
 const STILL_DEPTH_RELATIVE: f32 = 0.02;
 const STILL_BRIGHTNESS: f32 = 0.05;
 
-/// A pixel lies at an edge of depth where its inverse depth differs from that of a neighbor by more, relative.
+/// A pixel is at an edge of depth where its inverse depth differs from a neighbor's by more, relative.
 const EDGE_RELATIVE: f32 = 0.03;
 
 /// One camera with what it saw at one frame.
@@ -35,7 +35,7 @@ pub(crate) struct ReferenceView {
 }
 
 impl ReferenceView {
-    /// The view of a camera from the frame that is aligned, and another one that tells what moves.
+    /// The view of a camera from the frame that is aligned, and another one that shows what moves.
     pub(crate) fn new(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
         let is_still = other.map(|other| still_pixels(&frame, other));
         let (width, height) = frame.size();
@@ -48,7 +48,7 @@ impl ReferenceView {
         Self { camera, frame, brightness: levels, is_still }
     }
 
-    /// All views of a capture at its first frame; what moves is told by the frame in the middle.
+    /// All views of a capture at its first frame. The frame in the middle shows what moves.
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), and `Cancelled`.
@@ -135,7 +135,7 @@ fn brightness(color: [half::f16; 3]) -> f32 {
     (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, BRIGHTEST).sqrt()
 }
 
-/// Luminance beyond this is a light or its mirror image, and tells nothing.
+/// Luminance beyond this is a light or its mirror image, and is left out.
 const BRIGHTEST: f32 = 2.0;
 
 /// The mean of every 2×2 pixels; a last odd column or row is left out.

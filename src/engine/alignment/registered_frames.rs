@@ -1,4 +1,4 @@
-//! A capture whose depth is carried from the lens that it was claimed to share with color into the lens that color has.
+//! A capture with depth carried into the pixels of color, for sensors whose color lens is not the depth lens as claimed.
 
 use glam::{DVec2, Vec3};
 
@@ -7,7 +7,7 @@ use crate::capture::pictures::{DepthGrid, RayCache, register};
 use crate::capture::{Camera, Capture, Frame, Intrinsics, with_changed_frames};
 use crate::grid::Grid;
 
-/// Color as it is, with the depth and the normals that lie behind it.
+/// Color as it is, with the depth and the normals behind its pixels.
 fn registered(frame: &Frame, depth: &Camera, lens: &ColorLens, rays: &RayCache) -> Frame {
     let ColorLens { intrinsics: color, color_from_depth } = *lens;
     let grid = DepthGrid { intrinsics: depth.intrinsics, distortion: None, color_from_depth };
@@ -27,7 +27,7 @@ fn registered(frame: &Frame, depth: &Camera, lens: &ColorLens, rays: &RayCache) 
 /// A normal is of the surface where its depth differs by less, relative.
 const SAME_DEPTH_RELATIVE: f64 = 0.02;
 
-/// The normal that the depth camera has for what is seen at a position of the color picture; `None` where it has none.
+/// The depth camera's normal of the surface at a position of the color picture; `None` where it has none.
 fn normal_behind(
     frame: &Frame,
     normals: &Grid<[f32; 3]>,

@@ -23,7 +23,7 @@ use crate::median::median;
 pub struct Alignment {
     /// Per camera, in the capture's order.
     pub cameras: Vec<AlignedCamera>,
-    /// The color lenses that are not the lens of depth that was claimed for both, each of all cameras that claim it.
+    /// The color lenses that differ from the claimed lens of color and depth, each of all cameras that claim it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lenses: Vec<AlignedLens>,
     /// The pairs of cameras that were compared.
@@ -48,7 +48,7 @@ pub struct AlignedCamera {
     /// How late its pictures were taken; `None` where no delay shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock: Option<AlignedClock>,
-    /// Whether its pose may be wrong, but what the cameras see does not tell in some direction.
+    /// Whether its pose may be wrong, but the pictures do not determine it in some direction.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub pose_is_weak: bool,
 }
@@ -126,7 +126,7 @@ pub struct AlignedExposure {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct AlignedClock {
-    /// Later than those of most cameras by so many frames; negative: earlier.
+    /// How many frames later than those of most cameras; negative: earlier.
     pub frames: f64,
     /// Its standard error.
     pub frames_se: f64,
@@ -227,7 +227,7 @@ fn camera_corrections(
     problem: &Problem,
     gains: &[GainCorrection],
 ) -> Option<CameraCorrections> {
-    // Where only lenses were looked for, the problem may hold a part of the cameras, and none of them moved.
+    // A problem that only looked for lenses may hold a part of the cameras; none of them moved.
     if problem.views.len() != capture.cameras.len() {
         return None;
     }
@@ -355,9 +355,9 @@ impl AlignedCamera {
 }
 
 impl Problem {
-    /// The median distance (footprints) and difference of brightness of each pair, as they are: what is solved for weighs them
-    /// within a narrower gate, in which pairs that are far apart would all look the same. Where no sample of a pair is seen, the
-    /// gate stands for the distance and 0 for the brightness.
+    /// The median distance (footprints) and difference of brightness of each pair. The gate is wider than the solver's, in which all
+    /// pairs that are far apart would look the same. A pair without a sample in sight has the gate as its distance, and 0 as its
+    /// difference of brightness.
     pub(super) fn pair_medians(&self) -> Vec<[f64; 2]> {
         let of_pair = |pair: &[usize; 2]| {
             let [mut distances, mut brightness] = self.magnitudes(*pair, &WIDE_LOOK, 1);

@@ -2,9 +2,9 @@
 //!
 //! Purpose: the residuals that alignment makes small. Source: point to plane (Y. Chen and G. Medioni, *Object Modelling by
 //! Registration of Multiple Range Images*, 1992), and color against color (Q.-Y. Zhou and V. Koltun, *Color Map Optimization for
-//! 3D Reconstruction with Consumer Depth Cameras*, SIGGRAPH 2014). What differs: the plane is that of the sample that is carried,
-//! fitted once, and the point is what the other camera measured where the sample falls, as it is; both distances count in
-//! footprints, times the ratio of inverse depths, in which the noise of triangulation is the same everywhere.
+//! 3D Reconstruction with Consumer Depth Cameras*, SIGGRAPH 2014). What differs: the plane belongs to the carried sample and is
+//! fitted once; the point is the other camera's own, unfitted measurement where the sample falls. Distances count in footprints,
+//! times the ratio of inverse depths, so that the noise of triangulation is the same everywhere.
 
 use glam::{DAffine3, DVec2, DVec3};
 
@@ -25,7 +25,7 @@ pub(crate) struct Term {
     pub(crate) target: [f64; UNKNOWNS],
 }
 
-/// What two cameras say about one sample.
+/// How far two cameras are apart about one sample.
 pub(crate) struct Terms {
     /// In footprints; `None` where the other camera has no depth there.
     pub(crate) distance: Option<Term>,
@@ -41,7 +41,7 @@ pub(crate) struct PairOfViews<'a> {
     /// Gains of source and target.
     gains: [f64; 2],
     scale: ProblemScale,
-    /// No depth in the target is looked at.
+    /// Whether the target's depth is left out.
     color_alone: bool,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct ProblemScale {
     pub(crate) focal: f64,
 }
 
-/// The samples that one target sees from the side, or not from the front, tell little.
+/// Samples that the target sees from the side or from behind are left out: cosine of incidence.
 const LEAST_COSINE: f64 = 0.15;
 /// Bounds of the ratio of inverse depths that distances are multiplied with.
 const NEARNESS: [f64; 2] = [0.2, 2.0];
@@ -68,7 +68,7 @@ impl<'a> PairOfViews<'a> {
     ) -> Self {
         let target_from_source = target.camera.camera_from_world() * source.camera.world_from_camera;
         let source_lens = source.camera.intrinsics;
-        // Only the ratio of both gains counts: else all would go to nothing, where nothing disagrees.
+        // Only the ratio of both gains counts: else all gains would go to zero, where nothing disagrees.
         let louder = log_gains[1] - log_gains[0];
         Self {
             target,
@@ -80,8 +80,8 @@ impl<'a> PairOfViews<'a> {
         }
     }
 
-    /// What the target says about a sample of the source; `None` where it does not see the place, or sees another surface: farther
-    /// away than `gate` footprints.
+    /// The residuals of a sample of the source in the target; `None` where the target does not see the point, or sees another surface,
+    /// farther away than `gate` footprints.
     pub(crate) fn terms(&self, sample: &SurfaceSample, level: usize, gate: f64) -> Option<Terms> {
         let ray = self.source_lens.ray_in_camera(sample.pixel);
         let point = ray / sample.inverse_depth;

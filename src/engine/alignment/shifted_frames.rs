@@ -1,7 +1,7 @@
 //! A capture whose cameras' frames are moved in time by whole frames.
 //!
-//! A camera that is moved lacks frames at one end. What does not move there is taken from the nearest frame it has, and what does has
-//! no sample: it is not known where it was.
+//! A camera that is moved lacks frames at one end. Still pixels are taken there from the nearest frame that it has; moving ones
+//! get no sample, as nobody knows where they were.
 
 use std::sync::Arc;
 
@@ -11,13 +11,13 @@ use crate::capture::{Capture, Frame, INVALID_INVERSE_DEPTH, with_frames_made_of}
 /// Shifted frames that are kept, bytes: few, since most of them are as they were recorded.
 const CACHE_BYTES: usize = 64 << 20;
 
-/// The capture with every camera's frames taken `late` frames later than they say, per camera.
+/// The capture with each camera's frames moved `late` frames later in time, per camera.
 pub(crate) fn shifted(capture: &Capture, late: Vec<i64>) -> Capture {
     if late.iter().all(|late| *late == 0) {
         return capture.clone();
     }
     let last = capture.frame_count() as i64 - 1;
-    // The frame wanted; where the camera lacks it, the nearest one, and one as far inside, which tells what moves there.
+    // The wanted frame. Where the camera lacks it: the nearest one, and one as far inside, which shows what moves there.
     let read = move |camera: usize, frame: usize| {
         let wanted = frame as i64 - late[camera];
         let nearest = wanted.clamp(0, last);

@@ -2,7 +2,7 @@
 //!
 //! Purpose: the poses under which cameras agree best. Source: iteratively reweighted least squares with
 //! Tukey's biweight, whose width is measured by the median of the residuals; from coarse pictures and wide gates to fine ones.
-//! What differs: a weak pull toward what the capture says keeps unknowns where they are that nothing is known of.
+//! What differs: a weak pull toward the claimed values holds unknowns that no residual determines.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub(crate) struct Problem {
     pub(crate) moved: Vec<[f64; 6]>,
     /// Cameras whose poses may change.
     pub(crate) is_free: Vec<bool>,
-    /// Depth of the targets is not looked at.
+    /// Whether the depth of targets is left out.
     pub(crate) color_alone: bool,
 }
 
@@ -62,11 +62,11 @@ pub(crate) struct Weighing {
     pub(crate) pairs: Vec<PairWeighing>,
 }
 
-/// Residuals beyond so many standard deviations do not count: Tukey's constant for 95 % efficiency.
+/// Residuals beyond this many standard deviations do not count: Tukey's constant for 95 % efficiency.
 pub(crate) const TUKEY: f64 = 4.685;
 /// Standard deviations are never taken for less: rounding of pictures and of positions.
 const LEAST_SIGMAS: [f64; 2] = [0.02, 0.004];
-/// Standard deviations are never taken for more, and with fewer readings for so much.
+/// The most that a standard deviation is taken for, and its value with fewer than [`LEAST_READINGS`] residuals.
 const WIDEST: [f64; 2] = [20.0, 0.3];
 const LEAST_READINGS: usize = 20;
 /// Distances up to this may be of one surface whatever the noise, footprints.
@@ -136,7 +136,7 @@ impl Problem {
     /// How residuals are weighed, as wide as they are now.
     pub(crate) fn weighing(&self, stage: &SolverStage) -> Weighing {
         let of_pair = |pair: &[usize; 2]| {
-            // A part of the samples tells the width of all.
+            // A part of the samples is enough to measure the width.
             let mut found = self.magnitudes(*pair, stage, 2);
             let widest = [0.3 * stage.gate.min(WIDEST[0]), WIDEST[1]];
             let mut sigmas = widest;

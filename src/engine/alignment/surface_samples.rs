@@ -1,8 +1,8 @@
-//! Samples on a lattice that lie on smooth surfaces, with the plane through each.
+//! Samples of smooth surfaces on a lattice, with the plane through each.
 //!
-//! Purpose: what is carried into other cameras must say where a surface is, and how it lies. Source: inverse depth is linear in
-//! image position on a plane, so that a plane is fitted by linear least squares in the picture itself. What differs from the
-//! normals of preprocessing: the window grows with the noise, and nothing is kept that does not fit.
+//! Purpose: a sample that is carried into other cameras needs the position and the direction of its surface. Source: inverse depth
+//! is linear in image position on a plane, so that a plane is fitted by linear least squares in the picture itself. What differs
+//! from the normals of preprocessing: the window grows with the noise, and samples that do not fit are dropped.
 
 use glam::{DVec2, DVec3};
 
@@ -78,7 +78,7 @@ pub(crate) fn surface_samples(view: &ReferenceView, count: usize) -> Vec<Surface
 struct Plane {
     inverse_depth: f64,
     slope: DVec2,
-    /// Root mean square of what is off, relative.
+    /// Root mean square of the deviations, relative.
     deviation_relative: f64,
 }
 

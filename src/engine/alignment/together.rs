@@ -24,11 +24,11 @@ use crate::settings::{AlignSettings, Correction};
 /// A capture without what was found wrong.
 #[derive(Clone, Debug)]
 pub struct Aligned {
-    /// The capture; the one that was given where nothing is corrected.
+    /// The corrected capture; the given one if nothing was wrong.
     pub capture: Capture,
     /// What was corrected; `None` where nothing is.
     pub alignment: Option<Alignment>,
-    /// What makes the one of the other.
+    /// The correction that makes it of the given capture.
     pub correction: CaptureCorrection,
 }
 
@@ -42,11 +42,11 @@ impl Aligned {
 /// Samples of each camera, about; with many cameras fewer.
 const SAMPLES: usize = 2400;
 const FEWEST_SAMPLES: usize = 1000;
-/// Cameras up to which nothing is spared.
+/// Captures of up to this many cameras have all [`SAMPLES`].
 const FEW_CAMERAS: usize = 9;
 
-/// Finds poses, exposures and clocks of a capture that is seen through its color lenses; `None` where there are none of these and
-/// nothing else pays.
+/// Finds poses, exposures and clocks of a capture that is seen through its color lenses; `None` where it has no such lens and nothing
+/// else pays.
 pub(super) fn aligned_beside_lenses(
     seen: &Capture,
     mut problem: Problem,
@@ -99,7 +99,7 @@ pub(super) fn aligned_beside_lenses(
     Ok(Some(Aligned { capture, alignment: Some(alignment), correction }))
 }
 
-/// What is solved for. Without `pairs` those that overlap are compared.
+/// The problem to solve for a capture. Overlapping pairs are compared, unless `pairs` lists others.
 pub(super) fn problem(capture: &Capture, pairs: Option<Vec<[usize; 2]>>, job: &Job) -> Result<Problem> {
     let views = ReferenceView::all_of(capture, job)?;
     let cameras = views.len();

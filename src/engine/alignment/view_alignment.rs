@@ -1,4 +1,4 @@
-//! Where a picture that took no part was taken from: its own colors beside a rendering.
+//! Finds the pose of a picture that took no part, by its own colors beside a rendering.
 //!
 //! Purpose: a recording's held-out pictures have wrong poses as its cameras do; scored at those, a better model may look worse.
 //! Source: as [`super::solver`], with the rendering as the one source and the picture, without its depth, as the target.
@@ -16,12 +16,12 @@ use crate::median::median;
 
 /// Samples of the rendering that are looked for in the picture.
 const SAMPLES: usize = 6000;
-/// Fewer do not tell a pose.
+/// Fewer do not determine a pose.
 const LEAST_SAMPLES: usize = 200;
 /// Resolutions, and steps at each.
 const STAGES: [(usize, usize); 4] = [(3, 6), (2, 5), (1, 5), (0, 5)];
 
-/// The pose from which `picture` was taken, by its colors beside a rendering from `camera`; the camera itself where they do not tell.
+/// The pose of `picture` by its colors beside a rendering from `camera`; the camera itself where they do not determine it.
 ///
 /// # Errors
 /// `Cancelled`.
@@ -29,7 +29,7 @@ pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job)
     let source = ReferenceView::new(camera.clone(), Arc::new(rendering), None);
     let target = ReferenceView::new(camera.clone(), Arc::new(picture.clone()), None);
     let mut samples = surface_samples(&source, SAMPLES);
-    // There is no second opinion of what was painted.
+    // All samples take part in finding the pose; none is left to judge it.
     for sample in &mut samples {
         sample.judges = false;
     }
