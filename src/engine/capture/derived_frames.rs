@@ -1,4 +1,4 @@
-//! Captures whose frames are made of those of another one as they are asked for, and that tell all else as the original does.
+//! Captures whose frames are made on demand of the frames of another capture. All else is as in the original.
 //!
 //! Decoded frames stay in the cache of the original; each derived capture keeps a few of those that it made.
 
@@ -54,7 +54,8 @@ where
     }
 }
 
-/// The capture with each frame changed; `change` is given its camera and index. Of the changed frames `cache_bytes` are kept.
+/// The capture with each frame changed; `change` is given its camera and index. `cache_bytes` of the changed frames
+/// are kept.
 pub fn with_changed_frames(
     capture: &Capture,
     cache_bytes: usize,
@@ -64,8 +65,9 @@ pub fn with_changed_frames(
     with_frames_made_of(capture, cache_bytes, |_, frame| vec![frame], make)
 }
 
-/// The capture with other frames in place of its own: given the camera and the index of one, `read` gives the frames of that camera
-/// that it is made of, the one that it mostly shows first, and `make` makes it of them. Of the frames made `cache_bytes` are kept.
+/// The capture with other frames in place of its own. `read` gets a camera and the index of a frame, and gives the frames of that
+/// camera that it is made of; the first is the one that it mostly shows. `make` makes the frame of them. `cache_bytes` of the frames
+/// are kept.
 pub(crate) fn with_frames_made_of(
     capture: &Capture,
     cache_bytes: usize,
@@ -76,7 +78,7 @@ pub(crate) fn with_frames_made_of(
     Capture::new(CaptureParts { source, ..CaptureParts::clone(capture) }, cache_bytes)
 }
 
-/// As [`with_frames_made_of`], where each frame is one of the same camera as it is, whose index `shown` gives.
+/// The capture with frames in another order: `shown` gives the index of the frame of the same camera that is shown.
 pub fn with_reindexed_frames(
     capture: &Capture,
     cache_bytes: usize,

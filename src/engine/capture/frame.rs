@@ -15,7 +15,7 @@ pub struct Frame {
     /// Reciprocal of planar z, 1/unit. 0 is a sample at infinity (sky); negative is a pixel without depth, which
     /// takes part in nothing. Never NaN, never infinite.
     pub inverse_depth: Grid<f32>,
-    /// Unit normals in world space, toward the camera; `[0, 0, 0]` where there is none. `None` where the capture
+    /// Unit normals in world space, toward the camera; `[0, 0, 0]` for no normal. `None` where the capture
     /// gives no normals.
     pub normal_in_world: Option<Grid<[f32; 3]>>,
     /// Relative quantization step of the depth as recorded (2⁻¹¹ for half floats, 0 where it is exact to `f32`).

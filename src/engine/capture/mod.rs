@@ -6,8 +6,8 @@
 //! demo scene ──────────────── demo ─────┘     (lazy, decoded in parallel, bounded cache)
 //! ```
 //!
-//! [`open()`] is the one door: it says what a folder or file is. A reader for each source makes a manifest of it (`readers`), and
-//! `transforms` makes cameras and frames of that.
+//! [`open()`] is the one door: it recognizes what a folder or file is. A reader for each source makes a manifest of it (`readers`),
+//! and `transforms` makes cameras and frames of the manifest.
 //! Importers convert to the program's conventions (see the crate page); nothing behind this module does.
 
 mod camera;

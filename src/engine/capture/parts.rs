@@ -1,4 +1,4 @@
-//! A capture: what is known of it, its frames on demand, and views of which the true picture is known.
+//! A capture: its facts, its frames on demand, and views whose true pictures are known.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub trait FrameSource: Send + Sync {
     /// Decodes or renders one frame. Called from many threads at once.
     ///
     /// # Errors
-    /// Names the file and the frame, and says what to do.
+    /// Name the file and the frame, with advice.
     fn load(&self, camera: usize, frame: usize) -> Result<Frame>;
 
     /// Where the frame comes from, for messages: a path, or the scene's name and frame.
@@ -139,7 +139,7 @@ impl Capture {
         self.source.files(self.source_cameras[camera], frame)
     }
 
-    /// Name of a frame's picture, as [`TruthView::picture`]; `None` where it lies in no file.
+    /// Name of a frame's picture, as [`TruthView::picture`]; `None` if it is in no file.
     #[must_use]
     pub fn picture_stem(&self, camera: usize, frame: usize) -> Option<String> {
         self.files_of(camera, frame).first().and_then(|file| stem_of(file))
@@ -205,14 +205,14 @@ impl Capture {
         self
     }
 
-    /// The same capture, of which it is said that it gives no normals.
+    /// The same capture, marked as one without normals.
     #[must_use]
     pub fn without_normals(mut self) -> Self {
         self.parts.has_normals = false;
         self
     }
 
-    /// The same capture, whose color is said to be filtered across silhouettes or not.
+    /// The same capture, marked as one whose color is, or is not, filtered across silhouettes.
     #[must_use]
     pub fn with_antialiased_color(mut self, antialiased_color: bool) -> Self {
         self.parts.antialiased_color = antialiased_color;
@@ -228,7 +228,7 @@ pub(super) fn stem_of(file: &Path) -> Option<String> {
 /// Loads the true picture of a [`TruthView`].
 pub type TruthLoader = Arc<dyn Fn() -> Result<Frame> + Send + Sync>;
 
-/// A vantage to be rendered, and where it is known what it truly looks like.
+/// A vantage to be rendered, with its true picture if that is known.
 #[derive(Clone)]
 pub struct TruthView {
     /// Name of the picture, relative, with its extension as the manifest has it.
@@ -237,17 +237,16 @@ pub struct TruthView {
     pub camera: Camera,
     /// Number of the frame, as in [`CaptureParts::frame_numbers`].
     pub frame_number: i64,
-    /// The true picture, where there is one.
+    /// The true picture, if it is known.
     pub truth: Option<TruthLoader>,
-    /// Name of the recorded picture's file without folder and extension: where in a sequence it was taken. `None` where it lies in no
-    /// file.
+    /// Name of the recorded picture's file without folder and extension, which has its place in a sequence. `None` if it is in no file.
     pub picture: Option<String>,
     /// What colors of the capture are multiplied with to look as this view was exposed, per channel of linear color.
     pub gain: [f32; 3],
 }
 
 impl TruthView {
-    /// A view as exposed as the capture's cameras, whose picture lies in no file.
+    /// A view exposed as the capture's cameras, with its picture in no file.
     #[must_use]
     pub fn new(file_path: String, camera: Camera, frame_number: i64, truth: Option<TruthLoader>) -> Self {
         Self { file_path, camera, frame_number, truth, picture: None, gain: [1.0; 3] }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PoseDirection {
-    /// Camera space to world space; its last column is where the camera stands.
+    /// Camera space to world space; its last column is the camera's position.
     #[default]
     CameraToWorld,
     /// World space to camera space: an extrinsic matrix.
@@ -109,7 +109,7 @@ impl CameraAxes {
         all
     }
 
-    /// The file's camera space from ours: a signed permutation, whose rows are where the file's axes point.
+    /// The file's camera space from ours: a signed permutation. Its rows are the directions of the file's axes.
     #[must_use]
     pub fn file_from_camera(self) -> DMat3 {
         let [x, y, z] = self.0.map(AxisDirection::in_camera);
@@ -141,7 +141,7 @@ impl TryFrom<[AxisDirection; 3]> for CameraAxes {
     type Error = String;
 
     /// # Errors
-    /// Where two of them lie along one line.
+    /// If two of them are along one line.
     fn try_from(axes: [AxisDirection; 3]) -> Result<Self, String> {
         let [x, y, z] = axes.map(AxisDirection::in_camera);
         if x.dot(y.cross(z)).abs() > 0.5 {
@@ -202,8 +202,8 @@ impl PoseConvention {
 pub const MIRROR: DAffine3 =
     DAffine3 { matrix3: DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)), translation: DVec3::ZERO };
 
-/// The same pose in a right-handed world: one of a left-handed world is mirrored along its y axis. The same is done to all cameras
-/// of a capture, whose poses are all of one handedness.
+/// The same pose in a right-handed world: one of a left-handed world is mirrored along its y axis. All cameras of a capture have
+/// poses of one handedness, so that all are mirrored or none.
 #[must_use]
 pub fn upright(world_from_camera: DAffine3) -> DAffine3 {
     if world_from_camera.matrix3.determinant() < 0.0 { MIRROR * world_from_camera } else { world_from_camera }

@@ -96,7 +96,7 @@ impl ColmapBytes<'_> {
         self.take().map(f64::from_le_bytes)
     }
 
-    /// How many things follow, each of so many bytes at least.
+    /// The number of things that follow, each of at least `bytes_each` bytes.
     fn count(&mut self, bytes_each: u64, things: &str) -> Result<u64> {
         let count = self.u64()?;
         let most = (self.bytes.len() - self.at) as u64 / bytes_each;

@@ -47,7 +47,7 @@ impl LensModel {
         MODELS.into_iter().find(|model| model.name == name)
     }
 
-    /// Whether a manifest can say it.
+    /// Whether a manifest can express it.
     #[must_use]
     pub fn is_read(&self) -> bool {
         self.parameters.iter().all(|name| !name.is_empty())

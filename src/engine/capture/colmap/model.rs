@@ -1,4 +1,4 @@
-//! What COLMAP says of cameras and images.
+//! COLMAP's cameras and images.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 

@@ -1,8 +1,8 @@
 //! How well the views agree under a reading.
 //!
 //! Source: the outlier test of MPEG's TMIV (`DepthQualityAssessor`): a point carried into another view contradicts it only where it
-//! lies in front of all of 3×3 pixels, since it would have been seen there. What differs: points that agree count for a reading as
-//! those that contradict count against it, so that one that carries all points out of the picture gains nothing.
+//! is in front of all of 3×3 pixels, since it would have been seen there. What differs: agreeing points count for a reading, and
+//! contradicting ones count against it, so that a reading gains nothing by carrying points out of the picture.
 
 use glam::{DAffine3, DVec3};
 
@@ -22,18 +22,18 @@ pub(super) struct Comparison {
     pub claimed: Reading,
 }
 
-/// What a point says that was carried into another view.
+/// Whether a point that was carried into another view agrees with it.
 enum PointAgreement {
     Agrees,
     InFront,
     Hidden,
 }
 
-/// What points say that were carried from view to view.
+/// Counts of points that were carried from view to view.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct AgreementCounts {
     pub agree: usize,
-    /// Those that lie before all that the other view saw there.
+    /// Those in front of all that the other view saw there.
     pub contradict: usize,
     /// All that were carried.
     pub tried: usize,
@@ -47,7 +47,7 @@ impl AgreementCounts {
 }
 
 impl Comparison {
-    /// World space from our camera space of every view, if its matrix is meant as `reading` says.
+    /// World space from our camera space of every view, under a reading of its matrix.
     pub(super) fn poses(&self, reading: &Reading) -> Vec<DAffine3> {
         let matrix = |view: &ComparedView| self.claimed.pose.matrix(&view.world_from_camera);
         self.views.iter().map(|view| reading.pose.world_from_camera(&matrix(view))).collect()
@@ -59,12 +59,12 @@ impl Comparison {
         self.votes(reading, points, tolerance).score()
     }
 
-    /// What `points` points of each pair say.
+    /// Counts over `points` points of each pair.
     pub(super) fn votes(&self, reading: &Reading, points: usize, tolerance: f64) -> AgreementCounts {
         self.votes_of(reading, self.pairs.iter().copied(), points, tolerance)
     }
 
-    /// What `points` points of each of some pairs say.
+    /// Counts over `points` points of each of some pairs.
     pub(super) fn votes_of(
         &self,
         reading: &Reading,
@@ -94,7 +94,7 @@ impl Comparison {
         votes
     }
 
-    /// What a point in front of a view says about it; `None` where the view has no depth there.
+    /// Whether a point in front of a view agrees with it; `None` where the view has no depth there.
     fn vote(
         &self,
         reading: &Reading,
@@ -109,7 +109,7 @@ impl Comparison {
             return None;
         }
         let ray = PixelRay::new(point / point.z);
-        // Whether it lies before all that is there; `None` while nothing is.
+        // Whether it is in front of all depths so far; `None` before the first one.
         let mut is_in_front = None;
         for row in target.around(at) {
             for &value in row.iter().filter(|value| value.is_finite()) {
@@ -130,7 +130,7 @@ impl Comparison {
         Some(if is_in_front? { PointAgreement::InFront } else { PointAgreement::Hidden })
     }
 
-    /// How far apart compared cameras stand, as a share of the depth that they see, in the middle; 0 where none can be compared.
+    /// The median distance between compared cameras, as a share of the depth that they see; 0 if none can be compared.
     pub(super) fn baseline_over_depth(&self, reading: &Reading) -> f64 {
         let poses = self.poses(reading);
         let share = |&(from, to): &(usize, usize)| {
@@ -155,7 +155,7 @@ impl Comparison {
     }
 
     /// Whether two readings put the cameras the same way beside each other, whichever way the world is turned: no agreement
-    /// between views can tell them apart.
+    /// between views can distinguish them.
     pub(super) fn are_one_arrangement(&self, a: &Reading, b: &Reading) -> bool {
         let (poses_a, poses_b) = (self.poses(a), self.poses(b));
         let scale = poses_a.iter().map(|pose| pose.translation.length()).fold(1e-9, f64::max);

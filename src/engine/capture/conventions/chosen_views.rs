@@ -47,7 +47,7 @@ impl ComparedViews {
     }
 }
 
-/// Pairs of no more than so many views, in their order.
+/// The first pairs, in their order, that have no more than `most_views` views together.
 fn within(pairs: &[(usize, usize)], most_views: usize) -> Vec<(usize, usize)> {
     let mut views = BTreeSet::new();
     let fits = |&(from, to): &(usize, usize)| {

@@ -1,14 +1,14 @@
 //! Whether poses and depth are read as they are meant.
 //!
-//! Purpose: files say little about the direction and axes of their poses, about what their depth measures, and in which unit. Read
-//! otherwise than meant, the views of a capture do not agree. This finds the reading under which they do.
+//! Purpose: files seldom state the direction and axes of their poses, or the measure and unit of their depth. The views of a capture
+//! do not agree if it is read otherwise than meant. This finds the reading under which they agree.
 //!
 //! Source: the outlier test of MPEG's TMIV (see `agreement`); consistency checks of multi-view stereo. What differs: the test is made
-//! under every reading (48 signed orders of axes, both directions, the common units and measures), and one is believed only
-//! where it fits twice as well as the claimed one. Nothing is ever changed by itself: a finding names the key to write.
+//! under every reading (48 signed orders of axes, both directions, the common units and measures), and another one is believed only
+//! if it fits twice as well as the claimed one. Nothing is ever changed by itself: a finding names the key to write.
 //!
 //! What it cannot see: half a pixel of the principal point, a few percent of the focal length, weak distortion; units, where cameras
-//! only turn; anything with one camera, or with cameras that see nothing in common; what is wrong alike in all of the world.
+//! only turn; anything with one camera, or with cameras that see nothing in common; an error that all of the world shares.
 
 mod agreement;
 mod chosen_views;
@@ -60,7 +60,7 @@ pub(crate) fn check_pictures(
     let views = cameras.par_iter().enumerate().map(|(index, camera)| {
         let inverse = inverse_depths(index)?;
         let mut view = ComparedView::new(camera, |pixel| inverse[pixel], claim);
-        // Of many cameras, the pictures of most say no more than their points do.
+        // Views that are in no pair are not compared: their pictures are not needed.
         if !is_compared(index) {
             view.values = Vec::new();
         }

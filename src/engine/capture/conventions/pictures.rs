@@ -20,7 +20,7 @@ use crate::capture::parts::Capture;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 
-/// Columns and rows that a painted pixel covers at most: one of a view that stands far behind the others'.
+/// Columns and rows that a painted pixel covers at most, for views from far behind the others.
 const MOST_COVERED: f64 = 4.0;
 
 /// Two readings of a capture beside each other.
@@ -37,11 +37,11 @@ pub struct ReadingPictures {
 /// What all other views show of one, under one reading.
 #[derive(Clone, Debug)]
 pub struct RegisteredViews {
-    /// Linear Rec.709, as large as [`ReadingPictures::recorded`]; `None` where no point of another view lies.
+    /// Linear Rec.709, as large as [`ReadingPictures::recorded`]; `None` where no point of another view is.
     pub color: Grid<Option<[f32; 3]>>,
-    /// Points of one view that lie where another saw a surface, as a share of all that were carried between all compared views.
+    /// Points that are on a surface of the view that they are carried into, as a share of all points of all compared pairs.
     pub agree: f64,
-    /// Points that lie before all that another view saw there, which it would have seen.
+    /// Points that are in front of all surfaces of that view, which would have seen them; the same share.
     pub contradict: f64,
 }
 

@@ -26,7 +26,7 @@ const SOME_POINTS: usize = 80;
 /// Readings that are left after the first and after the second sorting.
 const FEW_LEFT: usize = 32;
 const SOME_LEFT: usize = 10;
-/// What numbers may differ by where poses and units are sought, and where measures are told apart.
+/// Tolerance of numbers, relative: in the search of poses and units, and in the choice of the measure.
 pub(super) const WIDE: f64 = 0.03;
 const NARROW: f64 = 0.01;
 /// Readings that score this are not chance; from the second on no other measure is tried.
@@ -178,7 +178,7 @@ fn refined(comparison: &Comparison, readings: &[Reading]) -> Vec<Scored> {
         .collect()
 }
 
-/// Rounded to what a search can tell.
+/// Rounded to the precision of the search.
 fn three_digits(unit: f64) -> f64 {
     let step = 10_f64.powf(unit.log10().floor() - 2.0);
     let rounded = (unit / step).round() * step;

@@ -1,4 +1,4 @@
-//! What follows from the scores: whether the claimed reading stands, which one fits instead, and how sure that is.
+//! The conclusion from the scores: whether the claimed reading holds, which one fits instead, and how sure that is.
 
 use std::fmt::Write;
 
@@ -8,18 +8,18 @@ use super::agreement::Comparison;
 use super::reading::Reading;
 use super::search::{NOT_CHANCE, Scored, UNITS};
 
-/// Another reading has to agree this many times as well to speak against the claimed one, and to be told from others.
+/// A reading that agrees this many times as well refutes the claimed one, and differs surely from others.
 const DECIDES: f64 = 2.0;
 /// From this on it is sure.
 const SURE: f64 = 3.0;
-/// Scores within this ratio are equal; then what was claimed stands.
+/// Scores within this ratio are equal; the claimed reading is kept then.
 const EQUAL: f64 = 1.25;
-/// Cameras that stand closer together, as a share of the depth, cannot tell units apart.
+/// Cameras closer together than this share of the depth cannot distinguish units.
 const MIN_BASELINE: f64 = 0.05;
 /// Units within this ratio are one.
 const SAME_UNIT: f64 = 1.06;
 
-/// What the agreement between views says about a capture's conventions.
+/// A capture's conventions, judged by the agreement between its views.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// The outcome.
@@ -30,18 +30,18 @@ pub struct Finding {
     pub claimed_score: f64,
 }
 
-/// Whether the claimed reading stands.
+/// Whether the claimed reading holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "outcome", rename_all = "snake_case")]
 pub enum ConventionVerdict {
     /// No other reading fits far better.
     Stands {
-        /// Parts that another reading would fit as well, and why the views cannot tell.
+        /// Parts that another reading would fit as well, and why the views cannot decide.
         undecided: Vec<Undecided>,
     },
     /// Another reading fits far better.
     Other(Box<Alternative>),
-    /// The views say nothing.
+    /// The views decide nothing.
     Unknown {
         /// Why.
         why: String,
@@ -59,7 +59,7 @@ pub struct Alternative {
     pub margin: f64,
     /// Parts of it that another reading would fit about as well.
     pub undecided: Vec<Undecided>,
-    /// Keys of the manifest that say so, with their values as JSON.
+    /// The keys of a manifest that is read this way, with their values as JSON.
     pub keys: Vec<(String, String)>,
 }
 
@@ -75,7 +75,7 @@ pub enum ReadingPart {
     Unit,
 }
 
-/// A part that the views cannot tell.
+/// A part that the views cannot decide.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Undecided {
     /// Which.
@@ -204,7 +204,7 @@ fn number(value: f64) -> String {
 }
 
 impl Finding {
-    /// The reading that fits far better than the claimed one, where there is one.
+    /// The reading that fits far better than the claimed one; `None` if none does.
     #[must_use]
     pub fn alternative(&self) -> Option<&Alternative> {
         match &self.verdict {
@@ -257,7 +257,7 @@ impl Finding {
 }
 
 impl Alternative {
-    /// Whether keys of a manifest say all that it differs by.
+    /// Whether keys of a manifest can express all its differences from the claimed reading.
     #[must_use]
     pub fn can_be_written(&self, claimed: &Reading) -> bool {
         !self.keys.is_empty()

@@ -28,14 +28,14 @@ pub(super) struct ComparedView {
     pub intrinsics: Intrinsics,
     /// The matrix of the pose, camera to world, of our camera space as the capture's convention gives it.
     pub world_from_camera: DAffine3,
-    /// The numbers of depth, row by row; NaN where there is none, or nothing was hit.
+    /// The numbers of depth, row by row; NaN for no depth, and where nothing was hit.
     pub values: Vec<f32>,
-    /// In an order of which every beginning is spread over the picture.
+    /// In an order whose first entries, however many, are spread over the picture.
     pub points: Vec<SourcePoint>,
 }
 
 impl ComparedView {
-    /// A view of a picture of inverse planar z (1/unit; 0 and below say nothing).
+    /// A view of a picture of inverse planar z (1/unit; 0 and below are no depth).
     pub(super) fn new(camera: &Camera, inverse_depth: impl Fn(usize) -> f32, claim: &DepthClaim) -> Self {
         let intrinsics = camera.intrinsics;
         let (width, height) = intrinsics.size();
@@ -63,7 +63,7 @@ impl ComparedView {
         span(at.y, height).map(move |y| &self.values[y * width..][columns.clone()])
     }
 
-    /// The number in the middle of all points', of their distances from the optical center; `None` without any.
+    /// The median of the points' numbers; `None` without any.
     pub(super) fn middle_value(&self) -> Option<f64> {
         let mut values: Vec<f64> = self.points.iter().map(|point| point.value).collect();
         median(&mut values)
@@ -78,7 +78,7 @@ fn center(x: usize, y: usize) -> DVec2 {
 fn spread_points(intrinsics: &Intrinsics, values: &[f32]) -> Vec<SourcePoint> {
     /// Positions that are looked at for each point that is wanted.
     const TRIES: usize = 8;
-    /// Fewer points off edges than this say too little.
+    /// Fewer points off edges than this are too few.
     const FEW: usize = 48;
     let (width, height) = intrinsics.size();
     let is_smooth = |x: usize, y: usize| {
@@ -114,7 +114,7 @@ fn spread_points(intrinsics: &Intrinsics, values: &[f32]) -> Vec<SourcePoint> {
     smooth
 }
 
-/// Pixels in an order of which every beginning covers the picture evenly: the additive recurrence of the plastic number.
+/// Pixels in an order whose first entries, however many, cover the picture evenly: the additive recurrence of the plastic number.
 fn spread(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
     (0..).map(move |index: u32| {
@@ -126,8 +126,8 @@ fn spread(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
 /// The most pairs of views that are compared.
 const MAX_PAIRS: usize = 16;
 
-/// Which views are compared: all pairs of a few views, and of more those that lie 1, 3, 10 and 30 apart, spread over all. No reading
-/// has a say in it.
+/// The pairs of views that are compared: all pairs of a few views; otherwise pairs at distances of 1, 3, 10 and 30, spread over all
+/// views. No reading influences the choice.
 pub(super) fn pairs(views: usize) -> Vec<(usize, usize)> {
     if views * views.saturating_sub(1) <= MAX_PAIRS {
         return (0..views).flat_map(|a| (0..views).filter(move |b| *b != a).map(move |b| (a, b))).collect();

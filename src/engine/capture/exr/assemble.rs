@@ -73,8 +73,8 @@ pub(crate) struct Layers {
 }
 
 impl Layers {
-    /// Makes the frame; `place` names file and frame in errors. On a transparent film in whose view nothing stands, no pixel is
-    /// a sample, and nothing is wrong; nor where a sensor measured nothing.
+    /// Makes the frame; `place` names file and frame in errors. A transparent film without an object in view has no sample,
+    /// nor has a sensor that measured nothing: both are no errors.
     ///
     /// # Errors
     /// `Invalid` where not a single pixel has a depth, or depth is measured backwards.

@@ -25,7 +25,7 @@ impl<'a> LayeredName<'a> {
     }
 }
 
-/// The last component of a layer and what stands before it: `ViewLayer.Depth` is `("ViewLayer", "Depth")`.
+/// The last component of a layer and the text before it: `ViewLayer.Depth` is `("ViewLayer", "Depth")`.
 fn split_pass(layer: &str) -> (&str, &str) {
     layer.rsplit_once('.').unwrap_or(("", layer))
 }
@@ -69,7 +69,7 @@ impl<'a> ChannelFinder<'a> {
         Some([a?, b?, c?])
     }
 
-    /// Whether any channel lies in a layer.
+    /// Whether any channel is in a layer.
     pub(super) fn has_layer(&self, layer: &str) -> bool {
         self.names.iter().any(|name| is_inside(name.layer, layer))
     }
@@ -122,7 +122,7 @@ impl<'a> ChannelFinder<'a> {
         }
     }
 
-    /// `ViewLayer` of `ViewLayer.Combined`; a color layer of no known name is a root itself only if others lie in it.
+    /// `ViewLayer` of `ViewLayer.Combined`; a color layer of no known name is a root itself only if it holds others.
     fn root_of_color(&self, color_layer: &'a str) -> &'a str {
         let has_children = self.names.iter().any(|name| {
             !color_layer.is_empty() && name.layer != color_layer && is_inside(name.layer, color_layer)
@@ -130,8 +130,8 @@ impl<'a> ChannelFinder<'a> {
         if has_children { color_layer } else { split_pass(color_layer).0 }
     }
 
-    /// The layer that the passes of a picture lie in. A layer that was asked for may be that one, or the picture itself; and
-    /// what was composited of a view layer lies beside it, without passes of its own.
+    /// The layer of the passes of a picture. A requested layer may be that one, or the picture itself; and the composite of a view
+    /// layer is beside it, without passes of its own.
     pub(super) fn root<'b>(
         &'b self,
         layer: Option<&'b str>,
@@ -150,8 +150,8 @@ impl<'a> ChannelFinder<'a> {
         nearest.or_else(|| self.root_beside(last, color_layer)).or(last)
     }
 
-    /// The only root with geometry, where there is no depth for the picture's own. One with a picture of its own may be another
-    /// eye's or another scene's; what was composited of it is the exception.
+    /// The only root with geometry, if the picture's own has no depth. A root with a picture of its own may be another eye's or another
+    /// scene's; only a composite is of such a root.
     fn root_beside(&self, own: Option<&str>, color_layer: Option<&str>) -> Option<&str> {
         if self.depth(own, color_layer).is_some() {
             return None;
@@ -176,8 +176,8 @@ impl<'a> ChannelFinder<'a> {
         self.names.iter().any(|name| is_inside(name.layer, root) && is_picture(name.layer))
     }
 
-    /// Whether a root that is not the picture's own is another view's: of several views of one scene, the first one's channels
-    /// stand without a layer.
+    /// Whether a root that is not the picture's own is another view's: the channels of the first of several views of one scene
+    /// are without a layer.
     fn is_other_view(&self, root: &str) -> bool {
         root.is_empty() && self.triple(root, RGB).is_some()
     }

@@ -14,7 +14,7 @@
 use super::channel_finder::{ChannelFinder, NORMAL_LAYERS, POSITION_LAYERS, RGB};
 use crate::error::Result;
 
-/// What the manifest says about channels where names alone do not decide.
+/// The manifest's keys for channels, if names alone do not decide.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ChannelWishes {
     /// Whether depth or normals are looked for in a file of their own: pictures beside them need no choice, nor need the layer be

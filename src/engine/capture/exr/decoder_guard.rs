@@ -15,8 +15,8 @@ const DWA_SIZES: std::ops::Range<usize> = 1..10;
 /// Room for padding to blocks of 8×8 in chunks that are smaller than that.
 const DWA_SLACK_BYTES: u64 = 1 << 16;
 
-/// Checks the sizes that a compressed chunk claims for itself. The decoder allocates what a DWA chunk asks for, and an
-/// allocation that fails ends the process; other compressions derive their sizes from the header.
+/// Checks the sizes that a compressed chunk claims for itself. The decoder allocates as much as a DWA chunk claims, and a
+/// failed allocation ends the process. Other compressions derive their sizes from the header.
 ///
 /// # Errors
 /// The decoder's `Invalid`, for sizes that the pixels of one chunk cannot have.

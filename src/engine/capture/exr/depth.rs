@@ -68,7 +68,7 @@ pub(crate) struct DepthRules {
     /// World units per unit of the file.
     pub(crate) unit_scale: f64,
     /// Values from here on were not hit: [`MISS_DEPTH`] in floats, and the largest number of narrower ones and of whole numbers,
-    /// which represents everything that lies farther.
+    /// which represents everything farther away.
     pub(crate) misses_from: f32,
     /// Whether 0 means "not measured" (depth sensors) rather than "nothing hit" (renderers).
     pub(crate) zero_is_unknown: bool,
@@ -101,7 +101,7 @@ impl DepthRules {
             DepthKind::RayDistance => scaled / ray_length,
             DepthKind::RayDistanceFromNearClip => scaled / ray_length + self.near_clip,
         };
-        // No branches but on what is the same for a whole plane: sixteen pixels are worked on at once.
+        // All branches are the same for a whole plane, so that sixteen pixels are worked on at once.
         let is_miss = self.is_given_miss(raw) | (value >= self.misses_from);
         let at_zero = if self.zero_is_unknown { INVALID_INVERSE_DEPTH } else { 0.0 };
         let inverse = self.inverse_of_planar(depth_z);
@@ -190,8 +190,8 @@ impl DepthRules {
             .collect()
     }
 
-    /// The median distance between pixels and where the positions in them project to, beyond what rounding by `step_relative`
-    /// explains, in pixels; infinite where most lie behind the camera, and `None` where nothing was hit.
+    /// The median distance between pixels and the projections of their positions, less rounding by `step_relative`, in pixels;
+    /// infinite if most are behind the camera, and `None` if nothing was hit.
     pub(crate) fn distance_from_rays_px(
         &self,
         xyz: [&[f32]; 3],

@@ -26,7 +26,7 @@ use crate::plural::counted;
 const MAX_PIXELS_PER_BYTE: usize = 1100;
 /// DWA keeps a few numbers of each 8×8 pixels, and makes those smaller in turn.
 const DWA_BLOCK_PIXELS: usize = 64;
-/// How far the chromaticities of a file may lie from those of Rec.709 and be them.
+/// Chromaticities that differ from those of Rec.709 by no more than this are taken for them.
 const CHROMATICITY_SLACK: f32 = 1e-3;
 /// Ratios of a pixel's width to its height that are believed.
 const BELIEVABLE_PIXEL_ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
@@ -298,7 +298,7 @@ fn tell_apart(channels: &mut [ChannelInfo], in_full: &[String]) {
     }
 }
 
-/// A name as UTF-8, or as Latin-1 where it is none: the format leaves it to the writer, and nearly all write UTF-8.
+/// A name as UTF-8, or as Latin-1 if it is no UTF-8: the format leaves it to the writer, and nearly all write UTF-8.
 fn readable(name: &Text) -> String {
     std::str::from_utf8(name.as_slice()).map_or_else(|_| name.to_string(), ToOwned::to_owned)
 }

@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 pub(crate) struct HeaderAttributes {
     /// Columns and rows of the display window.
     pub size: (usize, usize),
-    /// Channels of all parts, `part.` before the name where there are several parts.
+    /// Channels of all parts, with `part.` before the name if there are several parts.
     pub channels: Vec<String>,
     texts: BTreeMap<String, String>,
     matrices: BTreeMap<String, [f64; 16]>,
@@ -26,7 +26,7 @@ impl HeaderAttributes {
     /// Reads the header of a file, and nothing behind it.
     ///
     /// # Errors
-    /// `Io`, and `Invalid` where it is no OpenEXR file or its header is damaged.
+    /// `Io`, and `Invalid` for another file than OpenEXR and for a damaged header.
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let place = path.display().to_string();
         let file = BufReader::new(File::open(path).map_err(|error| Error::io(path, error))?);
@@ -69,12 +69,12 @@ impl HeaderAttributes {
         self.texts.entry(name).or_insert(text);
     }
 
-    /// A text or number that stands as either.
+    /// A number that is stored as text or as a number.
     pub(crate) fn number(&self, name: &str) -> Option<f64> {
         self.texts.get(name)?.trim().parse().ok()
     }
 
-    /// A 4×4 matrix row by row, as it stands: points are rows before it.
+    /// A 4×4 matrix row by row, as stored: points are rows before it.
     pub(crate) fn matrix(&self, name: &str) -> Option<[f64; 16]> {
         self.matrices.get(name).copied()
     }

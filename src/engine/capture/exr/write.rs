@@ -4,8 +4,8 @@
 //! |---|---|---|
 //! | `R G B` | half | linear Rec.709 |
 //! | `A` | half | share of the pixel that is covered (rendered pictures only) |
-//! | `Z` | float | planar z; 1e10 where nothing was hit, NaN where there is no depth |
-//! | `N.X N.Y N.Z` | float | unit normal in world space, 0 where there is none |
+//! | `Z` | float | planar z; 1e10 where nothing was hit, NaN for no depth |
+//! | `N.X N.Y N.Z` | float | unit normal in world space, 0 for no normal |
 
 use std::path::Path;
 

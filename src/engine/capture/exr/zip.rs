@@ -1,9 +1,9 @@
-//! Undoes OpenEXR's ZIP compression, which nearly every renderer writes and which most of the time of reading a frame goes into.
+//! Undoes OpenEXR's ZIP compression. Nearly every renderer writes it, and undoing it is most of the time of reading a frame.
 //!
-//! Source: OpenEXR, `ImfZip.cpp`. A block of rows is deflated; what comes out are differences of successive bytes, each 128 too
-//! large; and of the bytes that these add up to, the first half belongs at even positions and the second at odd ones, so that the
-//! high bytes of half floats stand together. What differs from the `exr` crate, which reads every other compression and all that
-//! stands around blocks: `libdeflate` inflates, as in OpenEXR itself, and bytes are added up and put in place 64 at a time.
+//! Source: OpenEXR, `ImfZip.cpp`. A block of rows is deflated. Inflating gives differences of successive bytes, each 128 too large.
+//! They add up to bytes; the first half belongs at even positions and the second at odd ones, so that the high bytes of half floats
+//! are together. What differs from the `exr` crate, which reads every other compression and everything around blocks: `libdeflate`
+//! inflates, as in OpenEXR itself, and bytes are added up and put in place 64 at a time.
 
 use exr::block::chunk::Chunk;
 use exr::block::{BlockIndex, UncompressedBlock};
@@ -162,7 +162,7 @@ mod tests {
 
     use super::*;
 
-    /// A picture of every kind of number, of which some blocks do not get shorter and are stored as they are.
+    /// A picture of every kind of number. Some of its blocks do not get shorter, and are stored as they are.
     fn picture(compression: Compression, blocks: Blocks) -> Vec<u8> {
         const SIZE: (usize, usize) = (37, 70);
         // Noise in the first half, a ramp in the second.
@@ -210,7 +210,7 @@ mod tests {
         }
     }
 
-    /// As OpenEXR's `ImfZip.cpp` says it, one byte after the other.
+    /// The steps of OpenEXR's `ImfZip.cpp`, one byte after the other.
     fn plainly_undone(bytes: &[u8]) -> Vec<u8> {
         let mut sums = bytes.to_vec();
         for i in 1..sums.len() {

@@ -58,7 +58,7 @@ pub fn write_sequence(folder: &Path, name: &str, capture: &Capture, job: &Job) -
     job.start("writing raw video", 2 * capture.cameras.len() * capture.frame_count());
     let content = folder.join(name);
     std::fs::create_dir_all(&content).map_err(|error| Error::io(&content, error))?;
-    // Video of one capture must never stand below the cameras of another.
+    // Video of one capture must never be left beside the cameras of another.
     let path = folder.join(format!("{name}.json"));
     match std::fs::remove_file(&path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(Error::io(&path, error)),

@@ -34,7 +34,7 @@ pub fn parse(bytes: &[u8], channels: usize, place: &str) -> Result<ColmapMap> {
     let [width, height, found] = header;
     if found != channels || !is_believable_size(width, height) {
         let what = format!(
-            "it says {width}×{height} with {}, where {channels} {} expected",
+            "its header claims {width}×{height} with {}; {channels} {} expected",
             counted(found, "channel"),
             either(channels, "is", "are")
         );

@@ -6,7 +6,7 @@
 
 use crate::capture::frame::INVALID_INVERSE_DEPTH;
 
-/// The share of pixels that must stay for "high" to be asked for.
+/// "High" is required if at least this share of pixels stays.
 const SHARE_OF_HIGH: f64 = 0.3;
 
 /// Takes the inverse depth of pixels that the sensor is unsure of; `confidence` is of the same size.

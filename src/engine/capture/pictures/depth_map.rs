@@ -65,7 +65,7 @@ impl DepthMap {
     }
 }
 
-/// Whether a picture is gray of 8 bits, also where three channels say the same.
+/// Whether a picture is gray of 8 bits, also where three channels hold the same.
 fn has_eight_bits(picture: &DynamicImage) -> bool {
     match picture {
         DynamicImage::ImageLuma8(_) => true,

@@ -71,7 +71,7 @@ impl Distortion {
         is_seen.then_some(scaled + tangential)
     }
 
-    /// The ray that the lens puts here; `None` where there is none.
+    /// The ray that the lens puts here; `None` if no ray arrives here.
     pub(crate) fn undistort(&self, distorted: DVec2) -> Option<DVec2> {
         const ITERATIONS: usize = 20;
         const CLOSE: f64 = 1e-10;

@@ -22,7 +22,7 @@ pub struct NpyArray {
     pub is_half: bool,
 }
 
-/// Reads an array of `height × width`, beside which dimensions of 1 may stand.
+/// Reads an array of `height × width`, with or without further dimensions of 1.
 ///
 /// # Errors
 /// `Invalid` for a broken header and missing values, `Unsupported` for other types and shapes.
@@ -52,7 +52,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<NpyArray> {
         }
     };
     if !is_believable_size(width, height) {
-        return Err(broken(&format!("it says {width}×{height} pixels")));
+        return Err(broken(&format!("its header claims {width}×{height} pixels")));
     }
     let descr = quoted_after(&header, "descr").ok_or_else(|| broken("its header has no descr"))?;
     let (size, read, is_whole) = reader(descr).ok_or_else(|| {

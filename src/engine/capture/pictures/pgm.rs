@@ -28,7 +28,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<((usize, usize), Vec<f32>)> {
     }
     let [width, height, largest] = header;
     if !is_believable_size(width, height) || !(1..=65535).contains(&largest) {
-        return Err(broken(&format!("it says {width}×{height} pixels up to {largest}")));
+        return Err(broken(&format!("its header claims {width}×{height} pixels up to {largest}")));
     }
     if largest < 256 {
         return Err(Error::unsupported(place, "depth in PGM must have 16 bits; save it so, or as PNG"));

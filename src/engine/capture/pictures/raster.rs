@@ -72,7 +72,7 @@ pub(super) fn decode_any(path: &Path, place: &str) -> Result<DynamicImage> {
     reader.decode().map_err(|error| damaged(place, format, &error))
 }
 
-/// Red, green and blue, and alpha where there is one, row-major.
+/// Red, green, blue, and alpha if the picture has it, row-major.
 pub(crate) type ColorAndAlpha = ([Vec<f32>; 3], Option<Vec<f32>>);
 
 /// Linear red, green and blue, and alpha where the file has it. `is_linear` leaves values as they are; otherwise they

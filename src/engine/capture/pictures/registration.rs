@@ -77,7 +77,7 @@ pub(crate) struct RayCache(Arc<Mutex<Vec<CachedRays>>>);
 /// A lens and the rays of it.
 type CachedRays = ((Intrinsics, Option<Distortion>), Arc<GridRays>);
 
-/// Pixels of all cameras whose rays are kept: 64 bytes each.
+/// The most pixels, in all cameras together, whose rays are kept: 64 bytes each.
 const MAX_KEPT_PIXELS: usize = 2 << 20;
 
 impl RayCache {
@@ -106,8 +106,8 @@ struct Vertex {
     inverse_depth: f64,
 }
 
-/// Inverse planar depth of every pixel of the color camera, whose lens is `color` without distortion, from that of the depth
-/// camera, whose rays are `rays`; negative where the depth camera saw nothing.
+/// Carries inverse planar depth into the pixels of the color camera; negative where the depth camera saw nothing. `color` is the
+/// color camera's lens without distortion, `rays` are the rays of the depth camera.
 pub(crate) fn register(
     inverse_depth: &[f32],
     depth: &DepthGrid,

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::distortion::Distortion;
 use crate::capture::camera::Intrinsics;
 
-/// For every pixel of the pinhole picture, the position in the bent one that it shows; `None` where that lies outside.
+/// The position of every pixel of the pinhole picture in the bent one; `None` outside of it.
 pub(crate) struct Sources {
     width: usize,
     height: usize,
@@ -26,7 +26,7 @@ pub(crate) fn sources(intrinsics: &Intrinsics, distortion: &Distortion) -> Sourc
 }
 
 impl Sources {
-    /// A plane of values between those of the four pixels around each position; NaN where there is none.
+    /// A plane of values between those of the four pixels around each position; NaN without a position.
     pub(crate) fn linear(&self, plane: &[f32]) -> Vec<f32> {
         let value = |at: &Option<DVec2>| {
             let Some(at) = at else { return f32::NAN };
@@ -44,7 +44,7 @@ impl Sources {
         self.positions.iter().map(value).collect()
     }
 
-    /// A plane of values at the pixel that each position lies in; `outside` where there is none.
+    /// A plane of the values of the pixels at the positions; `outside` without a position.
     pub(crate) fn nearest<T: Copy>(&self, plane: &[T], outside: T) -> Vec<T> {
         let value =
             |at: &Option<DVec2>| at.map_or(outside, |at| plane[at.y as usize * self.width + at.x as usize]);

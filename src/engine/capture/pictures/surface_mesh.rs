@@ -36,7 +36,7 @@ impl<'a> SurfaceMesh<'a> {
         self.inverse_depth[y * self.size.0 + x]
     }
 
-    /// The inverse depth of a neighbor, where it is there and of the surface of one whose inverse depth is `own`.
+    /// The inverse depth of a neighbor; `None` outside of the picture, and for a neighbor on another surface than inverse depth `own`.
     fn neighbor(&self, own: f32, x: isize, y: isize) -> Option<f32> {
         let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
         let other = (x < self.size.0 && y < self.size.1).then(|| self.at(x, y))?;

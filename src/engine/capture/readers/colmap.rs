@@ -3,7 +3,7 @@
 //! Source: COLMAP's `image_undistorter` and `patch_match_stereo`: `images/`, `sparse/` (or `sparse/0/`) with cameras and images,
 //! `stereo/depth_maps/NAME.geometric.bin` of planar z in the units of the poses, 0 for none, and `stereo/normal_maps/` of unit
 //! vectors in the camera's space (x right, y down, z forward). Every image has its own size and lens; a map may be smaller than its
-//! image. What differs: `.photometric.bin`, which is not filtered, is taken only where there is no `.geometric.bin` at all.
+//! image. What differs: `.photometric.bin`, which is not filtered, is taken only if no `.geometric.bin` exists at all.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ const DENSE: &str = "there is no stereo/depth_maps, and thus no depth; compute i
 /// COLMAP.
 pub(super) struct Colmap;
 
-/// Where the parts of a workspace lie below the place's folder: `""`, or a path that ends in `/`.
+/// The parts of a workspace below the source's folder: each is `""`, or a path that ends in `/`.
 struct ColmapWorkspace {
     /// The folder of `images/` and `stereo/`.
     root: String,
@@ -81,7 +81,7 @@ impl Reader for Colmap {
             up: Some(up.to_array()),
             ..Keys::default()
         };
-        description.notes.push("up is the mean of the cameras' up, which COLMAP does not say".to_owned());
+        description.notes.push("up is the mean of the cameras' up, as COLMAP stores none".to_owned());
         recording(place, keys, frames, description, reconstruction.inputs)
     }
 }
@@ -212,7 +212,7 @@ struct Maps {
 }
 
 impl Maps {
-    /// The filtered maps, or the others where there are none.
+    /// The filtered maps, or the others if none is filtered.
     fn find(place: &SourceFolder, workspace: &ColmapWorkspace, description: &mut Description) -> Self {
         let folder = place.join(&workspace.depth_maps());
         let kind = if holds_maps(&folder, ".geometric.bin") { "geometric" } else { "photometric" };

@@ -148,7 +148,7 @@ fn lens_of(lenses: &BTreeMap<String, Vec<f64>>, name: &str, path: &Path) -> Resu
     Ok(keys)
 }
 
-/// Camera to world. Of a matrix and Rodrigues' vector, the matrix counts; they have to say the same.
+/// Camera to world. The matrix counts if a Rodrigues vector is there too; both must be the same rotation.
 fn pose_of(poses: &BTreeMap<String, Vec<f64>>, name: &str, path: &Path) -> Result<DAffine3> {
     let translation = DVec3::from(numbers::<3>(poses, &format!("T_{name}"), path)?);
     let (matrix, vector) = (format!("Rot_{name}"), format!("R_{name}"));

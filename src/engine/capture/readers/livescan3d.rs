@@ -3,8 +3,8 @@
 //! Source: `LiveScan3D` (Kowalski, Naruniec, Daniluk, 3DV 2015; the fork of Building Volumes): `client_0/Color_0.jpg`,
 //! `client_0/Depth_0.tiff` in millimeters, `client_0/Intrinsics_Calib_0.json` as the sensor gives it, and `Extrinsics_Open3D.log`
 //! with `0`, serial number and index of each sensor before the 16 numbers of its color camera's pose, camera to world, in meters. The
-//! calibration: Azure Kinect's SDK (`transformation/mode_specific_calibration.c`): lenses in shares of the sensor's sides, of which
-//! a mode of the camera shows a part.
+//! calibration: Azure Kinect's SDK (`transformation/mode_specific_calibration.c`): lenses in shares of the sensor's sides; a mode
+//! of the camera shows a part of the sensor.
 
 use std::path::{Path, PathBuf};
 

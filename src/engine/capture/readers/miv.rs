@@ -110,7 +110,7 @@ fn is_of_cameras(document: &Value) -> bool {
     first.is_some_and(|camera| camera.get("Projection").is_some())
 }
 
-/// The cameras that took pictures: those that are listed, or else those that are named `v` and a number. The viewport is none.
+/// The cameras that took pictures: the listed ones, or else those with names of `v` and a number. The viewport is none.
 fn sources<'a>(sequence: &'a SequenceFile, place: &str) -> Result<Vec<&'a SequenceCamera>> {
     let is_numbered = |name: &str| {
         name.strip_prefix('v')
@@ -153,7 +153,7 @@ fn keys_of(camera: &SequenceCamera, place: &str) -> Result<Keys> {
     })
 }
 
-/// The raw video of a camera, which lies in the folder of the content, or beside the cameras.
+/// The raw video of a camera, in the folder of the content or beside the file of cameras.
 fn video(
     place: &SourceFolder,
     sequence: &SequenceFile,

@@ -4,9 +4,9 @@
 //! path ─ SourceFolder (names) ─ the first reader that recognizes it ─ ReadSource: Manifest, ManifestOrigin, Description
 //! ```
 //!
-//! A reader is one file or folder here, or a row of [`PosedFolder`](posed_folder::PosedFolder), implements [`Reader`] and stands in
-//! [`READERS`]. It knows one source's layout, axes, units and quirks, and nothing of pictures' bytes, which the manifest's keys
-//! describe.
+//! A reader is one file or folder here, or a row of [`PosedFolder`](posed_folder::PosedFolder), implements [`Reader`] and is listed in
+//! [`READERS`]. It knows one source's layout, axes, units and quirks. It knows nothing of pictures' bytes: the manifest's keys
+//! describe them.
 
 mod colmap;
 mod convertible;
@@ -39,7 +39,7 @@ use std::path::Path;
 use crate::capture::transforms::other_file;
 use crate::error::{Error, Result};
 
-/// All readers, in the order in which they are asked. A manifest comes first: it is what users correct by hand.
+/// All readers, in the order in which they are tried. A manifest comes first: it is what users correct by hand.
 const READERS: &[&dyn Reader] = &[
     &nerfstudio::Nerfstudio,
     &colmap::Colmap,

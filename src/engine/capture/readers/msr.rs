@@ -92,7 +92,7 @@ fn calibration_of(place: &SourceFolder) -> Option<&str> {
     }
 }
 
-/// Near and far plane, which only the names tell.
+/// Near and far plane. Only the names of captures distinguish them.
 fn range_of(path: &Path, folder: &Path) -> Result<(f64, f64)> {
     let names =
         [path, folder].map(|path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase());

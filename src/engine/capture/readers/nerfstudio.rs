@@ -56,7 +56,7 @@ fn is_json(name: &str) -> bool {
     name.to_ascii_lowercase().ends_with(".json")
 }
 
-/// Whether a JSON file lists pictures as a manifest does. One that is no JSON counts too: reading it says what is wrong.
+/// Whether a JSON file lists pictures as a manifest does. One that is no JSON counts too: reading it names the fault.
 fn holds_frames(place: &SourceFolder) -> bool {
     let Ok(bytes) = std::fs::read(&place.path) else { return false };
     let document: Result<serde_json::Value, _> = serde_json::from_slice(&bytes);

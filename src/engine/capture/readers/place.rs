@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// A folder, or one file in it, with the names that lie directly in the folder. Subfolders are looked into by path.
+/// A folder, or one file in it, with the names directly in the folder. Subfolders are looked into by path.
 #[derive(Clone, Debug)]
 pub(crate) struct SourceFolder {
     /// What was named.
     pub path: PathBuf,
-    /// The folder: `path` itself, or the one that its file lies in.
+    /// The folder: `path` itself, or the one that holds its file.
     pub folder: PathBuf,
     /// The file, where one was named.
     pub file: Option<String>,
@@ -57,7 +57,7 @@ impl SourceFolder {
     }
 }
 
-/// The names in a folder, numbers in them in the order of their values, so that `2.png` stands before `10.png`.
+/// The names in a folder. Numbers in them are in the order of their values: `2.png` comes before `10.png`.
 ///
 /// # Errors
 /// `Io` where the folder is not there or cannot be listed.

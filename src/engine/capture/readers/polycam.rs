@@ -90,7 +90,7 @@ impl Reader for Polycam {
     }
 }
 
-/// Where the keyframes lie below the place: `""`, or a path that ends in `/`.
+/// The folder of the keyframes below the source's: `""`, or a path that ends in `/`.
 fn root(place: &SourceFolder) -> Option<String> {
     let is_root = |root: &&&str| {
         let has = |name: &str| place.join(&format!("{root}{name}")).is_dir();

@@ -4,7 +4,7 @@
 //! row ─ its `find` ─ Found: lens, pictures ─ recording
 //! ```
 //!
-//! The rows stand beside what finds their pictures: `poses_by_name`, `poses_by_order`, `poses_by_time`.
+//! Each row is in the file that finds its pictures: `poses_by_name`, `poses_by_order`, `poses_by_time`.
 
 use std::path::{Path, PathBuf};
 
@@ -19,13 +19,13 @@ use crate::error::Result;
 pub(super) struct PosedFolder {
     pub(super) source: &'static str,
     pub(super) marks: &'static str,
-    /// Whether a file of this name stands for its folder.
+    /// Whether a file of this name may be opened in place of its folder.
     pub(super) stands_for_folder: fn(&str) -> bool,
     /// Whether a folder is of this source.
     pub(super) is_here: fn(&SourceFolder) -> bool,
-    /// What [`Description::poses`] says.
+    /// The text of [`Description::poses`].
     pub(super) poses: &'static str,
-    /// What [`Description::depth`] says, unless `find` knows better.
+    /// The text of [`Description::depth`], unless `find` knows better.
     pub(super) depth: &'static str,
     /// Finds lens and pictures.
     pub(super) find: fn(&mut Found<'_>) -> Result<()>,

@@ -1,4 +1,4 @@
-//! Sources in which the names of color, depth and pose tell what belongs together.
+//! Sources whose file names match color, depth and poses.
 
 use std::collections::BTreeMap;
 
@@ -58,7 +58,7 @@ fn find_scannet(found: &mut Found<'_>) -> Result<()> {
         }
         let pose = pose_of_rows(&found.numbers(&path)?);
         let picture = pose.map(|pose| entry(format!("color/{name}"), Some(depth), &pose));
-        found.add(name, picture.ok_or("of which tracking was lost"));
+        found.add(name, picture.ok_or("taken while tracking was lost"));
     }
     Ok(())
 }
@@ -113,7 +113,7 @@ fn find_seven_scenes(found: &mut Found<'_>) -> Result<()> {
         }
     }
     let mut numbers = [585.0, 585.0, 320.0, 240.0];
-    found.description.lens = format!("nominal: {numbers:?}, as the data set says of both cameras");
+    found.description.lens = format!("nominal: {numbers:?}, as published for both cameras");
     if let Some(path) = found.here_or_above(INTRINSICS) {
         let [fx, _, cx, _, fy, cy, ..] = found.numbers(&path)?[..] else {
             return Err(Error::invalid(path.display(), "there are no 3×3 numbers"));
@@ -186,7 +186,7 @@ fn find_replica(found: &mut Found<'_>) -> Result<()> {
 ///
 /// Source: BOP's data format: `scene_camera.json` has for every image `cam_K` (9 numbers row by row), `depth_scale` (millimeters per
 /// unit of the depth file), and optionally `cam_R_w2c` and `cam_t_w2c` (millimeters), world to camera; x right, y down, z forward;
-/// `rgb/%06d.png` or `.jpg`, `depth/%06d.png`. Pixel centers lie at whole numbers. What differs: read in meters.
+/// `rgb/%06d.png` or `.jpg`, `depth/%06d.png`. Pixel centers are at whole numbers. What differs: read in meters.
 pub(super) const BOP: PosedFolder = PosedFolder {
     source: "BOP (BlenderProc)",
     marks: "scene_camera.json beside rgb/ and depth/ (BOP, BlenderProc)",
@@ -230,7 +230,7 @@ fn find_bop(found: &mut Found<'_>) -> Result<()> {
     let images: BTreeMap<u64, BopImage> = found.json(&path)?;
     found.description.lens = String::from("cam_K of every image");
     if images.values().all(|image| image.rotation.is_none()) {
-        let what = "no image has cam_R_w2c and cam_t_w2c, which say where the camera stood; write them (BlenderProc: bproc.writer.write_bop does), or estimate poses with COLMAP";
+        let what = "no image has cam_R_w2c and cam_t_w2c, the camera's pose; write them (BlenderProc: bproc.writer.write_bop does), or estimate poses with COLMAP";
         return Err(Error::unsupported(path.display(), what));
     }
     for (number, image) in &images {

@@ -33,7 +33,7 @@ fn add_in_order(
 ///
 /// Source: `Open3D`'s `FileLOG.cpp`, `FileJSON.cpp` and its reconstruction system: `color/` or `image/`, `depth/` in millimeters,
 /// `trajectory.log` (for each frame three whole numbers and 4×4 numbers, camera to world) or `camera_trajectory.json` (world to
-/// camera, column by column); x right, y down, z forward. Pixel centers lie at whole numbers.
+/// camera, column by column); x right, y down, z forward. Pixel centers are at whole numbers.
 pub(super) const REDWOOD: PosedFolder = PosedFolder {
     source: "Open3D / Redwood RGB-D",
     marks: "trajectory.log or camera_trajectory.json beside color/ (or image/) and depth/ (Open3D, Redwood)",
@@ -168,7 +168,7 @@ fn find_pose_list(found: &mut Found<'_>) -> Result<()> {
         poses.get(index).copied().flatten().filter(|_| has_depth).ok_or("without depth or a pose")
     });
     found.description.lens =
-        String::from("518 519 325.5 253.5, the book's Kinect, as the folder says nothing");
+        String::from("518 519 325.5 253.5, the book's Kinect, as the folder has no lens");
     found.set_lens([518.0, 519.0, 325.5, 253.5], 1e-3);
     let path = found.place.join(INTRINSICS);
     let numbers = path.is_file().then(|| TextFile::read(&path)?.numbers()).transpose()?.unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Sources in which stamps tell what belongs together.
+//! Sources whose time stamps match color, depth and poses.
 
 use std::path::Path;
 
@@ -54,7 +54,7 @@ fn find_tum(found: &mut Found<'_>) -> Result<()> {
     let place = found.place;
     let [rgb, depth, truth] = LISTS.map(|name| place.join(name));
     if !truth.is_file() {
-        let what = "there is no groundtruth.txt, which says where the camera was; estimate its path with a SLAM program and save it in that format (timestamp tx ty tz qx qy qz qw)";
+        let what = "there is no groundtruth.txt with the camera's path; estimate the path with a SLAM program and save it in that format (timestamp tx ty tz qx qy qz qw)";
         return Err(Error::invalid(place.folder.display(), what));
     }
     let (colors, name) = stamped(&rgb)?;

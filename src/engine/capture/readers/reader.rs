@@ -9,15 +9,15 @@ use crate::capture::transforms::{Manifest, ManifestOrigin, places_of};
 use crate::error::Result;
 use crate::plural::counted;
 
-/// Recognizes and reads the folders or files of one source. Readers stand in [`READERS`](super::READERS).
+/// Recognizes and reads the folders or files of one source. [`READERS`](super::READERS) lists all readers.
 ///
-/// A reader decodes no picture. It makes a [`Manifest`] with the keys of CAPTURES.md, which say everything that the pictures'
-/// decoders need: so `overlook info --write-manifest` can write it, and a user can correct it.
+/// A reader decodes no picture. It makes a [`Manifest`] with the keys of CAPTURES.md. They are all that the pictures' decoders need:
+/// so `overlook info --write-manifest` can write it, and a user can correct it.
 pub(crate) trait Reader: Sync {
     /// What people call the source, as in `TUM RGB-D`.
     fn source(&self) -> &'static str;
 
-    /// The files that the source is recognized by, for the message where nothing is recognized.
+    /// The files that the source is recognized by, for the message about a folder that no reader recognizes.
     fn marks(&self) -> &'static str;
 
     /// Whether the place is of this source. Looks at names, and at most at the start of a small file.
@@ -26,7 +26,7 @@ pub(crate) trait Reader: Sync {
     /// Reads the place, which it has recognized.
     ///
     /// # Errors
-    /// `Io`, `Invalid`, `Unsupported`: the file, and its line or byte; what is wrong; what to do.
+    /// `Io`, `Invalid`, `Unsupported`, with the file, its line or byte, the fault, and advice.
     fn read(&self, place: &SourceFolder) -> Result<ReadSource>;
 }
 
@@ -35,17 +35,17 @@ pub(crate) trait Reader: Sync {
 pub(crate) struct ReadSource {
     /// Every picture, and how it is read.
     pub manifest: Manifest,
-    /// Where that comes from.
+    /// The origin of the manifest.
     pub origin: ManifestOrigin,
     /// The text and binary files that were read to make it; pictures are not among them.
     pub inputs: Vec<PathBuf>,
     /// How the source was understood.
     pub description: Description,
-    /// What says how the capture is read.
+    /// The authority on how the capture is read.
     pub said_by: SaidBy,
 }
 
-/// What says how a capture is read.
+/// The authority on how a capture is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SaidBy {
     /// A manifest of its own, which a user can correct.
@@ -70,11 +70,11 @@ pub struct Description {
     pub source: String,
     /// The direction and the axes of the poses, as the source has them.
     pub poses: String,
-    /// What depth is, its unit and what stands for "no depth".
+    /// The measure of depth, its unit and its value for "no depth".
     pub depth: String,
     /// Where the lens comes from, and what it is.
     pub lens: String,
-    /// Whether one moving camera took the pictures of a static scene, each of which is a camera of its own then.
+    /// Whether one moving camera took the pictures of a static scene. Each picture is a camera of its own then.
     pub is_recording: bool,
     /// Pictures that were found.
     pub found: usize,
@@ -105,7 +105,7 @@ impl Description {
         }
     }
 
-    /// What there is to say, one line each.
+    /// All of it, one line each.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let named = [("poses", &self.poses), ("depth", &self.depth), ("lens", &self.lens)];

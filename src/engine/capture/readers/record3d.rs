@@ -79,7 +79,7 @@ impl Reader for Record3d {
                     let pose = from_opengl(&pose);
                     frames.push(entry(format!("{root}rgb/{name}"), Some(depth), &pose));
                 }
-                None => description.skip("of which tracking was lost", name),
+                None => description.skip("taken while tracking was lost", name),
             }
         }
         let keys = Keys {

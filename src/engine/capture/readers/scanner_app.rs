@@ -64,7 +64,7 @@ impl Reader for ScannerApp {
                 return Err(Error::invalid(path.display(), what));
             };
             let Some(pose) = pose_of_rows(&frame.pose) else {
-                description.skip("of which tracking was lost", name);
+                description.skip("taken while tracking was lost", name);
                 continue;
             };
             let confidence = format!("conf_{number}.png");

@@ -58,7 +58,7 @@ impl TextFile {
     /// All numbers of the file in their order.
     ///
     /// # Errors
-    /// `Invalid` for what is no number.
+    /// `Invalid` for a field that is no number.
     pub(super) fn numbers(&self) -> Result<Vec<f64>> {
         let mut numbers = Vec::new();
         for line in self.lines() {

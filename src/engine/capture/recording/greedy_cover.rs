@@ -11,7 +11,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// What is shown by the views that were taken.
+/// The part of a whole that the views taken so far show.
 pub trait CoveredSet {
     /// What a view would add. It never grows when another view is taken.
     fn added_by(&self, view: usize) -> u64;
@@ -65,7 +65,7 @@ impl<S: CoveredSet> Iterator for GreedyCover<'_, S> {
 mod tests {
     use super::*;
 
-    /// Points as bits, of which each view shows some.
+    /// Points as bits; each view shows some.
     struct Bits {
         views: Vec<u64>,
         taken: u64,

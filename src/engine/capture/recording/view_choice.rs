@@ -1,6 +1,6 @@
 //! The fewest views that show what all show.
 //!
-//! Purpose: a camera that moves through a static scene takes hundreds of pictures, most of which repeat others.
+//! Purpose: a camera that moves through a static scene takes hundreds of pictures, and most repeat others.
 //!
 //! Source: [`GreedyCover`]. What differs: a point counts by how finely it is shown, in proportion to the finest; so a close-up adds
 //! something to a wide view.
@@ -104,7 +104,7 @@ fn choose(shown: &[Vec<u8>], most: usize) -> Vec<(usize, f64)> {
     chosen
 }
 
-/// What is known of one view: where its points are, and the depth that hides what is behind.
+/// A view that may be chosen: its points, and the depth that hides others.
 struct CandidateView {
     camera: Camera,
     /// 1/z row by row.

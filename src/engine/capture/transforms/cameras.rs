@@ -30,7 +30,7 @@ pub(super) struct PlacedEntry {
     pub number: i64,
     /// Where its pixels are and how they are read.
     pub files: PictureFiles,
-    /// What the manifest says of it: the entry's own keys before those of the whole.
+    /// Its keys in the manifest: the entry's own before those of the whole.
     pub keys: Keys,
     world_from_camera: DAffine3,
 }

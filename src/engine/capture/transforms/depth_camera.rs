@@ -44,10 +44,10 @@ pub(crate) struct DepthCamera {
 }
 
 impl DepthCamera {
-    /// Takes what its keys say; its pose is meant as the color camera's.
+    /// Takes the values of its keys; its pose has the color camera's convention.
     ///
     /// # Errors
-    /// `Invalid` for a focal length that is none, a pose that is not rigid, `Unsupported` for a lens that is not known.
+    /// `Invalid` for an impossible focal length and for a pose that is not rigid, `Unsupported` for an unknown lens.
     pub(crate) fn new(keys: &DepthCameraKeys, convention: PoseConvention, place: &str) -> Result<Self> {
         let place = &format!("{place}, depth_camera");
         let Some(fx) = keys.fl_x.or(keys.fl_y) else {

@@ -65,7 +65,7 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
     finish(&mut depth, &grid, files, camera, place).map(|()| depth)
 }
 
-/// Depth in world units that was given in levels, half of which is `half_step` as inverse depth.
+/// Depth in world units that was given in levels. Half a level is `half_step` of inverse depth.
 fn of_levels(
     values: Vec<f32>,
     half_step: f32,

@@ -111,7 +111,7 @@ pub(super) fn step_of_whole_units(rules: &DepthRules, inverse_depth: &[f32]) -> 
     0.5 * rules.unit_scale as f32 * quantile_of_hits(inverse_depth, NEARLY_ALL)
 }
 
-/// How far positions may project from the pixels that they stand in, in the middle: filters and lens shifts stay below.
+/// The most that positions may project away from their pixels, by the median: filters and lens shifts stay below.
 const MAX_DISTANCE_FROM_RAYS_PX: f64 = 2.0;
 
 fn off_the_rays(apart_px: f64, camera: &Camera, place: &str) -> Error {
@@ -121,7 +121,7 @@ fn off_the_rays(apart_px: f64, camera: &Camera, place: &str) -> Error {
         "most lie behind it".to_owned()
     };
     let what = format!(
-        "positions do not lie on the rays of camera '{}' ({median}); are they in world space, and in the unit and axes of transform_matrix?",
+        "positions are not on the rays of camera '{}' ({median}); are they in world space, and in the unit and axes of transform_matrix?",
         camera.name
     );
     Error::invalid(place, what)

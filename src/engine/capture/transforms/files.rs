@@ -1,4 +1,4 @@
-//! The files of one frame, and what the manifest says about reading them.
+//! The files of one frame, and the manifest's keys for reading them.
 
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ pub(crate) struct PictureFiles {
     /// The rays of depth cameras, shared by all pictures of a capture.
     pub rays: RayCache,
     wishes: ChannelWishes,
-    /// What depth measures, where the manifest says so.
+    /// The measure of depth, if the manifest has it.
     pub depth_kind: Option<DepthKind>,
     /// Whether the manifest gives the near plane.
     pub has_near_clip: bool,
@@ -81,7 +81,7 @@ fn normal_space_of(keys: &Keys, place: &str) -> Result<Option<NormalSpace>> {
 }
 
 impl PictureFiles {
-    /// Takes what the manifest's keys say; `place` is the entry.
+    /// Takes the values of the manifest's keys; `place` is the entry.
     ///
     /// # Errors
     /// `Invalid` for an unknown depth kind or normal space, and numbers that are no distances.
@@ -182,12 +182,12 @@ impl PictureFiles {
         self.depth_kind.is_none() && self.unit_scale.is_none() && !self.names_depth_channel()
     }
 
-    /// Whether the manifest says which channel depth is.
+    /// Whether the manifest names the channel of depth.
     pub(crate) fn names_depth_channel(&self) -> bool {
         self.wishes.depth_channel.is_some()
     }
 
-    /// What to look for in the color file: channels that lie in files of their own are not there.
+    /// The channels to look for in the color file: those that have no files of their own.
     pub(crate) fn wishes_of_color_file(&self) -> ChannelWishes {
         ChannelWishes {
             is_apart: false,
@@ -266,7 +266,7 @@ pub(crate) fn picture_path(folder: &Path, name: &str, others: &[&Path]) -> PathB
     if elsewhere.is_file() { elsewhere } else { path }
 }
 
-/// The first data sets of radiance fields name pictures without extension; what stands behind a dot may be a number.
+/// The first data sets of radiance fields name pictures without extension. The text behind a dot may be a number.
 fn with_extension(path: PathBuf, others: &[&Path]) -> PathBuf {
     if path.is_file() {
         return path;
@@ -284,7 +284,7 @@ pub(crate) fn without_extension(name: &str) -> &str {
     name.rsplit_once('.').filter(|(_, extension)| known(extension)).map_or(name, |(stem, _)| stem)
 }
 
-/// Where a picture may lie that is named without its extension; nowhere else where it is named with it.
+/// Possible paths of a picture that is named without its extension; none for one that is named with it.
 fn extended(path: &Path) -> Vec<PathBuf> {
     let is_whole = path
         .extension()

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 /// nerfstudio's 0 to 1); without any, the order of the numbers that file names end in, or else of appearance within the camera.
 ///
 /// # Errors
-/// `Invalid` where only some entries say which frame they are, or some in frames and some in fractions of time.
+/// `Invalid` if only some entries have a frame, or some have frames and some have fractions of time.
 pub(crate) fn frame_numbers(
     keys: &[Keys],
     entries: &[PictureEntry],

@@ -15,13 +15,11 @@ use crate::error::{Error, Result};
 pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
     let format = format_of(path, place)?;
     if !path.is_file() {
-        let what = "the picture is not there, nor does the manifest say how large it is; give w and h, or put the picture there";
+        let what = "the picture is missing, and the manifest does not give its size; give w and h, or put the picture there";
         return Err(Error::invalid(place, what));
     }
     match format {
-        PictureFormat::Yuv => {
-            Err(Error::invalid(place, "raw video does not say how large it is; give w and h"))
-        }
+        PictureFormat::Yuv => Err(Error::invalid(place, "raw video does not hold its size; give w and h")),
         PictureFormat::Exr => {
             let window = ExrFile::open(path, place)?.window(None)?;
             Ok((window.width, window.height))

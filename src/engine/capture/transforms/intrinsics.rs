@@ -47,7 +47,7 @@ pub(super) fn intrinsics(
     let offset = keys.pixel_center_offset.unwrap_or(0.5);
     if !(0.0..=1.0).contains(&offset) {
         let what =
-            format!("pixel_center_offset is {offset}; it lies between 0 and 1, and is 0.5 or 0 as a rule");
+            format!("pixel_center_offset is {offset}; it must be between 0 and 1, and is 0.5 or 0 as a rule");
         return Err(Error::invalid(place, what));
     }
     let shift = 0.5 - offset;

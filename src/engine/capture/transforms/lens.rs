@@ -16,7 +16,7 @@ const LIST: &str = "distortion_params";
 /// Whether the lens is a fisheye, instant-ngp's way.
 const FISHEYE: &str = "is_fisheye";
 
-/// What else says that a lens is no pinhole, and is not undone.
+/// Other keys of lenses that are no pinholes, and are not undone.
 const OTHER_LENSES: [&str; 10] = [
     "p3",
     "p4",
@@ -128,7 +128,7 @@ impl LensKeys {
 const RADIAL_MODELS: [&str; 7] =
     ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "PERSPECTIVE", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"];
 
-/// Models whose image lies at the angle from the axis.
+/// Models whose image position is proportional to the angle from the axis, but for distortion.
 const FISHEYES: [&str; 5] =
     ["OPENCV_FISHEYE", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE", "SIMPLE_FISHEYE", "FISHEYE"];
 

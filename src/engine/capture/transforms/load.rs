@@ -1,4 +1,4 @@
-//! One frame from its files: which channel of which file is color, depth and normal.
+//! One frame from its files: the channels of color, depth and normals.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub(super) enum NeededPlanes {
         /// Whether normals are read, and must be there.
         normals: bool,
     },
-    /// Color; depth where there is one.
+    /// Color, and depth if it holds some.
     ColorOnly,
 }
 
@@ -45,7 +45,7 @@ impl PictureParts {
     }
 }
 
-/// Takes the depth of pixels whose mask is 0. A mask lies over the picture as it was taken, and may have another size.
+/// Takes the depth of pixels whose mask is 0. A mask covers the picture as it was taken, and may have another size.
 fn mask_out(
     path: &Path,
     files: &PictureFiles,
@@ -71,7 +71,7 @@ fn mask_out(
 /// Decodes one frame; `place` names file, camera and frame in errors.
 ///
 /// # Errors
-/// `Io`, `Invalid`, `Unsupported`: a file that is missing, damaged, of another size, or lacks what is needed.
+/// `Io`, `Invalid`, `Unsupported` for a file that is missing, damaged, of another size, or without a channel that is needed.
 pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: NeededPlanes) -> Result<Frame> {
     let wants_normals = need == NeededPlanes::Geometry { normals: true };
     let mut parts = read_color_file(files, camera, place, need)?;
@@ -112,7 +112,7 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
     };
     let mut frame = layers.into_frame(camera, place)?;
     if wants_normals {
-        // Where this frame alone says that it has none, its normals are unknown.
+        // The normals of a frame that alone has none are unknown.
         let (width, height) = camera.intrinsics.size();
         frame.normal_in_world.get_or_insert_with(|| Grid::filled(width, height, [0.0; 3]));
     }

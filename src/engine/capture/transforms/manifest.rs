@@ -25,7 +25,7 @@ pub(crate) struct Keys {
     #[serde(deserialize_with = "camera_name")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<String>,
-    /// Number of the frame, where there is no `frame`. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
+    /// Number of the frame, without `frame`. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
     /// The same by its other name; always a number of a frame, also where the times of a capture are fractions.
@@ -49,13 +49,13 @@ pub(crate) struct Keys {
     /// Rows; from the picture where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub h: Option<f64>,
-    /// Horizontal angle of view, radians, where there is no `fl_x`.
+    /// Horizontal angle of view, radians, in place of `fl_x`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_x: Option<f64>,
-    /// Vertical angle of view, radians, where there is no `fl_y`.
+    /// Vertical angle of view, radians, in place of `fl_y`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_y: Option<f64>,
-    /// Horizontal angle of view, degrees, instant-ngp's way; where there is neither `fl_x` nor `camera_angle_x`.
+    /// Horizontal angle of view, degrees, instant-ngp's way; in place of `fl_x` and `camera_angle_x`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x_fov: Option<f64>,
     /// Vertical angle of view, degrees.
@@ -64,7 +64,7 @@ pub(crate) struct Keys {
     /// `PINHOLE`, or a model that is one where its distortion is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_model: Option<String>,
-    /// What else is said of the lens.
+    /// Further keys of the lens.
     #[serde(flatten)]
     pub lens: LensKeys,
     /// World units of the poses per unit of the scene they were made from.
@@ -116,7 +116,7 @@ pub(crate) struct Keys {
     /// Whether color is filtered across silhouettes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub antialiased_color: Option<bool>,
-    /// Where pixel centers lie in the units of `cx`: 0.5 (our convention), or 0.
+    /// Pixel centers in the units of `cx`: 0.5 (our convention), or 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_center_offset: Option<f64>,
     /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
@@ -136,7 +136,7 @@ pub(crate) struct Keys {
     pub camera_axes: Option<CameraAxes>,
 }
 
-/// The value of `normal_space`. Null is not the same as a missing key: the file's would stand then.
+/// The value of `normal_space`. Null is not the same as a missing key: the file's value counts for a missing one.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(crate) enum NormalSpaceName {
@@ -181,8 +181,8 @@ impl Keys {
         self.lens.distortion(self.camera_model.as_deref(), place)
     }
 
-    /// These keys, and where they are missing the file's. Where a thing can be said in several ways (the lens by focal lengths and
-    /// angles, the frame by number and time), these keys have one of them and none of the file's counts.
+    /// These keys, and the file's for those that are missing. Some things have several keys (the lens focal lengths and angles, the
+    /// frame a number and a time): if one of these is here, none of the file's counts.
     pub(crate) fn or(mut self, file: &Self) -> Self {
         let mut file = file.clone();
         let own = [self.fl_x, self.fl_y, self.camera_angle_x, self.camera_angle_y, self.x_fov, self.y_fov];
@@ -226,7 +226,7 @@ pub(crate) struct PictureEntry {
     #[serde(default)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confidence_file_path: Option<String>,
-    /// A picture of which pixels of 0 are left out.
+    /// A picture; where its pixels are 0, the frame's are left out.
     #[serde(default)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mask_path: Option<String>,

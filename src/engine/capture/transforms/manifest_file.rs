@@ -1,4 +1,4 @@
-//! The file of a manifest: where it lies, and files that are taken for one by mistake.
+//! The file of a manifest: its path, and files that are taken for one by mistake.
 
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +15,7 @@ pub fn manifest_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }
 }
 
-/// The manifest of truth vantages that stands beside a capture (a folder, or its manifest), where there is one.
+/// The manifest of truth vantages beside a capture (a folder, or its manifest); `None` if there is no such file.
 #[must_use]
 pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
     let folder = if capture.is_dir() { capture } else { capture.parent()? };

@@ -7,7 +7,7 @@
 //!
 //! Source: nerfstudio's data conventions: `transform_matrix` is camera-to-world with OpenGL's axes (x right, y up,
 //! looking along −z), `fl_x fl_y cx cy w h` in pixels, per file or per entry. What differs: `camera` and `time` name a
-//! recording by several static cameras, and its own keys (CAPTURES.md lists them) say how depth and normals are to be read.
+//! recording by several static cameras, and its own keys (CAPTURES.md lists them) describe how depth and normals are read.
 //! Files without them read unchanged: one camera for each distinct pose.
 
 mod camera_name;
@@ -130,7 +130,7 @@ fn open_manifest(
     warnings.extend(unknown_color_spaces(keys()));
     warnings.extend(scaled_poses(keys()));
     let up_in_world = up_in_world(keys(), path)?;
-    // Renderers filter color unless they were told not to.
+    // Renderers filter color unless the manifest denies it.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
     Ok(Capture::new(
         CaptureParts {
@@ -203,7 +203,7 @@ fn unknown_color_spaces<'a>(keys: impl Iterator<Item = &'a Keys>) -> Vec<String>
     unknown.map(warning).collect()
 }
 
-/// A warning where the poses were scaled, and nothing says whether depth was too.
+/// A warning if the poses were scaled, and depth may be scaled or not.
 fn scaled_poses<'a>(mut keys: impl Iterator<Item = &'a Keys>) -> Option<String> {
     let scale = keys.find_map(|keys| keys.applied_scale.filter(|_| keys.depth_unit_scale_factor.is_none()));
     scale.filter(|scale| *scale != 1.0).map(|scale| {

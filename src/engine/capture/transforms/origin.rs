@@ -1,11 +1,11 @@
-//! Where a manifest comes from.
+//! The origin of a manifest.
 
 use std::path::{Path, PathBuf};
 
-/// Where a manifest comes from.
+/// The origin of a manifest.
 #[derive(Clone, Debug)]
 pub(crate) struct ManifestOrigin {
-    /// The file that says which pictures there are and where they were taken, for messages.
+    /// The file that lists the pictures and their poses, for messages.
     pub path: PathBuf,
     /// The folder that the paths in it are relative to.
     pub folder: PathBuf,

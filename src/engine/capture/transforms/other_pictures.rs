@@ -10,13 +10,13 @@ use crate::capture::camera::Camera;
 use crate::capture::parts::{TruthLoader, TruthView};
 use crate::error::{Error, Result};
 
-/// By what pictures were found to be those of views.
+/// How pictures were matched with views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MatchedBy {
     /// They have the views' own names.
     FileName,
-    /// The `transforms.json` of their folder says that they were taken from there.
+    /// They were taken from there, by the `transforms.json` of their folder.
     Pose,
 }
 
@@ -32,7 +32,7 @@ impl std::fmt::Display for MatchedBy {
 /// Pictures of another program, by the views that they show.
 #[derive(Clone)]
 pub struct OtherPictures {
-    /// Where they lie.
+    /// Their folder.
     pub folder: PathBuf,
     /// How they were found.
     pub matched_by: MatchedBy,

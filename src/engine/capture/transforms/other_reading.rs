@@ -1,4 +1,4 @@
-//! A manifest that is read otherwise than it says.
+//! A manifest with some of its keys replaced.
 
 use serde_json::{Map, Value};
 
@@ -9,7 +9,7 @@ impl Manifest {
     /// Lets keys, with their values as JSON, count in place of the manifest's own, for every picture.
     ///
     /// # Errors
-    /// `Invalid` where a value is none that its key may have.
+    /// `Invalid` for a value that its key cannot have.
     pub(crate) fn with_keys(mut self, keys: &[(String, String)]) -> Result<Self> {
         let wrong = |error: serde_json::Error| Error::invalid("keys", one_line(&error.to_string()));
         let value = |(key, value): &(String, String)| Ok((key.clone(), serde_json::from_str(value)?));

@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 /// One picture of a camera path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathView {
-    /// Where the camera stands, and its lens.
+    /// The camera's pose and lens.
     pub camera: Camera,
     /// Number of the frame that it sees.
     pub frame_number: i64,

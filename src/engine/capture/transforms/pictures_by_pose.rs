@@ -1,4 +1,4 @@
-//! Pictures that another program made of views, found by where the manifest of their folder says that they were taken.
+//! Pictures that another program made of views, found by their poses in the manifest of their folder.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -48,7 +48,7 @@ pub(super) fn by_pose(
     Ok(OtherPictures { folder: folder.to_path_buf(), matched_by: MatchedBy::Pose, pictures, left_over })
 }
 
-/// The entry that was taken from where a view was; or why there is none.
+/// The entry that was taken from a view's pose; or why none was.
 fn entry_of(
     entries: &[(PlacedEntry, Camera)],
     view: &TruthView,
@@ -77,7 +77,7 @@ fn entry_of(
     let apart = |camera: &Camera| camera.position_in_world().distance(view.camera.position_in_world());
     let nearest = at_frame().min_by(|(_, (_, a)), (_, (_, b))| apart(a).total_cmp(&apart(b)));
     Err(match nearest {
-        None => format!("has no picture at frame {number} in its {MANIFEST_NAME}, which view '{name}' is at"),
+        None => format!("has no picture at frame {number}, that of view '{name}', in its {MANIFEST_NAME}"),
         Some((_, (entry, camera))) => format!(
             "has no picture in its {MANIFEST_NAME} from where view '{name}' was taken; the nearest, '{}', is {:.3} away and turned by {:.2}°. \
              Export poses in the capture's own coordinates, or remove that file to match pictures by their names",

@@ -15,8 +15,8 @@ use crate::error::Result;
 /// Folders within each other that pictures without a view are looked for in.
 const DEPTH: usize = 4;
 
-/// Finds the pictures of views in a folder. A folder with a `transforms.json` says where each was taken: a view's picture is the one
-/// from its place, by its lens, at its frame (the order of pictures at one place, where it gives no times). In any other folder a
+/// Finds the pictures of views in a folder. A `transforms.json` in it has the pose of each: a view's picture is the one from its
+/// place, by its lens, at its frame (the order of pictures at one place, if it gives no times). In any other folder a
 /// view's picture has the view's own name, with the same extension or that of another format; the last part of the name is enough
 /// where it names one view alone. PNG, JPEG and TIFF are sRGB, EXR is linear. A pixel with an alpha of 0 is a hole.
 ///
@@ -64,7 +64,7 @@ fn by_name(folder: &Path, views: &[TruthView]) -> OtherPictures {
     OtherPictures { folder: folder.to_path_buf(), matched_by: MatchedBy::FileName, pictures, left_over }
 }
 
-/// Where the picture of a name lies; `None` where there is none.
+/// The path of the picture with a name; `None` if none has it.
 fn picture_of(folder: &Path, name: &str) -> Option<PathBuf> {
     let whole = picture_path(folder, name, &[]);
     if whole.is_file() {

@@ -21,7 +21,7 @@ const MIRRORS: &str =
 /// Our camera space from OpenGL's, and back.
 const FLIP_Y_AND_Z: DVec3 = DVec3::new(1.0, -1.0, -1.0);
 
-/// World from our camera space, from the manifest's matrix, which is meant as `convention` says. It mirrors where the file's world
+/// World from our camera space, from the manifest's matrix, which is meant in `convention`. It mirrors where the file's world
 /// is left-handed.
 ///
 /// # Errors
@@ -78,7 +78,7 @@ pub(crate) fn opengl_matrix(world_from_camera: &DAffine3) -> Vec<Vec<f64>> {
     rows
 }
 
-/// The nearest rotation, for what is one up to rounding: Newton's iteration for the polar decomposition, which at
+/// The nearest rotation, for a matrix that is a rotation up to rounding: Newton's iteration for the polar decomposition, which at
 /// this distance is exact to `f64` after three steps and leaves a rotation as it is.
 fn orthonormal(matrix: DMat3) -> DMat3 {
     (0..3).fold(matrix, |matrix, _| (matrix + matrix.inverse().transpose()) * 0.5)

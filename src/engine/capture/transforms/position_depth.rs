@@ -1,7 +1,7 @@
 //! Depth that contradicts the positions recorded beside it.
 //!
-//! A depth channel does not say what it measures, in which unit; a position in the world does, and that it lies on its pixel's ray
-//! shows that it is understood. Where a manifest leaves open what is read, positions decide.
+//! A depth channel does not state its measure and unit. A position in the world needs neither, and a position on its pixel's ray is
+//! understood. If a manifest leaves open which of them is read, positions decide.
 
 use rayon::prelude::*;
 
@@ -49,8 +49,8 @@ pub(crate) fn prefer_to_contradicting_depth(recording: &mut CameraFiles, warning
     ));
 }
 
-/// How far depth is off positions, relative, median, less what rounding explains; `None` where only one of them is there, the
-/// manifest says which is meant, or positions are not understood.
+/// How far depth is off positions, relative, median, less rounding; `None` if only one of them is there, the manifest names the one
+/// that is meant, or positions are not understood.
 fn distance(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Option<f64>> {
     let (path, wishes) = match &files.depth {
         Some(path) => (path, files.wishes_of_depth_file()),

@@ -26,7 +26,7 @@ pub(crate) struct RawVideoKeys {
     /// Near and far plane of depth in raw video or in whole numbers, whose levels run evenly in 1/z; far is null where it is infinite.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_range: Option<(f64, Option<f64>)>,
-    /// Whether level 0 of such depth means that there is none.
+    /// Whether level 0 of such depth means no depth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_zero_is_unknown: Option<bool>,
 }
@@ -45,7 +45,7 @@ impl RawVideoKeys {
     }
 }
 
-/// What the manifest says of raw video.
+/// The manifest's keys for raw video.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RawVideo {
     index: u64,
@@ -56,7 +56,7 @@ pub(crate) struct RawVideo {
 }
 
 impl RawVideo {
-    /// Takes what the manifest's keys say; `place` is the entry.
+    /// Takes the values of the manifest's keys; `place` is the entry.
     ///
     /// # Errors
     /// `Invalid` and `Unsupported` for values that mean nothing.
@@ -91,7 +91,7 @@ impl RawVideo {
     /// The file of color at `path`.
     ///
     /// # Errors
-    /// `Invalid` where the manifest does not say its format.
+    /// `Invalid` if the manifest does not give its format.
     fn color_file<'a>(&self, path: &'a Path, place: &'a str, size: (usize, usize)) -> Result<YuvFile<'a>> {
         let format = self.color.ok_or_else(|| missing(place, "pixel_format"))?;
         Ok(YuvFile::new(path, place, format, size))
@@ -144,5 +144,5 @@ impl RawVideo {
 }
 
 fn missing(place: &str, key: &str) -> Error {
-    Error::invalid(place, format!("raw video says nothing of itself; give {key} in the manifest"))
+    Error::invalid(place, format!("raw video has no header; give {key} in the manifest"))
 }

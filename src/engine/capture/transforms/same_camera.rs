@@ -3,7 +3,7 @@
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 
-/// How far two positions of one camera may lie apart, relative to the distance from the origin up to [`NEAR`]: matrices
+/// How far two positions of one camera may be apart, relative to the distance from the origin up to [`NEAR`]: matrices
 /// that went through six digits of text.
 const SAME_PLACE: f64 = 1e-6;
 /// The same farther out: matrices that went through `f32`.

@@ -26,7 +26,7 @@ use crate::whole_file;
 /// Folder of the vantages below a capture's.
 const NOVEL_FOLDER: &str = "novel";
 
-/// Where the picture of a camera at a frame of this number lies in a capture's folder, as far as we name it.
+/// The path of a camera's picture at a frame of this number in a capture's folder that we write.
 #[must_use]
 pub fn picture_name(camera: &Camera, frame_number: i64) -> String {
     format!("{}/{frame_number:04}.exr", camera.name)
@@ -40,7 +40,7 @@ struct PictureToWrite<'a> {
     frame_number: i64,
 }
 
-/// What a manifest says of all its pictures.
+/// The keys that a manifest has for all its pictures.
 #[derive(Clone, Copy)]
 struct ManifestFacts {
     up_in_world: DVec3,
@@ -128,7 +128,7 @@ pub fn write_capture(folder: &Path, capture: &Capture, views: &[TruthView], job:
     for entry in &entries {
         create_folder_of(folder, &entry.file_path)?;
     }
-    // Pictures of one recording must never stand below the manifest of another.
+    // Pictures of one recording must never be left beside the manifest of another.
     for manifest in [folder.join(MANIFEST_NAME), folder.join(NOVEL_FOLDER).join(MANIFEST_NAME)] {
         remove_if_there(&manifest)?;
     }
@@ -197,7 +197,7 @@ fn write_views(folder: &Path, views: &[TruthView], facts: ManifestFacts, job: &J
     write_manifest(&folder.join(MANIFEST_NAME), facts, &entries)
 }
 
-/// Makes the folder of a picture, which must lie below `folder` whatever a camera is called.
+/// Makes the folder of a picture, which must be below `folder` whatever a camera is called.
 fn create_folder_of(folder: &Path, file_path: &str) -> Result<()> {
     let is_below = Path::new(file_path)
         .components()

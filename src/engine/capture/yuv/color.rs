@@ -40,7 +40,7 @@ impl ColorMatrix {
         Some(Self { red, blue, is_limited })
     }
 
-    /// Encoded red, green and blue of luma and color, all 0 to 1, color 0.5 where there is none.
+    /// Encoded red, green and blue of luma and color, all 0 to 1, color 0.5 for gray.
     pub(crate) fn rgb(self, [y, u, v]: [f32; 3]) -> [f32; 3] {
         let (y, u, v) = if self.is_limited {
             ((y * 255.0 - 16.0) / 219.0, (u * 255.0 - 128.0) / 224.0, (v * 255.0 - 128.0) / 224.0)

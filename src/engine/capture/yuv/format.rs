@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// How the samples of a picture lie in a raw video file.
+/// The layout of a picture's samples in a raw video file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PixelFormat {
     /// Bits of a sample: 8 to 16.

@@ -1,6 +1,6 @@
 //! Raw planar video (`.yuv`): pictures one after the other, without a header.
 //!
-//! A file's name or its manifest says size and format. Planes follow each other: all of luma, then, halved both ways, U and V.
+//! Size and format are in the file's name or in the manifest. Planes follow each other: all of luma, then, halved both ways, U and V.
 //! Samples of more than 8 bits are little-endian 16-bit words, low-aligned.
 
 mod color;

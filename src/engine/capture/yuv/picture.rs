@@ -9,7 +9,7 @@ use super::format::PixelFormat;
 use crate::color::{linear_from_srgb, srgb_from_linear};
 use crate::error::{Error, Result};
 
-/// A file of raw video, of which one picture at a time is read.
+/// A file of raw video. One picture at a time is read.
 pub(crate) struct YuvFile<'a> {
     path: &'a Path,
     place: &'a str,

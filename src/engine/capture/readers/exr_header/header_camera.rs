@@ -1,4 +1,4 @@
-//! A camera as a header says it.
+//! A camera from a header.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use glam::DAffine3;
 
 use crate::error::Error;
 
-/// A camera as a header says it.
+/// A camera from a header.
 pub(super) struct HeaderCamera {
     /// x right, y down, z forward.
     pub world_from_camera: DAffine3,

@@ -1,4 +1,4 @@
-//! Folders of `OpenEXR` pictures whose headers say where the camera stood, without a manifest.
+//! Folders of `OpenEXR` pictures with cameras in their headers, without a manifest.
 //!
 //! A camera is a folder of pictures, or the part of their names before the number of the frame: `left.0001.exr`, `left/0001.exr`.
 

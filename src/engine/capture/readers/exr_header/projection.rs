@@ -1,9 +1,9 @@
 //! Headers with the matrix that takes points of the world to the picture: Arnold's `worldToScreen`, Karma's and `RenderMan`'s `worldToNDC`.
 //!
 //! Source: OpenEXR's standard attributes: points are rows before the matrix, and are divided by their fourth coordinate. `worldToNDC`
-//! ends in 0 to 1 from the lower left corner, `worldToScreen` in −1 to 1, of which the vertical may be divided by the picture's
-//! aspect. What differs: pose and lens are both taken from this one matrix, so that the handedness of a renderer's camera space is of
-//! no account; which of the ranges is meant is told by pixels that are square.
+//! ends in 0 to 1 from the lower left corner, `worldToScreen` in −1 to 1; the vertical of the latter may be divided by the picture's
+//! aspect. What differs: pose and lens are both taken from this one matrix, so that the handedness of a renderer's camera space does
+//! not matter; the range under which pixels are square is the one that is meant.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub(super) fn is_of(header: &HeaderAttributes) -> bool {
 /// The camera of a header.
 ///
 /// # Errors
-/// `Invalid` where there is no matrix, or it is no camera's.
+/// `Invalid` for a missing matrix, and for one that is no camera's.
 pub(super) fn camera(header: &HeaderAttributes, path: &Path) -> Result<HeaderCamera> {
     let (unit, screen) = (header.matrix(TO_UNIT), header.matrix(TO_SCREEN));
     let matrix = screen.or(unit).ok_or_else(|| lacks(path, "worldToScreen or worldToNDC"))?;
@@ -65,7 +65,7 @@ struct Projection {
 }
 
 impl Projection {
-    /// Takes a matrix apart whose rows are points; `None` where it is no perspective.
+    /// Takes apart a matrix that is multiplied by points as rows; `None` if it is no perspective.
     fn of(matrix: &[f64; 16]) -> Option<Self> {
         let normal = |column: usize| DVec3::new(matrix[column], matrix[4 + column], matrix[8 + column]);
         let distance = normal(3).length();

@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 pub(super) const UP: [f64; 3] = [0.0, -1.0, 0.0];
 
 const CAMERA: &str = "unreal/camera/";
-/// Where the lens stands, by versions of the engine.
+/// The attributes of the lens, by versions of the engine.
 const LENSES: [&str; 3] = ["unreal/camera/FinalImage/", "unreal/layerData/rgba/", "unreal/camera/"];
 
 /// Our axes from the engine's: right, down, forward.
