@@ -13,52 +13,52 @@ use crate::whole_file;
 /// A path that was found to be a capture, and how it was understood.
 #[derive(Clone, Debug)]
 pub struct Source {
-    reading: ReadSource,
+    read: ReadSource,
 }
 
 impl Source {
     /// Finds out what a folder or a file is. No picture is decoded.
     ///
     /// # Errors
-    /// `Io`, `Invalid`, `Unsupported`: what was looked for, or what is wrong with it, and what to do.
+    /// `Io`, `Invalid`, `Unsupported`, with the expected files or the fault, and with advice.
     pub fn find(path: &Path) -> Result<Self> {
-        Ok(Self { reading: readers::read(path)? })
+        Ok(Self { read: readers::read(path)? })
     }
 
     /// How it was understood.
     #[must_use]
     pub fn description(&self) -> &Description {
-        &self.reading.description
+        &self.read.description
     }
 
-    /// The files that say which pictures there are and where they were taken.
+    /// The files that list the pictures and their poses.
     #[must_use]
     pub fn inputs(&self) -> &[PathBuf] {
-        &self.reading.inputs
+        &self.read.inputs
     }
 
     /// Every place that the capture is read from, whether or not there is a file.
     #[must_use]
     pub fn places(&self) -> Vec<PathBuf> {
-        self.reading.places()
+        self.read.places()
     }
 
-    /// The manifest of its own that says how it is read; `None` where its layout does.
+    /// The manifest of its own that decides how it is read; `None` if its layout decides.
     #[must_use]
     pub fn manifest(&self) -> Option<&Path> {
-        match self.reading.said_by {
-            SaidBy::Manifest => Some(self.reading.origin.path.as_path()),
+        match self.read.said_by {
+            SaidBy::Manifest => Some(self.read.origin.path.as_path()),
             SaidBy::Layout => None,
         }
     }
 
-    /// The same source, read otherwise: keys of the manifest, with their values as JSON, count for every picture, whatever its files
-    /// say. Files stay as they are.
+    /// The same source, read otherwise: these keys of the manifest, with their values as JSON, replace those of every picture. Files
+    /// stay as they are.
     ///
     /// # Errors
-    /// `Invalid` where a value is none that its key may have.
+    /// `Invalid` for a value that its key cannot have.
     pub fn read_as(mut self, keys: &[(String, String)]) -> Result<Self> {
-        self.reading.manifest = self.reading.manifest.with_keys(keys)?;
+        self.read.manifest = self.read.manifest.with_keys(keys)?;
         Ok(self)
     }
 
@@ -68,7 +68,7 @@ impl Source {
     /// # Errors
     /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
     pub fn open(&self, settings: &CaptureSettings) -> Result<Capture> {
-        let capture = capture_of(&self.reading.manifest, &self.reading.origin, settings)?;
+        let capture = capture_of(&self.read.manifest, &self.read.origin, settings)?;
         let most = settings.views as usize;
         if most == 0 || most >= capture.cameras.len() {
             return Ok(capture);
@@ -77,24 +77,24 @@ impl Source {
         Ok(capture.with_cameras(|index, _| choice.has(index)))
     }
 
-    /// Where [`Source::write_manifest`] writes if it is not told: a `transforms.json` in the capture's folder.
+    /// The usual path for [`Source::write_manifest`]: a `transforms.json` in the capture's folder.
     #[must_use]
     pub fn manifest_path(&self) -> PathBuf {
-        self.reading.origin.folder.join(super::transforms::MANIFEST_NAME)
+        self.read.origin.folder.join(super::transforms::MANIFEST_NAME)
     }
 
     /// Writes the manifest that this amounts to, with all paths relative to it. It opens as the same capture.
     ///
     /// # Errors
-    /// `Invalid` where something stands there already, `Io` where it cannot be written.
+    /// `Invalid` if the path exists already, `Io` if it cannot be written.
     pub fn write_manifest(&self, path: &Path) -> Result<()> {
         if path.exists() {
             let what = "is there already; move it away, or name another file";
             return Err(Error::invalid(path.display(), what));
         }
-        let mut manifest = self.reading.manifest.clone();
+        let mut manifest = self.read.manifest.clone();
         let from = path.parent().unwrap_or(Path::new(""));
-        let folder = &self.reading.origin.folder;
+        let folder = &self.read.origin.folder;
         for name in manifest.frames.iter_mut().flat_map(PictureEntry::paths_mut) {
             *name = relative(from, &folder.join(name.as_str()))?;
         }

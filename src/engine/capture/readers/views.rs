@@ -51,8 +51,8 @@ pub(super) fn from_opengl(world_from_camera: &DAffine3) -> DAffine3 {
     *world_from_camera * DAffine3::from_scale(DVec3::new(1.0, -1.0, -1.0))
 }
 
-/// The keys of a pinhole of the picture's size. `pixel_center_offset` is where the first pixel's center lies in the units of the
-/// principal point: 0.5, or 0 as `OpenCV` has it.
+/// The keys of a pinhole of the picture's size. `pixel_center_offset` is the first pixel's center in the units of the principal
+/// point: 0.5, or 0 as in `OpenCV`.
 pub(super) fn lens(fx: f64, fy: f64, cx: f64, cy: f64, pixel_center_offset: f64) -> Keys {
     Keys {
         fl_x: Some(fx),
@@ -80,7 +80,7 @@ pub(super) fn name_as_views(entries: &mut [PictureEntry]) {
     }
 }
 
-/// The reading of a recording by one moving camera, whose paths are relative to the place's folder.
+/// The read source of a recording by one moving camera, with paths relative to the folder.
 ///
 /// # Errors
 /// `Invalid` where no picture is left.
@@ -101,11 +101,11 @@ pub(super) fn recording(
     }
     name_as_views(&mut frames);
     description.is_recording = true;
-    Ok(reading(place, Manifest { keys, frames }, description, inputs))
+    Ok(read_source(place, Manifest { keys, frames }, description, inputs))
 }
 
-/// The reading of a manifest whose paths are relative to the place's folder.
-fn reading(
+/// The read source of a manifest whose paths are relative to the folder.
+fn read_source(
     place: &SourceFolder,
     manifest: Manifest,
     mut description: Description,
@@ -118,7 +118,7 @@ fn reading(
     ReadSource { manifest, origin, inputs, description, said_by: SaidBy::Layout }
 }
 
-/// The reading of pictures whose entries name camera and frame: static cameras, or one that moves, whose scene is taken as static.
+/// The read source of pictures whose entries name camera and frame: static cameras, or one moving camera in a static scene.
 ///
 /// # Errors
 /// As [`recording`].
@@ -133,10 +133,10 @@ pub(super) fn rig_or_recording(
         description.notes.push("the scene is taken as static, as one camera moves through it".to_owned());
         return recording(place, keys, frames, description, inputs);
     }
-    Ok(reading(place, Manifest { keys, frames }, description, inputs))
+    Ok(read_source(place, Manifest { keys, frames }, description, inputs))
 }
 
-/// Whether all pictures are of one camera, and it does not stand still.
+/// Whether all pictures are of one camera that moves.
 fn is_one_that_moves(frames: &[PictureEntry]) -> bool {
     let Some(first) = frames.first() else { return false };
     let numbers = |frame: &PictureEntry| frame.transform_matrix.concat();
@@ -161,7 +161,7 @@ pub(super) const INTRINSICS: &str = "camera-intrinsics.txt";
 /// Endings of pictures of color.
 const COLOR_ENDINGS: [&str; 3] = [".jpg", ".png", ".jpeg"];
 
-/// The pictures in a folder in the order of their numbers; none where there is no such folder.
+/// The pictures in a folder in the order of their numbers; none if the folder does not exist.
 pub(super) fn pictures_in(folder: &Path, endings: &[&str]) -> Vec<String> {
     let mut names = names_in(folder).unwrap_or_default();
     names.retain(|name| endings.iter().any(|ending| name.to_ascii_lowercase().ends_with(ending)));
