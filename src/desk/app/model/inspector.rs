@@ -17,7 +17,7 @@ use super::notice::{LogLine, NoticeKind};
 use super::picture_folder::PictureFolder;
 use super::pixel::{Probed, Spot};
 use super::presets::OwnPreset;
-use super::readings::Readings;
+use super::readings::ReadingCheck;
 use super::results::CameraMemory;
 use super::undo::History;
 use overlook_engine::plural;
