@@ -29,7 +29,7 @@ pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Makes a file beside `path`, in its folder and so on its disk. It is removed unless [`persist`] gives it that
+/// Makes a file beside `path`, in its folder and so on its disk. It is removed unless `persist` gives it that
 /// name. Temporary files are private by default; this one is for everybody the umask allows, as any new file is.
 ///
 /// # Errors

@@ -15,7 +15,7 @@
 //! | What breaks it? | [`stress`] | runs trials on a capture under a growing disturbance |
 //! | What is enough? | [`tune`] | finds the simplest setting, and the fewest views, that are good enough |
 //! | What does it look like? | [`chart`], [`report`] | draws sweeps and stress tests, and puts them on one page |
-//! | How fast is it? | [`bench`] | measures the speed of each stage beside the limits of the machine |
+//! | How fast is it? | [`mod@bench`] | measures the speed of each stage beside the limits of the machine |
 //!
 //! [`evaluate()`] scores one set of samples; [`compare()`] scores several ways to prune at the same views.
 

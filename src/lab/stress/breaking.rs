@@ -74,7 +74,7 @@ pub struct BreakingView {
 /// The first method of a plan at the breaking point of each disturbance.
 ///
 /// # Errors
-/// As [`run`].
+/// As [`run`](super::run).
 pub fn breaking_views(
     capture: &Capture,
     plan: &StressPlan,

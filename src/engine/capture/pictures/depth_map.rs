@@ -79,7 +79,7 @@ fn not_depth(place: &str) -> Error {
 }
 
 /// Columns and rows of depth in any format but `OpenEXR`, from the header where it is apart; `levels` as in
-/// [`DepthMap::read`].
+/// `DepthMap::read`.
 ///
 /// # Errors
 ///
