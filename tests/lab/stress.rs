@@ -181,7 +181,7 @@ fn what_cannot_disturb_a_capture_is_left_out_with_a_word_and_nothing_else_is_no_
     plan.methods.truncate(1);
     let job = Job::new();
     let error = stress::run(&capture, &plan, &truth, &job, |_, _| ()).unwrap_err().to_string();
-    assert!(error.contains("is changed by no disturbance"), "{error}");
+    assert!(error.contains("is not changed by any of the chosen disturbances"), "{error}");
     let [missing, _, late] = job.warnings().try_into().unwrap();
     assert!(missing.contains("'normals missing' is left out") && missing.contains("no recorded normals"));
     assert!(late.contains("'camera out of sync' is left out") && late.contains("a single frame"), "{late}");

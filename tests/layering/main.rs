@@ -202,14 +202,18 @@ fn no_neighbors_import_from_each_other_in_a_circle() {
 
 #[test]
 fn a_planted_circle_between_a_file_and_a_folder_is_found() {
+    let root = ("desk/lib.rs", "pub mod app;");
+    let app = ("desk/app/mod.rs", "mod control;\nmod state;\nmod window;");
     let folder = ("desk/app/control/mod.rs", "mod keys;\npub use keys::carry_out;");
     let keys = ("desk/app/control/keys.rs", "use crate::app::state::State;");
     let state = ("desk/app/state.rs", "pub struct State;");
     let window = ("desk/app/window.rs", "use super::control::carry_out;\nuse super::state::State;");
-    assert_eq!(planted(&[folder, keys, state, window]).circles_of_neighbors(), Vec::<Vec<String>>::new());
+    let right = [root, app, folder, keys, state, window];
+    assert_eq!(planted(&right).circles_of_neighbors(), Vec::<Vec<String>>::new());
     // No file imports from itself through others here, and yet the folder and the file need each other.
     let back = ("desk/app/state.rs", "use super::control::Other;\npub struct State;");
-    let imports = planted(&[("desk/app/control/mod.rs", "mod keys;\npub struct Other;"), keys, back]);
+    let folder = ("desk/app/control/mod.rs", "mod keys;\npub struct Other;");
+    let imports = planted(&[root, app, folder, keys, back]);
     assert!(imports.circles().is_empty());
     assert_eq!(imports.circles_of_neighbors(), [["desk/app/control", "desk/app/state.rs"]]);
 }

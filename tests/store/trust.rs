@@ -51,7 +51,7 @@ fn a_killed_writer_leaves_the_store_before_it_whole() {
         let changed = || std::fs::metadata(&path).unwrap().modified().unwrap();
         let before = changed();
         let mut child = Command::new(std::env::current_exe().unwrap())
-            .args(["--ignored", "--exact", "a_child_writes_stores_until_it_is_killed"])
+            .args(["--ignored", "--exact", "trust::a_child_writes_stores_until_it_is_killed"])
             .env(TARGET, &path)
             .stdout(Stdio::null())
             .spawn()
