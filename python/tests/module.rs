@@ -6,10 +6,9 @@ use std::process::Command;
 #[path = "../../tests/common/skip.rs"]
 mod skip;
 
-/// The folder that the crates' programs and libraries are built into.
+/// The folder that tests and the libraries they need are built into; programs are in the one above.
 fn built() -> PathBuf {
-    let test = std::env::current_exe().unwrap();
-    test.ancestors().nth(2).unwrap().to_owned()
+    std::env::current_exe().unwrap().parent().unwrap().to_owned()
 }
 
 /// A folder with the package `overlook` as it is installed: the sources beside this test, and the library.
@@ -37,12 +36,18 @@ fn the_module_agrees_with_the_command_line_under_pytest() {
     let python = std::env::var("OVERLOOK_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let found = Command::new(&python).args(["-c", "import numpy, pytest, OpenEXR"]).output();
     if !found.is_ok_and(|output| output.status.success()) {
-        skip::skip(required, &format!("{python} has no numpy, pytest and OpenEXR; OVERLOOK_PYTHON names one"));
+        skip::skip(
+            required,
+            &format!("{python} has no numpy, pytest and OpenEXR; OVERLOOK_PYTHON names one"),
+        );
         return;
     }
-    let program = built().join(format!("overlook{}", std::env::consts::EXE_SUFFIX));
+    let program = built().join("..").join(format!("overlook{}", std::env::consts::EXE_SUFFIX));
     if !program.is_file() {
-        skip::skip(required, "the program that the module is compared with is not built; cargo test --workspace does");
+        skip::skip(
+            required,
+            "the program that the module is compared with is not built; cargo test --workspace does",
+        );
         return;
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("installed");
@@ -50,6 +55,8 @@ fn the_module_agrees_with_the_command_line_under_pytest() {
     let output = Command::new(&python)
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"])
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests"))
+        // Python looks in the current folder first, where the sources lie without the library.
+        .current_dir(&folder)
         .env("PYTHONPATH", &folder)
         .env("OVERLOOK", &program)
         .output()

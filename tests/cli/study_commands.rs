@@ -293,7 +293,10 @@ fn files_of_one_name_are_told_apart_and_one_that_changes_nothing_is_named() {
     let output =
         overlook(folder, &[&["sweep", "scene", "--out", "sweep"], &files[..]].concat()).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(said, "overlook: warning: 'same' has the same settings as 'default', and gets no row of its own\n");
+    assert_eq!(
+        said,
+        "overlook: warning: 'same' has the same settings as 'default', and gets no row of its own\n"
+    );
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     let points = document["points"].as_array().unwrap();
     let labels: Vec<_> = points.iter().take(4).map(|point| point["label"].as_str().unwrap()).collect();

@@ -18,7 +18,8 @@ pub(crate) use background::{PrunedBackground, StaticLayer, rated, static_layer, 
 pub(crate) use best_candidate::{OtherCamera, lanes_at, other_cameras};
 pub(crate) use coverage::{Waiting, settle};
 pub(crate) use decision::{
-    Candidate, LevelVerdicts, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped, rule_of_kept,
+    Candidate, LevelVerdicts, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped,
+    rule_of_kept,
 };
 pub use decision::{Rule, Verdict};
 pub(crate) use pack::Masks;
