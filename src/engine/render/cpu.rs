@@ -5,6 +5,7 @@
 //! re-render the background." What differs: only blocks of the picture that the foreground leaves or enters are touched, and in
 //! them only pixels beside which it is seen are painted; others are copied from the background's picture.
 
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -15,6 +16,7 @@ use super::geometry::{FootprintReach, MAX_STRETCH, TileBounds, bands, bounds};
 use super::input::{BackgroundKey, CellTable, FrameImages, FrameSamples, TileIndex};
 use super::resolve::{BlockSet, PaintedLayer, ResolveInput, resolve};
 use super::splat::{BLEND_REACH, StageInput, blend, surface};
+use super::stage_times::{Stage, StageClock};
 use super::supersample::{finer, subpixels};
 use super::vantage::{NO_FRONT, NO_IMAGE, Picture, RenderStats, Vantage};
 use crate::capture::Camera;
@@ -72,6 +74,7 @@ struct PictureInput<'a> {
     subpixels: usize,
     settings: &'a RenderSettings,
     scratches: &'a ScratchPool,
+    clock: RefCell<StageClock>,
 }
 
 impl PictureInput<'_> {
@@ -88,7 +91,14 @@ impl PictureInput<'_> {
             Kernel::Surfel => BLEND_REACH,
             Kernel::Gather => FootprintReach { pixels: 1.0, source_pixels: MAX_STRETCH },
         };
-        bounds(self.stage.frame, tiles, &self.stage.projectors, self.target, reach)
+        let found = bounds(self.stage.frame, tiles, &self.stage.projectors, self.target, reach);
+        self.end(Stage::Select);
+        found
+    }
+
+    /// Counts the time since the last stage ended for this one.
+    fn end(&self, stage: Stage) {
+        self.clock.borrow_mut().end(stage);
     }
 
     /// Paints tiles into a layer, over what is there; their numbers begin with `first_tile`.
@@ -96,10 +106,12 @@ impl PictureInput<'_> {
         let threads = rayon::current_num_threads();
         let (_, height) = self.target.intrinsics.size();
         let bands = bands(bounds, first_tile, height, if threads == 1 { 1 } else { 2 * threads });
+        self.end(Stage::Select);
         surface(&self.stage, &bands, &mut layer.keys)?;
         if self.stage.blends() {
             blend(&self.stage, &bands, &layer.keys, &mut layer.sums)?;
         }
+        self.end(Stage::Paint);
         Ok(())
     }
 
@@ -130,7 +142,10 @@ impl PictureInput<'_> {
             scratches: self.scratches,
             subpixels: self.subpixels,
         };
-        resolve(&input, which, picture)
+        resolve(&input, which, picture)?;
+        let spent = self.scratches.take_spent();
+        self.clock.borrow_mut().end_both([Stage::Silhouettes, Stage::LookUp], spent);
+        Ok(())
     }
 }
 
@@ -152,7 +167,7 @@ impl CpuRenderer {
         settings: &RenderSettings,
         job: &Job,
     ) -> Result<(Arc<Picture>, RenderStats)> {
-        let started = Instant::now();
+        let (started, clock) = (Instant::now(), RefCell::new(StageClock::start()));
         vantage.check(samples)?;
         let images = FrameImages::at(samples, vantage.frame);
         // Taken out, so that a canceled job leaves nothing half painted in the cache.
@@ -174,13 +189,16 @@ impl CpuRenderer {
         let subpixels = key.subpixels;
         let target = finer(&vantage.camera, subpixels);
         let stage = StageInput::new(&frame, &target, settings, job);
-        let input = PictureInput { stage, target: &target, subpixels, settings, scratches: &self.scratches };
+        let scratches = &self.scratches;
+        let input = PictureInput { stage, target: &target, subpixels, settings, scratches, clock };
+        input.end(Stage::Select);
         let mut cache = match cache {
             Some(cache) if background_reused => paint_foreground(&input, cache)?,
             cache => paint_all(&input, key, cache)?,
         };
         let CachedPicture { picture, holes, .. } = &cache.pictures[0];
-        let (mut picture, mut holes, mut fill_ms) = (picture.clone(), *holes, 0.0);
+        let (mut picture, mut holes) = (picture.clone(), *holes);
+        let mut clock = input.clock.into_inner();
         let painted = if background_reused { frame.foreground_tiles() } else { 0..frame.tile_count() };
         let painted = frame.sample_count(painted);
         cache.tile_index = frame.into_background_index();
@@ -188,7 +206,8 @@ impl CpuRenderer {
         if changes_pictures(settings) {
             let mut finished = self.copy_of(&picture);
             let changed = Arc::make_mut(&mut finished);
-            fill_ms = self.finisher.finish(changed, &picture.fronts, samples, vantage, settings)?;
+            clock.end(Stage::Copy);
+            self.finisher.finish(changed, &picture.fronts, samples, vantage, settings, &mut clock)?;
             holes = finished.holes();
             self.finished.insert(0, finished.clone());
             self.finished.truncate(KEPT_PICTURES);
@@ -198,7 +217,7 @@ impl CpuRenderer {
             samples: painted,
             holes,
             milliseconds: started.elapsed().as_secs_f64() * 1e3,
-            fill_ms,
+            stages: clock.times(),
             background_reused,
         };
         Ok((picture, stats))

@@ -8,6 +8,7 @@
 //! three-dimensional.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -49,11 +50,15 @@ pub(crate) struct Environment {
 }
 
 impl SkySums {
-    /// The samples at infinity among some tiles of a frame, and those of `before`, if given.
-    pub(crate) fn new(frame: &FrameSamples<'_>, tiles: Range<usize>, before: Option<&Self>) -> Self {
+    /// The samples at infinity among some tiles of a frame, and those of `before`, if given; `before` itself where there are none.
+    pub(crate) fn new(
+        frame: &FrameSamples<'_>,
+        tiles: Range<usize>,
+        before: Option<&Arc<Self>>,
+    ) -> Arc<Self> {
         let rays: Vec<[Vec3; 3]> =
             frame.set.cameras.iter().map(|camera| rays_in_world(camera, 0.5)).collect();
-        let mut cells = before.map(|before| before.cells.clone()).unwrap_or_default();
+        let mut sums: Option<Vec<CellSum>> = None;
         let mut dense = DenseTile::new();
         for tile in frame.tiles(tiles).iter().filter(|tile| tile.depths.bounds().0 == 0.0) {
             dense.unpack(tile);
@@ -63,7 +68,11 @@ impl SkySums {
                     if weight == 0.0 {
                         continue;
                     }
-                    cells.resize(FINEST * FINEST * FINEST, [0.0; 4]);
+                    let cells = sums.get_or_insert_with(|| {
+                        let mut cells = before.map(|before| before.cells.clone()).unwrap_or_default();
+                        cells.resize(FINEST * FINEST * FINEST, [0.0; 4]);
+                        cells
+                    });
                     let [first, across, down] = rays[tile.camera as usize];
                     let (x, y) = (tile.origin.0 as f32 + column as f32, tile.origin.1 as f32 + row as f32);
                     let cell = &mut cells[cell_of((first + across * x + down * y).normalize_or_zero())];
@@ -74,7 +83,15 @@ impl SkySums {
                 }
             }
         }
-        Self { cells }
+        match (sums, before) {
+            (None, Some(before)) => before.clone(),
+            (sums, _) => Arc::new(Self { cells: sums.unwrap_or_default() }),
+        }
+    }
+
+    /// Memory that it takes, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
     }
 }
 
@@ -182,20 +199,26 @@ fn touches_sphere(center: Vec3, half_width: f32) -> bool {
 }
 
 /// The color in a direction of length 1, in a grid of `side` cells along each side: trilinear, among the cells that touch the sphere.
+#[inline]
 fn interpolated(cells: &[CellColor], side: usize, direction: Vec3) -> [f32; 3] {
     let at = (direction + Vec3::ONE) * (0.5 * side as f32) - Vec3::splat(0.5);
     let first = at.floor();
     let share = at - first;
+    let last = side as i32 - 1;
+    let ends = |axis: usize| {
+        let index = first[axis] as i32;
+        let at = [index, index + 1].map(|index| index.clamp(0, last) as usize);
+        (at, [1.0 - share[axis], share[axis]])
+    };
+    let ((x, a), (y, b), (z, c)) = (ends(0), ends(1), ends(2));
     let mut sum = [0.0; 4];
     for corner in 0..8 {
-        let end = |axis: usize| {
-            let step = corner >> axis & 1;
-            let index = (first[axis] as i32 + step).clamp(0, side as i32 - 1) as usize;
-            (index, if step == 1 { share[axis] } else { 1.0 - share[axis] })
-        };
-        let ((x, a), (y, b), (z, c)) = (end(0), end(1), end(2));
-        let cell = cells[(z * side + y) * side + x];
-        (0..4).for_each(|channel| sum[channel] += a * b * c * cell[channel]);
+        let (right, below, behind) = (corner & 1, corner >> 1 & 1, corner >> 2);
+        let cell = &cells[(z[behind] * side + y[below]) * side + x[right]];
+        let weight = a[right] * b[below] * c[behind];
+        for channel in 0..4 {
+            sum[channel] += weight * cell[channel];
+        }
     }
     [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
 }

@@ -1,34 +1,39 @@
 //! What follows on a painted picture, whatever painted it: holes that hide a surface are found, and holes are filled.
 
-use std::sync::Arc;
-use std::time::Instant;
+use std::sync::{Arc, Weak};
 
 use super::environment::{Environment, SkySums};
 use super::fill::fill_from;
 use super::free_space::{MarkPlanes, RayTest, SeenDepths, cameras_to_ask, mark_holes};
 use super::geometry::focal;
 use super::input::{FrameImages, FrameSamples};
+use super::stage_times::{Stage, StageClock};
 use super::vantage::{FrontColor, Picture, Vantage};
 use crate::error::Result;
 use crate::samples::SampleSet;
 use crate::settings::{Fill, Kernel, RenderSettings};
 
-/// Finishes pictures, and keeps what cameras saw at the last frame.
+/// Memory that what cameras saw at the last frames may take, bytes: a loop that is played again finds it there.
+const MOST_BYTES: usize = 96 << 20;
+
+/// Finishes pictures, and keeps what cameras saw at the last frames.
 #[derive(Debug, Default)]
 pub(super) struct Finisher {
-    background: Option<SeenFrame>,
-    frame: Option<SeenFrame>,
+    /// With the samples that it is of, which the next frame may share.
+    background: Option<(Arc<SampleSet>, SeenFrame)>,
+    /// The last one first.
+    frames: Vec<SeenFrame>,
     planes: MarkPlanes,
 }
 
 /// What cameras saw according to some images of samples.
 #[derive(Debug)]
 struct SeenFrame {
-    samples: Arc<SampleSet>,
+    samples: Weak<SampleSet>,
     images: Vec<usize>,
     depths: SeenDepths,
-    sky: SkySums,
-    environment: Option<Environment>,
+    sky: Arc<SkySums>,
+    environment: Option<Arc<Environment>>,
 }
 
 /// Whether lines of sight are tested with these settings.
@@ -39,8 +44,13 @@ pub(super) fn tests_free_space(settings: &RenderSettings) -> bool {
 /// Whether pictures of some images of samples have to tell what pixels show in front of their farthest surface: where lines of
 /// sight are tested, which is where there are samples at infinity.
 pub(super) fn wants_fronts(samples: &SampleSet, images: &[usize], settings: &RenderSettings) -> bool {
+    settings.kernel == Kernel::Gather && tests_free_space(settings) && has_sky(samples, images)
+}
+
+/// Whether some images hold samples at infinity.
+fn has_sky(samples: &SampleSet, images: &[usize]) -> bool {
     let has_sky = |image: &usize| samples.images[*image].depth.tiles().iter().any(|tile| tile.farthest == 0);
-    settings.kernel == Kernel::Gather && tests_free_space(settings) && images.iter().any(has_sky)
+    images.iter().any(has_sky)
 }
 
 /// Whether painted pictures are changed with these settings.
@@ -50,7 +60,7 @@ pub(super) fn changes_pictures(settings: &RenderSettings) -> bool {
 
 impl Finisher {
     /// Finds the holes of a picture that hide a surface, and fills all holes, as the settings demand; `fronts` as in
-    /// [`Picture::fronts`]. Returns the milliseconds that filling took.
+    /// [`Picture::fronts`].
     ///
     /// # Errors
     /// `Unsupported` where a frame has more samples than can be numbered.
@@ -61,69 +71,101 @@ impl Finisher {
         samples: &Arc<SampleSet>,
         vantage: &Vantage,
         settings: &RenderSettings,
-    ) -> Result<f64> {
+        clock: &mut StageClock,
+    ) -> Result<()> {
         let camera = &vantage.camera;
         let (mut environment, mut blended) = (None, Vec::new());
-        if tests_free_space(settings) {
-            self.see(samples, vantage)?;
-            environment = self.frame.as_ref().and_then(|seen| Some((seen, seen.environment.as_ref()?)));
-            if let Some((seen, _)) = environment {
+        let images = FrameImages::at(samples, vantage.frame);
+        if tests_free_space(settings) && has_sky(samples, images.all()) {
+            let mut planes = std::mem::take(&mut self.planes);
+            let seen = self.see(samples, vantage, images)?;
+            environment.clone_from(&seen.environment);
+            if environment.is_some() {
                 let test = RayTest::new(&seen.depths, &samples.cameras, camera);
                 let tolerance = 1.0 + (settings.depth_tolerance + 1.0) / focal(camera);
-                blended = mark_holes(picture, fronts, &test, tolerance, &mut self.planes);
+                blended = mark_holes(picture, fronts, &test, tolerance, &mut planes);
             }
+            self.planes = planes;
         }
-        let filling = Instant::now();
-        fill_from(picture, camera, settings, environment.map(|(_, environment)| environment), &blended);
-        Ok(filling.elapsed().as_secs_f64() * 1e3)
+        clock.end(Stage::FreeSpace);
+        fill_from(picture, camera, settings, environment.as_deref(), &blended);
+        clock.end(Stage::Fill);
+        Ok(())
     }
 
-    /// Finds what cameras saw at the frame of a vantage; depths only where there is a sky, and only of the cameras to ask.
-    fn see(&mut self, samples: &Arc<SampleSet>, vantage: &Vantage) -> Result<()> {
-        let images = FrameImages::at(samples, vantage.frame);
-        let (background, all) = (images.background().to_vec(), images.all().to_vec());
+    /// What cameras saw at the frame of a vantage; depths only where there is a sky, and only of the cameras to ask.
+    fn see(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        images: FrameImages,
+    ) -> Result<&SeenFrame> {
         let wanted = cameras_to_ask(&samples.cameras, &vantage.camera);
-        let known = self.frame.take().filter(|seen| seen.is_of(samples, &all));
-        let known = match known {
-            Some(seen) if seen.environment.is_none() || seen.depths.has(&wanted) => {
-                self.frame = Some(seen);
-                return Ok(());
-            }
-            known => known,
+        let nth = self.frames.iter().position(|seen| seen.is_of(samples, images.all()));
+        let known = nth.map(|nth| self.frames.remove(nth));
+        let seen = match known {
+            Some(seen) if seen.environment.is_none() || seen.depths.has(&wanted) => seen,
+            known => self.see_anew(samples, vantage.frame, images, known, &wanted)?,
         };
-        let frame = FrameSamples::of(samples, vantage.frame, images, None)?;
+        let mut bytes = 0;
+        self.frames.retain(|seen| {
+            bytes += seen.bytes();
+            bytes <= MOST_BYTES && seen.samples.strong_count() > 0
+        });
+        self.frames.insert(0, seen);
+        Ok(&self.frames[0])
+    }
+
+    /// What cameras saw at a frame, of which it may be `known` what others saw.
+    fn see_anew(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        frame: usize,
+        images: FrameImages,
+        known: Option<SeenFrame>,
+        wanted: &[usize],
+    ) -> Result<SeenFrame> {
+        let (background, all) = (images.background().to_vec(), images.all().to_vec());
+        let frame = FrameSamples::of(samples, frame, images, None)?;
         let (back, front) = (frame.background_tiles(), frame.foreground_tiles());
-        let known_before = self.background.take().filter(|seen| seen.is_of(samples, &background));
-        let before = self.background.insert(known_before.unwrap_or_else(|| SeenFrame {
-            samples: samples.clone(),
-            images: background,
-            depths: SeenDepths::default(),
-            sky: SkySums::new(&frame, back.clone(), None),
-            environment: None,
+        let known_before = self.background.take().filter(|(_, seen)| seen.is_of(samples, &background));
+        let (_, before) = self.background.insert(known_before.unwrap_or_else(|| {
+            let sky = SkySums::new(&frame, back.clone(), None);
+            (samples.clone(), SeenFrame::new(samples, background, sky, None))
         }));
         let mut seen = known.unwrap_or_else(|| {
             let sky = SkySums::new(&frame, front.clone(), Some(&before.sky));
-            let environment = Environment::new(&sky);
-            SeenFrame {
-                samples: samples.clone(),
-                images: all,
-                depths: SeenDepths::default(),
-                sky,
-                environment,
-            }
+            SeenFrame::new(samples, all, sky, Some(before))
         });
         if seen.environment.is_some() {
-            before.depths.complete(&frame, &back, None, &wanted);
-            seen.depths.keep(&wanted);
-            seen.depths.complete(&frame, &front, Some(&before.depths), &wanted);
+            before.depths.complete(&frame, &back, None, wanted);
+            seen.depths.keep(wanted);
+            seen.depths.complete(&frame, &front, Some(&before.depths), wanted);
+            seen.depths.finish();
         }
-        self.frame = Some(seen);
-        Ok(())
+        Ok(seen)
     }
 }
 
 impl SeenFrame {
+    /// Of some images with the sky in them, which may be that of `before`. Nothing is known of depths yet.
+    fn new(samples: &Arc<SampleSet>, images: Vec<usize>, sky: Arc<SkySums>, before: Option<&Self>) -> Self {
+        let shared = before.filter(|before| Arc::ptr_eq(&before.sky, &sky));
+        let environment = match shared {
+            Some(before) => before.environment.clone(),
+            None => Environment::new(&sky).map(Arc::new),
+        };
+        Self { samples: Arc::downgrade(samples), images, depths: SeenDepths::default(), sky, environment }
+    }
+
     fn is_of(&self, samples: &Arc<SampleSet>, images: &[usize]) -> bool {
-        Arc::ptr_eq(&self.samples, samples) && self.images == images
+        let is_shared = |own: Arc<SampleSet>| Arc::ptr_eq(&own, samples) || own.shares(samples, images);
+        self.images == images && self.samples.upgrade().is_some_and(is_shared)
+    }
+
+    /// Memory that it alone takes, bytes.
+    fn bytes(&self) -> usize {
+        let is_shared = Arc::strong_count(&self.sky) > 1;
+        self.depths.bytes() + if is_shared { 0 } else { 2 * self.sky.bytes() }
     }
 }

@@ -30,12 +30,14 @@ mod recorded_rates;
 mod renderer;
 mod resolve;
 mod splat;
+mod stage_times;
 mod supersample;
 mod vantage;
 
 pub use cpu::CpuRenderer;
 pub use painter::Painter;
 pub use renderer::{Renderer, WindowPicture};
+pub use stage_times::StageTimes;
 pub use vantage::{MAX_PIXELS, NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]

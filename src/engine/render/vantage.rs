@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::stage_times::StageTimes;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
@@ -118,8 +119,8 @@ pub struct RenderStats {
     pub holes: u64,
     /// Wall-clock milliseconds, filling included.
     pub milliseconds: f64,
-    /// Wall-clock milliseconds of filling holes.
-    pub fill_ms: f64,
+    /// Of these, those of each stage. Zeros where another program than the CPU's renderer painted.
+    pub stages: StageTimes,
     /// Whether the background was taken from the cache instead of being painted.
     pub background_reused: bool,
 }

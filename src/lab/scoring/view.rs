@@ -217,7 +217,7 @@ pub(crate) fn scored(
         samples: cost.stats.samples,
         painter: cost.painter,
     };
-    let (fill_ms, notice) = (cost.stats.fill_ms, cost.notice);
+    let (fill_ms, notice) = (cost.stats.stages.fill_ms, cost.notice);
     Ok(PaintedView { picture, score, pair, class_errors, fill_ms, notice })
 }
 

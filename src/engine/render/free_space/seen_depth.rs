@@ -29,7 +29,7 @@ struct CellDepths {
     /// Columns of cells with the border.
     across: usize,
     /// The nearest surface in each cell: the bits of the inverse depth plus one, whose order is that of nearness; 0 where the camera
-    /// saw nothing.
+    /// saw nothing. Empty once nothing is to be added.
     nearest: Vec<u32>,
     free: FreeDepths,
 }
@@ -58,6 +58,17 @@ impl SeenDepths {
     /// Whether it is known what these cameras saw.
     pub(crate) fn has(&self, wanted: &[usize]) -> bool {
         wanted.iter().all(|camera| matches!(self.cameras.get(*camera), Some(Some(_))))
+    }
+
+    /// Forgets what is needed only to add samples.
+    pub(crate) fn finish(&mut self) {
+        self.cameras.iter_mut().flatten().for_each(|seen| seen.nearest = Vec::new());
+    }
+
+    /// Memory that it takes, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let of = |seen: &CellDepths| 4 * (seen.nearest.len() + seen.free.farthest.len());
+        self.cameras.iter().flatten().map(of).sum()
     }
 
     /// Forgets what all but the wanted cameras saw.
@@ -194,9 +205,11 @@ impl CellDepths {
         for (row, farthest) in free.farthest.chunks_exact_mut(corners).enumerate() {
             let above = &nearest[row * *across..][..=corners];
             let below = &nearest[(row + 1) * *across..][..=corners];
-            for (column, farthest) in farthest.iter_mut().enumerate() {
-                let left = seen_at(above[column]).min(seen_at(below[column]));
-                let right = seen_at(above[column + 1]).min(seen_at(below[column + 1]));
+            let left = above.iter().zip(below);
+            let right = above[1..].iter().zip(&below[1..]);
+            for ((farthest, left), right) in farthest.iter_mut().zip(left).zip(right) {
+                let left = seen_at(*left.0).min(seen_at(*left.1));
+                let right = seen_at(*right.0).min(seen_at(*right.1));
                 *farthest = left.min(right);
             }
         }

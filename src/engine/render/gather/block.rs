@@ -1,6 +1,8 @@
 //! The gather stage for one block of pixels: which surfaces each pixel shows, decided at edges by the votes of the cameras, and
 //! the color of each of these surface points.
 
+use std::time::Instant;
+
 use super::interpolate::find_colors;
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
 use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
@@ -29,6 +31,8 @@ pub(crate) struct GatherScratch {
     voted_points: VotedPoints,
     votes: Vec<VisibilityVotes>,
     points: SurfacePoints,
+    /// Nanoseconds spent on silhouettes and on look-ups.
+    pub(super) spent_ns: [u64; 2],
 }
 
 impl GatherScratch {
@@ -43,6 +47,7 @@ impl GatherScratch {
             voted_points: VotedPoints::default(),
             votes: Vec::new(),
             points: SurfacePoints::new(),
+            spent_ns: [0; 2],
         }
     }
 
@@ -66,6 +71,7 @@ impl GatherScratch {
         which: &[u16; BLOCK],
         rows: &mut PictureRows<'_>,
     ) {
+        let started = Instant::now();
         let (patch, frame) = (&self.patch, views.lookup.frame);
         let keys = patch.keys.as_flattened();
         let slots = keys.iter().filter(|key| **key != 0).map(|key| slot_of(*key));
@@ -92,8 +98,11 @@ impl GatherScratch {
             let decided = DecidedEdges { edges, pixels: &self.edge_pixels, votes: &self.votes };
             set_surfaces_of_pairs(&self.patch, frame, decided, &which, rows, &mut self.points);
         }
+        let decided = Instant::now();
         find_colors(views, &mut self.points, &self.cameras, &mut self.caches[nth]);
         self.points.add_colors(rows.color, rows.fronts, |key| frame.color_of(slot_of(key)));
+        self.spent_ns[0] += (decided - started).as_nanos() as u64;
+        self.spent_ns[1] += decided.elapsed().as_nanos() as u64;
     }
 
     /// Prefetches the tiles that the next block will read from the cameras that count most for this one, at inverse depth `w`.
@@ -120,14 +129,15 @@ impl GatherScratch {
             if edges.iter().all(|edges| *edges == 0) {
                 continue;
             }
-            let around = [0, subpixels - 1].map(|row| patch.edge_row(nth * subpixels + row));
+            let row_has_edges = |row: usize| edges.get(row).is_some_and(|edges| *edges != 0);
+            let around = [0, 1].map(|row| row_has_edges(row).then(|| patch.edge_row(nth * subpixels + row)));
             let mut left = edges.iter().fold(0, |all, row| all | row);
             while left != 0 {
                 let first = left.trailing_zeros() as usize % BLOCK / subpixels * subpixels;
                 left &= !(((1 << subpixels) - 1) << first);
-                for (row, edges) in edges.iter().enumerate() {
+                for (row, (edges, around)) in edges.iter().zip(&around).enumerate() {
+                    let Some(around) = around else { continue };
                     for column in (first..first + subpixels).filter(|column| edges >> column & 1 == 1) {
-                        let around = &around[row];
                         let row = nth * subpixels + row;
                         let edge_pixel = patch.edge_pixel(column, row, around);
                         if let Some(key) = edge_pixel.voted_key() {
@@ -168,11 +178,14 @@ impl GatherScratch {
                 && keys.iter().all(|key| *key != 0)
             {
                 let cameras = set_images(keys, frame, images);
+                for i in 0..BLOCK {
+                    depths[i] = inverse_depth_of(keys[i]);
+                }
                 colors.fill([0.0; 3]);
                 if let Some(fronts) = rows.fronts.get_mut(start..start + columns) {
                     fronts.fill(NO_FRONT);
                 }
-                self.points.push_row(keys, &cameras, first, depths);
+                self.points.push_row(keys, depths, &cameras, first, 1.0);
                 continue;
             }
             for column in (0..columns).filter(|column| which[row] >> column & 1 == 1) {
@@ -201,10 +214,14 @@ impl GatherScratch {
     }
 }
 
-/// Sets the images of a row without holes or edges. Gives the cameras of its samples.
+/// Sets the images of pixels that show the samples of some keys. Gives the cameras of these samples.
 #[inline(always)]
-fn set_images(keys: &[u64; BLOCK], frame: &FrameSamples<'_>, images: &mut [u32]) -> [u16; BLOCK] {
-    let mut cameras = [0; BLOCK];
+pub(super) fn set_images<const N: usize>(
+    keys: &[u64; N],
+    frame: &FrameSamples<'_>,
+    images: &mut [u32],
+) -> [u16; N] {
+    let mut cameras = [0; N];
     for ((key, camera), image) in keys.iter().zip(&mut cameras).zip(images) {
         (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
     }

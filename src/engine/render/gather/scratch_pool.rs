@@ -20,6 +20,16 @@ impl ScratchPool {
         self.idle().iter_mut().for_each(GatherScratch::forget);
     }
 
+    /// The nanoseconds that threads have spent on silhouettes and on look-ups since the last call.
+    pub(crate) fn take_spent(&self) -> [u64; 2] {
+        let mut all = [0, 0];
+        for scratch in self.idle().iter_mut() {
+            let spent = std::mem::take(&mut scratch.spent_ns);
+            (0..2).for_each(|nth| all[nth] += spent[nth]);
+        }
+        all
+    }
+
     /// Scratch memory for this many cameras.
     pub(crate) fn borrow(&self, cameras: usize) -> PooledScratch<'_> {
         let scratch = self.idle().pop().filter(|scratch| scratch.camera_count() == cameras);

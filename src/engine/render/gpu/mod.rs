@@ -34,6 +34,7 @@ use std::time::Instant;
 
 use super::finish::{Finisher, changes_pictures, wants_fronts};
 use super::input::{BackgroundKey, FrameSamples};
+use super::stage_times::StageClock;
 use super::supersample::{finer, subpixels};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
@@ -177,7 +178,9 @@ impl GpuRenderer {
             })?;
         if changes_pictures(settings) {
             let fronts = std::mem::take(&mut picture.fronts);
-            stats.fill_ms = self.finisher.finish(&mut picture, &fronts, samples, vantage, settings)?;
+            let mut clock = StageClock::start();
+            self.finisher.finish(&mut picture, &fronts, samples, vantage, settings, &mut clock)?;
+            stats.stages = clock.times();
         }
         stats.holes = picture.holes();
         stats.milliseconds = started.elapsed().as_secs_f64() * 1e3;

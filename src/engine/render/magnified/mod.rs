@@ -41,7 +41,7 @@ pub(super) fn by_levels(
     for level in (map.finest..coarsest).rev().filter(|level| map.shows(*level)) {
         let (picture, more) = paint(level, &coarser(view, level))?;
         stats.samples += more.samples;
-        stats.fill_ms += more.fill_ms;
+        stats.stages.add(&more.stages);
         stats.background_reused &= more.background_reused;
         levels.push((level, picture));
     }
