@@ -62,13 +62,16 @@ pub(super) fn fill_from(
         return;
     }
     if let Some(environment) = environment {
-        fill_sky(picture, target, environment, |depths, pixel| depths[pixel] == SKY_HOLE);
+        fill_sky(picture, target, environment, |_, depth| depth == SKY_HOLE);
         if picture.inverse_depth.as_slice().contains(&OPEN_HOLE) {
             let stops = sources_where(picture, |depth| depth != OPEN_HOLE);
             let rays = HoleRays::cast(&stops, picture.image.size());
-            fill_sky(picture, target, environment, |depths, pixel| {
+            let depths = picture.inverse_depth.as_slice();
+            let is_open = |pixel: usize| {
                 depths[pixel] == OPEN_HOLE && is_open_to_sky(&rays, depths, (pixel % width, pixel / width))
-            });
+            };
+            let open: Vec<bool> = (0..depths.len()).into_par_iter().with_min_len(4096).map(is_open).collect();
+            fill_sky(picture, target, environment, |pixel, _| open[pixel]);
         }
     }
     let depths = picture.inverse_depth.as_slice();
@@ -86,10 +89,14 @@ pub(super) fn fill_from(
             let sources = if hides_surface(&row[x]) { surfaces.as_ref() } else { all.as_ref() }?;
             let limit = hidden_surface_limit(row[x]);
             let seen = sources.rays.neighbors((x, y));
-            let surface = surface_behind(picture, &seen, limit, tolerance);
-            Some((x, sources.pyramid.push((x, y), surface.as_ref(), tolerance)?))
+            let surface = surface_behind(depths, &seen, limit, tolerance);
+            let pushed = sources.pyramid.push((x, y), surface.as_ref(), tolerance);
+            let filling = pushed.or_else(|| Some(surface.as_ref()?.mean(picture, &seen)))?;
+            Some((x, filling))
         };
-        (0..width).filter(|x| is_unfilled(&row[*x])).filter_map(fill_pixel).collect()
+        let mut filled = Vec::with_capacity(row.iter().filter(|depth| is_unfilled(depth)).count());
+        filled.extend((0..width).filter(|x| is_unfilled(&row[*x])).filter_map(fill_pixel));
+        filled
     };
     let filled: Vec<_> = depths.par_chunks(width).enumerate().map(fill_row).collect();
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
@@ -150,24 +157,24 @@ fn is_open_to_sky(rays: &HoleRays, depths: &[f32], pixel: (usize, usize)) -> boo
     sees_nothing || sees_sky && facing <= MOST_FACING
 }
 
-/// Fills the holes for which `shows_sky` holds, given the inverse depths of the picture and the index of the pixel.
+/// Fills the holes for which `shows_sky` holds, given the index of the pixel and its inverse depth.
 fn fill_sky(
     picture: &mut Picture,
     target: &Camera,
     environment: &Environment,
-    shows_sky: impl Fn(&[f32], usize) -> bool + Sync,
+    shows_sky: impl Fn(usize, f32) -> bool + Sync,
 ) {
     let width = picture.image.width();
     let directions = PixelDirections::new(target);
-    let depths = picture.inverse_depth.as_slice();
-    let pixels = (0..depths.len()).into_par_iter().with_min_len(4096);
-    let color_of = |pixel| environment.color(directions.at((pixel % width, pixel / width)));
-    let filled: Vec<(usize, [f32; 3])> =
-        pixels.filter(|pixel| shows_sky(depths, *pixel)).map(|pixel| (pixel, color_of(pixel))).collect();
-    for (pixel, color) in filled {
-        picture.color.as_mut_slice()[pixel] = color;
-        picture.inverse_depth.as_mut_slice()[pixel] = 0.0;
-    }
+    let rows = picture.color.as_mut_slice().par_chunks_mut(width);
+    let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
+    rows.enumerate().for_each(|(y, (colors, depths))| {
+        for (x, (color, depth)) in colors.iter_mut().zip(depths).enumerate() {
+            if *depth < 0.0 && shows_sky(y * width + x, *depth) {
+                (*color, *depth) = (environment.color(directions.at((x, y))), 0.0);
+            }
+        }
+    });
 }
 
 #[cfg(test)]

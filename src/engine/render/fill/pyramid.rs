@@ -64,8 +64,8 @@ impl Pyramid {
         Self { levels }
     }
 
-    /// The color and inverse depth for a hole pixel, from cells of `surface`, else the mean of what the pixel sees of it. Without
-    /// a surface any cell counts; `None` if no cell is painted either.
+    /// The color and inverse depth for a hole pixel, from cells of `surface`; without a surface any cell counts. `None` if no such cell
+    /// is painted.
     pub(super) fn push(
         &self,
         (x, y): (usize, usize),
@@ -85,17 +85,15 @@ impl Pyramid {
                 [surface.range[0] / factor, surface.range[1] * factor]
             });
             let open = 1.0 - sum.weight;
-            level.around((x, y), index + 1, |cell, share| {
-                if cell.weight > 0.0 && (farthest..=nearest).contains(&cell.inverse_depth) {
-                    let weight = open * share * (cell.weight / FULL_SHARE).min(1.0);
-                    sum.add(weight, cell.color, cell.inverse_depth);
-                }
-            });
+            for (cell, share) in level.around((x, y), index + 1) {
+                let counts =
+                    (cell.weight > 0.0) & (farthest <= cell.inverse_depth) & (cell.inverse_depth <= nearest);
+                let weight = open * share * (cell.weight / FULL_SHARE).min(1.0);
+                // Adding nothing is faster than a branch that is hard to foresee.
+                sum.add(if counts { weight } else { 0.0 }, cell.color, cell.inverse_depth);
+            }
         }
-        if sum.weight > 0.0 {
-            return Some(sum.normalized());
-        }
-        surface.map(|surface| surface.mean)
+        (sum.weight > 0.0).then(|| sum.normalized())
     }
 }
 
@@ -119,8 +117,8 @@ impl PyramidLevel {
 
     /// The four cells around a pixel's center with their bilinear shares; at the picture's edge the outermost cells repeat.
     /// Blocks are `1 << log2_block` pixels wide.
-    #[inline]
-    fn around(&self, (x, y): (usize, usize), log2_block: usize, mut visit: impl FnMut(&WeightedMean, f32)) {
+    #[inline(always)]
+    fn around(&self, (x, y): (usize, usize), log2_block: usize) -> [(&WeightedMean, f32); 4] {
         // In whole halves of a pixel, because rounding down is slow in floats.
         let ends = |pixel: usize, count: usize| {
             let past_center = (2 * pixel + 1) as isize - (1_isize << log2_block);
@@ -130,12 +128,11 @@ impl PyramidLevel {
             let inside = |index: isize| (index.max(0) as usize).min(count - 1);
             [(inside(first), 1.0 - share), (inside(first + 1), share)]
         };
-        let columns = ends(x, self.width);
-        for (row, share_y) in ends(y, self.height) {
-            for (column, share_x) in columns {
-                visit(&self.cells[row * self.width + column], share_x * share_y);
-            }
-        }
+        let (columns, rows) = (ends(x, self.width), ends(y, self.height));
+        [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(row, column)| {
+            let ((row, share_y), (column, share_x)) = (rows[row], columns[column]);
+            (&self.cells[row * self.width + column], share_x * share_y)
+        })
     }
 }
 

@@ -5,6 +5,7 @@ use crate::capture::Camera;
 use crate::render::geometry::focal;
 use crate::render::vantage::Picture;
 use crate::settings::RenderSettings;
+use crate::simd::joined;
 
 /// Directions in which the hole is up to this many times as wide as where it is narrowest count: in a corner of a near object
 /// the narrowest runs from near to near, and only a longer one reaches the background.
@@ -36,10 +37,10 @@ impl SurfaceTolerance {
 pub(super) struct HoleSurface {
     /// Smallest and largest inverse depth of it that the pixel sees.
     pub(super) range: [f32; 2],
-    /// The mean of what the pixel sees of it, nearby pixels counting more.
-    pub(super) mean: WeightedMean,
     /// Distance to the remotest pixel that it sees of it.
     pub(super) reach_px: f32,
+    /// The directions in which the pixel sees it: one bit each.
+    directions: u32,
 }
 
 /// A mean color and inverse depth with their weight.
@@ -73,42 +74,72 @@ impl WeightedMean {
 }
 
 /// The farthest surface across the hole where it is narrow that is no farther than inverse depth `limit`, if there is one, else the
-/// nearest; `None` if the pixel sees nothing painted.
+/// nearest; `None` if the pixel sees nothing painted. `depths` are the inverse depths of the picture.
+#[inline]
 pub(super) fn surface_behind(
-    picture: &Picture,
+    depths: &[f32],
     seen: &HoleNeighbors,
     limit: f32,
     tolerance: SurfaceTolerance,
 ) -> Option<HoleSurface> {
-    let HoleNeighbors { pixel, distance_px } = *seen;
-    let inverse_depth = pixel.map(|pixel| picture.inverse_depth.as_slice()[pixel]);
-    let pairs = [0, 1, 2, 3].map(|direction| (distance_px[direction], distance_px[direction + 4]));
-    let narrowest_px = pairs.iter().map(|(a, b)| a + b).fold(f32::INFINITY, f32::min);
-    // Where one of two opposite rays leaves the picture, the hole is taken to be as wide on that side as on the other.
-    let width_px = pairs.map(|(a, b)| if (a + b).is_finite() { a + b } else { 2.0 * a.min(b) });
-    let mut behind: Option<(f32, f32)> = None;
+    let HoleNeighbors { pixel, distance_px } = seen;
+    let mut inverse_depth = [0.0; 8];
     for direction in 0..8 {
-        let (far, distance_px) = (inverse_depth[direction], distance_px[direction]);
-        let counts = distance_px.is_finite()
-            && far >= limit * LIMIT_SLACK
-            && width_px[direction % 4] <= MAX_WIDTH_RATIO * narrowest_px;
-        if counts && behind.is_none_or(|behind| (far, distance_px) < behind) {
-            behind = Some((far, distance_px));
-        }
+        inverse_depth[direction] = depths[pixel[direction]];
     }
-    let (far, far_px) = behind.or_else(|| nearest_of(&inverse_depth, &distance_px))?;
-    let mut surface = HoleSurface { range: [far; 2], mean: WeightedMean::EMPTY, reach_px: 0.0 };
+    let mut width_px = [0.0; 8];
+    let mut narrowest_px = f32::INFINITY;
+    for direction in 0..4 {
+        let (a, b) = (distance_px[direction], distance_px[direction + 4]);
+        narrowest_px = narrowest_px.min(a + b);
+        // Where one of two opposite rays leaves the picture, the hole is taken to be as wide on that side as on the other.
+        let width = if a + b < f32::INFINITY { a + b } else { 2.0 * a.min(b) };
+        (width_px[direction], width_px[direction + 4]) = (width, width);
+    }
+    // Of the directions that count the farthest surface and, of equally far ones, the nearest pixel.
+    let (farthest, widest) = (limit * LIMIT_SLACK, MAX_WIDTH_RATIO * narrowest_px);
+    let (mut counted, mut far) = ([f32::INFINITY; 8], f32::INFINITY);
+    for direction in 0..8 {
+        let counts = (distance_px[direction] < f32::INFINITY)
+            & (inverse_depth[direction] >= farthest)
+            & (width_px[direction] <= widest);
+        counted[direction] = if counts { inverse_depth[direction] } else { f32::INFINITY };
+    }
+    for counted in counted {
+        far = far.min(counted);
+    }
+    let mut far_px = f32::INFINITY;
+    for direction in 0..8 {
+        far_px = far_px.min(if counted[direction] == far { distance_px[direction] } else { f32::INFINITY });
+    }
+    if far == f32::INFINITY {
+        (far, far_px) = nearest_of(&inverse_depth, distance_px)?;
+    }
+    let (mut is_same, mut range, mut reach_px) = ([0_u32; 8], [far; 2], 0.0_f32);
     for direction in 0..8 {
         let (near, near_px) = (inverse_depth[direction], distance_px[direction]);
-        if near_px.is_finite() && near.max(far) <= near.min(far) * tolerance.factor(near_px + far_px) {
-            surface.range = [surface.range[0].min(near), surface.range[1].max(near)];
-            surface.reach_px = surface.reach_px.max(near_px);
-            let color = picture.color.as_slice()[pixel[direction]];
-            surface.mean.add(1.0 / (near_px * near_px), color, near);
-        }
+        let same =
+            (near_px < f32::INFINITY) & (near.max(far) <= near.min(far) * tolerance.factor(near_px + far_px));
+        is_same[direction] = u32::from(same) << direction;
+        range[0] = range[0].min(if same { near } else { far });
+        range[1] = range[1].max(if same { near } else { far });
+        reach_px = reach_px.max(if same { near_px } else { 0.0 });
     }
-    surface.mean = surface.mean.normalized();
-    Some(surface)
+    Some(HoleSurface { range, reach_px, directions: joined(&is_same) })
+}
+
+impl HoleSurface {
+    /// The mean of what the pixel sees of it in a picture, nearby pixels counting more; `seen` as for [`surface_behind`].
+    #[cold]
+    pub(super) fn mean(&self, picture: &Picture, seen: &HoleNeighbors) -> WeightedMean {
+        let mut mean = WeightedMean::EMPTY;
+        for direction in (0..8).filter(|direction| self.directions >> direction & 1 == 1) {
+            let (pixel, near_px) = (seen.pixel[direction], seen.distance_px[direction]);
+            let (color, near) = (picture.color.as_slice()[pixel], picture.inverse_depth.as_slice()[pixel]);
+            mean.add(1.0 / (near_px * near_px), color, near);
+        }
+        mean.normalized()
+    }
 }
 
 /// Inverse depth and distance of the nearest surface that a hole pixel sees.

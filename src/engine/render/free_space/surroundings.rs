@@ -185,12 +185,24 @@ impl Surroundings {
 /// The surfaces in each square of a row of squares, from the inverse depths of its pixels.
 fn ranges(rows: &[f32], width: usize, squares_across: usize) -> Vec<SurfaceRange> {
     let mut squares = vec![SurfaceRange::NONE; squares_across];
-    for line in rows.chunks(width) {
-        for (square, line) in squares.iter_mut().zip(line.chunks(SQUARE)) {
-            for &w in line {
-                let farthest = if w > 0.0 { w } else { f32::INFINITY };
-                *square = square.joined(SurfaceRange { nearest: w.max(0.0), farthest });
+    for (column, square) in squares.iter_mut().enumerate() {
+        // Column by column, so that vectors do it.
+        let (mut nearest, mut farthest) = ([0.0_f32; SQUARE], [f32::INFINITY; SQUARE]);
+        for line in rows.chunks(width) {
+            let line = &line[column * SQUARE..];
+            let mut there = [0.0; SQUARE];
+            if let Some(line) = line.first_chunk::<SQUARE>() {
+                there = *line;
+            } else {
+                there[..line.len()].copy_from_slice(line);
             }
+            for i in 0..SQUARE {
+                nearest[i] = nearest[i].max(there[i]);
+                farthest[i] = farthest[i].min(if there[i] > 0.0 { there[i] } else { f32::INFINITY });
+            }
+        }
+        for i in 0..SQUARE {
+            *square = square.joined(SurfaceRange { nearest: nearest[i], farthest: farthest[i] });
         }
     }
     squares

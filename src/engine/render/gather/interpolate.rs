@@ -5,8 +5,7 @@
 use super::reproject::{ReprojectedPoints, agrees, bilinear};
 use super::surface_points::{MOST, SurfacePoints};
 use super::view_weights::{SourceView, SourceViews, TargetPoints};
-use crate::color::widened;
-use crate::render::input::{LaneValues, Quads, TileCaches};
+use crate::render::input::{LaneValues, Quads, TexelColor, TileCaches};
 use crate::simd::{LANES, joined, mask};
 
 /// A camera that covers a smaller share of the pixel gives no color.
@@ -30,39 +29,25 @@ const MAX_SUBPIXELS: f32 = 4.0;
 #[derive(Clone, Copy)]
 struct ViewColors {
     /// Weighted by `weight`.
-    color: [LaneValues; 3],
+    color: [TexelColor; LANES],
     weight: LaneValues,
     /// Share of the pixel that samples cover.
     coverage: LaneValues,
 }
 
 impl ViewColors {
-    const NONE: Self = Self { color: [[0.0; LANES]; 3], weight: [0.0; LANES], coverage: [0.0; LANES] };
+    const NONE: Self = Self { color: [[0.0; 4]; LANES], weight: [0.0; LANES], coverage: [0.0; LANES] };
 
     #[inline(always)]
     fn add(&mut self, other: &Self, factor: f32) {
         for i in 0..LANES {
-            self.color[0][i] += other.color[0][i] * factor;
-            self.color[1][i] += other.color[1][i] * factor;
-            self.color[2][i] += other.color[2][i] * factor;
+            for channel in 0..4 {
+                self.color[i][channel] += other.color[i][channel] * factor;
+            }
             self.weight[i] += other.weight[i] * factor;
             self.coverage[i] += other.coverage[i] * factor;
         }
     }
-}
-
-/// Red, green and blue of each corner of quads.
-#[inline(always)]
-fn colors(quads: &Quads) -> [[LaneValues; 3]; 4] {
-    let mut colors = [[[0.0; LANES]; 3]; 4];
-    for (bits, colors) in quads.color.iter().zip(&mut colors) {
-        for i in 0..LANES {
-            colors[0][i] = widened(bits[i] as i16);
-            colors[1][i] = widened((bits[i] >> 16) as i16);
-            colors[2][i] = widened((bits[i] >> 32) as i16);
-        }
-    }
-    colors
 }
 
 /// Adds up the colors of surface points over the samples of `cameras`, which are sorted by weight; in a pruned set a point's own
@@ -106,8 +91,10 @@ fn add_camera(views: &SourceViews<'_>, camera: u16, points: &mut SurfacePoints, 
         let which = u32::MAX >> (32 - group.len());
         let group_points = TargetPoints { x: listed(x, &at), y: listed(y, &at), w: listed(w, &at) };
         let found = colors_in(views, view, &group_points, which, caches);
-        for (sum, part) in color.iter_mut().zip(&found.color) {
-            add_listed(sum, &at, group.len(), part);
+        for (at, part) in at.iter().zip(&found.color).take(group.len()) {
+            for channel in 0..4 {
+                color[at % MOST][channel] += part[channel];
+            }
         }
         add_listed(weight, &at, group.len(), &found.weight);
         add_listed(coverage, &at, group.len(), &found.coverage);
@@ -209,16 +196,6 @@ fn interpolated(
     weighted_colors(view, &quads, at, &weights, which)
 }
 
-/// A channel of point `i` from its 2×2 samples. A function rather than a closure: closures are not always inlined here, and the
-/// loop around this one must become vector instructions.
-#[inline(always)]
-fn blended(colors: &[[LaneValues; 3]; 4], channel: usize, i: usize, parts: [f32; 4]) -> f32 {
-    colors[0][channel][i] * parts[0]
-        + colors[1][channel][i] * parts[1]
-        + colors[2][channel][i] * parts[2]
-        + colors[3][channel][i] * parts[3]
-}
-
 /// The colors at `at` of the samples that show the surface there, for the points of a mask.
 #[inline(always)]
 fn weighted_colors(
@@ -228,8 +205,8 @@ fn weighted_colors(
     weights: &LaneValues,
     which: u32,
 ) -> ViewColors {
-    let colors = colors(quads);
     let mut found = ViewColors::NONE;
+    let (mut parts, mut weight) = ([[0.0; LANES]; 4], [0.0; LANES]);
     for i in 0..LANES {
         let expected = at.expected[i];
         let limit = expected * view.tolerance;
@@ -238,23 +215,32 @@ fn weighted_colors(
         let (agrees_a, agrees_b) = (agrees(a, expected, limit), agrees(b, expected, limit));
         let (agrees_c, agrees_d) = (agrees(c, expected, limit), agrees(d, expected, limit));
         let shares = bilinear(at.along[i], at.down[i]);
-        let part_a = if agrees_a { shares[0] } else { 0.0 };
-        let part_b = if agrees_b { shares[1] } else { 0.0 };
-        let part_c = if agrees_c { shares[2] } else { 0.0 };
-        let part_d = if agrees_d { shares[3] } else { 0.0 };
-        let share = part_a + part_b + part_c + part_d;
+        parts[0][i] = if agrees_a { shares[0] } else { 0.0 };
+        parts[1][i] = if agrees_b { shares[1] } else { 0.0 };
+        parts[2][i] = if agrees_c { shares[2] } else { 0.0 };
+        parts[3][i] = if agrees_d { shares[3] } else { 0.0 };
+        let share = parts[0][i] + parts[1][i] + parts[2][i] + parts[3][i];
         let beside = (!agrees_a & (a >= 0.0))
             | (!agrees_b & (b >= 0.0))
             | (!agrees_c & (c >= 0.0))
             | (!agrees_d & (d >= 0.0));
-        let weight = weights[i] * if beside { BESIDE_EDGE } else { 1.0 };
+        weight[i] = weights[i] * if beside { BESIDE_EDGE } else { 1.0 };
         let counts = which >> i & 1 == 1;
-        let parts = [part_a, part_b, part_c, part_d];
-        found.color[0][i] = if counts { blended(&colors, 0, i, parts) * weight } else { 0.0 };
-        found.color[1][i] = if counts { blended(&colors, 1, i, parts) * weight } else { 0.0 };
-        found.color[2][i] = if counts { blended(&colors, 2, i, parts) * weight } else { 0.0 };
-        found.weight[i] = if counts { share * weight } else { 0.0 };
+        found.weight[i] = if counts { share * weight[i] } else { 0.0 };
         found.coverage[i] = if counts { share } else { 0.0 };
+    }
+    let mut left = which;
+    while left != 0 {
+        let i = left.trailing_zeros() as usize % LANES;
+        left &= left - 1;
+        let [a, b, c, d] = [0, 1, 2, 3].map(|corner: usize| &quads.color[corner][i]);
+        for channel in 0..4 {
+            let blended = a[channel] * parts[0][i]
+                + b[channel] * parts[1][i]
+                + c[channel] * parts[2][i]
+                + d[channel] * parts[3][i];
+            found.color[i][channel] = blended * weight[i];
+        }
     }
     found
 }

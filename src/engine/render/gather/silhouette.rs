@@ -133,6 +133,8 @@ pub(crate) const SIDE: usize = BLOCK + 2 * RING;
 #[derive(Debug)]
 pub(crate) struct Patch {
     pub(crate) keys: [[u64; SIDE]; SIDE],
+    /// Inverse depths of the core samples; negative where there is none.
+    pub(super) w: [[f32; SIDE]; SIDE],
     /// Column and row in the picture of the block's first pixel.
     pub(crate) left: usize,
     pub(crate) top: usize,
@@ -145,7 +147,18 @@ pub(crate) struct Patch {
 impl Patch {
     /// A patch of holes.
     pub(super) fn empty() -> Self {
-        Self { keys: [[0; SIDE]; SIDE], left: 0, top: 0, surface_ratio: 1.0, subpixels: 1 }
+        let (keys, w) = ([[0; SIDE]; SIDE], [[-1.0; SIDE]; SIDE]);
+        Self { keys, w, left: 0, top: 0, surface_ratio: 1.0, subpixels: 1 }
+    }
+
+    /// Sets the inverse depths from the keys.
+    #[inline(always)]
+    pub(crate) fn set_depths(&mut self) {
+        for (w, keys) in self.w.iter_mut().zip(&self.keys) {
+            for x in 0..SIDE {
+                w[x] = inverse_depth_of(core_of(keys[x]));
+            }
+        }
     }
 
     /// The key of a pixel of the block.
@@ -158,14 +171,11 @@ impl Patch {
     /// is beside it, or a crack may run over it. A mask of columns per row.
     #[inline(always)]
     pub(super) fn edges(&self) -> [u16; BLOCK] {
-        let (mut w, mut far) = ([[0.0_f32; SIDE]; SIDE], [[0.0_f32; BLOCK]; SIDE]);
-        for (row, keys) in self.keys.iter().enumerate() {
-            let w = &mut w[row];
-            for x in 0..SIDE {
-                w[x] = inverse_depth_of(core_of(keys[x]));
-            }
+        let w = &self.w;
+        let mut far = [[0.0_f32; BLOCK]; SIDE];
+        for (w, far) in w.iter().zip(&mut far) {
             for x in 0..BLOCK {
-                far[row][x] = w[x + 1].min(w[x + 2]).min(w[x + 3]);
+                far[x] = w[x + 1].min(w[x + 2]).min(w[x + 3]);
             }
         }
         let mut edges = [0; BLOCK];
@@ -208,13 +218,7 @@ impl Patch {
     /// What surfaces are around the pixels of a row of the block, sixteen at a time.
     #[inline(always)]
     pub(super) fn edge_row(&self, y: usize) -> EdgeRow {
-        let mut w = [[0.0_f32; SIDE]; 2 * RING + 1];
-        for (w, keys) in w.iter_mut().zip(&self.keys[y..]) {
-            for x in 0..SIDE {
-                w[x] = inverse_depth_of(core_of(keys[x]));
-            }
-        }
-        let flat = w.as_flattened();
+        let flat = self.w[y..=y + 2 * RING].as_flattened();
         let middle = RING * SIDE + RING;
         let own = beside(flat, middle, 0);
         let mut row = EdgeRow {

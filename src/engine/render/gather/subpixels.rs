@@ -6,6 +6,7 @@
 //! Source: supersampling of visibility apart from shading, as multisample antialiasing does (Akeley, *`RealityEngine` Graphics*,
 //! SIGGRAPH 1993). What differs: a surface is looked up once, in the middle of the sub-pixels that show it, at their mean depth.
 
+use super::block::set_images;
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING};
 use super::surface_points::{PixelShares, StripPixel, SurfacePoints};
 use super::target::{BLOCK, PictureRows};
@@ -19,6 +20,9 @@ const SUBPIXELS: [(usize, usize); 4] = [(0, 0), (1, 0), (0, 1), (1, 1)];
 
 /// A pixel shows samples if at least this many of its sub-pixels do; it is a hole otherwise.
 const LEAST_SHOWN: usize = 2;
+
+/// Pixels along a block.
+const PAIRS: usize = BLOCK / 2;
 
 /// Most surfaces of a pixel: a nearer and a farther one in each sub-pixel.
 const MOST_SURFACES: usize = 2 * SUBPIXELS.len();
@@ -101,6 +105,10 @@ pub(super) fn set_surfaces_of_pairs(
     points.clear();
     for row in (0..BLOCK).step_by(2).filter(|row| which[*row] != 0) {
         let y = (patch.top + row) as f32;
+        if edges[row] | edges[row + 1] == 0 && which[row] == u16::MAX && columns == BLOCK {
+            set_row_of_pairs(patch, frame, row, rows, points);
+            continue;
+        }
         for column in (0..columns).step_by(2).filter(|column| which[row] >> column & 1 == 1) {
             let at = row / 2 * rows.width + patch.left / 2 + column / 2;
             let x = (patch.left + column) as f32;
@@ -139,6 +147,35 @@ pub(super) fn set_surfaces_of_pairs(
             }
         }
     }
+}
+
+/// Sets depth and image of a row of pixels, each of which shows one surface, and lists their surface points. `row` is the first of
+/// their two rows of the z-buffer.
+#[inline(always)]
+fn set_row_of_pairs(
+    patch: &Patch,
+    frame: &FrameSamples<'_>,
+    row: usize,
+    rows: &mut PictureRows<'_>,
+    points: &mut SurfacePoints,
+) {
+    let start = row / 2 * rows.width + patch.left / 2;
+    let pixels = start..start + PAIRS;
+    let (above, below) = (&patch.w[row + RING], &patch.w[row + RING + 1]);
+    let (mut keys, mut w) = ([0; PAIRS], [0.0; PAIRS]);
+    for i in 0..PAIRS {
+        let column = RING + 2 * i;
+        keys[i] = patch.keys[row + RING][column];
+        w[i] = 0.25 * (above[column] + above[column + 1] + below[column] + below[column + 1]);
+    }
+    rows.color[pixels.clone()].fill([0.0; 3]);
+    rows.inverse_depth[pixels.clone()].copy_from_slice(&w);
+    if let Some(fronts) = rows.fronts.get_mut(pixels.clone()) {
+        fronts.fill(NO_FRONT);
+    }
+    let cameras = set_images(&keys, frame, &mut rows.image[pixels]);
+    let (x, y) = (patch.left as f32 + 0.5, (patch.top + row) as f32 + 0.5);
+    points.push_row(&keys, &w, &cameras, StripPixel { x, y, at: start as u32 }, 2.0);
 }
 
 /// The surface that all sub-pixels of a pixel show, by the key of the first and their mean inverse depth; `None` if there are several,

@@ -1,7 +1,6 @@
 //! The surface points of a block of pixels, and their colors as far as they were found.
 
 use super::target::BLOCK;
-use crate::render::splat::inverse_depth_of;
 use crate::render::vantage::FrontColor;
 use crate::simd::{LANES, mask};
 
@@ -56,8 +55,8 @@ pub(super) struct SurfacePoints {
     front_share: [f32; MOST],
     /// The pixels, as positions in the strip.
     pixel: [u32; MOST],
-    /// Red, green and blue, weighted by `weight`.
-    pub(super) color: [[f32; MOST]; 3],
+    /// Red, green and blue, weighted by `weight`, and a zero.
+    pub(super) color: [[f32; 4]; MOST],
     pub(super) weight: [f32; MOST],
     /// Pixels' worth of samples that were added up.
     pub(super) coverage: [f32; MOST],
@@ -78,7 +77,7 @@ impl SurfacePoints {
             share: zero,
             front_share: zero,
             pixel: [0; MOST],
-            color: [zero; 3],
+            color: [[0.0; 4]; MOST],
             weight: zero,
             coverage: zero,
             selected: Vec::with_capacity(MOST),
@@ -93,7 +92,7 @@ impl SurfacePoints {
     #[inline(always)]
     pub(super) fn reset_colors(&mut self) {
         let count = self.count;
-        self.color.iter_mut().for_each(|channel| channel[..count].fill(0.0));
+        self.color[..count].fill([0.0; 4]);
         self.weight[..count].fill(0.0);
         self.coverage[..count].fill(0.0);
     }
@@ -113,33 +112,32 @@ impl SurfacePoints {
         self.pixel[at] = pixel.at;
     }
 
-    /// Adds the surfaces of a row of pixels, each alone in its pixel, and writes their inverse depths.
+    /// Adds the surfaces of pixels in a row, each alone in its pixel, from the first pixel on and `step` columns of the z-buffer apart:
+    /// their keys, inverse depths and cameras.
     #[inline(always)]
-    pub(super) fn push_row(
+    pub(super) fn push_row<const N: usize>(
         &mut self,
-        keys: &[u64; BLOCK],
-        cameras: &[u16; BLOCK],
+        keys: &[u64; N],
+        depths: &[f32; N],
+        cameras: &[u16; N],
         first: StripPixel,
-        depths: &mut [f32; BLOCK],
+        step: f32,
     ) {
-        let at = self.count.min(MOST - BLOCK);
-        self.count = at + BLOCK;
-        for i in 0..BLOCK {
-            depths[i] = inverse_depth_of(keys[i]);
-        }
-        let (mut columns, mut pixels) = ([0.0; BLOCK], [0; BLOCK]);
-        for i in 0..BLOCK {
-            columns[i] = first.x + i as f32;
+        let at = self.count.min(MOST - N);
+        self.count = at + N;
+        let (mut columns, mut pixels) = ([0.0; N], [0; N]);
+        for i in 0..N {
+            columns[i] = first.x + i as f32 * step;
             pixels[i] = first.at + i as u32;
         }
-        self.x[at..at + BLOCK].copy_from_slice(&columns);
-        self.y[at..at + BLOCK].fill(first.y);
-        self.w[at..at + BLOCK].copy_from_slice(depths);
-        self.key[at..at + BLOCK].copy_from_slice(keys);
-        self.own[at..at + BLOCK].copy_from_slice(cameras);
-        self.share[at..at + BLOCK].fill(1.0);
-        self.front_share[at..at + BLOCK].fill(0.0);
-        self.pixel[at..at + BLOCK].copy_from_slice(&pixels);
+        self.x[at..at + N].copy_from_slice(&columns);
+        self.y[at..at + N].fill(first.y);
+        self.w[at..at + N].copy_from_slice(depths);
+        self.key[at..at + N].copy_from_slice(keys);
+        self.own[at..at + N].copy_from_slice(cameras);
+        self.share[at..at + N].fill(1.0);
+        self.front_share[at..at + N].fill(0.0);
+        self.pixel[at..at + N].copy_from_slice(&pixels);
     }
 
     /// Adds the color of each point to its pixel, by its share. Where coverage is low, the color of the nearest sample, which
@@ -152,7 +150,7 @@ impl SurfacePoints {
         own_color: impl Fn(u64) -> [f32; 3],
     ) {
         for at in (0..self.count).map(|at| at % MOST) {
-            let mut sum = [0, 1, 2].map(|channel: usize| self.color[channel][at]);
+            let mut sum = self.color[at];
             let (mut weight, coverage) = (self.weight[at], self.coverage[at]);
             if coverage < MIN_COVERAGE {
                 let lack = if coverage > 0.0 {

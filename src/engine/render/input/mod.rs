@@ -11,5 +11,5 @@ pub(crate) use background_key::BackgroundKey;
 pub(crate) use dense_tile::{DenseTile, beside_edges, slopes};
 pub(crate) use frame_tile::{FrameTile, linear, samples_above};
 pub(crate) use frame_tiles::{ColorIndex, FrameImages, FrameSamples, TileIndex};
-pub(crate) use tile_cache::{LaneValues, Quads, TileCaches};
+pub(crate) use tile_cache::{LaneValues, Quads, TexelColor, TileCaches};
 pub(crate) use tile_grid::{CellTable, Lookup};

@@ -6,14 +6,19 @@
 //! A cache holds 4×4 tiles: pixel `(x, y)` of a camera is stored at `(x mod 64, y mod 64)`, so that a tile replaces those that
 //! lie a whole number of 64 pixels away.
 
+use half::f16;
+
 use super::dense_tile::MISSING;
-use super::frame_tile::FrameTile;
+use super::frame_tile::{FrameTile, linear};
 use super::tile_grid::Lookup;
 use crate::samples::{TILE, TILE_SAMPLES};
 use crate::simd::{LANES, joined};
 
 /// One number for each point of those that are looked up together.
 pub(crate) type LaneValues = [f32; LANES];
+
+/// The color of a sample as it is interpolated: red, green and blue, linear, and a zero, for one vector.
+pub(crate) type TexelColor = [f32; 4];
 
 /// Tiles along each side of a cache.
 const TILES: usize = 4;
@@ -27,15 +32,15 @@ const NO_CELL: u32 = u32::MAX;
 pub(crate) struct Quads {
     /// Inverse depths in the camera; [`MISSING`] where there is no sample.
     pub(crate) depth: [LaneValues; 4],
-    /// Three half floats each, red lowest.
-    pub(crate) color: [[u64; LANES]; 4],
+    /// Red, green and blue, linear, and a zero.
+    pub(crate) color: [[TexelColor; LANES]; 4],
 }
 
 /// The cache of one camera.
 #[derive(Debug)]
 struct TileCache {
     depth: [f32; AREA],
-    color: [u64; AREA],
+    color: [TexelColor; AREA],
     /// The tile in each slot: `row + 1 << 16 | column + 1`.
     cells: [u32; TILES * TILES],
     /// The same for tiles whose colors are unpacked too.
@@ -121,6 +126,13 @@ impl TileCaches {
     }
 }
 
+/// A stored color as a texel.
+#[inline(always)]
+fn texel(color: [f16; 3]) -> TexelColor {
+    let [red, green, blue] = linear(color);
+    [red, green, blue, 0.0]
+}
+
 /// Where a pixel of a camera is stored in its cache.
 #[inline(always)]
 fn pixel_at(x: i32, y: i32) -> usize {
@@ -173,12 +185,12 @@ fn within([x, y]: &[[i32; LANES]; 2], which: u32) -> (u32, (i32, i32), [i32; 4])
 impl TileCache {
     #[expect(
         clippy::large_stack_arrays,
-        reason = "48 KiB on their way to the heap, once per camera and thread"
+        reason = "80 KiB on their way to the heap, once per camera and thread"
     )]
     fn new() -> Box<Self> {
         Box::new(Self {
             depth: [MISSING; AREA],
-            color: [0; AREA],
+            color: [[0.0; 4]; AREA],
             cells: [NO_CELL; TILES * TILES],
             colored: [NO_CELL; TILES * TILES],
         })
@@ -230,7 +242,7 @@ impl TileCache {
         lookup: &Lookup<'_>,
         camera: usize,
         (x, y): (i32, i32),
-    ) -> (f32, u64) {
+    ) -> (f32, TexelColor) {
         let (slot, cell) = (slot(x >> 4, y >> 4), cell(x >> 4, y >> 4));
         if self.cells[slot] == cell && (!COLORS || self.colored[slot] == cell) {
             let at = pixel_at(x, y);
@@ -243,12 +255,12 @@ impl TileCache {
             let tile = lookup.tile(number, &mut made);
             if tile.rows[row] >> column & 1 == 1 {
                 let nth = tile.rank(column, row);
-                let color = if COLORS { FrameTile::bits_of(tile.color[nth]) } else { 0 };
+                let color = if COLORS { texel(tile.color[nth]) } else { [0.0; 4] };
                 return (tile.depths.get(nth), color);
             }
             at = lookup.next(number);
         }
-        (MISSING, 0)
+        (MISSING, [0.0; 4])
     }
 
     /// Empties the slot of a tile.
@@ -281,7 +293,7 @@ impl TileCache {
                 }
                 if COLORS {
                     for (to, color) in to_colors.iter_mut().zip(row_colors) {
-                        *to = FrameTile::bits_of(*color);
+                        *to = texel(*color);
                     }
                 }
                 continue;
@@ -294,7 +306,7 @@ impl TileCache {
                     to_depths[column] = *depth;
                 }
                 if COLORS {
-                    to_colors[column] = FrameTile::bits_of(*color);
+                    to_colors[column] = texel(*color);
                 }
             }
         }
@@ -318,8 +330,8 @@ impl TileCache {
         &self,
         [x, y]: &[[i32; LANES]; 2],
         (right, below): (i32, i32),
-    ) -> (LaneValues, [u64; LANES]) {
-        let (mut at, mut depth, mut color) = ([0_u32; LANES], [0.0; LANES], [0; LANES]);
+    ) -> (LaneValues, [TexelColor; LANES]) {
+        let (mut at, mut depth, mut color) = ([0_u32; LANES], [0.0; LANES], [[0.0; 4]; LANES]);
         for i in 0..LANES {
             at[i] = pixel_at(x[i] + right, y[i] + below) as u32;
         }

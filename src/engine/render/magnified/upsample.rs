@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::levels::LevelMap;
 use crate::render::vantage::{NO_IMAGE, Picture};
+use crate::simd::{self, VectorLoop};
 
 /// Inverse depths that differ by no more than this share are interpolated.
 const ONE_SURFACE: f32 = 0.02;
@@ -28,26 +29,43 @@ pub(super) fn blended(
     let rows = rows.zip(picture.image.as_mut_slice().par_chunks_mut(width)).enumerate();
     rows.for_each_init(RowScratch::default, |scratch, (y, ((color, inverse_depth), image))| {
         scratch.set_levels(map, y, &across);
-        scratch.sums.clear();
-        scratch.sums.resize(width, [0.0; 4]);
-        scratch.most.clear();
-        scratch.most.resize(width, (0.0, 0));
+        scratch.clear(width);
         scratch.down.clear();
         scratch.down.extend(shown.iter().map(|level| level.rows_at(y)));
+        simd::run(BlendRow { shown: &shown, scratch, color, inverse_depth, image });
+    });
+    picture
+}
+
+/// Blends a row of the picture.
+struct BlendRow<'a> {
+    shown: &'a [ShownLevel<'a>],
+    /// With the levels and taps of the row.
+    scratch: &'a mut RowScratch,
+    color: &'a mut [[f32; 3]],
+    inverse_depth: &'a mut [f32],
+    image: &'a mut [u32],
+}
+
+impl VectorLoop for BlendRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { shown, scratch, color, inverse_depth, image } = self;
         for (nth, level) in shown.iter().enumerate() {
             level.add_row(nth, scratch);
         }
-        for x in 0..width {
-            let level = &shown[scratch.most[x].1];
-            (inverse_depth[x], image[x]) =
-                level.surface_at(&level.across[x], &scratch.down[scratch.most[x].1]);
+        let pixels = color.iter_mut().zip(inverse_depth).zip(image);
+        for (x, ((color, inverse_depth), image)) in pixels.enumerate() {
+            let nth = scratch.most[x].1;
+            (*inverse_depth, *image) = shown[nth].surface_at(&shown[nth].across[x], &scratch.down[nth]);
             let [red, green, blue, share] = scratch.sums[x];
-            if share > 0.0 && (image[x] != NO_IMAGE || inverse_depth[x] >= 0.0) {
-                color[x] = [red, green, blue].map(|sum| squared(sum / share));
+            if share > 0.0 && (*image != NO_IMAGE || *inverse_depth >= 0.0) {
+                *color = [red, green, blue].map(|sum| squared(sum / share));
             }
         }
-    });
-    picture
+    }
 }
 
 /// What the rows of a thread are made in.
@@ -66,6 +84,14 @@ struct RowScratch {
 }
 
 impl RowScratch {
+    /// Empties the sums of a row.
+    fn clear(&mut self, width: usize) {
+        self.sums.clear();
+        self.sums.resize(width, [0.0; 4]);
+        self.most.clear();
+        self.most.resize(width, (0.0, 0));
+    }
+
     fn set_levels(&mut self, map: &LevelMap, y: usize, across: &[Taps]) {
         let (width, height) = map.levels.size();
         let down = Taps::new(map.coarsest, y, height);
@@ -120,6 +146,7 @@ impl<'a> ShownLevel<'a> {
     }
 
     /// Adds what a row of the picture shows of this level, which is the `nth`.
+    #[inline(always)]
     fn add_row(&self, nth: usize, scratch: &mut RowScratch) {
         let RowScratch { levels, sums, most, down, between } = scratch;
         let weight_at = |shown: f32| (1.0 - (shown - self.level as f32).abs()).max(0.0);
@@ -147,12 +174,14 @@ impl<'a> ShownLevel<'a> {
     }
 
     /// Inverse depth and image at a pixel of the picture: of the nearest pixel, its depth interpolated on the same surface.
+    #[inline(always)]
     fn surface_at(&self, across: &Taps, down: &Taps) -> (f32, u32) {
         let nearest = |taps: &Taps| taps.at[if taps.along < 0.5 { 1 } else { 2 }];
-        let at = (nearest(across), nearest(down));
-        let (own, image) = (self.picture.inverse_depth[at], self.picture.image[at]);
+        let (depths, width) = (self.picture.inverse_depth.as_slice(), self.picture.image.width());
+        let at = nearest(down) * width + nearest(across);
+        let (own, image) = (depths[at], self.picture.image.as_slice()[at]);
         let corner = |right: usize, below: usize| {
-            let w = self.picture.inverse_depth[(across.at[1 + right], down.at[1 + below])];
+            let w = depths[down.at[1 + below] * width + across.at[1 + right]];
             let is_same = w >= 0.0 && own >= 0.0 && (w - own).abs() <= ONE_SURFACE * own;
             if is_same { w } else { own }
         };
@@ -170,6 +199,8 @@ struct Taps {
     at: [usize; 4],
     /// How far it lies from the second toward the third, 0 to 1.
     along: f32,
+    /// How much each counts for a cubic.
+    weights: [f32; 4],
 }
 
 impl Taps {
@@ -179,7 +210,19 @@ impl Taps {
         let there = (position as f32 + 0.5) / scale - 0.5;
         let first = there.floor();
         let at = |step: i64| (first as i64 + step).clamp(0, size as i64 - 1) as usize;
-        Self { at: [at(-1), at(0), at(1), at(2)], along: there - first }
+        Self::between([at(-1), at(0), at(1), at(2)], there - first)
+    }
+
+    /// Between the second and the third of four pixels.
+    fn between(at: [usize; 4], along: f32) -> Self {
+        let (t, t2, t3) = (along, along * along, along * along * along);
+        let weights = [
+            -0.5 * t3 + t2 - 0.5 * t,
+            1.5 * t3 - 2.5 * t2 + 1.0,
+            -1.5 * t3 + 2.0 * t2 + 0.5 * t,
+            0.5 * t3 - 0.5 * t2,
+        ];
+        Self { at, along, weights }
     }
 
     /// Of a whole row.
@@ -188,25 +231,20 @@ impl Taps {
     }
 
     /// Between four values: cubic within their range, linear beside holes.
+    #[inline(always)]
     fn interpolated(&self, [a, b, c, d]: [ColorRoots; 4]) -> ColorRoots {
-        let t = self.along;
+        let (t, weights) = (self.along, self.weights);
         if a[3].min(b[3]).min(c[3]).min(d[3]) < 1.0 {
             return std::array::from_fn(|i| b[i] + (c[i] - b[i]) * t);
         }
-        let (t2, t3) = (t * t, t * t * t);
-        let weights = [
-            -0.5 * t3 + t2 - 0.5 * t,
-            1.5 * t3 - 2.5 * t2 + 1.0,
-            -1.5 * t3 + 2.0 * t2 + 0.5 * t,
-            0.5 * t3 - 0.5 * t2,
-        ];
         let mut value = [1.0; 4];
-        for i in 0..3 {
+        for i in 0..4 {
             let cubic = a[i] * weights[0] + b[i] * weights[1] + c[i] * weights[2] + d[i] * weights[3];
             let low = a[i].min(b[i]).min(c[i]).min(d[i]);
             let high = a[i].max(b[i]).max(c[i]).max(d[i]);
             value[i] = cubic.max(low).min(high);
         }
+        value[3] = 1.0;
         value
     }
 }
@@ -230,7 +268,7 @@ mod tests {
     #[test]
     fn interpolation_keeps_ramps_stays_within_the_range_around_and_is_linear_beside_holes() {
         let gray = |value: f32| [value, value, value, 1.0];
-        let taps = Taps { at: [0, 1, 2, 3], along: 0.25 };
+        let taps = Taps::between([0, 1, 2, 3], 0.25);
         assert!((taps.interpolated([0.1, 0.2, 0.3, 0.4].map(gray))[0] - 0.225).abs() < 1e-6);
         assert_eq!(taps.interpolated([0.0, 0.0, 1.0, 1.0].map(gray))[3], 1.0);
         for values in [[0.0, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0]] {

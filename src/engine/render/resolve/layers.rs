@@ -136,6 +136,7 @@ impl ResolveInput<'_> {
                 keys.iter_mut().zip(front).for_each(|(key, front)| *key = (*key).max(*front));
             }
         }
+        patch.set_depths();
     }
 
     /// A row of a block with its ring out of a layer's keys. Beyond the picture the outermost pixels repeat; such a row is put
