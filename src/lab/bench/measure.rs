@@ -101,6 +101,20 @@ impl Times {
     }
 }
 
+/// Processor time that all threads of this process have taken so far, milliseconds; `None` where the system does not tell.
+#[cfg(unix)]
+#[expect(clippy::unnecessary_wraps, reason = "other systems do not tell")]
+pub(crate) fn cpu_ms() -> Option<f64> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Some(time.tv_sec as f64 * 1e3 + time.tv_nsec as f64 * 1e-6)
+}
+
+/// Nothing: the system does not tell.
+#[cfg(not(unix))]
+pub(crate) fn cpu_ms() -> Option<f64> {
+    None
+}
+
 /// Repeats `work` within the budget. Its results are kept from the optimizer, and dropped outside of the measured time.
 pub(crate) fn repeat<T>(
     budget: RepeatLimits,

@@ -10,6 +10,7 @@
 //! count, so that a machine that changes speed meanwhile distorts no share.
 
 mod case;
+mod default_pictures;
 mod limits;
 mod measure;
 mod preprocess_stages;
@@ -54,6 +55,11 @@ impl Options {
 
     fn picture_sizes(&self) -> [(u32, u32); 2] {
         [self.camera_size(), if self.quick { (320, 180) } else { (1280, 720) }]
+    }
+
+    /// Sizes of the default pictures.
+    fn default_sizes(&self) -> Vec<(u32, u32)> {
+        if self.quick { vec![self.camera_size()] } else { vec![(640, 480), (1280, 720), (1920, 1080)] }
     }
 
     fn budget(&self) -> RepeatLimits {
@@ -120,6 +126,7 @@ fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
 fn wanted_cases(options: &Options, backends: &[Backend]) -> Result<Vec<Case>> {
     let mut cases = preprocess_stages::cases();
     cases.extend(render_stages::cases(backends, options.picture_sizes()));
+    cases.extend(default_pictures::cases(backends, &options.default_sizes()));
     let (wanted, others): (Vec<Case>, Vec<Case>) =
         cases.into_iter().partition(|case| case.names.iter().any(|name| options.wants(name)));
     if wanted.is_empty() {

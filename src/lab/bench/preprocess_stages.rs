@@ -48,7 +48,15 @@ pub(crate) fn cases() -> Vec<Case> {
         let measured = move |bench: &Bench<'_>| {
             let (times, samples, bytes) = measure(bench)?;
             let (backend, name) = (Backend::Cpu, stage.clone());
-            Ok(vec![MeasuredStage { name, backend, samples, times, bytes: Some(bytes), painting: None }])
+            Ok(vec![MeasuredStage {
+                name,
+                backend,
+                samples,
+                times,
+                cpu_ms: None,
+                bytes: Some(bytes),
+                painting: None,
+            }])
         };
         Case { names: vec![name.to_owned()], measure: Box::new(measured) }
     };

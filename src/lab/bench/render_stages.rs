@@ -133,6 +133,7 @@ impl PaintCase {
             backend: self.backend,
             samples: round.samples,
             times,
+            cpu_ms: None,
             bytes: None,
             painting: Some(PaintingStage {
                 kernel: self.kernel,
@@ -142,6 +143,7 @@ impl PaintCase {
                 bytes_per_sample: round.set.bytes() as f64 / round.set.sample_count().max(1) as f64,
                 background_reused,
                 speedup_over_full_repaint: None,
+                stages: None,
             }),
         })
     }

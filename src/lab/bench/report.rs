@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::measure::Times;
+use overlook_engine::render::StageTimes;
 use overlook_engine::settings::{Backend, Instructions, Kernel};
 
 /// The speed of every stage, beside the limits of the machine.
@@ -85,6 +86,9 @@ pub struct StageSpeed {
     pub(crate) limit_value: f64,
     /// The share of it that the stage reached; above 1 if the stage uses memory in a better order than the limit.
     pub fraction_of_limit: f64,
+    /// Processor time of all threads, milliseconds, a repeat; `None` where it was not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cpu_ms: Option<f64>,
     /// Bytes read or written at least once, for stages compared with reading.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) bytes: Option<u64>,
@@ -133,6 +137,9 @@ pub struct PaintingStage {
     /// How many times faster this is than painting all samples of the same set, with the same threads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speedup_over_full_repaint: Option<f64>,
+    /// Mean wall-clock milliseconds of each stage of the picture, where the renderer tells them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stages: Option<StageTimes>,
 }
 
 /// A stage that was measured, before the limits are known.
@@ -141,6 +148,8 @@ pub(crate) struct MeasuredStage {
     pub(crate) backend: Backend,
     pub(crate) samples: u64,
     pub(crate) times: Times,
+    /// See [`StageSpeed::cpu_ms`].
+    pub(crate) cpu_ms: Option<f64>,
     /// See [`StageSpeed::bytes`].
     pub(crate) bytes: Option<u64>,
     pub(crate) painting: Option<PaintingStage>,
@@ -169,6 +178,7 @@ impl MeasuredStage {
             limit: kind,
             limit_value,
             fraction_of_limit: reached / limit_value,
+            cpu_ms: self.cpu_ms,
             bytes: self.bytes,
             painting: self.painting,
         }

@@ -6,11 +6,12 @@
 //!                         └─ frame 0, defaults ────▶ pruned, in one span of all frames
 //! ```
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::default_pictures::{self, Animation};
 use crate::sample_filter::samples_where;
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::demo::{Demo, DemoSpec};
@@ -52,6 +53,9 @@ pub(crate) struct BenchScene {
     /// and of the samples.
     pub(crate) split: Arc<SampleSet>,
     home: Camera,
+    size: (u32, u32),
+    /// Recorded when a default picture is first measured.
+    animations: OnceLock<Vec<Animation>>,
 }
 
 impl BenchScene {
@@ -63,10 +67,26 @@ impl BenchScene {
         settings.pruning.method = PruningMethod::Off;
         let unpruned = one_span(&inspect_frame(&capture, None, &settings, 0, job)?.samples);
         let unpruned = Arc::new(unpruned);
-        let whole =
-            Self { split: unpruned.clone(), unpruned, pruned: Arc::new(pruned), capture, home: demo.home() };
+        let whole = Self {
+            split: unpruned.clone(),
+            unpruned,
+            pruned: Arc::new(pruned),
+            capture,
+            home: demo.home(),
+            size,
+            animations: OnceLock::new(),
+        };
         let split = split(&whole.unpruned, &whole.object(size, job)?);
         Ok(Self { split: Arc::new(split), ..whole })
+    }
+
+    /// The animations whose default pictures are measured.
+    pub(super) fn animations(&self, job: &Job) -> Result<&[Animation]> {
+        if let Some(animations) = self.animations.get() {
+            return Ok(animations);
+        }
+        let animations = default_pictures::animations(self.size, job)?;
+        Ok(self.animations.get_or_init(|| animations))
     }
 
     /// A ball that covers [`FOREGROUND_SHARE`] of the picture and holds about that share of the samples: there are more where

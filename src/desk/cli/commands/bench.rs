@@ -98,6 +98,11 @@ fn stage_lines(text: &mut String, stage: &StageSpeed) {
     if let Some(speedup) = painting.as_ref().and_then(|painting| painting.speedup_over_full_repaint) {
         let _ = write!(text, "   {speedup:.1} × faster than rendering everything again");
     }
+    if let Some(stages) = painting.as_ref().and_then(|painting| painting.stages) {
+        let parts = stages.parts().map(|(name, ms)| format!("{name} {ms:.1}"));
+        let cpu = stage.cpu_ms.map(|ms| format!("{ms:.1} ms of processor time; ")).unwrap_or_default();
+        let _ = write!(text, "\n    {cpu}ms a stage: {}", parts.join(", "));
+    }
 }
 
 #[cfg(test)]
