@@ -16,6 +16,7 @@ pub mod film;
 pub mod gpu;
 pub mod output;
 
+mod carried_picture;
 mod coarser_samples;
 mod cpu;
 mod environment;
@@ -34,6 +35,7 @@ mod stage_times;
 mod supersample;
 mod vantage;
 
+pub use carried_picture::{CarriedPicture, PictureCarrier, ScreenColor, ScreenPicture};
 pub use cpu::CpuRenderer;
 pub use painter::Painter;
 pub use renderer::{Renderer, WindowPicture};

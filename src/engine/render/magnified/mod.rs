@@ -40,7 +40,8 @@ pub(super) fn by_levels(
     let mut levels = vec![(coarsest, picture)];
     for level in (map.finest..coarsest).rev().filter(|level| map.shows(*level)) {
         let (picture, more) = paint(level, &coarser(view, level))?;
-        stats.samples += more.samples;
+        // Every level projects the same samples, or fewer of them.
+        stats.samples = stats.samples.max(more.samples);
         stats.stages.add(&more.stages);
         stats.background_reused &= more.background_reused;
         levels.push((level, picture));
