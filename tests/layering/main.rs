@@ -95,12 +95,13 @@ const STAGES: [(&str, &[&str]); 8] = [
 ];
 
 /// Outside libraries that only some files may use, as prefixes of their paths.
-const CONFINED: [(&str, &[&str]); 13] = [
+const CONFINED: [(&str, &[&str]); 14] = [
     ("egui", &["desk/app/"]),
     ("epaint", &["desk/app/"]),
     ("egui_tiles", &["desk/app/"]),
     ("egui_material_icons", &["desk/app/"]),
     ("eframe", &["desk/app/"]),
+    ("winit", &["desk/app/"]),
     ("egui_plot", &["desk/app/"]),
     ("rfd", &["desk/app/"]),
     ("wgpu", &["engine/render/gpu", "desk/app/"]),

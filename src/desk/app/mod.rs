@@ -17,6 +17,7 @@ mod colormap;
 mod control;
 mod dock;
 mod model;
+mod pace;
 mod panels;
 mod start;
 mod theme;

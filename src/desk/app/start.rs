@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
+use winit::event_loop::EventLoop;
+
 use super::control::{OverlookApp, Start};
+use super::pace::{LeastPeriod, PacedWindow};
 use overlook_engine::demo::{DemoSpec, SCENES};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::gpu::device_descriptor;
@@ -19,6 +22,7 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
         });
     }
     let start = path.map_or_else(|| Start::Welcome(default_demo()), Start::Path);
+    let has_card = has_graphics_card();
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Overlook")
@@ -26,16 +30,36 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
             .with_inner_size([1280.0, 800.0])
             .with_min_inner_size([1024.0, 640.0])
             .with_drag_and_drop(true),
-        renderer: if has_graphics_card() { eframe::Renderer::Wgpu } else { eframe::Renderer::Glow },
+        renderer: if has_card { eframe::Renderer::Wgpu } else { eframe::Renderer::Glow },
         wgpu_options: window_device(),
+        // Its noise costs a program that draws on the processor more than all the rest.
+        dithering: false,
         ..Default::default()
     };
+    let least_period = LeastPeriod::default();
+    let period = least_period.clone();
     let created: eframe::AppCreator<'_> = Box::new(|cc| {
-        let app = OverlookApp::new(&cc.egui_ctx, cc.storage, cc.wgpu_render_state.as_ref(), start)?;
+        let mut app = OverlookApp::new(&cc.egui_ctx, cc.storage, cc.wgpu_render_state.as_ref(), start)?;
+        app.least_period = period;
         Ok(Box::new(app))
     });
-    eframe::run_native("overlook", options, created)
-        .map_err(|error| Error::Gpu { what: format!("no window can be opened: {error}") })
+    let opened = if has_card {
+        eframe::run_native("overlook", options, created)
+    } else {
+        run_paced(options, created, least_period)
+    };
+    opened.map_err(|error| Error::Gpu { what: format!("no window can be opened: {error}") })
+}
+
+/// Runs a window that the processor draws.
+fn run_paced(
+    options: eframe::NativeOptions,
+    created: eframe::AppCreator<'_>,
+    least_period: LeastPeriod,
+) -> eframe::Result {
+    let event_loop = EventLoop::<eframe::UserEvent>::with_user_event().build()?;
+    let window = eframe::create_native("overlook", options, created, &event_loop);
+    Ok(event_loop.run_app(&mut PacedWindow::new(window, least_period))?)
 }
 
 /// A window whose device can do whatever its adapter can, so that the GPU renderer can share it.

@@ -1,5 +1,7 @@
 //! Small widgets that several areas share.
 
+use std::collections::HashMap;
+
 use egui::{
     Button, Color32, ComboBox, Key, Painter, Rect, Response, RichText, ScrollArea, Sense, TextEdit,
     TextureId, Ui, Vec2, pos2,
@@ -242,6 +244,38 @@ pub(crate) fn canvas_ui(ui: &Ui, canvas: Rect, id: &str, name: &str) -> (Respons
     let response = ui.interact(canvas, ui.scope_id().with(id), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     let painter = ui.painter_at(canvas);
-    painter.rect_filled(canvas, f32::from(space::RADIUS), Tokens::in_ui(ui).canvas);
     (response, painter)
+}
+
+/// Fills a canvas that its picture leaves open.
+pub(crate) fn empty_canvas(ui: &Ui, painter: &Painter, canvas: Rect) {
+    painter.rect_filled(canvas, f32::from(space::RADIUS), Tokens::in_ui(ui).canvas);
+}
+
+/// Pictures by their names: where they were drawn, and in which pass.
+type DrawnPictures = HashMap<&'static str, (Rect, u64)>;
+
+fn drawn_pictures<T>(ctx: &egui::Context, with: impl FnOnce(&mut DrawnPictures) -> T) -> T {
+    ctx.data_mut(|data| with(data.get_temp_mut_or_default(egui::Id::unique("drawn pictures"))))
+}
+
+/// Notes where a picture is drawn whose pixels are pointed at, and behind which nothing is to be seen.
+pub(crate) fn note_picture(ui: &Ui, area: Rect, name: &'static str) {
+    let pass = ui.ctx().cumulative_pass_nr();
+    drawn_pictures(ui.ctx(), |pictures| pictures.insert(name, (area, pass)));
+}
+
+/// The picture that was drawn in an area in this pass.
+pub(crate) fn picture_in(ui: &Ui, area: Rect) -> Option<Rect> {
+    let pass = ui.ctx().cumulative_pass_nr();
+    let is_there = |(picture, drawn): &&(Rect, u64)| *drawn == pass && area.contains_rect(*picture);
+    drawn_pictures(ui.ctx(), |pictures| pictures.values().find(is_there).map(|(picture, _)| *picture))
+}
+
+/// Whether the pointer is over a picture whose pixels are pointed at: elsewhere no pixel is marked, unless it is pinned.
+pub(crate) fn points_at_picture(ctx: &egui::Context) -> bool {
+    let Some(pointer) = ctx.pointer_hover_pos() else { return false };
+    let pass = ctx.cumulative_pass_nr();
+    let is_under = |(area, drawn): &(Rect, u64)| drawn + 1 >= pass && area.contains(pointer);
+    drawn_pictures(ctx, |pictures| pictures.values().any(is_under))
 }

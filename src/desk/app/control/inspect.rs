@@ -37,6 +37,7 @@ impl OverlookApp {
             Command::Help(page) => {
                 state.inspector.help = page;
                 if page == Some(HelpPage::About) {
+                    state.inspector.held_memory = state.held_memory();
                     let window = self.window.as_ref();
                     let memory = window.and_then(|window| window.device.generate_allocator_report());
                     state.inspector.graphics_memory = memory.map(|memory| memory.total_allocated_bytes);

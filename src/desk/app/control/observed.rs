@@ -49,7 +49,7 @@ impl OverlookApp {
         let scene = state.scene.as_deref();
         let cameras = scene.map_or(&[][..], |scene| &scene.cameras);
         let size = state.live.size;
-        let vantage = state.live_camera(size);
+        let vantage = state.seen_camera(size);
         let on_screen = |(index, camera): (usize, &Camera)| {
             let (pixel, _) = vantage.as_ref()?.project(camera.position_in_world())?;
             let share = egui::vec2(pixel.x as f32 / size[0] as f32, pixel.y as f32 / size[1] as f32);

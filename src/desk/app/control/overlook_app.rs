@@ -2,6 +2,7 @@
 //! requested.
 
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -11,6 +12,7 @@ use crate::app::dock::Dock;
 use crate::app::model::{
     Busy, Command, DockView, Message, NoticeKind, State, StoppableWork, Stopwatch, TypedPath,
 };
+use crate::app::pace::LeastPeriod;
 use crate::app::theme;
 use crate::app::work::{Outbox, Scheduler, Workers};
 use overlook_engine::demo::DemoSpec;
@@ -25,6 +27,12 @@ const WATCH: Duration = Duration::from_millis(100);
 
 /// How long a message of success stays.
 const DONE_STAYS: Duration = Duration::from_secs(8);
+
+/// How far the pointer may move in a click, points: what moves farther drags, and is answered at once.
+const CLICK: f32 = 4.0;
+
+/// A frame may come earlier by this share of its time: better than to draw the window for it alone.
+const EARLY: f32 = 0.2;
 
 /// What the window shows first.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +66,8 @@ pub struct OverlookApp {
     pub(crate) shot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
     /// When each kind of work that is watched began, by its words.
     pub(crate) stages: std::collections::HashMap<String, Instant>,
+    /// Read by what draws the window.
+    pub(crate) least_period: LeastPeriod,
 }
 
 impl OverlookApp {
@@ -73,6 +83,7 @@ impl OverlookApp {
         start: Start,
     ) -> Result<Self> {
         theme::install(ctx);
+        ctx.options_mut(|options| options.input_options.max_click_dist = CLICK);
         let (sender, inbox) = sync_channel(MESSAGES);
         let shared = window.map(|window| SharedDevice {
             adapter: window.adapter.clone(),
@@ -106,6 +117,7 @@ impl OverlookApp {
             shot_wanted: None,
             shot: Arc::default(),
             stages: std::collections::HashMap::new(),
+            least_period: LeastPeriod::default(),
         };
         app.state.timeline.plays_once_ready = matches!(start, Start::Welcome(_));
         match start {
@@ -121,18 +133,13 @@ impl OverlookApp {
         while let Ok(message) = self.inbox.try_recv() {
             self.receive(message);
         }
-        for command in std::mem::take(&mut self.commands) {
-            self.apply(command);
-        }
+        self.carry_out_commands();
         self.take_dropped_files();
         self.take_shot();
         self.advance_time();
         self.advance_path();
         self.watch_closing();
-        if let Some(wait) = self.scheduler.request_missing(&self.state, &self.visible_views(), &self.workers)
-        {
-            ctx.request_repaint_after(wait);
-        }
+        self.request_missing();
         self.watch_work();
         let theme = if self.state.dark { egui::Theme::Dark } else { egui::Theme::Light };
         if ctx.theme() != theme {
@@ -140,6 +147,35 @@ impl OverlookApp {
         }
         theme::show_tooltips(ctx, !self.state.is_asking());
         self.state.inspector.meter.logic(watch.spent());
+    }
+
+    /// The work after a picture of the window: what was done in it is answered at once. Where that only moves the view, the window is
+    /// drawn again when there is something to show.
+    pub(crate) fn after_picture(&mut self) {
+        if self.commands.is_empty() {
+            return;
+        }
+        let only_moves = self.state.live_shown.is_some() && self.commands.iter().all(Command::moves_view);
+        self.carry_out_commands();
+        self.request_missing();
+        if !only_moves {
+            self.ctx.request_repaint();
+        }
+    }
+
+    fn carry_out_commands(&mut self) {
+        self.state.live.is_held = self.ctx.input(|input| input.pointer.any_down());
+        for command in std::mem::take(&mut self.commands) {
+            self.apply(command);
+        }
+    }
+
+    /// Requests what is missing, and to be called again where that depends on time.
+    fn request_missing(&mut self) {
+        let wait = self.scheduler.request_missing(&self.state, &self.visible_views(), &self.workers);
+        if let Some(wait) = wait {
+            self.ctx.request_repaint_after(wait);
+        }
     }
 
     /// Leaves what the next run brings back.
@@ -153,13 +189,15 @@ impl OverlookApp {
     }
 
     fn advance_time(&mut self) {
-        if !self.state.timeline.playing {
-            return;
-        }
         let timeline = &mut self.state.timeline;
         let period = 1.0 / timeline.frames_per_second;
+        let least_period = if timeline.playing { period * (1.0 - EARLY / 2.0) * 1e6 } else { 0.0 };
+        self.least_period.store(least_period as u32, Ordering::Relaxed);
+        if !timeline.playing {
+            return;
+        }
         timeline.elapsed_secs += self.ctx.input(|input| input.unstable_dt).min(0.5);
-        let frames = (timeline.elapsed_secs / period) as i64;
+        let frames = (timeline.elapsed_secs / period + EARLY).floor() as i64;
         timeline.elapsed_secs -= frames as f32 * period;
         let wait = (period - timeline.elapsed_secs).max(0.0);
         let before = timeline.frame;

@@ -2,17 +2,20 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
-use egui::{TextureFilter, TextureOptions};
+use egui::TextureOptions;
 
 use super::overlook_app::OverlookApp;
 use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
-    self, Accuracy, Display, DockView, Exported, LivePicture, Message, NoticeKind, NoticeLink, OpenScene,
-    OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneSource, ShownCameras, ShownPicture,
-    SourceLook, Spot, Texture, Unit, Whole, WorkKind, and_others, method_of,
+    self, Accuracy, CarriedLook, Display, DockView, Exported, LiveKey, LivePicture, Message, NoticeKind,
+    NoticeLink, OpenScene, OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneSource, ShownCameras,
+    ShownCarried, ShownPicture, SourceLook, Spot, State, Texture, Unit, Whole, WorkKind, and_others,
+    method_of,
 };
+use overlook_engine::capture::Camera;
 use overlook_engine::error::Error;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::preprocess::diagnostics::Suspect;
@@ -20,12 +23,46 @@ use overlook_engine::preprocess::{PreparedScan, Preprocessed};
 use overlook_engine::settings::Settings;
 
 impl OverlookApp {
+    /// Takes in a live picture. If the view has moved on, what is shown stays until this picture is carried to where the view is: it
+    /// would jump back.
+    fn live_painted(&mut self, key: LiveKey, picture: Arc<LivePicture>) {
+        let state = &mut self.state;
+        state.report_damage(&picture.damage);
+        self.scheduler.live.painted(&key, &picture, state);
+        if state.timeline.playing {
+            state.timeline.shown.add(key.vantage.frame, Instant::now());
+        }
+        let is_behind = !state.looks_from(&key.vantage.camera);
+        let carried = state.live_carried.take().filter(|_| is_behind && picture.rendered().is_some());
+        if carried.is_some() && self.scheduler.live.is_late(&key) {
+            state.live_carried = carried;
+            return;
+        }
+        let texture = match (carried.is_some(), state.live_shown.take()) {
+            (true, Some(shown)) => Some(shown.texture),
+            (_, shown) => self.texture_of(&picture, shown.map(|shown| shown.texture)),
+        };
+        self.state.live_carried = carried;
+        self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
+    }
+
+    /// Takes in the live picture as `camera` sees it, unless that was painted in the meantime.
+    fn live_carried(&mut self, camera: &Camera, carried: Option<CarriedLook>) {
+        let state = &mut self.state;
+        let is_painted =
+            state.live_shown.as_ref().is_none_or(|shown| state.looks_from(&shown.key.vantage.camera));
+        let Some(CarriedLook { image, inverse_depth }) = carried.filter(|_| !is_painted) else { return };
+        let replaced = state.live_carried.take().map(|carried| carried.texture);
+        let texture = Texture::send(&self.ctx, "carried", options_of(image.size, state), &image, replaced);
+        state.live_carried = Some(ShownCarried { camera: camera.clone(), inverse_depth, texture });
+    }
+
     /// The texture that shows a picture of the live view; `None` if it is on the GPU and the window does not draw with one.
-    fn texture_of(&mut self, picture: &LivePicture) -> Option<Texture> {
-        let replaced = self.state.live_shown.take().map(|shown| shown.texture);
+    fn texture_of(&self, picture: &LivePicture, replaced: Option<Texture>) -> Option<Texture> {
         match &picture.pixels {
             PixelSource::InMemory { image, .. } => {
-                Some(Texture::send(&self.ctx, "live", TextureFilter::Linear, image, replaced))
+                let options = options_of(image.size, &self.state);
+                Some(Texture::send(&self.ctx, "live", options, image, replaced))
             }
             PixelSource::OnAdapter(painted) => {
                 Some(Texture::painted(self.window.as_ref()?, painted, replaced))
@@ -51,14 +88,11 @@ impl OverlookApp {
             Message::SourcePainted { key, picture } => {
                 let replaced = state.source_shown.take().map(|shown| shown.texture);
                 // The source view shows single pixels sharply; the live view is interpolated.
-                let texture = Texture::send(ctx, "source", TextureFilter::Nearest, &picture.image, replaced);
+                let texture = Texture::send(ctx, "source", Texture::PIXELS, &picture.image, replaced);
                 state.source_shown = Some(ShownPicture { key, picture, texture });
             }
-            Message::LivePainted { key, picture } => {
-                state.report_damage(&picture.damage);
-                let texture = self.texture_of(&picture);
-                self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
-            }
+            Message::LivePainted { key, picture } => self.live_painted(key, picture),
+            Message::LiveCarried { carried, key } => self.live_carried(&key.to, carried),
             Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
             Message::Probed { spot, probed, is_hole, .. } => self.probed(spot, probed, is_hole),
             Message::Thumbnails { pictures, .. } => {
@@ -213,7 +247,7 @@ impl OverlookApp {
         }
         state.inspector.close_scene();
         state.source_shown = None;
-        state.live_shown = None;
+        (state.live_shown, state.live_carried) = (None, None);
         state.timeline.frame = 0;
         state.timeline.playing = false;
         state.timeline.range = None;
@@ -321,4 +355,10 @@ impl OverlookApp {
         self.state.notify(NoticeKind::Error, work.failure(), error.to_string());
         self.type_again(work, error);
     }
+}
+
+/// How a live picture is magnified: not at all where it has the pixels of its view, which costs a processor that draws the least.
+fn options_of(size: [usize; 2], state: &State) -> TextureOptions {
+    let fits = size.map(|side| side as u32) == state.live.size;
+    if fits { TextureOptions::NEAREST } else { TextureOptions::LINEAR }
 }

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use super::overlook_app::OverlookApp;
 use super::paths::lasting;
 use crate::app::model::{
-    self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, StoppableWork, ViewCommand,
+    self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, ShownRate, StoppableWork,
+    ViewCommand,
 };
 use crate::app::work::OpenRequest;
 use overlook_engine::demo::DemoSpec;
@@ -72,6 +73,7 @@ impl OverlookApp {
             Command::TogglePlay => {
                 timeline.playing = frames > 1 && !timeline.playing;
                 timeline.elapsed_secs = 0.0;
+                timeline.shown = ShownRate::default();
             }
             Command::LoopRange(range) => timeline.range = range,
             Command::ToggleMarker if frames > 0 => timeline.toggle_marker(),

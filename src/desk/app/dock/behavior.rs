@@ -1,12 +1,12 @@
 //! How tabs look and what they hold.
 
-use egui::{Color32, Frame, Margin, Stroke, Style, Ui, Visuals, WidgetText};
+use egui::{Color32, Frame, Margin, Rect, Shape, Stroke, Style, Ui, Visuals, WidgetText, pos2};
 use egui_material_icons::icons::{ICON_CLOSE_FULLSCREEN, ICON_OPEN_IN_FULL};
 use egui_tiles::{Behavior, Container, EditAction, TabState, TileId, Tiles, UiResponse};
 
 use crate::app::model::{Area, DockView};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::icon_button;
+use crate::app::widgets::{self, icon_button};
 
 /// A part of the layout that a view fills.
 #[derive(Clone, Copy)]
@@ -17,13 +17,29 @@ pub(crate) enum DockPart {
     TabBar,
 }
 
-/// Draws the contents of a view on its surface.
+/// Draws the contents of a view on its surface, which is left out behind a picture: no graphics card may be there to draw it.
 pub(super) fn contents_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
-    let tokens = Tokens::in_ui(ui);
-    Frame::new().fill(tokens.surface).inner_margin(Margin::same(space::MEDIUM as i8)).show(ui, |ui| {
+    let surface = Tokens::in_ui(ui).surface;
+    let behind = ui.painter().add(Shape::Noop);
+    let frame = Frame::new().inner_margin(Margin::same(space::MEDIUM as i8)).show(ui, |ui| {
         ui.set_min_size(ui.available_size());
         contents(ui);
     });
+    let area = frame.response.rect;
+    let picture = widgets::picture_in(ui, area);
+    let around = picture.map_or_else(|| vec![area], |picture| around(area, picture).to_vec());
+    let fills = around.into_iter().map(|part| Shape::rect_filled(part, 0.0, surface));
+    ui.painter().set(behind, Shape::Vec(fills.collect()));
+}
+
+/// An area without what lies in it.
+fn around(area: Rect, inside: Rect) -> [Rect; 4] {
+    [
+        Rect::from_min_max(area.min, pos2(area.right(), inside.top())),
+        Rect::from_min_max(pos2(area.left(), inside.bottom()), area.max),
+        Rect::from_min_max(pos2(area.left(), inside.top()), inside.left_bottom()),
+        Rect::from_min_max(inside.right_top(), pos2(area.right(), inside.bottom())),
+    ]
 }
 
 /// The button that lets a view fill the window, or puts it back; whether it was clicked.

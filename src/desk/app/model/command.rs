@@ -176,6 +176,13 @@ pub(crate) enum Command {
     Dismiss(u64),
 }
 
+impl Command {
+    /// Whether it moves the live view, and nothing else.
+    pub(crate) fn moves_view(&self) -> bool {
+        matches!(self, Self::Orbit(_) | Self::Pan(_) | Self::Dolly(_) | Self::DollyTo { .. } | Self::Fly(_))
+    }
+}
+
 /// A page of help.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HelpPage {

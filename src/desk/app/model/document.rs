@@ -16,6 +16,7 @@ use super::purpose::TypedPath;
 use super::recent::RecentPicture;
 use super::results::{Accuracy, Inspected, Whole, method_of};
 use super::scene::{Content, OpenScene, SceneSource};
+use super::seen_picture::ShownCarried;
 use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
 use super::timeline::Timeline;
@@ -63,6 +64,8 @@ pub(crate) struct LiveLook {
     pub fly_speed: f64,
     /// Whether the GPU may paint on the device that draws the window.
     pub shares_device: bool,
+    /// Whether a button of the mouse is held.
+    pub is_held: bool,
 }
 
 /// Size of the right view before it was first laid out, in pixels: other views want its picture while it lies behind them.
@@ -125,7 +128,10 @@ pub(crate) struct State {
     pub source: SourceLook,
     pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
     pub live: LiveLook,
+    /// The live picture that was painted last.
     pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
+    /// The same from where the view is now, while that is painted.
+    pub live_carried: Option<ShownCarried>,
     pub notices: Vec<Notice>,
     pub inspector: Inspector,
     pub typed_path: Option<TypedPath>,
@@ -351,8 +357,10 @@ impl Default for State {
                 area: egui::Rect::NOTHING,
                 fly_speed: 1.0,
                 shares_device: false,
+                is_held: false,
             },
             live_shown: None,
+            live_carried: None,
             notices: Vec::new(),
             inspector: Inspector::default(),
             typed_path: None,

@@ -84,6 +84,8 @@ pub(crate) struct Inspector {
     pub graphics: Option<String>,
     /// Bytes that the window's device has allocated on it when *About* was opened, where its driver says.
     pub graphics_memory: Option<u64>,
+    /// What the program held in memory when it was asked for, by part, bytes.
+    pub held_memory: Vec<(&'static str, u64)>,
     /// Whether the introduction of the first run was read.
     pub introduced: bool,
     /// The settings of the store that was saved last of the open capture, at first those that it was opened with.

@@ -1,10 +1,12 @@
 //! The picture of the live view: what it was made from, and where its pixels are.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use egui::ColorImage;
 
 use super::display::{Display, PictureHistogram};
+use super::motion_budget::MotionQuality;
 use super::source_picture::{AGREEMENT, MOTION};
 use super::view_look::ShownCameras;
 use overlook_engine::preprocess::inspect::FrameInspection;
@@ -87,6 +89,8 @@ pub(crate) struct LiveKey {
     pub dark: bool,
     /// Whether the next picture follows at once: then its pixels are not read back, and may stay on the GPU.
     pub in_motion: bool,
+    /// What it keeps of the settings while the view moves; `None` at rest.
+    pub quality: Option<MotionQuality>,
     /// Its pixels along one pixel of a picture in motion.
     pub per_coarse_pixel: f64,
 }
@@ -111,6 +115,7 @@ impl PartialEq for LiveKey {
             && self.display == other.display
             && self.dark == other.dark
             && self.in_motion == other.in_motion
+            && self.quality == other.quality
     }
 }
 
@@ -127,6 +132,8 @@ pub(crate) struct LivePicture {
     /// How bright it is; `None` where its colors are no picture's, and in motion.
     pub histogram: Option<PictureHistogram>,
     pub stats: RenderStats,
+    /// From the request to the finished picture, reading included.
+    pub took: Duration,
     pub painter: Painter,
     /// Why the renderer of the settings did not paint.
     pub notice: Option<String>,

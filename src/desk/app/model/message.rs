@@ -13,6 +13,7 @@ use super::purpose::{Destination, Purpose};
 use super::readings::ReadingImages;
 use super::results::{Accuracy, CameraMemory, Inspected};
 use super::scene::OpenScene;
+use super::seen_picture::{CarriedLook, CarryKey};
 use super::source_picture::{SourceKey, SourcePicture};
 use super::work_kind::WorkKind;
 use overlook_engine::capture::conventions::Finding;
@@ -51,6 +52,11 @@ pub(crate) enum Message {
     LivePainted {
         key: LiveKey,
         picture: Arc<LivePicture>,
+    },
+    /// The live picture as the view shows it now, until it is painted; `None` where nothing of it is in view.
+    LiveCarried {
+        key: CarryKey,
+        carried: Option<CarriedLook>,
     },
     /// Accuracy at vantages with truth; `None` without such vantages.
     Measured {
@@ -179,6 +185,7 @@ impl Message {
             | Self::PathLoaded { scene, .. } => Some(*scene),
             Self::SourcePainted { key, .. } => Some(key.scene),
             Self::LivePainted { key, .. } => Some(key.scene),
+            Self::LiveCarried { key, .. } => Some(key.scene),
             Self::Compared { key, .. } => Some(key.scene.id),
             _ => None,
         }

@@ -17,8 +17,8 @@ use overlook_engine::samples::{SampleSet, Span};
 pub(crate) enum Spot {
     /// A pixel of a camera.
     Source { camera: usize, x: usize, y: usize },
-    /// A pixel of the live picture.
-    Live { x: usize, y: usize },
+    /// A pixel of a live picture of this size: one of another size shows the same place elsewhere.
+    Live { x: usize, y: usize, size: [usize; 2] },
 }
 
 /// What the answer depends on.

@@ -24,16 +24,18 @@ impl Texture {
         }
     }
 
+    /// How pictures are shown whose single pixels are to be told apart.
+    pub(crate) const PIXELS: TextureOptions =
+        TextureOptions { magnification: TextureFilter::Nearest, ..TextureOptions::LINEAR };
+
     /// Sends a picture: into the replaced texture if that was sent too, otherwise into a new one.
     pub(crate) fn send(
         ctx: &egui::Context,
         name: &str,
-        magnification: TextureFilter,
+        options: TextureOptions,
         image: &Arc<ColorImage>,
         replaced: Option<Self>,
     ) -> Self {
-        let options =
-            TextureOptions { magnification, minification: TextureFilter::Linear, ..Default::default() };
         match replaced {
             Some(Self::Sent(mut texture)) => {
                 texture.set(image.clone(), options);

@@ -1,6 +1,7 @@
 //! Where in time, and how time passes: over all frames or a range of them, around the ends or back and forth.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
+use std::time::{Duration, Instant};
 
 /// Where in time.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +23,38 @@ pub(crate) struct Timeline {
     pub backward: bool,
     /// Frames that are marked.
     pub markers: BTreeSet<usize>,
+    /// How many frames are really shown while it advances.
+    pub shown: ShownRate,
+}
+
+/// How long frames that were shown are counted.
+const COUNTED: Duration = Duration::from_secs(1);
+
+/// Counts the frames that are shown.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ShownRate {
+    last: Option<usize>,
+    /// When those of the last second were shown.
+    times: VecDeque<Instant>,
+}
+
+impl ShownRate {
+    /// A picture of a frame is shown.
+    pub(crate) fn add(&mut self, frame: usize, now: Instant) {
+        if self.last.replace(frame) != Some(frame) {
+            self.times.push_back(now);
+        }
+        while self.times.front().is_some_and(|time| now - *time > COUNTED) {
+            self.times.pop_front();
+        }
+    }
+
+    /// Frames a second; `None` before there are enough of them.
+    pub(crate) fn per_second(&self) -> Option<f32> {
+        let (first, last) = (self.times.front()?, self.times.back()?);
+        let passed = (*last - *first).as_secs_f32();
+        (passed > 0.5).then(|| (self.times.len() - 1) as f32 / passed)
+    }
 }
 
 impl Timeline {
@@ -103,6 +136,22 @@ mod tests {
         assert_eq!(played(both_ways, 6), [5, 4, 3, 4, 5, 4]);
         let one = Timeline { range: Some([4, 4]), ping_pong: true, ..range };
         assert_eq!(played(one, 2), [4, 4]);
+    }
+
+    #[test]
+    fn frames_that_are_shown_are_counted_once_over_the_last_second() {
+        let start = Instant::now();
+        let mut shown = ShownRate::default();
+        let at = |ms: u64| start + Duration::from_millis(ms);
+        shown.add(0, at(0));
+        assert_eq!(shown.per_second(), None);
+        for nth in 1..=100 {
+            shown.add(nth as usize, at(nth * 50));
+            shown.add(nth as usize, at(nth * 50));
+        }
+        assert!((shown.per_second().unwrap() - 20.0).abs() < 0.01);
+        (1..=20).for_each(|nth| shown.add(1000 + nth as usize, at(5000 + nth * 200)));
+        assert!((shown.per_second().unwrap() - 5.0).abs() < 0.01);
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub(crate) enum WorkKind {
     PrepareFrame,
     SourcePicture,
     LiveView,
+    CarriedPicture,
     MeasureAccuracy,
     /// Saves and loads.
     File,
@@ -35,7 +36,7 @@ impl WorkKind {
             Self::InspectFrame => "Could not read this frame",
             Self::PrepareFrame => "Could not prepare this frame",
             Self::SourcePicture => "Could not show this frame",
-            Self::LiveView => "Could not render this view",
+            Self::LiveView | Self::CarriedPicture => "Could not render this view",
             Self::MeasureAccuracy => "Could not measure accuracy",
             Self::File => "Could not save or load",
             Self::Dialog => "Could not ask for a path",

@@ -179,6 +179,11 @@ fn about_ui(ui: &mut Ui, state: &State) {
         let told = memory.map_or_else(|| "not told by its driver".to_owned(), model::bytes);
         ui.label(format!("GPU memory in use: {told}"));
     }
+    let held = state.inspector.held_memory.iter();
+    let held: Vec<String> = held.map(|(part, bytes)| format!("{part}: {}", model::bytes(*bytes))).collect();
+    if !held.is_empty() {
+        ui.label(format!("In memory: {}", held.join(", ")));
+    }
     if let Some(shown) = &state.live_shown {
         ui.label(format!("Last picture rendered by: {}", shown.picture.painter));
     }

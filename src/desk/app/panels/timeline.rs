@@ -6,9 +6,12 @@ use egui_material_icons::icons::{
     ICON_REPEAT, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS, ICON_SWAP_HORIZ,
 };
 
-use crate::app::model::{self, Command, Commands, State};
+use crate::app::model::{self, Command, Commands, State, Timeline};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, weak};
+
+/// Fewer frames than this share of those that are asked for are told.
+const FALLS_SHORT: f32 = 0.9;
 
 pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.add_enabled_ui(state.scene.is_some(), |ui| {
@@ -38,7 +41,8 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
     ui.add_space(space::LARGE);
     let mut rate = timeline.frames_per_second;
-    let drag = DragValue::new(&mut rate).range(1.0..=120.0).speed(0.25).max_decimals(0).suffix(" fps");
+    let drag =
+        DragValue::new(&mut rate).range(1.0..=120.0).speed(0.25).max_decimals(0).suffix(rate_text(timeline));
     let drag =
         ui.add(drag).on_hover_text("Frames per second of playback").accessible_name("Frames per second");
     if drag.changed() {
@@ -51,6 +55,13 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             weak(ui, format!("{} time-varying samples", model::count(here)));
         }
     });
+}
+
+/// Behind the number of frames a second: how many are really shown, where these are fewer.
+fn rate_text(timeline: &Timeline) -> String {
+    let shown = timeline.shown.per_second().filter(|_| timeline.playing);
+    let falls_short = shown.filter(|shown| *shown < FALLS_SHORT * timeline.frames_per_second);
+    falls_short.map_or_else(|| " fps".to_owned(), |shown| format!(" fps (showing {shown:.0})"))
 }
 
 /// The range that is played, and how its ends are met.

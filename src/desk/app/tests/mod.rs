@@ -1,5 +1,6 @@
 //! What the window does between commands and answers, without a picture of it.
 
+mod motion;
 mod paths;
 mod stopping;
 mod telling;
@@ -291,7 +292,8 @@ fn a_hole_that_is_clicked_is_not_kept() {
     let picture = app.state.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();
     let width = picture.image.width();
     let hole = picture.image.as_slice().iter().position(|image| *image == NO_IMAGE).expect("a hole");
-    let spot = Spot::Live { x: hole % width, y: hole / width };
+    let size = picture.image.size().into();
+    let spot = Spot::Live { x: hole % width, y: hole / width, size };
     // With and without having been pointed at before.
     for before in [false, true] {
         app.apply(Command::Probe(Some(spot)));

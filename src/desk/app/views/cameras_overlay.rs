@@ -47,7 +47,7 @@ pub(super) fn seen_cameras<'a>(
     scene: &'a OpenScene,
 ) -> Vec<ProjectedCamera<'a>> {
     let size = [canvas.width() as u32, canvas.height() as u32];
-    let Some(vantage) = state.live_camera(size).filter(|_| state.live.show_cameras) else {
+    let Some(vantage) = state.seen_camera(size).filter(|_| state.live.show_cameras) else {
         return Vec::new();
     };
     let at = |pixel: DVec2| canvas.min + vec2(pixel.x as f32, pixel.y as f32);

@@ -157,6 +157,7 @@ fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
 fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -> Option<[usize; 2]> {
     let tokens = Tokens::in_ui(ui);
     let (response, painter) = widgets::canvas_ui(ui, canvas, "comparison", "Comparison");
+    widgets::empty_canvas(ui, &painter, canvas);
     let Some(compared) = &state.inspector.compared else {
         waiting(ui, canvas, 28.0);
         return None;

@@ -54,14 +54,14 @@ pub(super) fn guides_ui(
     commands: &mut Commands,
 ) {
     let size = [canvas.width() as u32, canvas.height() as u32];
-    let (Some(orbit), Some(vantage)) = (&state.live.orbit, state.live_camera(size)) else { return };
+    let (Some(orbit), Some(vantage)) = (&state.live.orbit, state.seen_camera(size)) else { return };
     if state.live.guides.grid {
         ground(painter, canvas, state, orbit, &vantage);
     }
     frame(painter, canvas, state);
     ruler(painter, canvas, state, &vantage);
     if state.live.guides.axes {
-        axes_ui(ui, painter, canvas, orbit, commands);
+        axes_ui(ui, painter, canvas, &vantage, commands);
     }
 }
 
@@ -212,11 +212,11 @@ fn ruler(painter: &Painter, canvas: Rect, state: &State, vantage: &Camera) {
 }
 
 /// The directions of the world's axes; a click on an end looks along it.
-fn axes_ui(ui: &mut Ui, painter: &Painter, canvas: Rect, orbit: &OrbitCamera, commands: &mut Commands) {
+fn axes_ui(ui: &mut Ui, painter: &Painter, canvas: Rect, vantage: &Camera, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let scale = (canvas.height() / ROOM_OF_AXES).clamp(SHORTEST_AXES, 1.0);
     let middle = canvas.left_bottom() + FROM_CORNER * scale;
-    let camera_from_world = orbit.world_from_camera.matrix3.transpose();
+    let camera_from_world = vantage.world_from_camera.matrix3.transpose();
     let mut ends: Vec<(DVec3, DVec3, &str)> = Vec::new();
     for (axis, names) in [(DVec3::X, ["X", "−X"]), (DVec3::Y, ["Y", "−Y"]), (DVec3::Z, ["Z", "−Z"])] {
         for (axis, name) in [(axis, names[0]), (-axis, names[1])] {

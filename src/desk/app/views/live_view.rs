@@ -92,10 +92,14 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     if size != state.live.size {
         commands.push(Command::LiveSize(size));
     }
-    if let Some(shown) = &state.live_shown {
-        picture(&painter, shown.texture.id(), canvas);
-    } else if !state.is_frame_failed() {
-        waiting(ui, canvas, 28.0);
+    if let Some(seen) = state.live_seen() {
+        picture(&painter, seen.texture, canvas);
+        widgets::note_picture(ui, canvas, "live picture");
+    } else {
+        widgets::empty_canvas(ui, &painter, canvas);
+        if !state.is_frame_failed() {
+            waiting(ui, canvas, 28.0);
+        }
     }
     let seen = state.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
@@ -127,7 +131,10 @@ fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
     let probe = &state.inspector.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
     let size = [canvas.width() as u32, canvas.height() as u32];
-    if let (Some(point), Some(vantage)) = (point, state.live_camera(size))
+    if !probe.pinned && !widgets::points_at_picture(painter.ctx()) {
+        return;
+    }
+    if let (Some(point), Some(vantage)) = (point, state.seen_camera(size))
         && let Some((position, depth)) = vantage.project(point)
     {
         let at = canvas.min + vec2(position.x as f32, position.y as f32);
@@ -140,30 +147,34 @@ fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
 /// Selects the pixel under the pointer.
 fn probe_ui(response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
     let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };
+    if state.live_carried.is_some() {
+        // What it shows is known once it is painted.
+        return;
+    }
     let [width, height] = shown.picture.size;
     let share = (pointer - canvas.min) / canvas.size();
     let (x, y) = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
     if x < width && y < height {
-        source_view::point_at(response, Spot::Live { x, y }, state, commands);
+        source_view::point_at(response, Spot::Live { x, y, size: [width, height] }, state, commands);
     }
 }
 
 /// Whether a sample in the live picture shows the surface at this place and depth, and nothing before it.
 fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
-    let has_sample =
-        pixel_at(state, canvas, at).is_some_and(|(picture, place)| picture.image[place] != NO_IMAGE);
-    has_sample && inverse_depth_at(state, canvas, at).is_some_and(|w| (w * depth - 1.0).abs() < NEARLY)
+    let is_filled = state.live_carried.is_none()
+        && pixel_at(state, canvas, at).is_some_and(|(picture, place)| picture.image[place] == NO_IMAGE);
+    !is_filled && inverse_depth_at(state, canvas, at).is_some_and(|w| (w * depth - 1.0).abs() < NEARLY)
 }
 
 /// The surface point that the live picture shows at a place.
 fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec3> {
-    let shown = state.live_shown.as_ref()?;
-    let picture = &shown.picture.rendered()?.inverse_depth;
+    let seen = state.live_seen()?;
+    let picture = seen.inverse_depth?;
     let share = (at - canvas.min) / canvas.size();
     let place =
         DVec2::new(f64::from(share.x) * picture.width() as f64, f64::from(share.y) * picture.height() as f64);
     let inverse_depth = f64::from(*picture.get(place.x as usize, place.y as usize)?);
-    (inverse_depth > 0.0).then(|| shown.key.vantage.camera.unproject(place, 1.0 / inverse_depth))
+    (inverse_depth > 0.0).then(|| seen.camera.unproject(place, 1.0 / inverse_depth))
 }
 
 /// Turns, shifts and zooms the view; `is_taken` where a camera answers clicks.

@@ -76,6 +76,7 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands) -> Option<(usize, usize)> {
     let tokens = Tokens::in_ui(ui);
     let (response, painter) = widgets::canvas_ui(ui, canvas, "source picture", "Source picture");
+    widgets::empty_canvas(ui, &painter, canvas);
     let Some(shown) = &state.source_shown else {
         if !state.is_frame_failed() {
             waiting(ui, canvas, 28.0);
@@ -90,13 +91,17 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
         legend::tile_shares(&painter, picture, size, shares, tokens);
     }
     zoom_and_pan(ui, &response, picture, state, commands);
+    widgets::note_picture(ui, picture.intersect(canvas), "source picture");
     let probe = &state.inspector.probe;
     let shown_camera = shown.key.camera;
     let probed = state.scene.as_ref().zip(probe.shown.as_ref());
     if let Some((at, sees)) =
         probed.and_then(|(scene, probed)| probed.in_camera(&scene.cameras, shown_camera))
     {
-        overlays::mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
+        let painter = painter.with_clip_rect(picture.intersect(canvas));
+        if probe.pinned || widgets::points_at_picture(ui.ctx()) {
+            overlays::mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
+        }
     }
     let pointer = response.hover_pos()?;
     let at = (pointer - picture.min) / scale;

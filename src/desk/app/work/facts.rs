@@ -60,8 +60,10 @@ pub(crate) fn memory(samples: &SampleSet) -> Vec<CameraMemory> {
 pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
     let (camera, x, y, seen) = match key.spot {
         Spot::Source { camera, x, y } => (camera, x, y, None),
-        Spot::Live { x, y } => {
+        Spot::Live { x, y, size } => {
             let (live, shown) = key.live.as_ref()?;
+            let [x, y] = [(x, size[0], shown.size[0]), (y, size[1], shown.size[1])]
+                .map(|(at, of, side)| (2 * at + 1) * side / (2 * of.max(1)));
             let picked = pick(&shown.samples, &live.vantage, shown.rendered()?, x, y)?;
             (picked.camera, picked.x, picked.y, picked.point_in_world)
         }

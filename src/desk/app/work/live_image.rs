@@ -1,9 +1,11 @@
 //! Paints the picture of the live view.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use egui::{Color32, ColorImage};
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::develop::{background_at, displayed, histogram_of};
 use crate::app::camera_cues;
@@ -67,6 +69,7 @@ pub(crate) fn paint(
     key: &LiveKey,
     job: &Job,
 ) -> Result<LivePicture> {
+    let started = Instant::now();
     let next = key.vantage.frame + 1;
     let samples = match &key.playback {
         None => key.samples.clone(),
@@ -88,7 +91,7 @@ pub(crate) fn paint(
         }
         (WindowPicture::InMemory(rendered), stats) => {
             let pixels = colored(&rendered, key);
-            let shows_picture = key.color_by == ColorBy::Picture && !key.in_motion;
+            let shows_picture = key.color_by == ColorBy::Picture && key.quality.is_none();
             histogram = shows_picture.then(|| histogram_of(&rendered.color, &pixels, |color| *color));
             let size = [pixels.width(), pixels.height()];
             let image = Arc::new(ColorImage::new(size, pixels.into_vec()));
@@ -102,6 +105,7 @@ pub(crate) fn paint(
         pixels,
         histogram,
         stats,
+        took: started.elapsed(),
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
         notice: renderer.notice().map(str::to_owned),
         damage: key.playback.as_ref().map_or_else(Vec::new, |playback| playback.store().damage()),
@@ -131,7 +135,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let tokens = Tokens::of(key.dark);
     let stripe = key.stripe();
     let agreement = LiveAgreement::of(key);
-    Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
+    let color = |x: usize, y: usize| {
         let image = picture.image[(x, y)];
         let shows_sky = key.color_by == ColorBy::Picture && picture.inverse_depth[(x, y)] == 0.0;
         let background = background_at(key.display.background, x, y).filter(|_| shows_sky);
@@ -169,7 +173,12 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 diverging(log2_spacing(key, source.camera as usize, pixel, inverse_depth) / RATIO_RANGE)
             }
         }
-    })
+    };
+    let (width, height) = picture.color.size();
+    let mut colors = vec![Color32::default(); width * height];
+    let rows = colors.par_chunks_mut(width.max(1)).enumerate();
+    rows.for_each(|(y, row)| row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = color(x, y)));
+    Grid::from_vec(width, height, colors)
 }
 
 /// How the samples of each camera agree with other cameras; `None` for cameras without a sample in the picture.
@@ -271,6 +280,7 @@ mod tests {
             display: Display::default(),
             dark: true,
             in_motion: false,
+            quality: None,
             per_coarse_pixel: 1.0,
         }
     }

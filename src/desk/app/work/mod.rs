@@ -5,6 +5,7 @@
 //! ```
 
 mod accuracy;
+mod carry;
 mod compare;
 mod compare_place;
 mod develop;
@@ -13,6 +14,7 @@ mod facts;
 mod files;
 mod histograms;
 mod live_image;
+mod live_schedule;
 mod opening;
 mod other_pictures;
 mod pruning;

@@ -3,24 +3,22 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::live_schedule::LiveSchedule;
 use super::readings::ReadingRequest;
 use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
 use super::worker::Worker;
 use super::workers::Workers;
 use crate::app::model::{
-    ColorBy, CompareKey, DockView, LiveKey, OpenScene, ProbeKey, SceneSource, SettingsSlot, SourceKey, Spot,
-    State, method_of,
+    CompareKey, DockView, OpenScene, ProbeKey, SceneSource, SettingsSlot, SourceKey, Spot, State, method_of,
 };
 use overlook_engine::preprocess::inspect::FrameInspection;
-use overlook_engine::render::Vantage;
 use overlook_engine::samples::SampleSet;
-use overlook_engine::settings::{Backend, Coarse, RenderSettings, Settings};
+use overlook_engine::settings::Settings;
 
 /// How long a slider must rest before the whole capture is pruned again.
 const DEBOUNCE: Duration = Duration::from_millis(400);
 
-/// The live view is at rest after this long at one vantage: then it is rendered in full resolution into memory, where its pixels
-/// can be read. After the same time the frame shown is prepared for interactive thresholds.
+/// After this long at one frame it is prepared for interactive thresholds.
 const REST: Duration = Duration::from_millis(200);
 
 #[derive(Clone, PartialEq)]
@@ -58,11 +56,7 @@ pub(crate) struct Scheduler {
     /// When an inspection was last requested.
     inspect_at: Option<Instant>,
     pub source: Option<SourceKey>,
-    live: Option<LiveKey>,
-    /// Where the live view looks from and when, as it is painted in motion.
-    coarse_vantage: Option<Vantage>,
-    /// Whether it is painted otherwise once it rests.
-    live_will_change: bool,
+    pub live: LiveSchedule,
     pub whole: Option<(u64, Settings)>,
     pub measure: Option<(Arc<SampleSet>, Settings)>,
     pub probe: Option<ProbeKey>,
@@ -75,8 +69,6 @@ pub(crate) struct Scheduler {
     shown_readings: Option<u64>,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
-    /// When the live view last looked elsewhere, or at another frame.
-    moved_at: Option<Instant>,
 }
 
 impl Scheduler {
@@ -85,8 +77,7 @@ impl Scheduler {
         let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
         let source = !state.has_capture()
             || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
-        let live =
-            state.live_shown.as_ref().map(|shown| &shown.key) == self.live.as_ref() && !self.live_will_change;
+        let live = self.live.is_up_to_date(state);
         whole && source && live && (self.is_inspected(state) || !state.has_capture())
     }
 
@@ -109,7 +100,7 @@ impl Scheduler {
         self.request_inspection(state, workers);
         let preparation = self.request_preparation(state, workers);
         self.request_source(state, workers);
-        let rest = self.request_live(state, workers);
+        let rest = self.live.request(state, workers, self.changed_at);
         self.request_accuracy(state, workers);
         self.request_probe(state, workers);
         self.request_thumbs(state, visible, workers);
@@ -177,60 +168,6 @@ impl Scheduler {
             workers.source.submit((scene.clone(), key.clone()));
             self.source = Some(key);
         }
-    }
-
-    fn request_live(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
-        let (Some(scene), Some(samples), Some(orbit)) =
-            (state.scene.as_ref(), state.samples_here(), state.live.orbit.as_ref())
-        else {
-            return None;
-        };
-        let frame = state.timeline.frame;
-        let coarse = orbit.size_in_motion(state.live.size);
-        let coarse_vantage = Vantage { camera: state.live_camera(coarse)?, frame };
-        if self.coarse_vantage.as_ref() != Some(&coarse_vantage) {
-            self.moved_at = Some(Instant::now());
-            self.coarse_vantage = Some(coarse_vantage);
-        }
-        // While a threshold is dragged the next picture follows at once, too.
-        let changes = [self.moved_at, self.changed_at];
-        let rested = changes.into_iter().flatten().map(|at| at.elapsed()).min().unwrap_or(REST);
-        // Sampling colors compare samples with pixels, so that they depend on the resolution.
-        let fine = match state.live.color_by {
-            ColorBy::SamplingRate => coarse,
-            _ => orbit.size_at_rest(state.live.size),
-        };
-        let moves = rested < REST;
-        let size = if moves { coarse } else { fine };
-        let at_rest = &state.settings.render;
-        let from = if moves { Coarse::Pyramid } else { at_rest.coarse };
-        let settings = RenderSettings { coarse: from, ..at_rest.clone() };
-        let vantage = Vantage { camera: state.live_camera(size)?, frame };
-        let on_gpu =
-            state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
-        // The adapter shows colors as recorded.
-        let in_motion = state.live.shares_device && on_gpu && moves && state.display.is_neutral();
-        let key = LiveKey {
-            scene: scene.id,
-            samples: samples.clone(),
-            playback: scene.playback().cloned(),
-            vantage,
-            settings,
-            color_by: state.live.color_by,
-            inspection: state
-                .inspection_here()
-                .filter(|_| state.live.color_by == ColorBy::Agreement)
-                .cloned(),
-            holes: state.live.holes,
-            cameras: state.live.cameras.clone(),
-            display: state.display,
-            dark: state.dark,
-            in_motion,
-            per_coarse_pixel: f64::from(size[0]) / f64::from(coarse[0]),
-        };
-        submit_new(&workers.live, &mut self.live, key);
-        self.live_will_change = moves && (in_motion || coarse != fine || at_rest.coarse != Coarse::Pyramid);
-        self.live_will_change.then(|| REST.saturating_sub(rested))
     }
 
     fn request_whole(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
@@ -354,6 +291,11 @@ impl Scheduler {
     }
 
     fn request_probe(&mut self, state: &State, workers: &Workers) {
+        let moves = state.live_shown.as_ref().is_some_and(|shown| shown.key.quality.is_some());
+        if moves && matches!(state.inspector.probe.spot, Some(Spot::Live { .. })) {
+            // The mark stays at its place in the scene; the picture at rest is asked again.
+            return;
+        }
         let key = state.scene.as_ref().zip(state.inspector.probe.spot).map(|(scene, spot)| ProbeKey {
             scene: scene.clone(),
             spot,

@@ -10,15 +10,16 @@ use super::requests::{
 };
 use super::worker::Supersede::{Alternate, Always, Never, Queue};
 use super::worker::{Outbox, Worker};
-use super::{facts, files, histograms, live_image, opening, pruning, source_image, study};
+use super::{carry, facts, files, histograms, live_image, opening, pruning, source_image, study};
 use crate::app::model::{
-    CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey, WorkKind as Kind,
+    CarryKey, CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey,
+    WorkKind as Kind,
 };
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::inspect::FrameInspection;
-use overlook_engine::render::Renderer;
 use overlook_engine::render::gpu::SharedDevice;
+use overlook_engine::render::{PictureCarrier, Renderer};
 use overlook_engine::samples::SampleSet;
 
 /// The workers.
@@ -31,6 +32,8 @@ pub(crate) struct Workers {
     pub prepare: Worker<PruneRequest>,
     pub source: Worker<(Arc<OpenScene>, SourceKey)>,
     pub live: Worker<LiveKey>,
+    /// The last live picture, as the view shows it now.
+    pub carry: Worker<CarryKey>,
     pub measure: Worker<MeasureRequest>,
     pub file: Worker<FileRequest>,
     /// The system's dialogs, and the name that they suggest.
@@ -51,10 +54,16 @@ pub(crate) struct Workers {
 impl Workers {
     /// Starts all workers; on the `shared` device of a window the GPU paints the live view.
     pub(crate) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
-        let background = pool("prune", rayon::current_num_threads(), true)?;
+        let threads = rayon::current_num_threads();
+        let background = pool("prune", threads, WORK)?;
         // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
-        let decoder = pool("decode", 1, false)?;
-        let studying = pool("study", rayon::current_num_threads(), true)?;
+        let decoder = pool("decode", 1, WINDOW)?;
+        let studying = pool("study", threads, WORK)?;
+        // Neither decoding nor inspecting holds up a picture, and a picture does not hold up the window.
+        let rendering = pool("render", threads, PICTURES)?;
+        // What follows the hand goes before everything else.
+        let carrying = pool("carry", threads.min(CARRIERS), WINDOW)?;
+        let mut carrier = PictureCarrier::default();
         let (measuring, preparing) = (background.clone(), background.clone());
         let comparing = studying.clone();
         let (progress, points) = (outbox.clone(), outbox.clone());
@@ -78,8 +87,12 @@ impl Workers {
                 move |(scene, key): (Arc<OpenScene>, _), _| source_image::paint_source(&scene, key, &decoder),
             )?,
             live: Worker::start(Kind::LiveView, Never, outbox, move |key, job| {
-                let picture = live_image::paint(&mut renderer, &mut filter, &key, job)?;
+                let paint = || live_image::paint(&mut renderer, &mut filter, &key, job);
+                let picture = rendering.install(paint)?;
                 Ok(Message::LivePainted { key, picture: Arc::new(picture) })
+            })?,
+            carry: Worker::start(Kind::CarriedPicture, Never, outbox, move |key, _| {
+                Ok(carrying.install(|| carry::carry(&mut carrier, key)))
             })?,
             measure: Worker::start(Kind::MeasureAccuracy, Always, outbox, move |request, job| {
                 let accuracy = measuring.install(|| measure(&request, job))?;
@@ -142,6 +155,7 @@ impl Workers {
             && self.prepare.is_idle()
             && self.source.is_idle()
             && self.live.is_idle()
+            && self.carry.is_idle()
             && self.measure.is_idle()
             && self.file.is_idle()
             && self.check.is_idle()
@@ -169,15 +183,25 @@ fn or_stopped(
     }
 }
 
-/// Threads apart from the pool that the views share, so that no picture waits behind minutes of pruning. With `makes_way` they have
-/// a lower priority than the window and its pictures.
-pub(crate) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Result<Arc<rayon::ThreadPool>> {
+/// How much nicer than the program threads are that answer the hand at once.
+const WINDOW: i32 = 0;
+/// Of those that paint the live view.
+const PICTURES: i32 = 8;
+/// Of those that work for minutes: a twelfth of the window's share, half that of pictures. With less, a window in steady motion would starve the work that it
+/// waits for.
+const WORK: i32 = 11;
+
+/// Threads that carry pictures: it takes so little that more would only wait for each other.
+const CARRIERS: usize = 4;
+
+/// Threads apart from the pool that the views share, so that no picture waits behind minutes of pruning.
+pub(crate) fn pool(name: &'static str, threads: usize, niceness: i32) -> Result<Arc<rayon::ThreadPool>> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(move |index| format!("{name} {index}"))
         .start_handler(move |_| {
-            if makes_way {
-                make_way();
+            if niceness > WINDOW {
+                make_way(niceness);
             }
         })
         .build()
@@ -185,13 +209,13 @@ pub(crate) fn pool(name: &'static str, threads: usize, makes_way: bool) -> Resul
         .map_err(|error| Error::invalid("thread pool", error.to_string()))
 }
 
-/// Lowers the priority of the calling thread, which works for minutes, below that of the threads that draw and render. Linux keeps
-/// a niceness per thread; other systems favor the window in front anyway. Best effort: if it is refused, the window is only less
-/// smooth.
-fn make_way() {
-    // A third of the share of others: more, and a window in steady motion would starve the work that it waits for.
+/// Lowers the priority of the calling thread by its niceness below that of the threads that draw. Linux keeps a niceness per thread; other systems favor
+/// the window in front anyway. Best effort: if it is refused, the window is only less smooth.
+#[cfg_attr(not(target_os = "linux"), expect(unused_variables, reason = "only Linux keeps it per thread"))]
+fn make_way(niceness: i32) {
     #[cfg(target_os = "linux")]
-    let _ = rustix::process::setpriority_process(None, 5);
+    let _ = rustix::process::getpriority_process(None)
+        .and_then(|own| rustix::process::setpriority_process(None, own + niceness));
 }
 
 #[cfg(test)]
@@ -203,9 +227,9 @@ mod tests {
         let own = niceness();
         let worker = std::thread::Builder::new().name("worker".to_owned());
         let theirs = worker.spawn(move || {
-            super::make_way();
+            super::make_way(super::WORK);
             niceness()
         });
-        assert_eq!((theirs.unwrap().join().unwrap(), niceness()), (5, own));
+        assert_eq!((theirs.unwrap().join().unwrap(), niceness()), (own + super::WORK, own));
     }
 }
