@@ -1,4 +1,5 @@
-// The display stage: a picture as the window shows it, encoded for a display, with holes hatched. It also counts the holes.
+// The display stage: a picture as the window shows it, encoded for a display, with holes hatched that are not filled. It also counts the
+// holes, filled or not.
 // Twin: `colored` in src/desk/app/views/live_image.rs.
 
 struct Display {
@@ -36,7 +37,8 @@ fn display(@builtin(global_invocation_id) at: vec3<u32>) {
     var color = select(display_of.hole_stripe, display_of.hole, (at.x + at.y) / display_of.stripe % 2u == 0u);
     if picture[4u * pixels + pixel] == NO_IMAGE {
         atomicAdd(&holes, 1u);
-    } else {
+    }
+    if bitcast<f32>(picture[3u * pixels + pixel]) >= 0.0 {
         let linear = vec3<f32>(
             bitcast<f32>(picture[3u * pixel]),
             bitcast<f32>(picture[3u * pixel + 1u]),

@@ -29,36 +29,36 @@ fn gpu_with(options: &GpuOptions) -> Option<GpuRenderer> {
     }
 }
 
-fn gpu() -> Option<GpuRenderer> {
+pub(super) fn gpu() -> Option<GpuRenderer> {
     gpu_with(&GpuOptions::default())
 }
 
-fn samples(capture: &Capture) -> Arc<SampleSet> {
+pub(super) fn samples(capture: &Capture) -> Arc<SampleSet> {
     samples_pruned_by(PruningMethod::HighestRate, capture)
 }
 
-fn samples_pruned_by(method: PruningMethod, capture: &Capture) -> Arc<SampleSet> {
+pub(super) fn samples_pruned_by(method: PruningMethod, capture: &Capture) -> Arc<SampleSet> {
     let mut settings = Settings::default();
     settings.pruning.method = method;
     preprocess(capture, &settings, &Job::new()).unwrap().samples
 }
 
 /// A place where no camera stood.
-fn novel() -> Camera {
+pub(super) fn novel() -> Camera {
     camera("novel", DVec3::new(-0.6, -4.2, 1.6), DVec3::new(0.3, 0.2, 0.3), 90)
 }
 
 /// So near that footprints cover many pixels.
-fn close() -> Camera {
+pub(super) fn close() -> Camera {
     camera("close", DVec3::new(0.3, -1.6, 0.7), DVec3::new(0.3, 0.2, 0.3), 80)
 }
 
 /// So far that many samples fall into one pixel.
-fn distant() -> Camera {
+pub(super) fn distant() -> Camera {
     camera("distant", DVec3::new(-2.0, -16.0, 6.0), DVec3::new(0.3, 0.2, 0.3), 72)
 }
 
-/// Holes stay: both are filled by the same code on the CPU, which would carry a difference beyond its pixel.
+/// Holes stay: filling would carry a difference beyond its pixel.
 fn settings(kernel: Kernel) -> RenderSettings {
     RenderSettings { kernel, fill: Fill::None, ..RenderSettings::default() }
 }

@@ -13,7 +13,7 @@ use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
 use overlook_engine::render::gpu::{GpuOptions, GpuRenderer, HolePattern, SharedDevice, device_descriptor};
-use overlook_engine::render::{CpuRenderer, NO_IMAGE, Renderer, Vantage, WindowPicture};
+use overlook_engine::render::{CpuRenderer, Renderer, Vantage, WindowPicture};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Backend, Fill, Kernel, RenderSettings, Settings};
 
@@ -79,21 +79,24 @@ fn read(shared: &SharedDevice, texture: &wgpu::Texture) -> Vec<[u8; 4]> {
 }
 
 #[test]
-fn the_window_shows_what_the_cpu_paints_with_holes_hatched() {
+fn the_window_shows_what_the_cpu_paints_with_holes_filled_or_hatched() {
     let Some(shared) = window_device() else { return };
     let (samples, vantage) = (samples(), vantage());
     let mut gpu = GpuRenderer::sharing(&shared, &GpuOptions::default()).unwrap();
-    for &kernel in Kernel::ALL {
-        let settings = RenderSettings { kernel, ..RenderSettings::default() };
+    let ways = Kernel::ALL.iter().flat_map(|kernel| [Fill::None, Fill::PushPull].map(|fill| (*kernel, fill)));
+    for (kernel, fill) in ways {
+        let settings = RenderSettings { kernel, fill, ..RenderSettings::default() };
         let (picture, expected) =
             CpuRenderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap();
         let (texture, stats) = gpu.show(&samples, &vantage, &settings, &HOLES, &Job::new()).unwrap();
         assert_eq!((stats.samples, stats.holes), (expected.samples, expected.holes), "{kernel}");
+        let hatched = picture.inverse_depth.as_slice().iter().filter(|depth| **depth < 0.0).count();
+        assert_eq!(hatched > 0, fill == Fill::None, "{kernel}: {hatched} pixels are hatched");
         assert!(stats.holes > 0 && stats.holes < 90 * 90, "{kernel}: {} holes", stats.holes);
         let width = picture.color.width();
         for (index, shown) in read(&shared, &texture).into_iter().enumerate() {
             let (x, y) = (index % width, index / width);
-            let wanted = if picture.image[(x, y)] == NO_IMAGE {
+            let wanted = if !picture.shows((x, y)) {
                 HOLES.colors[(x + y) / HOLES.stripe as usize % 2]
             } else {
                 picture.color[(x, y)].map(srgb8_from_linear)
@@ -130,17 +133,23 @@ fn what_cannot_be_shown_from_the_adapter_comes_through_memory() {
     let Some(shared) = window_device() else { return };
     let (samples, vantage) = (samples(), vantage());
     let mut renderer = Renderer::sharing(Some(shared));
-    let mut is_on_adapter = |backend, fill, free_space| {
-        let settings = RenderSettings { backend, fill, free_space, ..RenderSettings::default() };
-        let (shown, _) = renderer.show(&samples, &vantage, &settings, &HOLES, &Job::new()).unwrap();
+    let mut close_up = vantage.clone();
+    let lens = &mut close_up.camera.intrinsics;
+    (lens.width, lens.height) = (4 * lens.width, 4 * lens.height);
+    for length in [&mut lens.fx, &mut lens.fy, &mut lens.cx, &mut lens.cy] {
+        *length *= 4.0;
+    }
+    let mut is_on_adapter = |backend, vantage: &Vantage, holes| {
+        let settings = RenderSettings { backend, ..RenderSettings::default() };
+        let (shown, _) = renderer.show(&samples, vantage, &settings, holes, &Job::new()).unwrap();
         matches!(shown, WindowPicture::OnAdapter(_))
     };
-    assert!(is_on_adapter(Backend::Gpu, Fill::None, false));
-    assert!(!is_on_adapter(Backend::Gpu, Fill::PushPull, false));
-    assert!(!is_on_adapter(Backend::Gpu, Fill::None, true));
-    assert!(!is_on_adapter(Backend::Cpu, Fill::None, false));
+    assert!(is_on_adapter(Backend::Gpu, &vantage, Some(&HOLES)), "with all defaults");
+    assert!(!is_on_adapter(Backend::Gpu, &vantage, None));
+    assert!(!is_on_adapter(Backend::Gpu, &close_up, Some(&HOLES)));
+    assert!(!is_on_adapter(Backend::Cpu, &vantage, Some(&HOLES)));
     let mut apart = Renderer::new();
     let settings = RenderSettings { backend: Backend::Gpu, ..RenderSettings::default() };
-    let (shown, _) = apart.show(&samples, &vantage, &settings, &HOLES, &Job::new()).unwrap();
+    let (shown, _) = apart.show(&samples, &vantage, &settings, Some(&HOLES), &Job::new()).unwrap();
     assert!(matches!(shown, WindowPicture::InMemory(_)));
 }

@@ -18,6 +18,7 @@ mod small_capture;
 mod extreme_vantages;
 mod free_space;
 mod gpu_extremes;
+mod gpu_finish;
 mod gpu_parity;
 mod gpu_window;
 mod hole_filling;

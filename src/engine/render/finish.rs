@@ -48,7 +48,7 @@ pub(super) fn wants_fronts(samples: &SampleSet, images: &[usize], settings: &Ren
 }
 
 /// Whether some images hold samples at infinity.
-fn has_sky(samples: &SampleSet, images: &[usize]) -> bool {
+pub(super) fn has_sky(samples: &SampleSet, images: &[usize]) -> bool {
     let has_sky = |image: &usize| samples.images[*image].depth.tiles().iter().any(|tile| tile.farthest == 0);
     images.iter().any(has_sky)
 }

@@ -6,7 +6,6 @@ use std::time::Instant;
 
 use super::coarser_samples::CoarserSamples;
 use super::cpu::CpuRenderer;
-use super::finish::changes_pictures;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::magnified::{by_levels, coarsest_level};
 use super::painter::Painter;
@@ -178,9 +177,9 @@ impl Renderer {
         }
     }
 
-    /// Paints for a window in motion: on the window's own device without a copy if the GPU paints there and the settings neither fill
-    /// holes nor test lines of sight, which only the CPU does; else as [`Renderer::render`]. Never supersampled, because the next
-    /// picture follows at once.
+    /// Paints for a window in motion: on the window's own device without a copy if the GPU paints there, the window tells how `holes`
+    /// look, and the picture is no close-up, which is put together in memory; else as [`Renderer::render`]. Never supersampled,
+    /// because the next picture follows at once.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -189,9 +188,10 @@ impl Renderer {
         samples: &Arc<SampleSet>,
         vantage: &Vantage,
         settings: &RenderSettings,
-        holes: &HolePattern,
+        holes: Option<&HolePattern>,
         job: &Job,
     ) -> Result<(WindowPicture, RenderStats)> {
+        let rates = RecordedRates::of(samples, vantage);
         let gpu_is_faster = || self.faster.get(&settings.kernel) == Some(&Backend::Gpu);
         let on_gpu = match settings.backend {
             Backend::Cpu => false,
@@ -205,13 +205,13 @@ impl Renderer {
         // If the GPU fails, it fails again below, where the CPU takes over.
         if on_gpu
             && is_shared
-            && !changes_pictures(settings)
+            && coarsest_level(&rates, settings) == 0
+            && let Some(holes) = holes
             && let Some((texture, stats)) =
                 self.try_gpu(|gpu| gpu.show(samples, vantage, settings, holes, job))?
         {
             return Ok((WindowPicture::OnAdapter(texture), stats));
         }
-        let rates = RecordedRates::of(samples, vantage);
         let request = Request { samples, vantage, settings, job, level: 0 };
         let (picture, stats) = self.paint_by_levels(&request, &rates)?;
         Ok((WindowPicture::InMemory(picture), stats))

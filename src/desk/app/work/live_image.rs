@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use super::develop::{background_at, displayed, histogram_of};
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix};
-use crate::app::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE, ShownCameras};
+use crate::app::model::{
+    ColorBy, Display, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE, ShownCameras,
+};
 use crate::app::theme::Tokens;
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
@@ -122,8 +124,10 @@ fn shown(
     if key.in_motion && key.color_by == ColorBy::Picture {
         let tokens = Tokens::of(key.dark);
         let colors = [tokens.hole, tokens.hole_stripe].map(|color| [color.r(), color.g(), color.b()]);
-        let holes = HolePattern { colors, stripe: key.stripe() as u32 };
-        return renderer.show(samples, &key.vantage, &key.settings, &holes, job);
+        // Other displays of color and of filled holes are made here.
+        let is_plain = key.display == Display::default() && key.holes == HoleDisplay::Filled;
+        let holes = is_plain.then(|| HolePattern { colors, stripe: key.stripe() as u32 });
+        return renderer.show(samples, &key.vantage, &key.settings, holes.as_ref(), job);
     }
     let settings =
         RenderSettings { antialias: key.settings.antialias && !key.in_motion, ..key.settings.clone() };
@@ -246,7 +250,6 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::model::Display;
     use glam::DVec3;
     use overlook_engine::capture::{Camera, Intrinsics};
     use overlook_engine::render::Vantage;

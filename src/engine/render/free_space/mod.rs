@@ -22,5 +22,5 @@ mod seen_depth;
 mod surroundings;
 
 pub(crate) use hidden::{HOLE, MarkPlanes, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, mark_holes};
-pub(crate) use ray_test::{RayTest, cameras_to_ask};
-pub(crate) use seen_depth::SeenDepths;
+pub(crate) use ray_test::{RayTest, behind_ratio, cameras_to_ask};
+pub(crate) use seen_depth::{BORDER as CELL_BORDER, SeenDepths};

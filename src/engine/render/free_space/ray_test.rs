@@ -53,13 +53,18 @@ pub(crate) fn cameras_to_ask(cameras: &[Camera], target: &Camera) -> Vec<usize> 
     order
 }
 
+/// Inverse depths below this share of a point's are behind it, by the camera of the cells.
+pub(crate) fn behind_ratio(cells: &Camera) -> f32 {
+    1.0 - BEHIND_FOOTPRINTS / focal(cells)
+}
+
 impl<'a> RayTest<'a> {
     /// For lines of sight of `target`. What `cameras_to_ask` saw must be in `seen` already.
     pub(crate) fn new(seen: &'a SeenDepths, cameras: &[Camera], target: &Camera) -> Self {
         let view = |camera: usize| {
             let cells = halved_camera(&cameras[camera]);
             let cells_from_target = Projector::new(target, &cells);
-            let behind_ratio = 1.0 - BEHIND_FOOTPRINTS / focal(&cells);
+            let behind_ratio = behind_ratio(&cells);
             Some(CellView { free: seen.free_depths(camera)?, cells_from_target, behind_ratio })
         };
         Self { views: cameras_to_ask(cameras, target).into_iter().filter_map(view).collect() }

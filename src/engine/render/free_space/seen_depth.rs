@@ -18,7 +18,7 @@ use crate::simd::{self, VectorLoop, whole};
 const ROW_STEP: usize = 2;
 
 /// Empty cells around those of a camera, so that points beside its picture are looked up like all others.
-const BORDER: usize = 2;
+pub(crate) const BORDER: usize = 2;
 
 /// Marks corners around which a camera saw nothing: no line of sight is free there, and none is blocked.
 pub(super) const UNSEEN: f32 = f32::INFINITY;

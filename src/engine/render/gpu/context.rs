@@ -35,7 +35,7 @@ pub struct SharedDevice {
 pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     wgpu::DeviceDescriptor {
         label: Some("overlook"),
-        required_features: wide_atomics() & adapter.features(),
+        required_features: (wide_atomics() | wgpu::Features::TIMESTAMP_QUERY) & adapter.features(),
         required_limits: adapter.limits(),
         ..Default::default()
     }

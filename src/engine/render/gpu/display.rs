@@ -10,14 +10,14 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use wgpu::BufferUsages as Usage;
 
+use super::commands::{Commands, TimedPasses};
 use super::context::Context;
 use super::pipelines::{READ, UNIFORM, WRITE, bind, layout, pipeline};
-use super::recorder::compute_pass;
 use super::shaders;
 use super::target::{GpuTarget, read_words};
 use crate::error::Result;
 
-/// How holes are displayed: stripes of two colors.
+/// How holes are displayed that are not filled: stripes of two colors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HolePattern {
     /// 8-bit sRGB of the stripes, the first at the corner.
@@ -70,14 +70,15 @@ impl DisplayPass {
         Self { layout, pipeline, textures: Vec::new() }
     }
 
-    /// Records the display of `target`'s picture, submits the work of `encoder` and returns the texture and the number of holes.
+    /// Records the display of `target`'s picture, submits all commands and returns the texture, the number of holes, and
+    /// the passes that were timed.
     pub(crate) fn show(
         &mut self,
         context: &Context,
         target: &GpuTarget,
-        mut encoder: wgpu::CommandEncoder,
+        mut commands: Commands<'_>,
         pattern: &HolePattern,
-    ) -> Result<(ScreenTexture, u64)> {
+    ) -> Result<(ScreenTexture, u64, TimedPasses)> {
         let (width, height) = target.picture_size();
         let texture = self.free_texture(context, width, height);
         let color = |[r, g, b]: [u8; 3]| [r, g, b, u8::MAX].map(|channel| f32::from(channel) / 255.0);
@@ -100,16 +101,16 @@ impl DisplayPass {
             wgpu::BindingResource::TextureView(&view),
         ];
         let group = bind(&context.device, &self.layout, resources);
-        let mut pass = compute_pass(&mut encoder, "display");
+        let mut pass = commands.pass("display");
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         let groups = |pixels: usize| pixels.div_ceil(GROUP) as u32;
         pass.dispatch_workgroups(groups(width), groups(height), 1);
         drop(pass);
-        encoder.copy_buffer_to_buffer(&holes, 0, &readback, 0, 4);
-        context.queue.submit([encoder.finish()]);
+        commands.encoder.copy_buffer_to_buffer(&holes, 0, &readback, 0, 4);
+        let timed = commands.submit(context);
         let holes = read_words(context, &readback, |words| u64::from(words[0]))?;
-        Ok((texture, holes))
+        Ok((texture, holes, timed))
     }
 
     /// A texture of this size that is not shown.

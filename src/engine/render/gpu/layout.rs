@@ -74,6 +74,49 @@ pub(super) struct GpuView {
     pub(super) first_cell: u32,
 }
 
+/// `CellView` in `cell_view.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuCellView {
+    pub(super) cells_from_target: GpuProjector,
+    pub(super) across: u32,
+    pub(super) down: u32,
+    pub(super) first: u32,
+    pub(super) behind_ratio: f32,
+}
+
+/// `CameraRays` in `sum_sky.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuCameraRays {
+    pub(super) first: [f32; 3],
+    pub(super) padding_0: u32,
+    pub(super) across: [f32; 3],
+    pub(super) padding_1: u32,
+    pub(super) down: [f32; 3],
+    pub(super) padding_2: u32,
+}
+
+/// `Finish` in `finish.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GpuFinish {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) step: u32,
+    pub(super) view_count: u32,
+    pub(super) first_ray: [f32; 3],
+    pub(super) footprints: f32,
+    pub(super) ray_across: [f32; 3],
+    pub(super) focal: f32,
+    pub(super) ray_down: [f32; 3],
+    pub(super) with_fronts: u32,
+    pub(super) tests_lines: u32,
+    pub(super) padding_0: u32,
+    pub(super) padding_1: u32,
+    pub(super) padding_2: u32,
+}
+
 /// `Piece` in `samples.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
@@ -131,7 +174,9 @@ mod tests {
     use std::mem::offset_of;
 
     use super::*;
+    use crate::render::free_space::{CELL_BORDER, HOLE, OPEN_HOLE, SKY_HOLE};
     use crate::render::gpu::display::GpuDisplay;
+    use crate::render::gpu::finish::SKY_SIDE;
     use crate::render::gpu::shaders;
     use crate::render::gpu::upload::MASK_WORDS;
     use crate::settings::Kernel;
@@ -151,6 +196,15 @@ mod tests {
             module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name)).unwrap();
         match module.global_expressions[constant.init] {
             naga::Expression::Literal(naga::Literal::U32(value)) => value,
+            ref other => panic!("{name} is {other:?}"),
+        }
+    }
+
+    fn float_constant(module: &naga::Module, name: &str) -> f32 {
+        let (_, constant) =
+            module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name)).unwrap();
+        match module.global_expressions[constant.init] {
+            naga::Expression::Literal(naga::Literal::F32(value)) => value,
             ref other => panic!("{name} is {other:?}"),
         }
     }
@@ -184,6 +238,32 @@ mod tests {
             &module, "Projector", GpuProjector,
             first_pixel, focal_ratio, per_column, per_footprint, per_row, padding_0, origin, padding_1
         }
+    }
+
+    #[test]
+    fn what_the_finishing_stages_read_lies_as_they_expect() {
+        let [_, lines_of_sight, ..] = shaders::FINISH;
+        let module = naga::front::wgsl::parse_str(&lines_of_sight.source()).unwrap();
+        assert_same_layout! {
+            &module, "Finish", GpuFinish,
+            width, height, step, view_count, first_ray, footprints, ray_across, focal, ray_down, with_fronts,
+            tests_lines, padding_0, padding_1, padding_2
+        }
+        assert_same_layout! {
+            &module, "CellView", GpuCellView,
+            cells_from_target, across, down, first, behind_ratio
+        }
+        assert_eq!(constant(&module, "BORDER") as usize, CELL_BORDER);
+        assert_eq!(constant(&module, "NO_IMAGE"), crate::render::vantage::NO_IMAGE);
+        assert_eq!(constant(&module, "GROUPS_ACROSS"), GROUPS_ACROSS);
+        let marks = ["HOLE", "OPEN_HOLE", "SKY_HOLE"].map(|name| float_constant(&module, name));
+        assert_eq!(marks, [HOLE, OPEN_HOLE, SKY_HOLE]);
+        let module = naga::front::wgsl::parse_str(&shaders::SUM_SKY.source()).unwrap();
+        assert_same_layout! {
+            &module, "CameraRays", GpuCameraRays,
+            first, padding_0, across, padding_1, down, padding_2
+        }
+        assert_eq!(u64::from(constant(&module, "SKY_SIDE")), SKY_SIDE);
     }
 
     #[test]

@@ -3,8 +3,8 @@
 //! ```text
 //! SampleSet ─ upload, once an image ─▶ pages ─ surface ─▶ keys ─ blend ─▶ sums    of the background, kept while the vantage is still
 //!                                            ─ surface ─▶ keys ─ blend ─▶ sums    of the frame
-//!                                                                                  both   ─ resolve or gather ─▶ picture ─▶ CPU
-//!                                                                                                                └─ display ─▶ window
+//!                                                                                  both   ─ resolve or gather ─ finish ─▶ picture ─▶ CPU
+//!                                                                                                                         └─ display ─▶ window
 //! ```
 //!
 //! What differs from the CPU renderer: one thread a sample instead of one a band of rows, so keys are raised and colors are
@@ -12,9 +12,11 @@
 //! sums and divide in other ways than the CPU: a sample's position and depth may differ in the last bits, and so may the pixel
 //! of a sample on the border of two. `tests/render/gpu_parity.rs` holds the limits.
 
+mod commands;
 mod context;
 mod copy;
 mod display;
+mod finish;
 mod layout;
 mod memory;
 mod pipelines;
@@ -24,6 +26,7 @@ mod shaders;
 mod target;
 mod upload;
 
+pub use commands::StageTime;
 pub use context::{AdapterChoice, SharedDevice, device_descriptor};
 pub use copy::GpuCopy;
 pub use display::{HolePattern, ScreenTexture};
@@ -32,17 +35,18 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::finish::{Finisher, changes_pictures, wants_fronts};
+use super::finish::wants_fronts;
 use super::input::{BackgroundKey, FrameSamples};
-use super::stage_times::StageClock;
 use super::supersample::{finer, subpixels};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
+use commands::{Commands, Stopwatch, TimedPasses};
 use context::Context;
 use display::DisplayPass;
+use finish::{CardFinisher, FILL_STAGE, Painted};
 use layout::{FRONT_WORDS, PICTURE_WORDS, SURFACE_WORDS};
 use memory::SampleMemory;
 use pipelines::Pipelines;
@@ -77,7 +81,11 @@ pub struct GpuRenderer {
     /// What the background layer of `target` was painted from.
     background: Option<BackgroundKey>,
     display: Option<DisplayPass>,
-    finisher: Finisher,
+    finisher: CardFinisher,
+    /// Tells how long stages take, where the adapter can.
+    stopwatch: Option<Stopwatch>,
+    /// Of the last picture.
+    times: Vec<StageTime>,
 }
 
 impl GpuRenderer {
@@ -107,7 +115,11 @@ impl GpuRenderer {
 
     fn on(context: Context, options: &GpuOptions) -> Result<Self> {
         let one_pass = options.wide_atomics && context.has_wide_atomics;
-        let pipelines = context.guarded(|| Ok(Pipelines::new(&context, one_pass)))?;
+        let (pipelines, finisher, stopwatch) = context.guarded(|| {
+            let pipelines = Pipelines::new(&context, one_pass);
+            let finisher = CardFinisher::new(&context, &pipelines);
+            Ok((pipelines, finisher, Stopwatch::new(&context)?))
+        })?;
         let memory = SampleMemory::new(&context, options.sample_bytes);
         Ok(Self {
             context,
@@ -116,7 +128,9 @@ impl GpuRenderer {
             target: None,
             background: None,
             display: None,
-            finisher: Finisher::default(),
+            finisher,
+            stopwatch,
+            times: Vec::new(),
         })
     }
 
@@ -136,6 +150,12 @@ impl GpuRenderer {
     #[must_use]
     pub fn uploaded_bytes(&self) -> u64 {
         self.memory.uploaded
+    }
+
+    /// How long the adapter took over the stages of the last picture; empty where it does not tell.
+    #[must_use]
+    pub fn stage_times(&self) -> &[StageTime] {
+        &self.times
     }
 
     /// Drops the background, so that the next picture is painted in full.
@@ -170,24 +190,17 @@ impl GpuRenderer {
         job: &Job,
     ) -> Result<(Arc<Picture>, RenderStats)> {
         let started = Instant::now();
-        let (mut picture, mut stats) =
-            self.paint(samples, vantage, settings, job, |context, target, mut encoder| {
-                target.record_readback(&mut encoder);
-                context.queue.submit([encoder.finish()]);
-                target.read(context)
+        let (picture, stats) =
+            self.paint(samples, vantage, settings, job, |context, target, mut commands| {
+                target.record_readback(&mut commands.encoder);
+                let timed = commands.submit(context);
+                Ok((target.read(context)?, timed))
             })?;
-        if changes_pictures(settings) {
-            let fronts = std::mem::take(&mut picture.fronts);
-            let mut clock = StageClock::start();
-            self.finisher.finish(&mut picture, &fronts, samples, vantage, settings, &mut clock)?;
-            stats.stages = clock.times();
-        }
-        stats.holes = picture.holes();
-        stats.milliseconds = started.elapsed().as_secs_f64() * 1e3;
-        Ok((Arc::new(picture), stats))
+        let (holes, milliseconds) = (picture.holes(), started.elapsed().as_secs_f64() * 1e3);
+        Ok((Arc::new(picture), RenderStats { holes, milliseconds, ..stats }))
     }
 
-    /// Paints as [`GpuRenderer::render`], but leaves the picture on the adapter: sRGB-encoded, holes hatched and never filled.
+    /// Paints as [`GpuRenderer::render`], but leaves the picture on the adapter: sRGB-encoded, with holes hatched that are not filled.
     ///
     /// # Errors
     /// As [`GpuRenderer::render`].
@@ -204,8 +217,9 @@ impl GpuRenderer {
             Some(display) => display,
             None => self.context.guarded(|| Ok(DisplayPass::new(&self.context)))?,
         };
-        let shown = self.paint(samples, vantage, settings, job, |context, target, encoder| {
-            display.show(context, target, encoder, holes)
+        let shown = self.paint(samples, vantage, settings, job, |context, target, commands| {
+            let (texture, holes, timed) = display.show(context, target, commands, holes)?;
+            Ok(((texture, holes), timed))
         });
         self.display = Some(display).filter(|_| !matches!(shown, Err(Error::Gpu { .. })));
         let ((texture, holes), stats) = shown?;
@@ -213,14 +227,14 @@ impl GpuRenderer {
         Ok((texture, RenderStats { holes, milliseconds, ..stats }))
     }
 
-    /// Records all stages up to the picture; `finish` submits them and returns the result.
+    /// Records all stages up to the finished picture; `finish` submits them and returns the result.
     fn paint<T>(
         &mut self,
         samples: &Arc<SampleSet>,
         vantage: &Vantage,
         settings: &RenderSettings,
         job: &Job,
-        finish: impl FnOnce(&Context, &GpuTarget, wgpu::CommandEncoder) -> Result<T>,
+        finish: impl FnOnce(&Context, &GpuTarget, Commands<'_>) -> Result<(T, TimedPasses)>,
     ) -> Result<(T, RenderStats)> {
         vantage.check(samples)?;
         job.check()?;
@@ -235,8 +249,8 @@ impl GpuRenderer {
         };
         let (subpixels, with_fronts) = (key.subpixels, key.with_fronts);
         let reused = self.background.take().as_ref().is_some_and(|background| background.matches(&key));
-        let Self { context, pipelines, memory, target, .. } = self;
-        let context = &*context;
+        let Self { context, pipelines, memory, target, finisher, stopwatch, .. } = self;
+        let (context, stopwatch) = (&*context, stopwatch.as_ref());
         let result = context.guarded(|| {
             let camera = &finer(&vantage.camera, subpixels);
             let (width, height) = camera.intrinsics.size();
@@ -245,27 +259,35 @@ impl GpuRenderer {
             let input = SceneInput { frame: &frame, camera, subpixels, with_fronts, settings };
             let scene = SceneBindings::new(context, pipelines, memory, target, input)?;
             job.check()?;
-            let mut encoder =
-                context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let mut recorder = Recorder { pipelines, scene: &scene, target, encoder: &mut encoder };
+            let mut commands = Commands::new(context, stopwatch);
+            let mut recorder = Recorder { pipelines, scene: &scene, target, commands: &mut commands };
             if !reused {
                 recorder.paint(0);
             }
             recorder.paint(1);
             recorder.resolve();
-            finish(context, target, encoder)
+            let camera = &vantage.camera;
+            let painted = Painted { samples, frame: &frame, camera, settings, scene: &scene, target };
+            finisher.record(context, &mut commands, painted)?;
+            let (result, timed) = finish(context, target, commands)?;
+            Ok((result, timed.read(context, stopwatch)?))
         });
-        let result = result.inspect_err(|error| {
+        let (result, times) = result.inspect_err(|error| {
+            self.finisher.forget();
             // Buffers that memory ran out for are unusable from then on.
             if matches!(error, Error::Gpu { .. }) {
                 self.target = None;
                 self.memory.forget();
+                self.finisher.drop_buffers();
             }
         })?;
+        let fill_ms =
+            times.iter().filter(|time| time.stage == FILL_STAGE).map(|time| time.milliseconds).sum();
+        self.times = times;
         self.background = Some(key);
         let tiles = if reused { frame.foreground_tiles() } else { 0..frame.tile_count() };
         let samples = frame.sample_count(tiles);
-        Ok((result, RenderStats { samples, background_reused: reused, ..RenderStats::default() }))
+        Ok((result, RenderStats { samples, background_reused: reused, fill_ms, ..RenderStats::default() }))
     }
 }
 

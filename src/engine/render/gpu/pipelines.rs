@@ -5,6 +5,12 @@
 //! group 1, surface and blend  0 keys   1 sums
 //! group 1, resolve            0 and 1 background's keys and sums   2 and 3 the foreground's   4 picture
 //! group 1, silhouette, gather 0 background's keys   1 the foreground's   2 picture   3 views   4 lookup
+//! group 1, carry              0 views   1 projectors into their cells   2 nearest surfaces in the cells
+//! group 1, free depths        0 views   1 nearest surfaces in the cells   2 free depths
+//! group 1, sum sky            0 rays of cameras   1 sums
+//! group 0, other sky stages   0 level (one of several, by offset)   1 sums   2 grids   3 environment
+//! group 1, finish             0 numbers (one set of several, by offset)   1 picture   2 counts   3 planes   4 squares
+//!                             5 views   6 environment   7 free depths   8 masks   9 pyramid
 //! ```
 
 use super::context::Context;
@@ -30,8 +36,8 @@ const fn buffer(ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> wgpu::
     wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
 }
 
-/// The stage, one of several in a buffer, by offset.
-const STAGE: wgpu::BindingType = buffer(wgpu::BufferBindingType::Uniform, true);
+/// Numbers, one set of several in a buffer, by offset.
+pub(super) const UNIFORM_AT: wgpu::BindingType = buffer(wgpu::BufferBindingType::Uniform, true);
 pub(super) const UNIFORM: wgpu::BindingType = buffer(wgpu::BufferBindingType::Uniform, false);
 pub(super) const READ: wgpu::BindingType =
     buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
@@ -88,7 +94,7 @@ impl Pipelines {
     /// Compiles the stages; `one_pass` needs 64-bit atomics.
     pub(super) fn new(context: &Context, one_pass: bool) -> Self {
         let device = &context.device;
-        let scene_layout = layout(device, "scene", &[STAGE, READ, READ, READ, READ, READ, READ]);
+        let scene_layout = layout(device, "scene", &[UNIFORM_AT, READ, READ, READ, READ, READ, READ]);
         let layer_layout = layout(device, "layer", &[WRITE, WRITE]);
         let resolve_layout = layout(device, "resolve", &[READ, READ, READ, READ, WRITE]);
         let gather_layout = layout(device, "gather", &[READ, READ, WRITE, READ, READ]);
@@ -108,6 +114,12 @@ impl Pipelines {
             one_pass,
         }
     }
+}
+
+/// What is bound as [`UNIFORM_AT`]: the first entry of type `T`.
+pub(super) fn first_of<T>(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
+    let size = std::num::NonZeroU64::new(size_of::<T>() as u64);
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
 }
 
 /// A bind group of these resources, numbered from 0.

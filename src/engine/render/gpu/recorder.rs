@@ -1,5 +1,6 @@
 //! The stages of one picture, in the order in which they run.
 
+use super::commands::Commands;
 use super::layout::GROUPS_ACROSS;
 use super::pipelines::Pipelines;
 use super::scene::SceneBindings;
@@ -7,34 +8,34 @@ use super::target::{GpuTarget, TargetLayout};
 use crate::render::gather::BLOCK;
 
 /// Records the stages of one picture.
-pub(super) struct Recorder<'a> {
+pub(super) struct Recorder<'a, 'b> {
     pub(super) pipelines: &'a Pipelines,
     pub(super) scene: &'a SceneBindings,
     pub(super) target: &'a GpuTarget,
-    pub(super) encoder: &'a mut wgpu::CommandEncoder,
+    pub(super) commands: &'a mut Commands<'b>,
 }
 
-impl Recorder<'_> {
+impl Recorder<'_, '_> {
     /// Paints a layer: surface, then blend where the kernel blends.
     pub(super) fn paint(&mut self, layer: usize) {
         let buffers = &self.target.layers[layer];
-        self.encoder.clear_buffer(&buffers.keys, 0, None);
+        self.commands.encoder.clear_buffer(&buffers.keys, 0, None);
         let tiles = self.scene.tile_counts[layer];
-        let mut pass = compute_pass(self.encoder, "surface");
+        let mut pass = self.commands.pass("surface");
         pass.set_pipeline(&self.pipelines.surface);
         pass.set_bind_group(1, &buffers.group, &[]);
         for step in 0..if self.pipelines.one_pass { 1 } else { 2 } {
             pass.set_bind_group(0, &self.scene.group, &[SceneBindings::stage_offset(layer, step)]);
-            dispatch(&mut pass, tiles);
+            dispatch(&mut pass, tiles, 1);
         }
         drop(pass);
         if self.target.blends() {
-            self.encoder.clear_buffer(&buffers.sums, 0, None);
-            let mut pass = compute_pass(self.encoder, "blend");
+            self.commands.encoder.clear_buffer(&buffers.sums, 0, None);
+            let mut pass = self.commands.pass("blend");
             pass.set_pipeline(&self.pipelines.blend);
             pass.set_bind_group(0, &self.scene.group, &[SceneBindings::stage_offset(layer, 0)]);
             pass.set_bind_group(1, &buffers.group, &[]);
-            dispatch(&mut pass, tiles);
+            dispatch(&mut pass, tiles, 1);
         }
     }
 
@@ -46,30 +47,25 @@ impl Recorder<'_> {
             let blocks = |pixels: usize| pixels.div_ceil(BLOCK) as u32;
             let stages = [("silhouette", &self.pipelines.silhouette), ("gather", &self.pipelines.gather)];
             for (name, pipeline) in stages {
-                let mut pass = compute_pass(self.encoder, name);
+                let mut pass = self.commands.pass(name);
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, &self.scene.group, &stage);
                 pass.set_bind_group(1, gather_group, &[]);
                 pass.dispatch_workgroups(blocks(width), blocks(height), 1);
             }
         } else {
-            let mut pass = compute_pass(self.encoder, "resolve");
+            let mut pass = self.commands.pass("resolve");
             pass.set_pipeline(&self.pipelines.resolve);
             pass.set_bind_group(0, &self.scene.group, &stage);
             pass.set_bind_group(1, &self.target.resolve_group, &[]);
-            dispatch(&mut pass, (width * height).div_ceil(256) as u32);
+            dispatch(&mut pass, (width * height).div_ceil(256) as u32, 1);
         }
     }
 }
 
-/// Begins the pass of the stage of this name.
-pub(super) fn compute_pass<'a>(encoder: &'a mut wgpu::CommandEncoder, name: &str) -> wgpu::ComputePass<'a> {
-    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes: None })
-}
-
-/// Starts workgroups, in rows that one dimension can hold.
-fn dispatch(pass: &mut wgpu::ComputePass<'_>, groups: u32) {
+/// Starts workgroups, in rows that one dimension can hold, and `layers` times as many in a third dimension.
+pub(super) fn dispatch(pass: &mut wgpu::ComputePass<'_>, groups: u32, layers: u32) {
     if groups > 0 {
-        pass.dispatch_workgroups(groups.min(GROUPS_ACROSS), groups.div_ceil(GROUPS_ACROSS), 1);
+        pass.dispatch_workgroups(groups.min(GROUPS_ACROSS), groups.div_ceil(GROUPS_ACROSS), layers);
     }
 }

@@ -1,7 +1,6 @@
 //! What the stages of one picture read: samples, cameras and numbers.
 
 use std::iter::once;
-use std::num::NonZeroU64;
 use std::sync::Arc;
 
 use bytemuck::Pod;
@@ -9,7 +8,7 @@ use bytemuck::Pod;
 use super::context::Context;
 use super::layout::{GpuPiece, GpuProjector, GpuStage, GpuView, MAX_CAMERAS};
 use super::memory::{MAX_PAGES, SampleMemory};
-use super::pipelines::{Pipelines, bind};
+use super::pipelines::{Pipelines, bind, first_of};
 use super::target::GpuTarget;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
@@ -20,7 +19,7 @@ use crate::samples::{SampleImage, TILE};
 use crate::settings::{Kernel, RenderSettings};
 
 /// Distance between the stages in their buffer, bytes: the alignment that every adapter takes.
-const STAGE_STRIDE: usize = 256;
+pub(super) const STAGE_STRIDE: usize = 256;
 
 /// What every stage of a picture binds.
 pub(super) struct SceneBindings {
@@ -81,15 +80,14 @@ impl SceneBindings {
             None
         };
         let stages = stages(input, pieces.len(), cells);
-        let stages = context.written("stages", &stages, wgpu::BufferUsages::UNIFORM)?;
+        let stages = uniform_at(context, "stages", &stages)?;
         let projectors = list(context, "projectors", &projectors)?;
         let pieces = list(context, "pieces", &pieces)?;
         let missing = context.buffer("no page", 4, wgpu::BufferUsages::STORAGE)?;
         let mut buffers = vec![&projectors, &pieces];
         buffers.extend(memory.pages().chain(std::iter::repeat(&missing)).take(MAX_PAGES));
-        let size = NonZeroU64::new(size_of::<GpuStage>() as u64);
-        let stage = wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &stages, offset: 0, size });
-        let resources = once(stage).chain(buffers.into_iter().map(wgpu::Buffer::as_entire_binding));
+        let resources = once(first_of::<GpuStage>(&stages))
+            .chain(buffers.into_iter().map(wgpu::Buffer::as_entire_binding));
         let group = bind(&context.device, &pipelines.scene_layout, resources);
         let tile_counts =
             [frame.background_tiles(), frame.foreground_tiles()].map(|tiles| tiles.len() as u32);
@@ -102,15 +100,15 @@ impl SceneBindings {
     }
 }
 
-/// The stages of both layers, for both passes, each at its offset.
-fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
+/// The stages of both layers, for both passes.
+fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<GpuStage> {
     let SceneInput { frame, camera, subpixels, with_fronts, settings } = input;
     let (width, height) = camera.intrinsics.size();
     let [first_ray, ray_across, ray_down] = rays_in_world(camera, 0.5).map(|ray| ray.to_array());
     let mut stages = Vec::new();
     for tiles in [frame.background_tiles(), frame.foreground_tiles()] {
         for step in 0..2 {
-            let stage = GpuStage {
+            stages.push(GpuStage {
                 width: width as u32,
                 height: height as u32,
                 kernel: settings.kernel as u32,
@@ -129,9 +127,7 @@ fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<u8> {
                 subpixels: subpixels as u32,
                 with_fronts: u32::from(with_fronts),
                 full_coverage: full_coverage(frame.is_pruned(), settings),
-            };
-            stages.extend_from_slice(bytemuck::bytes_of(&stage));
-            stages.resize(stages.len().next_multiple_of(STAGE_STRIDE), 0);
+            });
         }
     }
     stages
@@ -181,10 +177,20 @@ fn lookup(frame: &FrameSamples<'_>, pieces: &[GpuPiece], views: &[GpuView], cell
 }
 
 /// A buffer with these entries; with one of zeros if there are none, because shaders cannot bind an empty buffer.
-fn list<T: Pod>(context: &Context, label: &str, entries: &[T]) -> Result<wgpu::Buffer> {
+pub(super) fn list<T: Pod>(context: &Context, label: &str, entries: &[T]) -> Result<wgpu::Buffer> {
     let none = [T::zeroed()];
     let entries = if entries.is_empty() { &none } else { entries };
     context.written(label, bytemuck::cast_slice(entries), wgpu::BufferUsages::STORAGE)
+}
+
+/// A buffer with these sets of numbers, [`STAGE_STRIDE`] apart.
+pub(super) fn uniform_at<T: Pod>(context: &Context, label: &str, entries: &[T]) -> Result<wgpu::Buffer> {
+    let mut bytes = Vec::with_capacity(entries.len() * STAGE_STRIDE);
+    for entry in entries {
+        bytes.extend_from_slice(bytemuck::bytes_of(entry));
+        bytes.resize(bytes.len().next_multiple_of(STAGE_STRIDE), 0);
+    }
+    context.written(label, &bytes, wgpu::BufferUsages::UNIFORM)
 }
 
 /// The pieces of a frame's images, in the order of the frame's tiles.

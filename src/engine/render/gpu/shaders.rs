@@ -24,6 +24,7 @@ pub(super) const SURFACE_64: Shader = Shader {
         common::STAGE,
         common::SAMPLES,
         common::PROJECT,
+        common::EDGES,
         common::DENSE_TILE,
         common::KEYS_64,
         overlook_shaders::SURFACE,
@@ -36,6 +37,7 @@ pub(super) const SURFACE_32: Shader = Shader {
         common::STAGE,
         common::SAMPLES,
         common::PROJECT,
+        common::EDGES,
         common::DENSE_TILE,
         common::KEYS_32,
         overlook_shaders::SURFACE,
@@ -47,6 +49,7 @@ pub(super) const BLEND: Shader = Shader {
         common::STAGE,
         common::SAMPLES,
         common::PROJECT,
+        common::EDGES,
         common::DENSE_TILE,
         common::SUMS,
         overlook_shaders::BLEND,
@@ -84,6 +87,109 @@ pub(super) const GATHER: Shader = Shader {
 };
 pub(super) const DISPLAY: Shader = Shader { entry: "display", pieces: &[overlook_shaders::DISPLAY] };
 
+/// Carries samples into the cells of cameras.
+pub(super) const CARRY: Shader = Shader {
+    entry: "carry",
+    pieces: &[
+        common::STAGE,
+        common::SAMPLES,
+        common::PROJECT,
+        common::CELL_VIEW,
+        common::DENSE_TILE,
+        overlook_shaders::CARRY,
+    ],
+};
+pub(super) const FREE_DEPTHS: Shader = Shader {
+    entry: "free_depths",
+    pieces: &[common::PROJECT, common::CELL_VIEW, overlook_shaders::FREE_DEPTHS],
+};
+pub(super) const SUM_SKY: Shader = Shader {
+    entry: "sum_sky",
+    pieces: &[
+        common::STAGE,
+        common::SAMPLES,
+        common::DENSE_TILE,
+        common::SUMS,
+        common::SKY_GRIDS,
+        overlook_shaders::SUM_SKY,
+    ],
+};
+pub(super) const HALVE_SKY: Shader = Shader {
+    entry: "halve_sky",
+    pieces: &[common::SUMS, common::SKY_GRIDS, common::SKY_LEVELS, overlook_shaders::HALVE_SKY],
+};
+pub(super) const FILL_SKY: Shader = Shader {
+    entry: "fill_sky",
+    pieces: &[common::SKY_GRIDS, common::SKY_LEVELS, overlook_shaders::FILL_SKY],
+};
+
+/// The stages that finish a picture, in the order in which they first run.
+pub(super) const FINISH: [Shader; 12] = [
+    Shader {
+        entry: "square_ranges",
+        pieces: &[common::FINISH, common::SURROUNDINGS, overlook_shaders::SQUARE_RANGES],
+    },
+    Shader {
+        entry: "lines_of_sight",
+        pieces: &[
+            common::PROJECT,
+            common::CELL_VIEW,
+            common::FINISH,
+            common::SURROUNDINGS,
+            common::RAY_TEST,
+            overlook_shaders::LINES_OF_SIGHT,
+        ],
+    },
+    Shader { entry: "enclosed", pieces: &[common::FINISH, common::SURROUNDINGS, overlook_shaders::ENCLOSED] },
+    Shader {
+        entry: "open_holes",
+        pieces: &[
+            common::PROJECT,
+            common::CELL_VIEW,
+            common::FINISH,
+            common::SURROUNDINGS,
+            common::RAY_TEST,
+            overlook_shaders::OPEN_HOLES,
+        ],
+    },
+    Shader { entry: "rims", pieces: &[common::FINISH, overlook_shaders::RIMS] },
+    Shader { entry: "holes", pieces: &[common::FINISH, common::TALLY, overlook_shaders::HOLES] },
+    Shader {
+        entry: "sky",
+        pieces: &[common::FINISH, common::SKY_GRIDS, common::ENVIRONMENT, overlook_shaders::SKY],
+    },
+    Shader {
+        entry: "ray_masks",
+        pieces: &[common::FINISH, common::HOLE_RAYS, common::SOURCES, overlook_shaders::RAY_MASKS],
+    },
+    Shader {
+        entry: "open_sky",
+        pieces: &[
+            common::FINISH,
+            common::SKY_GRIDS,
+            common::ENVIRONMENT,
+            common::HOLE_RAYS,
+            common::SOURCES,
+            overlook_shaders::OPEN_SKY,
+        ],
+    },
+    Shader { entry: "kinds", pieces: &[common::FINISH, common::TALLY, overlook_shaders::KINDS] },
+    Shader {
+        entry: "pull",
+        pieces: &[
+            common::FINISH,
+            common::HOLE_RAYS,
+            common::PYRAMID,
+            common::SOURCES,
+            overlook_shaders::PULL,
+        ],
+    },
+    Shader {
+        entry: "fill",
+        pieces: &[common::FINISH, common::HOLE_RAYS, common::PYRAMID, overlook_shaders::FILL],
+    },
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,15 +210,21 @@ mod tests {
         // Halves in 32 bits are all that adapters without extras must have: see `Context::new`.
         let plain = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
         let wide = plain | Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX;
-        for (shader, capabilities) in [
-            (SURFACE_64, wide),
-            (SURFACE_32, plain),
-            (BLEND, plain),
-            (RESOLVE, plain),
-            (SILHOUETTE, plain),
-            (GATHER, plain),
-            (DISPLAY, plain),
-        ] {
+        let plain_ones = [
+            SURFACE_32,
+            BLEND,
+            RESOLVE,
+            SILHOUETTE,
+            GATHER,
+            DISPLAY,
+            CARRY,
+            FREE_DEPTHS,
+            SUM_SKY,
+            HALVE_SKY,
+            FILL_SKY,
+        ];
+        let plain_ones = plain_ones.into_iter().chain(FINISH).map(|shader| (shader, plain));
+        for (shader, capabilities) in plain_ones.chain([(SURFACE_64, wide)]) {
             let source = shader.source();
             assert_eq!(problem(&source, capabilities), None, "{}", shader.entry);
             let module = naga::front::wgsl::parse_str(&source).unwrap();

@@ -5,7 +5,7 @@ use super::layout::{FRONT_WORDS, KEY_WORDS, PICTURE_WORDS, SUM_WORDS, SURFACE_WO
 use super::pipelines::{Pipelines, bind};
 use crate::error::Result;
 use crate::grid::Grid;
-use crate::render::vantage::{FrontColor, Picture};
+use crate::render::vantage::Picture;
 use crate::settings::Kernel;
 use wgpu::BufferUsages as Usage;
 
@@ -69,7 +69,8 @@ impl GpuTarget {
         // The gather stage finds the surfaces of all pixels of the z-buffer behind the picture.
         let surfaces = if kernel == Kernel::Gather { 4 * SURFACE_WORDS * pixels } else { 0 };
         let picture = context.buffer("picture", bytes + surfaces, Usage::STORAGE | Usage::COPY_SRC)?;
-        let readback = context.buffer("readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;
+        let read_bytes = 4 * PICTURE_WORDS * pixels / (subpixels * subpixels) as u64;
+        let readback = context.buffer("readback", read_bytes, Usage::MAP_READ | Usage::COPY_DST)?;
         let buffers = [&layers[0].keys, &layers[0].sums, &layers[1].keys, &layers[1].sums, &picture];
         let resources = buffers.map(wgpu::Buffer::as_entire_binding);
         let resolve_group = bind(&context.device, &pipelines.resolve_layout, resources);
@@ -99,14 +100,12 @@ impl GpuTarget {
         read_words(context, &self.readback, |words| {
             let (color, rest) = words.split_at(3 * pixels);
             let (depth, rest) = rest.split_at(pixels);
-            let (image, fronts) = rest.split_at(pixels);
-            let fronts: &[FrontColor] = bytemuck::cast_slice(fronts);
             let color: &[[f32; 3]] = bytemuck::cast_slice(color);
             Picture {
                 color: Grid::from_vec(width, height, color.to_vec()),
                 inverse_depth: Grid::from_vec(width, height, bytemuck::cast_slice(depth).to_vec()),
-                image: Grid::from_vec(width, height, image.to_vec()),
-                fronts: if self.layout.with_fronts { fronts[..pixels].to_vec() } else { Vec::new() },
+                image: Grid::from_vec(width, height, rest[..pixels].to_vec()),
+                fronts: Vec::new(),
             }
         })
     }

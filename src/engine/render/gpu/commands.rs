@@ -1,0 +1,109 @@
+//! The commands of one picture, and how long the adapter took over each stage.
+
+use super::context::Context;
+use super::target::read_words;
+use crate::error::Result;
+use wgpu::BufferUsages as Usage;
+
+/// Passes that are timed at most; further ones are not.
+const MOST_PASSES: u32 = 32;
+
+/// How long the adapter took over a stage of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StageTime {
+    /// The stage's name.
+    pub stage: &'static str,
+    /// Milliseconds on the adapter.
+    pub milliseconds: f64,
+}
+
+/// Where the adapter writes down when passes begin and end.
+#[derive(Debug)]
+pub(super) struct Stopwatch {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    readback: wgpu::Buffer,
+}
+
+impl Stopwatch {
+    /// `None` where the adapter does not tell times.
+    pub(super) fn new(context: &Context) -> Result<Option<Self>> {
+        if !context.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return Ok(None);
+        }
+        let queries = context.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("stages"),
+            ty: wgpu::QueryType::Timestamp,
+            count: 2 * MOST_PASSES,
+        });
+        let bytes = u64::from(16 * MOST_PASSES);
+        let resolved = context.buffer("times", bytes, Usage::QUERY_RESOLVE | Usage::COPY_SRC)?;
+        let readback = context.buffer("times readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;
+        Ok(Some(Self { queries, resolved, readback }))
+    }
+}
+
+/// Commands that are recorded for one picture.
+pub(super) struct Commands<'a> {
+    pub(super) encoder: wgpu::CommandEncoder,
+    stopwatch: Option<&'a Stopwatch>,
+    /// The passes that are timed.
+    timed: Vec<&'static str>,
+}
+
+/// The passes of submitted commands that were timed.
+#[derive(Debug, Default)]
+pub(super) struct TimedPasses(Vec<&'static str>);
+
+impl<'a> Commands<'a> {
+    pub(super) fn new(context: &Context, stopwatch: Option<&'a Stopwatch>) -> Self {
+        let encoder = context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        Self { encoder, stopwatch, timed: Vec::new() }
+    }
+
+    /// Begins the pass of a stage.
+    pub(super) fn pass(&mut self, stage: &'static str) -> wgpu::ComputePass<'_> {
+        let nth = self.timed.len() as u32;
+        let stopwatch = self.stopwatch.filter(|_| nth < MOST_PASSES);
+        if stopwatch.is_some() {
+            self.timed.push(stage);
+        }
+        let timestamp_writes = stopwatch.map(|stopwatch| wgpu::ComputePassTimestampWrites {
+            query_set: &stopwatch.queries,
+            beginning_of_pass_write_index: Some(2 * nth),
+            end_of_pass_write_index: Some(2 * nth + 1),
+        });
+        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(stage), timestamp_writes })
+    }
+
+    /// Hands all commands to the adapter.
+    pub(super) fn submit(mut self, context: &Context) -> TimedPasses {
+        if let Some(stopwatch) = self.stopwatch.filter(|_| !self.timed.is_empty()) {
+            let Stopwatch { queries, resolved, readback } = stopwatch;
+            self.encoder.resolve_query_set(queries, 0..2 * self.timed.len() as u32, resolved, 0);
+            self.encoder.copy_buffer_to_buffer(resolved, 0, readback, 0, readback.size());
+        }
+        context.queue.submit([self.encoder.finish()]);
+        TimedPasses(self.timed)
+    }
+}
+
+impl TimedPasses {
+    /// Waits for the passes and tells how long each stage took, in the order of the stages.
+    pub(super) fn read(self, context: &Context, stopwatch: Option<&Stopwatch>) -> Result<Vec<StageTime>> {
+        let Some(stopwatch) = stopwatch.filter(|_| !self.0.is_empty()) else { return Ok(Vec::new()) };
+        let per_tick = f64::from(context.queue.get_timestamp_period()) / 1e6;
+        read_words(context, &stopwatch.readback, |words| {
+            let ticks = |nth: usize| u64::from(words[2 * nth]) | u64::from(words[2 * nth + 1]) << 32;
+            let mut times: Vec<StageTime> = Vec::new();
+            for (nth, stage) in self.0.into_iter().enumerate() {
+                let milliseconds = ticks(2 * nth + 1).saturating_sub(ticks(2 * nth)) as f64 * per_tick;
+                match times.iter_mut().find(|time| time.stage == stage) {
+                    Some(time) => time.milliseconds += milliseconds,
+                    None => times.push(StageTime { stage, milliseconds }),
+                }
+            }
+            times
+        })
+    }
+}

@@ -1,0 +1,145 @@
+//! What the stages that finish a picture work on.
+
+use super::Painted;
+use super::stages::{FinishStages, STEP_STRIDE};
+use crate::error::Result;
+use crate::render::geometry::{focal, rays_in_world};
+use crate::render::gpu::context::Context;
+use crate::render::gpu::layout::{GpuCellView, GpuFinish};
+use crate::render::gpu::pipelines::{bind, first_of};
+use crate::render::gpu::scene::{list, uniform_at};
+use bytemuck::Zeroable;
+use wgpu::BufferUsages as Usage;
+
+/// Counts that the stages share, as in `finish.wgsl`.
+const COUNTS: u64 = 6;
+
+/// Columns and rows of a square of surroundings, as in `surroundings.wgsl`.
+const SQUARE: usize = 16;
+
+/// Pixels in a word of a mask.
+const MASK_BITS: usize = 32;
+
+/// Words of a cell of the pyramid, as in `pyramid.wgsl`.
+const CELL_WORDS: u64 = 5;
+
+/// Sets of sources that are kept side by side.
+const SETS: u64 = 2;
+
+/// What the planes are made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct FinishLayout {
+    /// Columns and rows of the picture.
+    pub(super) width: usize,
+    pub(super) height: usize,
+    /// Whether lines of sight are tested, and whether holes are filled.
+    pub(super) tests_lines: bool,
+    pub(super) fills: bool,
+}
+
+impl FinishLayout {
+    /// Words of the masks of a set of sources: see `hole_rays.wgsl`.
+    pub(super) fn mask_words(&self) -> u64 {
+        let Self { width, height, .. } = *self;
+        let bands = height.div_ceil(MASK_BITS);
+        (height * width.div_ceil(MASK_BITS) + bands * width + 2 * bands * (width + height - 1)) as u64
+    }
+
+    /// Columns and rows of the levels of the pyramid, the finest first.
+    pub(super) fn levels(&self) -> Vec<(usize, usize)> {
+        let half = |size: (usize, usize)| (size.0.div_ceil(2), size.1.div_ceil(2));
+        let mut levels = vec![half((self.width, self.height))];
+        while let Some(&last) = levels.last()
+            && last != (1, 1)
+        {
+            levels.push(half(last));
+        }
+        levels
+    }
+}
+
+/// The buffers.
+#[derive(Debug)]
+pub(super) struct FinishPlanes {
+    pub(super) layout: FinishLayout,
+    pub(super) counts: wgpu::Buffer,
+    planes: wgpu::Buffer,
+    squares: wgpu::Buffer,
+    masks: wgpu::Buffer,
+    pyramid: wgpu::Buffer,
+    /// Stands for what is not read.
+    nothing: wgpu::Buffer,
+}
+
+impl FinishPlanes {
+    pub(super) fn new(context: &Context, layout: FinishLayout) -> Result<Self> {
+        let FinishLayout { width, height, tests_lines, fills } = layout;
+        let if_wanted = |wanted: bool, bytes: u64| if wanted { bytes } else { 0 };
+        let squares = (width.div_ceil(SQUARE) * height.div_ceil(SQUARE)) as u64;
+        let cells: u64 = layout.levels().iter().map(|level| (level.0 * level.1) as u64).sum();
+        let buffer = |label: &str, bytes: u64| context.buffer(label, bytes.max(16), Usage::STORAGE);
+        Ok(Self {
+            layout,
+            counts: context.buffer("counts", 4 * COUNTS, Usage::STORAGE | Usage::COPY_DST)?,
+            planes: buffer("marks", if_wanted(tests_lines, 8 * (width * height) as u64))?,
+            squares: buffer("surroundings", if_wanted(tests_lines, 16 * squares))?,
+            masks: buffer("masks", if_wanted(fills, 4 * SETS * layout.mask_words()))?,
+            pyramid: buffer("pyramid", if_wanted(fills, 4 * SETS * CELL_WORDS * cells))?,
+            nothing: buffer("nothing", size_of::<GpuCellView>() as u64)?,
+        })
+    }
+
+    /// Binds everything, with free depths and environment where lines of sight are tested.
+    pub(super) fn bind(
+        &self,
+        context: &Context,
+        stages: &FinishStages,
+        painted: Painted<'_>,
+        views: &[GpuCellView],
+        known: Option<(Option<&wgpu::Buffer>, Option<&wgpu::Buffer>)>,
+    ) -> Result<wgpu::BindGroup> {
+        let numbers = uniform_at(context, "finish", &self.numbers(painted, views.len()))?;
+        let views = list(context, "asked cameras", views)?;
+        let (free, environment) = known.unwrap_or((None, None));
+        let buffers = [
+            &painted.target.picture,
+            &self.counts,
+            &self.planes,
+            &self.squares,
+            &views,
+            environment.unwrap_or(&self.nothing),
+            free.unwrap_or(&self.nothing),
+            &self.masks,
+            &self.pyramid,
+        ];
+        let numbers = std::iter::once(first_of::<GpuFinish>(&numbers));
+        let resources = numbers.chain(buffers.into_iter().map(wgpu::Buffer::as_entire_binding));
+        Ok(bind(&context.device, &stages.layout, resources))
+    }
+
+    /// The numbers of all steps.
+    fn numbers(&self, painted: Painted<'_>, view_count: usize) -> Vec<GpuFinish> {
+        let Painted { camera, settings, target, .. } = painted;
+        let [first_ray, ray_across, ray_down] = rays_in_world(camera, 0.5).map(|ray| ray.to_array());
+        let of_step = |step: usize| GpuFinish {
+            width: self.layout.width as u32,
+            height: self.layout.height as u32,
+            step: step as u32,
+            view_count: view_count as u32,
+            first_ray,
+            footprints: settings.depth_tolerance,
+            ray_across,
+            focal: focal(camera),
+            ray_down,
+            with_fronts: u32::from(target.layout.with_fronts),
+            tests_lines: u32::from(self.layout.tests_lines),
+            ..GpuFinish::zeroed()
+        };
+        (0..self.layout.levels().len().max(FinishStages::LEAST_STEPS)).map(of_step).collect()
+    }
+
+    /// Where the numbers of a step begin.
+    pub(super) fn at_step(step: usize) -> [u32; 1] {
+        [step as u32 * STEP_STRIDE]
+    }
+}

@@ -1,0 +1,157 @@
+//! The compiled stages that finish a picture, and the order in which they run.
+
+use super::planes::FinishPlanes;
+use crate::render::gpu::commands::Commands;
+use crate::render::gpu::context::Context;
+use crate::render::gpu::pipelines::{READ, UNIFORM_AT, WRITE, layout, pipeline};
+use crate::render::gpu::recorder::dispatch;
+use crate::render::gpu::shaders::FINISH;
+
+/// Distance between the numbers of steps in their buffer, bytes.
+pub(super) const STEP_STRIDE: u32 = crate::render::gpu::scene::STAGE_STRIDE as u32;
+
+/// What filling is called among the times of stages.
+pub(in crate::render::gpu) const FILL_STAGE: &str = "fill";
+
+/// Threads of a workgroup along each side, as in most files of `shaders/finish/`.
+const GROUP: usize = 16;
+
+/// Pixels along each side of what a workgroup of `open_holes.wgsl` marks.
+const OPEN_HOLES_GROUP: usize = 32;
+
+/// The step at which `ray_masks.wgsl` tells open holes from everything else, and the one at which it tells all sources and surfaces, which
+/// takes both sets.
+const OPEN_STEP: usize = 2;
+const BOTH_SETS: u32 = 2;
+
+/// Threads of a workgroup of `ray_masks.wgsl`.
+const MASKS_GROUP: u64 = 256;
+
+/// The compiled stages.
+#[derive(Debug)]
+pub(super) struct FinishStages {
+    pub(super) layout: wgpu::BindGroupLayout,
+    square_ranges: wgpu::ComputePipeline,
+    lines_of_sight: wgpu::ComputePipeline,
+    enclosed: wgpu::ComputePipeline,
+    open_holes: wgpu::ComputePipeline,
+    rims: wgpu::ComputePipeline,
+    holes: wgpu::ComputePipeline,
+    sky: wgpu::ComputePipeline,
+    ray_masks: wgpu::ComputePipeline,
+    open_sky: wgpu::ComputePipeline,
+    kinds: wgpu::ComputePipeline,
+    pull: wgpu::ComputePipeline,
+    fill: wgpu::ComputePipeline,
+}
+
+impl FinishStages {
+    /// Steps for which there are numbers even in the smallest picture.
+    pub(super) const LEAST_STEPS: usize = OPEN_STEP + 1;
+
+    /// Compiles the stages.
+    pub(super) fn new(context: &Context) -> Self {
+        let device = &context.device;
+        let bindings = [UNIFORM_AT, WRITE, WRITE, WRITE, WRITE, READ, READ, READ, WRITE, WRITE];
+        let layout = layout(device, "finish", &bindings);
+        let compiled = FINISH.map(|shader| pipeline(device, &shader, &[None, Some(&layout)]));
+        let [
+            square_ranges,
+            lines_of_sight,
+            enclosed,
+            open_holes,
+            rims,
+            holes,
+            sky,
+            ray_masks,
+            open_sky,
+            kinds,
+            pull,
+            fill,
+        ] = compiled;
+        Self {
+            layout,
+            square_ranges,
+            lines_of_sight,
+            enclosed,
+            open_holes,
+            rims,
+            holes,
+            sky,
+            ray_masks,
+            open_sky,
+            kinds,
+            pull,
+            fill,
+        }
+    }
+
+    /// Marks holes of a picture whose lines of sight are tested.
+    pub(super) fn mark_holes(
+        &self,
+        commands: &mut Commands<'_>,
+        planes: &FinishPlanes,
+        group: &wgpu::BindGroup,
+    ) {
+        let (width, height) = (planes.layout.width, planes.layout.height);
+        let mut pass = commands.pass("free space");
+        pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
+        let steps = [
+            (&self.square_ranges, GROUP),
+            (&self.lines_of_sight, GROUP),
+            (&self.enclosed, GROUP),
+            (&self.open_holes, OPEN_HOLES_GROUP),
+            (&self.rims, GROUP),
+        ];
+        for (pipeline, side) in steps {
+            pass.set_pipeline(pipeline);
+            pass.dispatch_workgroups(width.div_ceil(side) as u32, height.div_ceil(side) as u32, 1);
+        }
+        if !planes.layout.fills {
+            drop(pass);
+            self.count_holes(commands, planes, group);
+        }
+    }
+
+    /// Turns marked pixels into holes, and counts all holes.
+    fn count_holes(&self, commands: &mut Commands<'_>, planes: &FinishPlanes, group: &wgpu::BindGroup) {
+        commands.encoder.clear_buffer(&planes.counts, 0, None);
+        let mut pass = commands.pass("free space");
+        pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
+        over_pixels(&mut pass, &self.holes, planes);
+    }
+
+    /// Fills the holes of a picture.
+    pub(super) fn fill(&self, commands: &mut Commands<'_>, planes: &FinishPlanes, group: &wgpu::BindGroup) {
+        self.count_holes(commands, planes, group);
+        let mut pass = commands.pass(FILL_STAGE);
+        let mask_groups = planes.layout.mask_words().div_ceil(MASKS_GROUP) as u32;
+        if planes.layout.tests_lines {
+            pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
+            over_pixels(&mut pass, &self.sky, planes);
+            pass.set_bind_group(1, group, &FinishPlanes::at_step(OPEN_STEP));
+            pass.set_pipeline(&self.ray_masks);
+            dispatch(&mut pass, mask_groups, 1);
+            over_pixels(&mut pass, &self.open_sky, planes);
+        }
+        pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
+        over_pixels(&mut pass, &self.kinds, planes);
+        pass.set_pipeline(&self.ray_masks);
+        dispatch(&mut pass, mask_groups, BOTH_SETS);
+        pass.set_pipeline(&self.pull);
+        for (step, level) in planes.layout.levels().into_iter().enumerate() {
+            pass.set_bind_group(1, group, &FinishPlanes::at_step(step));
+            let groups = |side: usize| side.div_ceil(GROUP) as u32;
+            pass.dispatch_workgroups(groups(level.0), groups(level.1), BOTH_SETS);
+        }
+        pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
+        over_pixels(&mut pass, &self.fill, planes);
+    }
+}
+
+/// Runs a stage that has a thread for each pixel.
+fn over_pixels(pass: &mut wgpu::ComputePass<'_>, pipeline: &wgpu::ComputePipeline, planes: &FinishPlanes) {
+    let groups = |side: usize| side.div_ceil(GROUP) as u32;
+    pass.set_pipeline(pipeline);
+    pass.dispatch_workgroups(groups(planes.layout.width), groups(planes.layout.height), 1);
+}
