@@ -4,6 +4,8 @@
 //! which find what cameras saw, and in `finish/`, which find holes and fill them. A stage needs some of the shared pieces in
 //! `common/` before it; which ones, the engine says (`render/gpu/shaders.rs`).
 
+/// The stage `average`.
+pub const AVERAGE: &str = include_str!("average.wgsl");
 /// The stage `blend`.
 pub const BLEND: &str = include_str!("blend.wgsl");
 /// The stage `carry`.

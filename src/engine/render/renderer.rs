@@ -63,6 +63,8 @@ struct Request<'a> {
     job: &'a Job,
     /// Of a close-up; 0 is the picture itself.
     level: usize,
+    /// Pixels that are painted along each side of one of the picture, and averaged.
+    factor: usize,
 }
 
 /// A picture, and what rendering it took.
@@ -137,7 +139,7 @@ impl Renderer {
     ) -> Result<PictureAndStats> {
         let started = Instant::now();
         let milliseconds = || started.elapsed().as_secs_f64() * 1e3;
-        let request = Request { samples, vantage, settings, job, level: 0 };
+        let request = Request { samples, vantage, settings, job, level: 0, factor: 1 };
         let rates = RecordedRates::of(samples, vantage);
         if let Some(coarser) = self.coarser.for_picture(samples, &rates, vantage, settings) {
             let (picture, stats) = self.paint(&Request { samples: &coarser, ..request })?;
@@ -149,10 +151,9 @@ impl Renderer {
         }
         let finer = Vantage { camera: finer(&vantage.camera, factor), ..vantage.clone() };
         let settings = &RenderSettings { antialias: false, ..settings.clone() };
-        let (picture, stats) = self.paint(&Request { vantage: &finer, settings, ..request })?;
-        let picture = averaged(&picture, factor);
+        let (picture, stats) = self.paint(&Request { vantage: &finer, settings, factor, ..request })?;
         let stats = RenderStats { holes: picture.holes(), milliseconds: milliseconds(), ..stats };
-        Ok((Arc::new(picture), stats))
+        Ok((picture, stats))
     }
 
     /// Paints a picture, of what it magnifies coarser levels.
@@ -192,11 +193,10 @@ impl Renderer {
         job: &Job,
     ) -> Result<(WindowPicture, RenderStats)> {
         let rates = RecordedRates::of(samples, vantage);
-        let gpu_is_faster = || self.faster.get(&settings.kernel) == Some(&Backend::Gpu);
         let on_gpu = match settings.backend {
             Backend::Cpu => false,
             Backend::Gpu => true,
-            Backend::Auto => gpu_is_faster(),
+            Backend::Auto => self.faster.get(&settings.kernel) == Some(&Backend::Gpu),
         };
         if on_gpu {
             self.open(AdapterChoice::Any);
@@ -212,7 +212,7 @@ impl Renderer {
         {
             return Ok((WindowPicture::OnAdapter(texture), stats));
         }
-        let request = Request { samples, vantage, settings, job, level: 0 };
+        let request = Request { samples, vantage, settings, job, level: 0, factor: 1 };
         let (picture, stats) = self.paint_by_levels(&request, &rates)?;
         Ok((WindowPicture::InMemory(picture), stats))
     }
@@ -273,21 +273,24 @@ impl Renderer {
     }
 
     fn on_cpu(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
-        let Request { samples, vantage, settings, job, level } = *request;
+        let Request { samples, vantage, settings, job, level, factor } = *request;
         if self.cpu.len() <= level {
             self.cpu.resize_with(level + 1, CpuRenderer::new);
         }
-        let painted = self.cpu[level].render(samples, vantage, settings, job)?;
+        let (picture, stats) = self.cpu[level].render(samples, vantage, settings, job)?;
         self.painter = Some(Painter::cpu());
-        Ok(painted)
+        Ok((if factor == 1 { picture } else { Arc::new(averaged(&picture, factor)) }, stats))
     }
 
     fn on_gpu_if_possible(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
         if let Adapter::Missing(why) = &self.adapter {
             self.notice = Some(format!("the CPU renders: {why}"));
         }
-        let Request { samples, vantage, settings, job, .. } = *request;
-        let painted = self.try_gpu(|gpu| gpu.render(samples, vantage, settings, job))?;
+        let Request { samples, vantage, settings, job, factor, .. } = *request;
+        let painted = self.try_gpu(|gpu| match factor {
+            1 => gpu.render(samples, vantage, settings, job),
+            _ => gpu.render_averaged(samples, vantage, settings, factor, job),
+        })?;
         painted.map_or_else(|| self.on_cpu(request), Ok)
     }
 

@@ -76,14 +76,20 @@ pub(crate) fn finer(camera: &Camera, factor: usize) -> Camera {
     finer
 }
 
-/// A picture averaged over squares of `factor` pixels. A pixel shows a sample, or the filling of a hole, if half of its square does;
-/// depth and image are those nearest its center.
-pub(crate) fn averaged(finer: &Picture, factor: usize) -> Picture {
-    let (width, height) = (finer.color.width() / factor, finer.color.height() / factor);
+/// Columns and rows of the pixels in a square of `factor` pixels, the nearest to its center first.
+pub(super) fn nearest_to_center(factor: usize) -> Vec<(usize, usize)> {
     let mut order: Vec<(usize, usize)> =
         (0..factor * factor).map(|nth| (nth % factor, nth / factor)).collect();
     let off_center = |at: usize| (2 * at + 1).abs_diff(factor);
     order.sort_by_key(|&(x, y)| off_center(x).pow(2) + off_center(y).pow(2));
+    order
+}
+
+/// A picture averaged over squares of `factor` pixels. A pixel shows a sample, or the filling of a hole, if half of its square does;
+/// depth and image are those nearest its center.
+pub(crate) fn averaged(finer: &Picture, factor: usize) -> Picture {
+    let (width, height) = (finer.color.width() / factor, finer.color.height() / factor);
+    let order = nearest_to_center(factor);
     let pixel = |index: usize| {
         let (left, top) = (index % width * factor, index / width * factor);
         let parts = || order.iter().map(|(x, y)| (left + x, top + y));

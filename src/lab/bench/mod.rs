@@ -9,6 +9,7 @@
 //! Every stage is measured with one thread and with all. The limits are measured before and after the stages, and all repeats
 //! count, so that a machine that changes speed meanwhile distorts no share.
 
+mod card_stages;
 mod case;
 mod default_pictures;
 mod limits;
@@ -62,17 +63,23 @@ impl Options {
         if self.quick { vec![self.camera_size()] } else { vec![(640, 480), (1280, 720), (1920, 1080)] }
     }
 
+    /// Sizes of pictures on a card: those of screens.
+    fn card_sizes(&self) -> &'static [(u32, u32)] {
+        if self.quick { &[(160, 120)] } else { &[(1280, 720), (1920, 1080), (3840, 2160)] }
+    }
+
     fn budget(&self) -> RepeatLimits {
         if self.quick { RepeatLimits::QUICK } else { RepeatLimits::FULL }
     }
 
-    fn backends(&self) -> Result<Vec<Backend>> {
-        let has_adapter = match self.backend {
-            Backend::Cpu => false,
-            Backend::Auto => GpuRenderer::new(AdapterChoice::Hardware).is_ok(),
-            Backend::Gpu => GpuRenderer::new(AdapterChoice::Any).map(|_| true)?,
+    /// The name of the adapter that is measured; `None` if none is.
+    fn adapter(&self) -> Result<Option<String>> {
+        let adapter = match self.backend {
+            Backend::Cpu => None,
+            Backend::Auto => GpuRenderer::new(AdapterChoice::Hardware).ok(),
+            Backend::Gpu => Some(GpuRenderer::new(AdapterChoice::Any)?),
         };
-        Ok(if has_adapter { vec![Backend::Cpu, Backend::Gpu] } else { vec![Backend::Cpu] })
+        Ok(adapter.map(|gpu| gpu.adapter_name().to_owned()))
     }
 
     fn wants(&self, name: &str) -> bool {
@@ -91,7 +98,8 @@ pub fn measure(options: &Options, job: &Job) -> Result<SpeedReport> {
 }
 
 fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
-    let backends = options.backends()?;
+    let adapter = options.adapter()?;
+    let backends = if adapter.is_some() { vec![Backend::Cpu, Backend::Gpu] } else { vec![Backend::Cpu] };
     let cases = wanted_cases(options, &backends)?;
     let scene = BenchScene::new(options.camera_size(), job)?;
     let bench = Bench { scene: &scene, budget: options.budget(), job };
@@ -115,7 +123,7 @@ fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
     Ok(SpeedReport {
         version: env!("CARGO_PKG_VERSION"),
         quick: options.quick,
-        machine: Machine::this(),
+        machine: Machine { adapter, ..Machine::this() },
         samples: scene.unpruned.sample_count(),
         samples_pruned: scene.pruned.sample_count(),
         limits: pools.iter().map(|pool| limits.limit(pool.current_num_threads())).collect(),
@@ -127,6 +135,7 @@ fn wanted_cases(options: &Options, backends: &[Backend]) -> Result<Vec<Case>> {
     let mut cases = preprocess_stages::cases();
     cases.extend(render_stages::cases(backends, options.picture_sizes()));
     cases.extend(default_pictures::cases(backends, &options.default_sizes()));
+    cases.extend(card_stages::cases(backends, options.card_sizes()));
     let (wanted, others): (Vec<Case>, Vec<Case>) =
         cases.into_iter().partition(|case| case.names.iter().any(|name| options.wants(name)));
     if wanted.is_empty() {

@@ -29,6 +29,9 @@ pub struct SpeedReport {
 pub struct Machine {
     /// The name of the processor, if the system reports it.
     pub cpu: Option<String>,
+    /// The name of the graphics adapter, if one was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adapter: Option<String>,
     /// Architecture the program was built for, as `x86_64`.
     pub arch: &'static str,
     /// Operating system the program was built for, as `linux`.
@@ -46,6 +49,7 @@ impl Machine {
     pub(crate) fn this() -> Self {
         Self {
             cpu: cpu_name(),
+            adapter: None,
             arch: std::env::consts::ARCH,
             os: std::env::consts::OS,
             threads_available: std::thread::available_parallelism().map_or(1, usize::from),

@@ -59,7 +59,8 @@ fn text(report: &SpeedReport) -> String {
         let _ = write!(text, "\n{threads:>7} {read_gb_per_s:>10.1} {scatter_mpts_per_s:>12.0}");
     }
     if let Some(copy) = report.limits.last().and_then(|limit| limit.gpu_copy_gb_per_s) {
-        let _ = write!(text, "\nthe graphics adapter copies {copy:.1} GB/s of its memory");
+        let adapter = report.machine.adapter.as_deref().unwrap_or("the graphics adapter");
+        let _ = write!(text, "\n{adapter} copies {copy:.1} GB/s of its memory");
     }
     let _ = write!(
         text,

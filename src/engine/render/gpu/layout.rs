@@ -175,6 +175,7 @@ mod tests {
 
     use super::*;
     use crate::render::free_space::{CELL_BORDER, HOLE, OPEN_HOLE, SKY_HOLE};
+    use crate::render::gpu::average::GpuAverage;
     use crate::render::gpu::display::GpuDisplay;
     use crate::render::gpu::finish::SKY_SIDE;
     use crate::render::gpu::shaders;
@@ -258,6 +259,8 @@ mod tests {
         assert_eq!(constant(&module, "GROUPS_ACROSS"), GROUPS_ACROSS);
         let marks = ["HOLE", "OPEN_HOLE", "SKY_HOLE"].map(|name| float_constant(&module, name));
         assert_eq!(marks, [HOLE, OPEN_HOLE, SKY_HOLE]);
+        let module = naga::front::wgsl::parse_str(&shaders::AVERAGE.source()).unwrap();
+        assert_same_layout! { &module, "Average", GpuAverage, width, height, factor, padding }
         let module = naga::front::wgsl::parse_str(&shaders::SUM_SKY.source()).unwrap();
         assert_same_layout! {
             &module, "CameraRays", GpuCameraRays,

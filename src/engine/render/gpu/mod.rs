@@ -12,6 +12,7 @@
 //! sums and divide in other ways than the CPU: a sample's position and depth may differ in the last bits, and so may the pixel
 //! of a sample on the border of two. `tests/render/gpu_parity.rs` holds the limits.
 
+mod average;
 mod commands;
 mod context;
 mod copy;
@@ -43,6 +44,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
+use average::AveragePass;
 use commands::{Commands, Stopwatch, TimedPasses};
 use context::Context;
 use display::DisplayPass;
@@ -52,7 +54,7 @@ use memory::SampleMemory;
 use pipelines::Pipelines;
 use recorder::Recorder;
 use scene::{SceneBindings, SceneInput};
-use target::{GpuTarget, TargetLayout};
+use target::{GpuTarget, TargetLayout, read_picture};
 
 /// How a [`GpuRenderer`] is set up.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +83,7 @@ pub struct GpuRenderer {
     /// What the background layer of `target` was painted from.
     background: Option<BackgroundKey>,
     display: Option<DisplayPass>,
+    average: Option<AveragePass>,
     finisher: CardFinisher,
     /// Tells how long stages take, where the adapter can.
     stopwatch: Option<Stopwatch>,
@@ -128,6 +131,7 @@ impl GpuRenderer {
             target: None,
             background: None,
             display: None,
+            average: None,
             finisher,
             stopwatch,
             times: Vec::new(),
@@ -198,6 +202,35 @@ impl GpuRenderer {
             })?;
         let (holes, milliseconds) = (picture.holes(), started.elapsed().as_secs_f64() * 1e3);
         Ok((Arc::new(picture), RenderStats { holes, milliseconds, ..stats }))
+    }
+
+    /// Paints as [`GpuRenderer::render`] from the camera of a vantage with `factor` times as many columns and rows, and averages
+    /// squares of `factor` pixels. Holes are not counted.
+    ///
+    /// # Errors
+    /// As [`GpuRenderer::render`].
+    pub(super) fn render_averaged(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        finer: &Vantage,
+        settings: &RenderSettings,
+        factor: usize,
+        job: &Job,
+    ) -> Result<(Arc<Picture>, RenderStats)> {
+        let started = Instant::now();
+        let average = match self.average.take() {
+            Some(average) => average,
+            None => self.context.guarded(|| Ok(AveragePass::new(&self.context)))?,
+        };
+        let painted = self.paint(samples, finer, settings, job, |context, target, mut commands| {
+            let averaged = average.record(context, target, &mut commands, factor)?;
+            let timed = commands.submit(context);
+            Ok((read_picture(context, &averaged.readback, averaged.size)?, timed))
+        });
+        self.average = Some(average);
+        let (picture, stats) = painted?;
+        let milliseconds = started.elapsed().as_secs_f64() * 1e3;
+        Ok((Arc::new(picture), RenderStats { milliseconds, ..stats }))
     }
 
     /// Paints as [`GpuRenderer::render`], but leaves the picture on the adapter: sRGB-encoded, with holes hatched that are not filled.

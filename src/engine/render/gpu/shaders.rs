@@ -86,6 +86,7 @@ pub(super) const GATHER: Shader = Shader {
     ],
 };
 pub(super) const DISPLAY: Shader = Shader { entry: "display", pieces: &[overlook_shaders::DISPLAY] };
+pub(super) const AVERAGE: Shader = Shader { entry: "average", pieces: &[overlook_shaders::AVERAGE] };
 
 /// Carries samples into the cells of cameras.
 pub(super) const CARRY: Shader = Shader {
@@ -217,6 +218,7 @@ mod tests {
             SILHOUETTE,
             GATHER,
             DISPLAY,
+            AVERAGE,
             CARRY,
             FREE_DEPTHS,
             SUM_SKY,

@@ -95,20 +95,28 @@ impl GpuTarget {
 
     /// Waits for the picture and reads it.
     pub(super) fn read(&self, context: &Context) -> Result<Picture> {
-        let (width, height) = self.picture_size();
-        let pixels = width * height;
-        read_words(context, &self.readback, |words| {
-            let (color, rest) = words.split_at(3 * pixels);
-            let (depth, rest) = rest.split_at(pixels);
-            let color: &[[f32; 3]] = bytemuck::cast_slice(color);
-            Picture {
-                color: Grid::from_vec(width, height, color.to_vec()),
-                inverse_depth: Grid::from_vec(width, height, bytemuck::cast_slice(depth).to_vec()),
-                image: Grid::from_vec(width, height, rest[..pixels].to_vec()),
-                fronts: Vec::new(),
-            }
-        })
+        read_picture(context, &self.readback, self.picture_size())
     }
+}
+
+/// Waits for all work and reads a picture from a buffer that the CPU may map.
+pub(super) fn read_picture(
+    context: &Context,
+    buffer: &wgpu::Buffer,
+    (width, height): (usize, usize),
+) -> Result<Picture> {
+    let pixels = width * height;
+    read_words(context, buffer, |words| {
+        let (color, rest) = words.split_at(3 * pixels);
+        let (depth, rest) = rest.split_at(pixels);
+        let color: &[[f32; 3]] = bytemuck::cast_slice(color);
+        Picture {
+            color: Grid::from_vec(width, height, color.to_vec()),
+            inverse_depth: Grid::from_vec(width, height, bytemuck::cast_slice(depth).to_vec()),
+            image: Grid::from_vec(width, height, rest[..pixels].to_vec()),
+            fronts: Vec::new(),
+        }
+    })
 }
 
 /// Waits for all work and passes on the words of a buffer that the CPU may map.

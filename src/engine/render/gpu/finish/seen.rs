@@ -166,10 +166,10 @@ impl SeenCells {
             commands.encoder.clear_buffer(&slots.background, at, Some(place_bytes));
         }
         if !no_background.is_empty() {
-            let views = Views::new(context, painted, &no_background)?;
+            let views = CarriedInto::new(context, painted, &no_background)?;
             self.carry_layer(context, commands, painted, 0, &views, &slots.background);
         }
-        let views = Views::new(context, painted, &no_frame)?;
+        let views = CarriedInto::new(context, painted, &no_frame)?;
         for asked in &no_frame {
             let at = asked.place as u64 * place_bytes;
             let encoder = &mut commands.encoder;
@@ -197,7 +197,7 @@ impl SeenCells {
         commands: &mut Commands<'_>,
         painted: Painted<'_>,
         layer: usize,
-        views: &Views,
+        views: &CarriedInto,
         nearest: &wgpu::Buffer,
     ) {
         let resources = [&views.views, &views.into_cells, nearest].map(wgpu::Buffer::as_entire_binding);
@@ -211,14 +211,14 @@ impl SeenCells {
 }
 
 /// Cameras into which samples are carried.
-struct Views {
+struct CarriedInto {
     views: wgpu::Buffer,
     into_cells: wgpu::Buffer,
     /// Most columns and rows of their cells.
     largest: [u32; 2],
 }
 
-impl Views {
+impl CarriedInto {
     fn new(context: &Context, painted: Painted<'_>, asked: &[&AskedCamera]) -> Result<Self> {
         let views: Vec<GpuCellView> = asked.iter().map(|asked| asked.view).collect();
         let cameras = &painted.frame.set.cameras;

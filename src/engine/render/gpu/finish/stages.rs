@@ -94,7 +94,7 @@ impl FinishStages {
         group: &wgpu::BindGroup,
     ) {
         let (width, height) = (planes.layout.width, planes.layout.height);
-        let mut pass = commands.pass("free space");
+        let mut pass = commands.pass("free-space");
         pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
         let steps = [
             (&self.square_ranges, GROUP),
@@ -116,7 +116,7 @@ impl FinishStages {
     /// Turns marked pixels into holes, and counts all holes.
     fn count_holes(&self, commands: &mut Commands<'_>, planes: &FinishPlanes, group: &wgpu::BindGroup) {
         commands.encoder.clear_buffer(&planes.counts, 0, None);
-        let mut pass = commands.pass("free space");
+        let mut pass = commands.pass("free-space");
         pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
         over_pixels(&mut pass, &self.holes, planes);
     }
