@@ -1,6 +1,6 @@
 //! A finished picture carried to another viewpoint: what a window shows until the picture of that viewpoint is there.
 //!
-//! Source: Mark, McMillan and Bishop, *Post-Rendering 3D Warping*, I3D 1997. What differs: one reference picture instead of two. Depths
+//! Source: Mark, `McMillan` and Bishop, *Post-Rendering 3D Warping*, I3D 1997. What differs: one reference picture instead of two. Depths
 //! alone are warped forward, each as wide as its pixel becomes, so that surfaces that come nearer have no cracks. Colors are then looked
 //! up backward and interpolated, so that textures slide smoothly. What nothing reaches is taken from the farther side of its row, which
 //! is what a nearer surface has just uncovered.

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 /// Wall-clock milliseconds of each stage of a picture. Silhouettes are found and colors looked up block by block on all threads: the time
-/// that both take together is shared out by the time that the threads spent on each.
+/// that both take together is shared out by the time that the threads spent on each. A graphics card tells the times by its own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct StageTimes {
     /// Listing the samples of the frame, and finding those that the picture may show.
@@ -74,7 +74,8 @@ impl StageTimes {
         self
     }
 
-    fn of(&mut self, stage: Stage) -> &mut f64 {
+    /// The time of a stage.
+    pub(super) fn of(&mut self, stage: Stage) -> &mut f64 {
         match stage {
             Stage::Select => &mut self.select_ms,
             Stage::Paint => &mut self.paint_ms,

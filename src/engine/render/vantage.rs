@@ -119,7 +119,7 @@ pub struct RenderStats {
     pub holes: u64,
     /// Wall-clock milliseconds, filling included.
     pub milliseconds: f64,
-    /// Of these, those of each stage. Zeros where another program than the CPU's renderer painted.
+    /// Of these, those of each stage; zeros where the graphics adapter does not tell.
     pub stages: StageTimes,
     /// Whether the background was taken from the cache instead of being painted.
     pub background_reused: bool,

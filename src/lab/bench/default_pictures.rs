@@ -126,17 +126,15 @@ struct PictureCase {
     size: (u32, u32),
 }
 
-/// Every backend, scene and motion at each size.
-pub(crate) fn cases(backends: &[Backend], sizes: &[(u32, u32)]) -> Vec<Case> {
+/// Every scene and motion at each size.
+pub(crate) fn cases(backend: Backend, sizes: &[(u32, u32)]) -> Vec<Case> {
     let mut cases = Vec::new();
-    for &backend in backends {
-        for scene in 0..SCENES.len() {
-            for motion in Motion::ALL {
-                for &size in sizes {
-                    let case = PictureCase { backend, scene, motion, size };
-                    let names = vec![case.name()];
-                    cases.push(Case { names, measure: Box::new(move |bench| case.measure(bench)) });
-                }
+    for scene in 0..SCENES.len() {
+        for motion in Motion::ALL {
+            for &size in sizes {
+                let case = PictureCase { backend, scene, motion, size };
+                let names = vec![case.name()];
+                cases.push(Case { names, measure: Box::new(move |bench| case.measure(bench)) });
             }
         }
     }

@@ -9,7 +9,6 @@
 //! Every stage is measured with one thread and with all. The limits are measured before and after the stages, and all repeats
 //! count, so that a machine that changes speed meanwhile distorts no share.
 
-mod card_stages;
 mod case;
 mod default_pictures;
 mod limits;
@@ -58,14 +57,13 @@ impl Options {
         [self.camera_size(), if self.quick { (320, 180) } else { (1280, 720) }]
     }
 
-    /// Sizes of the default pictures.
-    fn default_sizes(&self) -> Vec<(u32, u32)> {
-        if self.quick { vec![self.camera_size()] } else { vec![(640, 480), (1280, 720), (1920, 1080)] }
-    }
-
-    /// Sizes of pictures on a card: those of screens.
-    fn card_sizes(&self) -> &'static [(u32, u32)] {
-        if self.quick { &[(160, 120)] } else { &[(1280, 720), (1920, 1080), (3840, 2160)] }
+    /// Sizes of the default pictures: those of cameras and of screens.
+    fn default_sizes(&self, backend: Backend) -> &'static [(u32, u32)] {
+        match backend {
+            _ if self.quick => &[(160, 120)],
+            Backend::Gpu => &[(1280, 720), (1920, 1080), (3840, 2160)],
+            Backend::Auto | Backend::Cpu => &[(640, 480), (1280, 720), (1920, 1080)],
+        }
     }
 
     fn budget(&self) -> RepeatLimits {
@@ -134,8 +132,9 @@ fn measure_all(options: &Options, job: &Job) -> Result<SpeedReport> {
 fn wanted_cases(options: &Options, backends: &[Backend]) -> Result<Vec<Case>> {
     let mut cases = preprocess_stages::cases();
     cases.extend(render_stages::cases(backends, options.picture_sizes()));
-    cases.extend(default_pictures::cases(backends, &options.default_sizes()));
-    cases.extend(card_stages::cases(backends, options.card_sizes()));
+    for &backend in backends {
+        cases.extend(default_pictures::cases(backend, options.default_sizes(backend)));
+    }
     let (wanted, others): (Vec<Case>, Vec<Case>) =
         cases.into_iter().partition(|case| case.names.iter().any(|name| options.wants(name)));
     if wanted.is_empty() {

@@ -3,18 +3,22 @@
 use super::context::Context;
 use super::target::read_words;
 use crate::error::Result;
+use crate::render::stage_times::{Stage, StageTimes};
 use wgpu::BufferUsages as Usage;
 
 /// Passes that are timed at most; further ones are not.
 const MOST_PASSES: u32 = 32;
 
-/// How long the adapter took over a stage of a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StageTime {
-    /// The stage's name.
-    pub stage: &'static str,
-    /// Milliseconds on the adapter.
-    pub milliseconds: f64,
+/// The stage that a pass, by its name, belongs to.
+fn stage_of(pass: &str) -> Stage {
+    match pass {
+        "surface" | "blend" => Stage::Paint,
+        "silhouette" => Stage::Silhouettes,
+        "gather" | "resolve" => Stage::LookUp,
+        "sky" | "seen" | "free-space" => Stage::FreeSpace,
+        "fill" => Stage::Fill,
+        _ => Stage::Copy,
+    }
 }
 
 /// Where the adapter writes down when passes begin and end.
@@ -89,19 +93,18 @@ impl<'a> Commands<'a> {
 }
 
 impl TimedPasses {
-    /// Waits for the passes and tells how long each stage took, in the order of the stages.
-    pub(super) fn read(self, context: &Context, stopwatch: Option<&Stopwatch>) -> Result<Vec<StageTime>> {
-        let Some(stopwatch) = stopwatch.filter(|_| !self.0.is_empty()) else { return Ok(Vec::new()) };
+    /// Waits for the passes and tells how long each stage took; zeros where the adapter does not tell.
+    pub(super) fn read(self, context: &Context, stopwatch: Option<&Stopwatch>) -> Result<StageTimes> {
+        let Some(stopwatch) = stopwatch.filter(|_| !self.0.is_empty()) else {
+            return Ok(StageTimes::default());
+        };
         let per_tick = f64::from(context.queue.get_timestamp_period()) / 1e6;
         read_words(context, &stopwatch.readback, |words| {
             let ticks = |nth: usize| u64::from(words[2 * nth]) | u64::from(words[2 * nth + 1]) << 32;
-            let mut times: Vec<StageTime> = Vec::new();
-            for (nth, stage) in self.0.into_iter().enumerate() {
+            let mut times = StageTimes::default();
+            for (nth, pass) in self.0.into_iter().enumerate() {
                 let milliseconds = ticks(2 * nth + 1).saturating_sub(ticks(2 * nth)) as f64 * per_tick;
-                match times.iter_mut().find(|time| time.stage == stage) {
-                    Some(time) => time.milliseconds += milliseconds,
-                    None => times.push(StageTime { stage, milliseconds }),
-                }
+                *times.of(stage_of(pass)) += milliseconds;
             }
             times
         })

@@ -27,7 +27,6 @@ mod shaders;
 mod target;
 mod upload;
 
-pub use commands::StageTime;
 pub use context::{AdapterChoice, SharedDevice, device_descriptor};
 pub use copy::GpuCopy;
 pub use display::{HolePattern, ScreenTexture};
@@ -48,7 +47,7 @@ use average::AveragePass;
 use commands::{Commands, Stopwatch, TimedPasses};
 use context::Context;
 use display::DisplayPass;
-use finish::{CardFinisher, FILL_STAGE, Painted};
+use finish::{CardFinisher, Painted};
 use layout::{FRONT_WORDS, PICTURE_WORDS, SURFACE_WORDS};
 use memory::SampleMemory;
 use pipelines::Pipelines;
@@ -87,8 +86,6 @@ pub struct GpuRenderer {
     finisher: CardFinisher,
     /// Tells how long stages take, where the adapter can.
     stopwatch: Option<Stopwatch>,
-    /// Of the last picture.
-    times: Vec<StageTime>,
 }
 
 impl GpuRenderer {
@@ -134,7 +131,6 @@ impl GpuRenderer {
             average: None,
             finisher,
             stopwatch,
-            times: Vec::new(),
         })
     }
 
@@ -154,12 +150,6 @@ impl GpuRenderer {
     #[must_use]
     pub fn uploaded_bytes(&self) -> u64 {
         self.memory.uploaded
-    }
-
-    /// How long the adapter took over the stages of the last picture; empty where it does not tell.
-    #[must_use]
-    pub fn stage_times(&self) -> &[StageTime] {
-        &self.times
     }
 
     /// Drops the background, so that the next picture is painted in full.
@@ -305,7 +295,7 @@ impl GpuRenderer {
             let (result, timed) = finish(context, target, commands)?;
             Ok((result, timed.read(context, stopwatch)?))
         });
-        let (result, times) = result.inspect_err(|error| {
+        let (result, stages) = result.inspect_err(|error| {
             self.finisher.forget();
             // Buffers that memory ran out for are unusable from then on.
             if matches!(error, Error::Gpu { .. }) {
@@ -314,13 +304,10 @@ impl GpuRenderer {
                 self.finisher.drop_buffers();
             }
         })?;
-        let fill_ms =
-            times.iter().filter(|time| time.stage == FILL_STAGE).map(|time| time.milliseconds).sum();
-        self.times = times;
         self.background = Some(key);
         let tiles = if reused { frame.foreground_tiles() } else { 0..frame.tile_count() };
         let samples = frame.sample_count(tiles);
-        Ok((result, RenderStats { samples, background_reused: reused, fill_ms, ..RenderStats::default() }))
+        Ok((result, RenderStats { samples, background_reused: reused, stages, ..RenderStats::default() }))
     }
 }
 

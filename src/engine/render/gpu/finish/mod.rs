@@ -37,7 +37,6 @@ use stages::FinishStages;
 
 #[cfg(test)]
 pub(super) use sky::SKY_SIDE;
-pub(super) use stages::FILL_STAGE;
 
 /// Finishes pictures on the adapter, and keeps what cameras saw at the last frame there.
 #[derive(Debug)]

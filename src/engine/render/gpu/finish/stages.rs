@@ -10,9 +10,6 @@ use crate::render::gpu::shaders::FINISH;
 /// Distance between the numbers of steps in their buffer, bytes.
 pub(super) const STEP_STRIDE: u32 = crate::render::gpu::scene::STAGE_STRIDE as u32;
 
-/// What filling is called among the times of stages.
-pub(in crate::render::gpu) const FILL_STAGE: &str = "fill";
-
 /// Threads of a workgroup along each side, as in most files of `shaders/finish/`.
 const GROUP: usize = 16;
 
@@ -124,7 +121,7 @@ impl FinishStages {
     /// Fills the holes of a picture.
     pub(super) fn fill(&self, commands: &mut Commands<'_>, planes: &FinishPlanes, group: &wgpu::BindGroup) {
         self.count_holes(commands, planes, group);
-        let mut pass = commands.pass(FILL_STAGE);
+        let mut pass = commands.pass("fill");
         let mask_groups = planes.layout.mask_words().div_ceil(MASKS_GROUP) as u32;
         if planes.layout.tests_lines {
             pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
