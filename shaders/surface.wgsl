@@ -87,7 +87,7 @@ fn project_sample(projector: Projector, corner: vec2<f32>, at: vec2<u32>) -> Pro
             sample.edges = edges_around(projected.pixel, half_size);
             let low = ceil(projected.pixel - half_size - 0.5);
             let high = floor(projected.pixel + half_size - 0.5);
-            let is_large = any(high > low + 1.0) && sample.footprint.largest >= MAX_STRETCH * MAGNIFIED;
+            let is_large = any(high > low + 2.0) && sample.footprint.largest >= MAX_STRETCH * MAGNIFIED;
             // Edge on, the surface beside the sample is unknown.
             let is_known = any(sample.footprint.inverse != vec4<f32>(0.0));
             sample.has_fringe = stage.kernel == KERNEL_GATHER && stage.pruned != 0u && is_known && is_large;

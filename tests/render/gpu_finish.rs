@@ -196,15 +196,16 @@ fn pictures_whose_lines_of_sight_are_not_tested_do_not_pass_for_the_default() {
 
 #[test]
 fn what_cameras_saw_is_kept_while_frames_and_vantages_change_and_shows_the_same() {
-    let Some(mut kept) = gpu() else { return };
+    let (Some(mut kept), Some(mut fresh)) = (gpu(), gpu()) else { return };
     // More cameras than are asked about a line of sight.
-    let samples = shaft(16, 3);
+    let (samples, other) = (shaft(16, 3), shaft(4, 1));
     let places = [(0.02, 0.01), (0.4, 0.1), (-0.3, 0.2), (0.02, 0.01)];
     for (nth, (x, y)) in places.into_iter().enumerate() {
         for frame in [0, nth % 3, 2] {
-            let Some(mut fresh) = gpu() else { return };
             let vantage = Vantage { camera: eye(x, y, 48), frame };
             let settings = RenderSettings::default();
+            // Other samples in between leave nothing that could be kept.
+            paint(&mut fresh, &other, &Vantage { frame: 0, ..vantage.clone() }, &settings);
             let again = paint(&mut kept, &samples, &vantage, &settings);
             assert!(again == paint(&mut fresh, &samples, &vantage, &settings), "frame {frame} at {x}, {y}");
         }

@@ -212,8 +212,11 @@ fn close_ups_and_colors_outside_of_the_gamut_are_painted_as_on_the_cpu() {
     let samples = samples(&scene.record(arc(3, 96), 1));
     let mut close_up = novel();
     (close_up.intrinsics.fx, close_up.intrinsics.fy) = (900.0, 900.0);
+    // Where a footprint is about three pixels wide.
+    let mut nearer = novel();
+    (nearer.intrinsics.fx, nearer.intrinsics.fy) = (290.0, 290.0);
     for kernel in [Kernel::Block, Kernel::Surfel, Kernel::Gather] {
-        for camera in [novel(), close_up.clone()] {
+        for camera in [novel(), nearer.clone(), close_up.clone()] {
             let (cpu, _) = on_cpu(&samples, &camera, 0, kernel);
             let (gpu, _) = on_gpu(&mut gpu, &samples, &camera, 0, kernel);
             let found = Difference::between(&cpu, &gpu);

@@ -3,6 +3,7 @@
 //! ```text
 //! Scene (seeded) ─┬─ limits ──────────────────────────────────────┐
 //!                 ├─ preprocess_stages ─┐                         │
+//!                 ├─ card_stages ───────┤                         │
 //!                 └─ render_stages ─────┴─ repeat ─▶ Times ─ against ─▶ SpeedReport
 //! ```
 //!
@@ -188,9 +189,12 @@ mod tests {
     fn every_stage_has_a_name_of_its_own() {
         let all = names(&[]);
         assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
-        for name in
-            ["preprocess/scan", "render/point/unpruned/640x480", "render/gpu/block/still-vantage/1280x720"]
-        {
+        for name in [
+            "preprocess/scan",
+            "render/point/unpruned/640x480",
+            "render/gpu/block/still-vantage/1280x720",
+            "card/gather/1920x1080",
+        ] {
             assert!(all.iter().any(|found| found == name), "{name} in {all:?}");
         }
         assert_eq!(

@@ -19,7 +19,7 @@ use crate::samples::{SampleImage, TILE};
 use crate::settings::{Kernel, RenderSettings};
 
 /// Distance between the stages in their buffer, bytes: the alignment that every adapter takes.
-pub(super) const STAGE_STRIDE: usize = 256;
+const STAGE_STRIDE: usize = 256;
 
 /// What every stage of a picture binds.
 pub(super) struct SceneBindings {
@@ -96,7 +96,7 @@ impl SceneBindings {
 
     /// Where the stage of a layer begins, for the first or the second pass over its samples.
     pub(super) fn stage_offset(layer: usize, step: usize) -> u32 {
-        (2 * layer + step) as u32 * STAGE_STRIDE as u32
+        numbers_at(2 * layer + step)
     }
 }
 
@@ -183,7 +183,12 @@ pub(super) fn list<T: Pod>(context: &Context, label: &str, entries: &[T]) -> Res
     context.written(label, bytemuck::cast_slice(entries), wgpu::BufferUsages::STORAGE)
 }
 
-/// A buffer with these sets of numbers, [`STAGE_STRIDE`] apart.
+/// Where a set of numbers begins in what [`uniform_at`] made, bytes.
+pub(super) fn numbers_at(nth: usize) -> u32 {
+    (nth * STAGE_STRIDE) as u32
+}
+
+/// A buffer with these sets of numbers, each where [`numbers_at`] says.
 pub(super) fn uniform_at<T: Pod>(context: &Context, label: &str, entries: &[T]) -> Result<wgpu::Buffer> {
     let mut bytes = Vec::with_capacity(entries.len() * STAGE_STRIDE);
     for entry in entries {

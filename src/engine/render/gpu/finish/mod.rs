@@ -11,6 +11,7 @@
 //! because the CPU does not wait for them. Rays across holes pass over 32 pixels at a step, by masks of sources, instead of being
 //! swept.
 
+mod painted;
 mod planes;
 mod seen;
 mod sky;
@@ -22,19 +23,17 @@ use super::commands::Commands;
 use super::context::Context;
 use super::layout::GpuCellView;
 use super::pipelines::Pipelines;
-use super::scene::SceneBindings;
-use super::target::GpuTarget;
-use crate::capture::Camera;
 use crate::error::Result;
 use crate::render::finish::{has_sky, tests_free_space};
-use crate::render::input::FrameSamples;
 use crate::samples::SampleSet;
-use crate::settings::{Fill, RenderSettings};
+use crate::settings::Fill;
+use painted::Known;
 use planes::{FinishLayout, FinishPlanes};
 use seen::SeenCells;
 use sky::Sky;
 use stages::FinishStages;
 
+pub(super) use painted::Painted;
 #[cfg(test)]
 pub(super) use sky::SKY_SIDE;
 
@@ -62,25 +61,6 @@ impl SeenImages {
     fn is_of(&self, samples: &SampleSet, images: &[usize]) -> bool {
         self.images == images && self.samples.shares(samples, images)
     }
-}
-
-/// A painted picture.
-#[derive(Clone, Copy)]
-pub(super) struct Painted<'a> {
-    pub(super) samples: &'a Arc<SampleSet>,
-    pub(super) frame: &'a FrameSamples<'a>,
-    /// The vantage's camera.
-    pub(super) camera: &'a Camera,
-    pub(super) settings: &'a RenderSettings,
-    pub(super) scene: &'a SceneBindings,
-    pub(super) target: &'a GpuTarget,
-}
-
-/// What of the last frame is still known.
-#[derive(Clone, Copy)]
-struct Known {
-    background: bool,
-    frame: bool,
 }
 
 impl CardFinisher {
@@ -135,7 +115,7 @@ impl CardFinisher {
         let views = if tests_lines { self.see(context, commands, painted)? } else { Vec::new() };
         let (seen, sky) = (&self.seen, &self.sky);
         let known = tests_lines.then(|| (seen.free_depths(), sky.environment()));
-        let group = planes.bind(context, &self.stages, painted, &views, known)?;
+        let group = planes.bind(context, &self.stages.layout, painted, &views, known)?;
         if tests_lines {
             self.stages.mark_holes(commands, &planes, &group);
         }

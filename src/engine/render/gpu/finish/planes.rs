@@ -1,13 +1,12 @@
 //! What the stages that finish a picture work on.
 
-use super::Painted;
-use super::stages::{FinishStages, STEP_STRIDE};
+use super::painted::Painted;
 use crate::error::Result;
 use crate::render::geometry::{focal, rays_in_world};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCellView, GpuFinish};
 use crate::render::gpu::pipelines::{bind, first_of};
-use crate::render::gpu::scene::{list, uniform_at};
+use crate::render::gpu::scene::{list, numbers_at, uniform_at};
 use bytemuck::Zeroable;
 use wgpu::BufferUsages as Usage;
 
@@ -22,6 +21,9 @@ const MASK_BITS: usize = 32;
 
 /// Words of a cell of the pyramid, as in `pyramid.wgsl`.
 const CELL_WORDS: u64 = 5;
+
+/// Steps for which there are numbers even in the smallest picture.
+pub(super) const LEAST_STEPS: usize = 3;
 
 /// Sets of sources that are kept side by side.
 const SETS: u64 = 2;
@@ -93,7 +95,7 @@ impl FinishPlanes {
     pub(super) fn bind(
         &self,
         context: &Context,
-        stages: &FinishStages,
+        bindings: &wgpu::BindGroupLayout,
         painted: Painted<'_>,
         views: &[GpuCellView],
         known: Option<(Option<&wgpu::Buffer>, Option<&wgpu::Buffer>)>,
@@ -114,7 +116,7 @@ impl FinishPlanes {
         ];
         let numbers = std::iter::once(first_of::<GpuFinish>(&numbers));
         let resources = numbers.chain(buffers.into_iter().map(wgpu::Buffer::as_entire_binding));
-        Ok(bind(&context.device, &stages.layout, resources))
+        Ok(bind(&context.device, bindings, resources))
     }
 
     /// The numbers of all steps.
@@ -135,11 +137,11 @@ impl FinishPlanes {
             tests_lines: u32::from(self.layout.tests_lines),
             ..GpuFinish::zeroed()
         };
-        (0..self.layout.levels().len().max(FinishStages::LEAST_STEPS)).map(of_step).collect()
+        (0..self.layout.levels().len().max(LEAST_STEPS)).map(of_step).collect()
     }
 
     /// Where the numbers of a step begin.
     pub(super) fn at_step(step: usize) -> [u32; 1] {
-        [step as u32 * STEP_STRIDE]
+        [numbers_at(step)]
     }
 }

@@ -1,6 +1,6 @@
 //! What the cameras that are asked about lines of sight saw: the stages of `shaders/seen/`.
 
-use super::{Known, Painted};
+use super::painted::{Known, Painted};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::render::free_space::{CELL_BORDER, behind_ratio, cameras_to_ask};
@@ -10,7 +10,7 @@ use crate::render::gpu::layout::{GpuCellView, GpuProjector};
 use crate::render::gpu::pipelines::{Pipelines, READ, WRITE, bind, layout, pipeline};
 use crate::render::gpu::recorder::dispatch;
 use crate::render::gpu::scene::{SceneBindings, list};
-use crate::render::gpu::shaders;
+use crate::render::gpu::shaders::{CARRY, FREE_DEPTHS};
 use crate::samples::halved_camera;
 use wgpu::BufferUsages as Usage;
 
@@ -94,8 +94,8 @@ impl SeenCells {
         let free_layout = layout(device, "free depths", &[READ, READ, WRITE]);
         let over_samples = [Some(&pipelines.scene_layout), Some(&carry_layout)];
         Self {
-            carry: pipeline(device, &shaders::CARRY, &over_samples),
-            free: pipeline(device, &shaders::FREE_DEPTHS, &[None, Some(&free_layout)]),
+            carry: pipeline(device, &CARRY, &over_samples),
+            free: pipeline(device, &FREE_DEPTHS, &[None, Some(&free_layout)]),
             carry_layout,
             free_layout,
             slots: None,

@@ -1,6 +1,6 @@
 //! The sky that cameras saw, by direction: the stages of `shaders/sky/`.
 
-use super::{Known, Painted};
+use super::painted::{Known, Painted};
 use crate::error::Result;
 use crate::render::geometry::rays_in_world;
 use crate::render::gpu::commands::Commands;
@@ -8,13 +8,13 @@ use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCameraRays, SUM_WORDS};
 use crate::render::gpu::pipelines::{Pipelines, READ, UNIFORM_AT, WRITE, bind, first_of, layout, pipeline};
 use crate::render::gpu::recorder::dispatch;
-use crate::render::gpu::scene::{SceneBindings, list, uniform_at};
-use crate::render::gpu::shaders;
+use crate::render::gpu::scene::{SceneBindings, list, numbers_at, uniform_at};
+use crate::render::gpu::shaders::{FILL_SKY, HALVE_SKY, SUM_SKY};
 use bytemuck::Zeroable;
 use wgpu::BufferUsages as Usage;
 
 /// Cells along each side of the finest grid, as `SKY_SIDE` in `sky_grids.wgsl`.
-pub(in crate::render::gpu) const SKY_SIDE: u64 = 64;
+pub(crate) const SKY_SIDE: u64 = 64;
 
 /// Grids: each is half as fine as the one before, and the last has one cell.
 const GRIDS: u32 = SKY_SIDE.ilog2() + 1;
@@ -70,9 +70,9 @@ impl Sky {
         let grid_layout = layout(device, "grids of the sky", &[UNIFORM_AT, READ, WRITE, WRITE]);
         let over_samples = [Some(&pipelines.scene_layout), Some(&sum_layout)];
         Self {
-            sum: pipeline(device, &shaders::SUM_SKY, &over_samples),
-            halve: pipeline(device, &shaders::HALVE_SKY, &[Some(&grid_layout)]),
-            fill: pipeline(device, &shaders::FILL_SKY, &[Some(&grid_layout)]),
+            sum: pipeline(device, &SUM_SKY, &over_samples),
+            halve: pipeline(device, &HALVE_SKY, &[Some(&grid_layout)]),
+            fill: pipeline(device, &FILL_SKY, &[Some(&grid_layout)]),
             sum_layout,
             grid_layout,
             grids: None,
@@ -153,7 +153,7 @@ impl Sky {
         let mut pass = commands.pass("sky");
         let mut run = |pipeline: &wgpu::ComputePipeline, level: u32| {
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &group, &[level * super::stages::STEP_STRIDE]);
+            pass.set_bind_group(0, &group, &[numbers_at(level as usize)]);
             let groups = (SKY_SIDE as u32 >> level).div_ceil(GROUP);
             pass.dispatch_workgroups(groups, groups, groups);
         };

@@ -1,14 +1,11 @@
 //! The compiled stages that finish a picture, and the order in which they run.
 
-use super::planes::FinishPlanes;
+use super::planes::{FinishPlanes, LEAST_STEPS};
 use crate::render::gpu::commands::Commands;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::pipelines::{READ, UNIFORM_AT, WRITE, layout, pipeline};
 use crate::render::gpu::recorder::dispatch;
 use crate::render::gpu::shaders::FINISH;
-
-/// Distance between the numbers of steps in their buffer, bytes.
-pub(super) const STEP_STRIDE: u32 = crate::render::gpu::scene::STAGE_STRIDE as u32;
 
 /// Threads of a workgroup along each side, as in most files of `shaders/finish/`.
 const GROUP: usize = 16;
@@ -17,8 +14,9 @@ const GROUP: usize = 16;
 const OPEN_HOLES_GROUP: usize = 32;
 
 /// The step at which `ray_masks.wgsl` tells open holes from everything else, and the one at which it tells all sources and surfaces, which
-/// takes both sets.
-const OPEN_STEP: usize = 2;
+/// takes
+/// both sets.
+const OPEN_STEP: usize = LEAST_STEPS - 1;
 const BOTH_SETS: u32 = 2;
 
 /// Threads of a workgroup of `ray_masks.wgsl`.
@@ -43,9 +41,6 @@ pub(super) struct FinishStages {
 }
 
 impl FinishStages {
-    /// Steps for which there are numbers even in the smallest picture.
-    pub(super) const LEAST_STEPS: usize = OPEN_STEP + 1;
-
     /// Compiles the stages.
     pub(super) fn new(context: &Context) -> Self {
         let device = &context.device;
