@@ -139,15 +139,15 @@ fn what_cannot_be_shown_from_the_adapter_comes_through_memory() {
     for length in [&mut lens.fx, &mut lens.fy, &mut lens.cx, &mut lens.cy] {
         *length *= 4.0;
     }
-    let mut is_on_adapter = |backend, vantage: &Vantage, holes| {
-        let settings = RenderSettings { backend, ..RenderSettings::default() };
+    let mut is_on_adapter = |backend, kernel, vantage: &Vantage, holes| {
+        let settings = RenderSettings { backend, kernel, ..RenderSettings::default() };
         let (shown, _) = renderer.show(&samples, vantage, &settings, holes, &Job::new()).unwrap();
         matches!(shown, WindowPicture::OnAdapter(_))
     };
-    assert!(is_on_adapter(Backend::Gpu, &vantage, Some(&HOLES)), "with all defaults");
-    assert!(!is_on_adapter(Backend::Gpu, &vantage, None));
-    assert!(!is_on_adapter(Backend::Gpu, &close_up, Some(&HOLES)));
-    assert!(!is_on_adapter(Backend::Cpu, &vantage, Some(&HOLES)));
+    assert!(is_on_adapter(Backend::Gpu, Kernel::Gather, &vantage, Some(&HOLES)), "with all defaults");
+    assert!(!is_on_adapter(Backend::Gpu, Kernel::Surfel, &vantage, None));
+    assert!(!is_on_adapter(Backend::Gpu, Kernel::Surfel, &close_up, Some(&HOLES)));
+    assert!(!is_on_adapter(Backend::Cpu, Kernel::Surfel, &vantage, Some(&HOLES)));
     let mut apart = Renderer::new();
     let settings = RenderSettings { backend: Backend::Gpu, ..RenderSettings::default() };
     let (shown, _) = apart.show(&samples, &vantage, &settings, Some(&HOLES), &Job::new()).unwrap();
