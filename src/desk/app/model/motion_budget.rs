@@ -11,6 +11,9 @@ const SHARE_OF_FRAME: f64 = 0.65;
 /// A finer step is taken where its picture is expected to take at most this share of the budget.
 const COMFORTABLE: f64 = 0.75;
 
+/// The same while time passes: the still part of the scene is painted anew for another step, so that no step is tried in vain.
+const COMFORTABLE_IN_TIME: f64 = 0.4;
+
 /// How much of what a step took once is forgotten with each picture of a coarser one, so that it is tried again.
 const FORGOTTEN: f64 = 0.015;
 
@@ -75,12 +78,6 @@ impl MotionBudget {
         STEPS[self.step]
     }
 
-    /// Milliseconds that a picture may take; `frame_rate` while time passes.
-    pub(crate) fn budget_ms(frame_rate: Option<f32>) -> f64 {
-        let of_frame = frame_rate.map_or(f64::INFINITY, |rate| SHARE_OF_FRAME * 1e3 / f64::from(rate));
-        BUDGET_MS.min(of_frame)
-    }
-
     /// A resting picture with this many times the pixels of one in motion took this long. It tells where to begin.
     pub(crate) fn rested(&mut self, took_ms: f64, pixels: f64) {
         if self.took_ms.iter().all(Option::is_none) {
@@ -90,8 +87,11 @@ impl MotionBudget {
         }
     }
 
-    /// A picture in motion of some quality took this long.
-    pub(crate) fn moved(&mut self, quality: MotionQuality, took_ms: f64, budget_ms: f64) {
+    /// A picture in motion of some quality took this long; `frame_rate` while time passes.
+    pub(crate) fn moved(&mut self, quality: MotionQuality, took_ms: f64, frame_rate: Option<f32>) {
+        let budget_ms = budget_ms(frame_rate);
+        let (comfortable, forgotten) =
+            if frame_rate.is_some() { (COMFORTABLE_IN_TIME, 0.0) } else { (COMFORTABLE, FORGOTTEN) };
         let Some(at) = STEPS.iter().position(|step| *step == quality) else { return };
         let before = self.took_ms[at];
         let took_ms = before.map_or(took_ms, |before| (before + took_ms) / 2.0);
@@ -100,7 +100,7 @@ impl MotionBudget {
             return;
         }
         for finer in self.took_ms[..at].iter_mut().flatten() {
-            *finer *= 1.0 - FORGOTTEN;
+            *finer *= 1.0 - forgotten;
         }
         let expected =
             |step: usize| self.took_ms[step].unwrap_or(took_ms * STEPS[step].cost / STEPS[at].cost);
@@ -110,10 +110,16 @@ impl MotionBudget {
         if took_ms > affordable {
             let fits = |step: &usize| expected(*step) <= affordable;
             self.step = (at + 1..STEPS.len()).find(fits).unwrap_or(STEPS.len() - 1);
-        } else if let Some(finer) = (0..at).find(|step| expected(*step) <= COMFORTABLE * affordable) {
+        } else if let Some(finer) = (0..at).find(|step| expected(*step) <= comfortable * affordable) {
             self.step = finer.max(at - 1);
         }
     }
+}
+
+/// Milliseconds that a picture may take; `frame_rate` while time passes.
+fn budget_ms(frame_rate: Option<f32>) -> f64 {
+    let of_frame = frame_rate.map_or(f64::INFINITY, |rate| SHARE_OF_FRAME * 1e3 / f64::from(rate));
+    BUDGET_MS.min(of_frame)
 }
 
 #[cfg(test)]
@@ -124,7 +130,7 @@ mod tests {
     fn settled(budget: &mut MotionBudget, finest_ms: f64, pictures: usize) -> usize {
         for _ in 0..pictures {
             let quality = budget.quality();
-            budget.moved(quality, finest_ms * quality.cost, MotionBudget::budget_ms(None));
+            budget.moved(quality, finest_ms * quality.cost, None);
         }
         budget.step
     }
@@ -150,15 +156,15 @@ mod tests {
         let mut budget = MotionBudget::default();
         budget.rested(400.0, 4.0);
         assert_eq!(budget.step, 1);
-        budget.moved(budget.quality(), 60.0, 70.0);
+        budget.moved(budget.quality(), 60.0, None);
         budget.rested(4000.0, 1.0);
         assert_eq!(budget.step, 1);
     }
 
     #[test]
     fn while_time_passes_a_picture_takes_less_than_a_frame() {
-        assert!(MotionBudget::budget_ms(Some(24.0)) < 1e3 / 24.0);
-        assert_eq!(MotionBudget::budget_ms(Some(2.0)), BUDGET_MS);
+        assert!(budget_ms(Some(24.0)) < 1e3 / 24.0);
+        assert_eq!(budget_ms(Some(2.0)), BUDGET_MS);
     }
 
     #[test]

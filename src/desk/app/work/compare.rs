@@ -287,7 +287,7 @@ mod tests {
     }
 
     fn comparer() -> Comparer {
-        Comparer::new(pool("test", 2, false).unwrap())
+        Comparer::new(pool("test", 2, 0).unwrap())
     }
 
     /// Lengths of the spans of what was made last.

@@ -56,7 +56,7 @@ impl LiveSchedule {
             Some(_) if state.timeline.playing && !picture.stats.background_reused => {}
             Some(quality) => {
                 let rate = state.timeline.playing.then_some(state.timeline.frames_per_second);
-                self.budget.moved(quality, took_ms, MotionBudget::budget_ms(rate));
+                self.budget.moved(quality, took_ms, rate);
             }
             None => self.budget.rested(took_ms, key.per_coarse_pixel.powi(2)),
         }
