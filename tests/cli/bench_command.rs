@@ -80,6 +80,7 @@ impl Counts {
             "preprocess/prune-views" => Some(24 * Self::PIXELS / 4),
             "store/decode-foreground" => Some(Self::ONE_FRAME),
             still if still.contains("/still-vantage/") => None,
+            picture if picture.starts_with("picture/") => None,
             of_pruned if of_pruned.starts_with("store/") || of_pruned.contains("/pruned/") => {
                 Some(self.pruned)
             }
@@ -135,6 +136,12 @@ fn every_stage_is_measured_with_one_thread_and_with_all_and_held_against_a_limit
     assert!(with(1).eq(with(2)), "one thread and all");
     for part in ["preprocess/scan", "preprocess/normals/plane", "preprocess/re-prune-frame", "store/read"] {
         assert!(with(1).any(|name| name == part), "{part}");
+    }
+    for motion in ["rest", "orbit", "play", "play-and-orbit"] {
+        for scene in ["nine-cameras", "orrery"] {
+            let named = format!("picture/{motion}/{scene}/160x120");
+            assert!(with(1).any(|name| name == named), "{named}");
+        }
     }
     for kernel in Kernel::ALL {
         for set in ["unpruned/160x120", "unpruned/320x180", "pruned/160x120", "still-vantage/320x180"] {

@@ -3,7 +3,7 @@
 //! ```text
 //! Scene (seeded) ─┬─ limits ──────────────────────────────────────┐
 //!                 ├─ preprocess_stages ─┐                         │
-//!                 ├─ card_stages ───────┤                         │
+//!                 ├─ default_pictures ──┤                         │
 //!                 └─ render_stages ─────┴─ repeat ─▶ Times ─ against ─▶ SpeedReport
 //! ```
 //!
@@ -193,7 +193,7 @@ mod tests {
             "preprocess/scan",
             "render/point/unpruned/640x480",
             "render/gpu/block/still-vantage/1280x720",
-            "card/gather/1920x1080",
+            "picture/gpu/orbit/nine-cameras/1920x1080",
         ] {
             assert!(all.iter().any(|found| found == name), "{name} in {all:?}");
         }
