@@ -8,7 +8,10 @@ use egui::ColorImage;
 use super::display::{Display, PictureHistogram};
 use super::motion_budget::MotionQuality;
 use super::source_picture::{AGREEMENT, MOTION};
+use super::texture::Texture;
 use super::view_look::ShownCameras;
+use overlook_engine::capture::Camera;
+use overlook_engine::grid::Grid;
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::render::gpu::ScreenTexture;
 use overlook_engine::render::{Painter, Picture, RenderStats, Vantage};
@@ -160,4 +163,33 @@ impl LivePicture {
             PixelSource::OnAdapter(_) => None,
         }
     }
+}
+
+/// What is to be carried.
+#[derive(Clone)]
+pub(crate) struct CarryKey {
+    pub scene: u64,
+    pub picture: Arc<LivePicture>,
+    /// Where the picture was taken from.
+    pub from: Camera,
+    pub to: Camera,
+}
+
+impl PartialEq for CarryKey {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.picture, &other.picture) && self.from == other.from && self.to == other.to
+    }
+}
+
+/// A live picture as another viewpoint shows it.
+pub(crate) struct CarriedLook {
+    pub image: Arc<ColorImage>,
+    pub inverse_depth: Grid<f32>,
+}
+
+/// The one that is shown.
+pub(crate) struct ShownCarried {
+    pub camera: Camera,
+    pub inverse_depth: Grid<f32>,
+    pub texture: Texture,
 }

@@ -64,7 +64,9 @@ pub(crate) use display::{Background, Channel, Display, EXPOSURES, LEVELS, Pictur
 pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
-pub(crate) use live_picture::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
+pub(crate) use live_picture::{
+    CarriedLook, CarryKey, ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried,
+};
 pub(crate) use message::Message;
 pub(crate) use motion_budget::MotionBudget;
 pub(crate) use notice::{Notice, NoticeKind, NoticeLink, and_others};
@@ -79,7 +81,6 @@ pub(crate) use readings::{ReadingCheck, ReadingImages, ShownReadings};
 pub(crate) use recent::{RECENT_SIDES, RecentPicture};
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth};
-pub(crate) use seen_picture::{CarriedLook, CarryKey, ShownCarried};
 pub(crate) use source_picture::{
     Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
 };

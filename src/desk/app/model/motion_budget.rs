@@ -11,7 +11,10 @@ const SHARE_OF_FRAME: f64 = 0.65;
 /// A finer step is taken where its picture is expected to take at most this share of the budget.
 const COMFORTABLE: f64 = 0.75;
 
-/// The same while time passes: the still part of the scene is painted anew for another step, so that no step is tried in vain.
+/// The same of a step that was taken before.
+const KNOWN_COMFORTABLE: f64 = 0.85;
+
+/// The same of others while time passes: the still part of the scene is painted anew for another step, so that no step is tried in vain.
 const COMFORTABLE_IN_TIME: f64 = 0.4;
 
 /// How much of what a step took once is forgotten with each picture of a coarser one, so that it is tried again.
@@ -104,14 +107,26 @@ impl MotionBudget {
         }
         let expected =
             |step: usize| self.took_ms[step].unwrap_or(took_ms * STEPS[step].cost / STEPS[at].cost);
-        // Where nothing fits, resolution is not given away for little.
-        let least = (0..STEPS.len()).map(expected).fold(f64::INFINITY, f64::min);
+        let coarser = || at + 1..STEPS.len();
+        let is_unknown = |step: &usize| self.took_ms[*step].is_none();
+        if took_ms > budget_ms
+            && let Some(next) = coarser().find(is_unknown)
+        {
+            let fits = |step: &usize| is_unknown(step) && expected(*step) <= budget_ms;
+            self.step = coarser().find(fits).unwrap_or(next);
+            return;
+        }
+        // Where nothing fits, quality is not given away for little.
+        let least = self.took_ms.iter().flatten().copied().fold(f64::INFINITY, f64::min);
         let affordable = budget_ms.max(WORTH_WHILE * least);
+        let is_better = |step: &usize| {
+            let share = if is_unknown(step) { comfortable } else { KNOWN_COMFORTABLE };
+            expected(*step) <= share * affordable
+        };
         if took_ms > affordable {
-            let fits = |step: &usize| expected(*step) <= affordable;
-            self.step = (at + 1..STEPS.len()).find(fits).unwrap_or(STEPS.len() - 1);
-        } else if let Some(finer) = (0..at).find(|step| expected(*step) <= comfortable * affordable) {
-            self.step = finer.max(at - 1);
+            self.step = coarser().find(|step| expected(*step) <= affordable).unwrap_or(STEPS.len() - 1);
+        } else if let Some(finer) = (0..at).find(is_better) {
+            self.step = finer;
         }
     }
 }
@@ -139,7 +154,7 @@ mod tests {
     fn what_fits_the_budget_is_found_within_a_few_pictures_and_kept() {
         for (finest_ms, expected) in [(50.0, 0), (100.0, 1), (300.0, 3), (5000.0, 3)] {
             let mut budget = MotionBudget::default();
-            assert_eq!(settled(&mut budget, finest_ms, 4), expected, "{finest_ms}");
+            assert_eq!(settled(&mut budget, finest_ms, 10), expected, "{finest_ms}");
             assert_eq!(settled(&mut budget, finest_ms, 20), expected, "{finest_ms}");
         }
     }
@@ -147,7 +162,7 @@ mod tests {
     #[test]
     fn quality_comes_back_where_pictures_become_cheaper() {
         let mut budget = MotionBudget::default();
-        assert_eq!(settled(&mut budget, 600.0, 4), 3);
+        assert_eq!(settled(&mut budget, 600.0, 12), 3);
         assert_eq!(settled(&mut budget, 20.0, 400), 0);
     }
 

@@ -1,43 +1,10 @@
 //! What the live view shows at this moment: a finished picture, or one that is carried to the viewpoint while the next is painted.
 
-use std::sync::Arc;
-
-use egui::{ColorImage, TextureId};
+use egui::TextureId;
 
 use super::document::State;
-use super::live_picture::LivePicture;
-use super::texture::Texture;
 use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::grid::Grid;
-
-/// What is to be carried.
-#[derive(Clone)]
-pub(crate) struct CarryKey {
-    pub scene: u64,
-    pub picture: Arc<LivePicture>,
-    /// Where the picture was taken from.
-    pub from: Camera,
-    pub to: Camera,
-}
-
-impl PartialEq for CarryKey {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.picture, &other.picture) && self.from == other.from && self.to == other.to
-    }
-}
-
-/// A live picture as another viewpoint shows it.
-pub(crate) struct CarriedLook {
-    pub image: Arc<ColorImage>,
-    pub inverse_depth: Grid<f32>,
-}
-
-/// The one that is shown.
-pub(crate) struct ShownCarried {
-    pub camera: Camera,
-    pub inverse_depth: Grid<f32>,
-    pub texture: Texture,
-}
 
 /// What the live view shows.
 pub(crate) struct SeenPicture<'a> {

@@ -186,10 +186,10 @@ fn or_stopped(
 /// How much nicer than the program threads are that answer the hand at once.
 const WINDOW: i32 = 0;
 /// Of those that paint the live view.
-const PICTURES: i32 = 8;
-/// Of those that work for minutes: a twelfth of the window's share, half that of pictures. With less, a window in steady motion would starve the work that it
-/// waits for.
-const WORK: i32 = 11;
+const PICTURES: i32 = 5;
+/// Of those that work for minutes: an eighth of the window's share, half of that of pictures. With less, a window in
+/// steady motion would starve the work that it waits for.
+const WORK: i32 = 9;
 
 /// Threads that carry pictures: it takes so little that more would only wait for each other.
 const CARRIERS: usize = 4;
