@@ -96,10 +96,10 @@ fn the_window_shows_what_the_cpu_paints_with_holes_filled_or_hatched() {
         let width = picture.color.width();
         for (index, shown) in read(&shared, &texture).into_iter().enumerate() {
             let (x, y) = (index % width, index / width);
-            let wanted = if !picture.shows((x, y)) {
-                HOLES.colors[(x + y) / HOLES.stripe as usize % 2]
-            } else {
+            let wanted = if picture.shows((x, y)) {
                 picture.color[(x, y)].map(srgb8_from_linear)
+            } else {
+                HOLES.colors[(x + y) / HOLES.stripe as usize % 2]
             };
             for (shown, wanted) in shown.into_iter().zip(wanted) {
                 assert!(shown.abs_diff(wanted) <= 1, "{kernel}: {shown} for {wanted} at {x}, {y}");

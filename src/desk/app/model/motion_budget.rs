@@ -97,7 +97,7 @@ impl MotionBudget {
             if frame_rate.is_some() { (COMFORTABLE_IN_TIME, 0.0) } else { (COMFORTABLE, FORGOTTEN) };
         let Some(at) = STEPS.iter().position(|step| *step == quality) else { return };
         let before = self.took_ms[at];
-        let took_ms = before.map_or(took_ms, |before| (before + took_ms) / 2.0);
+        let took_ms = before.map_or(took_ms, |before| f64::midpoint(before, took_ms));
         self.took_ms[at] = Some(took_ms);
         if at != self.step {
             return;

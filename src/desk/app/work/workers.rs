@@ -51,18 +51,45 @@ pub(crate) struct Workers {
     pub readings: Worker<ReadingRequest>,
 }
 
+/// The threads that workers share.
+struct Pools {
+    background: Arc<rayon::ThreadPool>,
+    decoder: Arc<rayon::ThreadPool>,
+    studying: Arc<rayon::ThreadPool>,
+    rendering: Arc<rayon::ThreadPool>,
+    carrying: Arc<rayon::ThreadPool>,
+}
+
+impl Pools {
+    fn start() -> Result<Self> {
+        let threads = rayon::current_num_threads();
+        Ok(Self {
+            background: pool("prune", threads, WORK)?,
+            // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
+            decoder: pool("decode", 1, WINDOW)?,
+            studying: pool("study", threads, WORK)?,
+            // Neither decoding nor inspecting holds up a picture, and a picture does not hold up the window.
+            rendering: pool("render", threads, PICTURES)?,
+            // What follows the hand goes before everything else.
+            carrying: pool("carry", threads.min(CARRIERS), WINDOW)?,
+        })
+    }
+}
+
+/// The thumbnails of what was inspected of a scene.
+fn thumbnails((scene, inspection): (u64, Arc<FrameInspection>)) -> Message {
+    Message::Thumbnails { scene, pictures: facts::thumbnails(&inspection) }
+}
+
+/// What the samples of a scene take, by camera.
+fn memory((scene, samples): (u64, Arc<SampleSet>)) -> Message {
+    Message::MemoryMapped { scene, cameras: facts::memory(&samples) }
+}
+
 impl Workers {
     /// Starts all workers; on the `shared` device of a window the GPU paints the live view.
     pub(crate) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
-        let threads = rayon::current_num_threads();
-        let background = pool("prune", threads, WORK)?;
-        // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
-        let decoder = pool("decode", 1, WINDOW)?;
-        let studying = pool("study", threads, WORK)?;
-        // Neither decoding nor inspecting holds up a picture, and a picture does not hold up the window.
-        let rendering = pool("render", threads, PICTURES)?;
-        // What follows the hand goes before everything else.
-        let carrying = pool("carry", threads.min(CARRIERS), WINDOW)?;
+        let Pools { background, decoder, studying, rendering, carrying } = Pools::start()?;
         let mut carrier = PictureCarrier::default();
         let (measuring, preparing) = (background.clone(), background.clone());
         let comparing = studying.clone();
@@ -113,22 +140,8 @@ impl Workers {
                 let is_hole = probed.is_none() && key.has_picture();
                 Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
             })?,
-            thumbs: Worker::start(
-                Kind::Thumbnails,
-                Never,
-                outbox,
-                |(scene, inspection): (u64, Arc<FrameInspection>), _| {
-                    Ok(Message::Thumbnails { scene, pictures: facts::thumbnails(&inspection) })
-                },
-            )?,
-            memory: Worker::start(
-                Kind::MemoryByCamera,
-                Never,
-                outbox,
-                |(scene, samples): (u64, Arc<SampleSet>), _| {
-                    Ok(Message::MemoryMapped { scene, cameras: facts::memory(&samples) })
-                },
-            )?,
+            thumbs: Worker::start(Kind::Thumbnails, Never, outbox, |request, _| Ok(thumbnails(request)))?,
+            memory: Worker::start(Kind::MemoryByCamera, Never, outbox, |request, _| Ok(memory(request)))?,
             histograms: Worker::start(Kind::Histograms, Never, outbox, |request, _| {
                 Ok(histograms::histograms(&request))
             })?,
