@@ -149,18 +149,18 @@ impl OverlookApp {
         self.state.inspector.meter.logic(watch.spent());
     }
 
-    /// The work after a picture of the window: what was done in it is answered at once. Where that only moves the view, the window is
-    /// drawn again when there is something to show.
+    /// The work after a picture of the window. What only moves the view is answered at once, and the window is drawn again when there is
+    /// something to show.
     pub(crate) fn after_picture(&mut self) {
         if self.commands.is_empty() {
             return;
         }
-        let only_moves = self.state.live_shown.is_some() && self.commands.iter().all(Command::moves_view);
+        if self.state.live_shown.is_none() || !self.commands.iter().all(Command::moves_view) {
+            self.ctx.request_repaint();
+            return;
+        }
         self.carry_out_commands();
         self.request_missing();
-        if !only_moves {
-            self.ctx.request_repaint();
-        }
     }
 
     fn carry_out_commands(&mut self) {
