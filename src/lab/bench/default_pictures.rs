@@ -3,33 +3,16 @@
 //! Each picture's time is split into that of its stages. A picture at rest is rendered from nothing; while the view orbits, each picture is
 //! another viewpoint of one frame; while the animation plays at a still viewpoint, each is another frame.
 
-use std::sync::Arc;
-
-use glam::{DMat3, DVec3};
-
+use super::animation::{FRAMES, SCENES};
 use super::case::{Bench, Case};
 use super::measure::{cpu_ms, repeat};
 use super::report::{MeasuredStage, PaintingStage};
-use overlook_engine::capture::{Camera, Capture, Intrinsics};
-use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::{Error, Result};
-use overlook_engine::job::Job;
-use overlook_engine::preprocess::preprocess;
-use overlook_engine::render::{RenderStats, Renderer, StageTimes, Vantage};
-use overlook_engine::samples::SampleSet;
-use overlook_engine::settings::{Backend, RenderSettings, Settings};
-
-/// Frames of each animation, which plays in a loop.
-pub(crate) const FRAMES: usize = 3;
+use overlook_engine::render::{RenderStats, Renderer, StageTimes};
+use overlook_engine::settings::{Backend, RenderSettings};
 
 /// Viewpoints of an orbit, there and back.
 const VIEWPOINTS: usize = 12;
-
-/// Turn of the orbit between two pictures, radians: a drag of a few pixels.
-const STEP_RAD: f64 = 0.012;
-
-/// The built-in scenes: one in a room, one on a table under the sky.
-const SCENES: [&str; 2] = ["nine-cameras", "orrery"];
 
 /// What changes from one picture to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,55 +48,6 @@ impl Motion {
             Self::PlayAndOrbit => (there_and_back(nth), nth % FRAMES),
         }
     }
-}
-
-/// An animation, pruned by the default settings, and where it is seen from.
-#[derive(Debug)]
-pub(crate) struct Animation {
-    samples: Arc<SampleSet>,
-    home: Camera,
-    pivot_in_world: DVec3,
-}
-
-impl Animation {
-    /// A built-in scene, recorded with cameras of `size`.
-    fn of(scene: &str, size: (u32, u32), job: &Job) -> Result<Self> {
-        let settings = Settings::default();
-        let demo = Demo::new(&DemoSpec::new(scene).frames(FRAMES).size(size))?;
-        let capture = demo.capture(&settings.capture);
-        let samples = preprocess(&capture, &settings, job)?.samples;
-        Ok(Self { samples, home: demo.home(), pivot_in_world: pivot_in_world(&capture) })
-    }
-
-    /// A viewpoint of the orbit, at a frame.
-    fn vantage(&self, (viewpoint, frame): (usize, usize), size: (u32, u32)) -> Vantage {
-        let home = self.home.intrinsics;
-        let angle_x_rad = 2.0 * (f64::from(home.width) / (2.0 * home.fx)).atan();
-        let up = self.samples.up_in_world;
-        let turn = DMat3::from_axis_angle(up, STEP_RAD * viewpoint as f64);
-        let eye = self.pivot_in_world + turn * (self.home.position_in_world() - self.pivot_in_world);
-        let lens = Intrinsics::from_horizontal_angle(size.0, size.1, angle_x_rad);
-        let target = self.pivot_in_world;
-        Vantage { camera: Camera::look_at("orbit", lens, eye, target, up), frame }
-    }
-}
-
-/// The point nearest to where all cameras look.
-fn pivot_in_world(capture: &Capture) -> DVec3 {
-    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for camera in &capture.cameras {
-        let forward = camera.forward_in_world();
-        let across =
-            DMat3::IDENTITY - DMat3::from_cols(forward * forward.x, forward * forward.y, forward * forward.z);
-        sum += across;
-        right += across * camera.position_in_world();
-    }
-    sum.inverse() * right
-}
-
-/// The scenes, recorded with cameras of `size`.
-pub(super) fn animations(size: (u32, u32), job: &Job) -> Result<Vec<Animation>> {
-    SCENES.iter().map(|scene| Animation::of(scene, size, job)).collect()
 }
 
 /// One way to look at one scene.
@@ -207,22 +141,5 @@ mod tests {
         assert_eq!(viewpoints[VIEWPOINTS - 2..=VIEWPOINTS], [10, 11, 10]);
         assert_eq!(viewpoints[2 * VIEWPOINTS - 3..], [1, 0, 1]);
         assert_eq!([0, 1, 2, 3].map(|nth| Motion::Play.at(nth)), [(0, 0), (0, 1), (0, 2), (0, 0)]);
-    }
-
-    #[test]
-    fn one_scene_has_a_sky_and_neither_is_empty() {
-        let animations = animations((64, 48), &Job::new()).unwrap();
-        let has_sky = |animation: &Animation| {
-            let mut tiles = animation.samples.images.iter().flat_map(|image| image.depth.tiles());
-            tiles.any(|tile| tile.farthest == 0)
-        };
-        for animation in &animations {
-            let vantage = animation.vantage((3, 1), (64, 48));
-            let settings = RenderSettings { backend: Backend::Cpu, ..RenderSettings::default() };
-            let (_, stats) =
-                Renderer::new().render(&animation.samples, &vantage, &settings, &Job::new()).unwrap();
-            assert!(stats.samples > 1000 && stats.holes < 64 * 48 / 2, "{stats:?}");
-        }
-        assert_eq!(animations.iter().filter(|animation| has_sky(animation)).count(), 1);
     }
 }

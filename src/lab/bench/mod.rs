@@ -10,6 +10,7 @@
 //! Every stage is measured with one thread and with all. The limits are measured before and after the stages, and all repeats
 //! count, so that a machine that changes speed meanwhile distorts no share.
 
+mod animation;
 mod case;
 mod default_pictures;
 mod limits;

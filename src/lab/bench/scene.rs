@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::default_pictures::{self, Animation};
+use super::animation::{self, Animation};
 use crate::sample_filter::samples_where;
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::demo::{Demo, DemoSpec};
@@ -85,7 +85,7 @@ impl BenchScene {
         if let Some(animations) = self.animations.get() {
             return Ok(animations);
         }
-        let animations = default_pictures::animations(self.size, job)?;
+        let animations = animation::animations(self.size, job)?;
         Ok(self.animations.get_or_init(|| animations))
     }
 

@@ -7,7 +7,7 @@ use super::interpolate::find_colors;
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
 use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
 use super::surface_points::{PixelShares, StripPixel, SurfacePoints};
-use super::target::{BLOCK, PictureRows};
+use super::target::{BLOCK, PictureRows, set_images};
 use super::view_weights::SourceViews;
 use super::visibility_votes::{VisibilityVotes, VotedPoints, vote};
 use crate::render::input::{FrameSamples, TileCaches};
@@ -212,20 +212,6 @@ impl GatherScratch {
             }
         }
     }
-}
-
-/// Sets the images of pixels that show the samples of some keys. Gives the cameras of these samples.
-#[inline(always)]
-pub(super) fn set_images<const N: usize>(
-    keys: &[u64; N],
-    frame: &FrameSamples<'_>,
-    images: &mut [u32],
-) -> [u16; N] {
-    let mut cameras = [0; N];
-    for ((key, camera), image) in keys.iter().zip(&mut cameras).zip(images) {
-        (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
-    }
-    cameras
 }
 
 /// Gives `push` the key and the shares of each surface that an edge pixel shows. Returns the key of the surface that covers most of

@@ -6,10 +6,9 @@
 //! Source: supersampling of visibility apart from shading, as multisample antialiasing does (Akeley, *`RealityEngine` Graphics*,
 //! SIGGRAPH 1993). What differs: a surface is looked up once, in the middle of the sub-pixels that show it, at their mean depth.
 
-use super::block::set_images;
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING};
 use super::surface_points::{PixelShares, StripPixel, SurfacePoints};
-use super::target::{BLOCK, PictureRows};
+use super::target::{BLOCK, PictureRows, set_images};
 use super::visibility_votes::VisibilityVotes;
 use crate::render::input::FrameSamples;
 use crate::render::splat::{inverse_depth_of, slot_of};

@@ -43,3 +43,17 @@ impl PictureRows<'_> {
         self.image[at] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };
     }
 }
+
+/// Sets the images of pixels that show the samples of some keys. Gives the cameras of these samples.
+#[inline(always)]
+pub(super) fn set_images<const N: usize>(
+    keys: &[u64; N],
+    frame: &FrameSamples<'_>,
+    images: &mut [u32],
+) -> [u16; N] {
+    let mut cameras = [0; N];
+    for ((key, camera), image) in keys.iter().zip(&mut cameras).zip(images) {
+        (*camera, *image) = (frame.camera_of(slot_of(*key)), frame.image_of(slot_of(*key)));
+    }
+    cameras
+}
