@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
+use crate::sample_filter::samples_where;
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Result;
@@ -19,8 +20,11 @@ pub(super) const FRAMES: usize = 3;
 /// Turn of the orbit between two viewpoints, radians: a drag of a few pixels.
 const STEP_RAD: f64 = 0.012;
 
-/// The built-in scenes: one in a room, one on a table under the sky.
-pub(super) const SCENES: [&str; 2] = ["nine-cameras", "orrery"];
+/// What the animations are called: a room with a view of the sky, and an orrery that is recorded without one.
+pub(super) const SCENES: [&str; 2] = ["nine-cameras", "orrery-no-sky"];
+
+/// What the name of an animation ends in that leaves out the sky of its built-in scene.
+const NO_SKY: &str = "-no-sky";
 
 /// An animation, pruned by the default settings, and where it is seen from.
 #[derive(Debug)]
@@ -34,9 +38,13 @@ impl Animation {
     /// A built-in scene, recorded with cameras of `size`.
     fn of(scene: &str, size: (u32, u32), job: &Job) -> Result<Self> {
         let settings = Settings::default();
-        let demo = Demo::new(&DemoSpec::new(scene).frames(FRAMES).size(size))?;
+        let recorded = scene.trim_end_matches(NO_SKY);
+        let demo = Demo::new(&DemoSpec::new(recorded).frames(FRAMES).size(size))?;
         let capture = demo.capture(&settings.capture);
-        let samples = preprocess(&capture, &settings, job)?.samples;
+        let mut samples = preprocess(&capture, &settings, job)?.samples;
+        if recorded != scene {
+            samples = Arc::new(without_sky(&samples));
+        }
         Ok(Self { samples, home: demo.home(), pivot_in_world: pivot_in_world(&capture) })
     }
 
@@ -51,6 +59,13 @@ impl Animation {
         let target = self.pivot_in_world;
         Vantage { camera: Camera::look_at("orbit", lens, eye, target, up), frame }
     }
+}
+
+/// The samples that are not at infinity.
+fn without_sky(samples: &SampleSet) -> SampleSet {
+    let images =
+        samples.images.iter().map(|image| Arc::new(samples_where(image, image.span, |_, w| w > 0.0)));
+    SampleSet { images: images.collect(), ..samples.clone() }
 }
 
 /// The point nearest to where all cameras look.
