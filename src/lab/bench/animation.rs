@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use crate::sample_filter::samples_where;
-use overlook_engine::capture::{Camera, Capture, Intrinsics};
+use overlook_engine::capture::{Camera, Intrinsics, pivot};
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -19,6 +19,9 @@ pub(super) const FRAMES: usize = 3;
 
 /// Turn of the orbit between two viewpoints, radians: a drag of a few pixels.
 const STEP_RAD: f64 = 0.012;
+
+/// Where the view turns about, before the first camera, if the cameras do not look at one point.
+const TYPICAL_DEPTH_M: f64 = 3.0;
 
 /// What the animations are called: a room with a view of the sky, and an orrery that is recorded without one.
 pub(super) const SCENES: [&str; 2] = ["nine-cameras", "orrery-no-sky"];
@@ -45,7 +48,8 @@ impl Animation {
         if recorded != scene {
             samples = Arc::new(without_sky(&samples));
         }
-        Ok(Self { samples, home: demo.home(), pivot_in_world: pivot_in_world(&capture) })
+        let pivot_in_world = pivot(&capture.cameras, TYPICAL_DEPTH_M);
+        Ok(Self { samples, home: demo.home(), pivot_in_world })
     }
 
     /// A viewpoint of the orbit, at a frame.
@@ -66,19 +70,6 @@ fn without_sky(samples: &SampleSet) -> SampleSet {
     let images =
         samples.images.iter().map(|image| Arc::new(samples_where(image, image.span, |_, w| w > 0.0)));
     SampleSet { images: images.collect(), ..samples.clone() }
-}
-
-/// The point nearest to where all cameras look.
-fn pivot_in_world(capture: &Capture) -> DVec3 {
-    let (mut sum, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for camera in &capture.cameras {
-        let forward = camera.forward_in_world();
-        let across =
-            DMat3::IDENTITY - DMat3::from_cols(forward * forward.x, forward * forward.y, forward * forward.z);
-        sum += across;
-        right += across * camera.position_in_world();
-    }
-    sum.inverse() * right
 }
 
 /// The scenes, recorded with cameras of `size`.

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::DVec3;
 
-use overlook_engine::capture::{Camera, Capture, TruthView};
+use overlook_engine::capture::{Camera, Capture, TruthView, pivot};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::median::median_f32;
@@ -150,55 +150,9 @@ pub(crate) fn median_depth(inverse_depth: &[f32]) -> f64 {
     median_f32(&mut finite).map_or(1.0, |inverse_depth| 1.0 / f64::from(inverse_depth))
 }
 
-/// The point closest to all lines of sight (least squares), or a point `typical_depth` before the first camera where
-/// the lines run side by side or meet behind it.
-fn pivot(cameras: &[Camera], typical_depth: f64) -> DVec3 {
-    let Some(first) = cameras.first() else { return DVec3::ZERO };
-    let mut normal_matrix = DMat3::ZERO;
-    let mut right_side = DVec3::ZERO;
-    for camera in cameras {
-        let forward = camera.forward_in_world();
-        let across =
-            DMat3::IDENTITY - DMat3::from_cols(forward * forward.x, forward * forward.y, forward * forward.z);
-        normal_matrix += across;
-        right_side += across * camera.position_in_world();
-    }
-    let center = first.intrinsics;
-    let fallback = first.unproject(DVec2::new(center.cx, center.cy), typical_depth);
-    // The determinant falls with the square of the angle between lines of sight; a degree apart gives about 1e-4 per camera.
-    if normal_matrix.determinant() < 1e-4 * cameras.len() as f64 {
-        return fallback;
-    }
-    let meeting = normal_matrix.inverse() * right_side;
-    let in_front = cameras.iter().all(|c| (meeting - c.position_in_world()).dot(c.forward_in_world()) > 0.0);
-    if meeting.is_finite() && in_front { meeting } else { fallback }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use overlook_engine::capture::Intrinsics;
-
-    fn looking_at(eye: DVec3, target: DVec3) -> Camera {
-        Camera::look_at("c", Intrinsics::from_horizontal_angle(64, 48, 1.0), eye, target, DVec3::Z)
-    }
-
-    #[test]
-    fn the_pivot_is_where_lines_of_sight_meet() {
-        let target = DVec3::new(1.0, 2.0, 0.5);
-        let cameras = [
-            looking_at(DVec3::new(5.0, 0.0, 1.0), target),
-            looking_at(DVec3::new(0.0, -6.0, 2.0), target),
-            looking_at(DVec3::new(-4.0, 3.0, 1.0), target),
-        ];
-        assert!((pivot(&cameras, 1.0) - target).length() < 1e-9);
-    }
-
-    #[test]
-    fn a_single_camera_turns_about_what_it_sees() {
-        let camera = looking_at(DVec3::ZERO, DVec3::X);
-        assert!((pivot(&[camera], 3.0) - DVec3::new(3.0, 0.0, 0.0)).length() < 1e-9);
-    }
 
     #[test]
     fn a_depth_is_found_among_sky_and_nothing() {
