@@ -65,7 +65,9 @@ impl OverlookApp {
                 Some(Texture::send(&self.ctx, "live", options, image, replaced))
             }
             PixelSource::OnAdapter(painted) => {
-                Some(Texture::painted(self.window.as_ref()?, painted, replaced))
+                let options =
+                    options_of([painted.width(), painted.height()].map(|side| side as usize), &self.state);
+                Some(Texture::painted(self.window.as_ref()?, options, painted, replaced))
             }
         }
     }

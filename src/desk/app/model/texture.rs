@@ -46,13 +46,18 @@ impl Texture {
     }
 
     /// Shows what the renderer wrote on the device of `window`, in place of what was shown before.
-    pub(crate) fn painted(window: &RenderState, texture: &ScreenTexture, replaced: Option<Self>) -> Self {
+    pub(crate) fn painted(
+        window: &RenderState,
+        options: TextureOptions,
+        texture: &ScreenTexture,
+        replaced: Option<Self>,
+    ) -> Self {
         match replaced {
             Some(Self::Painted(painted)) => {
-                painted.show(texture);
+                painted.show(options, texture);
                 Self::Painted(painted)
             }
-            Some(Self::Sent(_)) | None => Self::Painted(PaintedTexture::new(window, texture)),
+            Some(Self::Sent(_)) | None => Self::Painted(PaintedTexture::new(window, options, texture)),
         }
     }
 }
@@ -64,17 +69,18 @@ pub(crate) struct PaintedTexture {
 }
 
 impl PaintedTexture {
-    fn new(window: &RenderState, texture: &ScreenTexture) -> Self {
-        let id = window.renderer.write().register_native_texture(&window.device, &view_of(texture), FILTER);
+    fn new(window: &RenderState, options: TextureOptions, texture: &ScreenTexture) -> Self {
+        let (view, filter) = (view_of(texture), filter_of(options));
+        let id = window.renderer.write().register_native_texture(&window.device, &view, filter);
         Self { window: window.clone(), id }
     }
 
-    fn show(&self, texture: &ScreenTexture) {
+    fn show(&self, options: TextureOptions, texture: &ScreenTexture) {
         let mut renderer = self.window.renderer.write();
         renderer.update_egui_texture_from_wgpu_texture(
             &self.window.device,
             &view_of(texture),
-            FILTER,
+            filter_of(options),
             self.id,
         );
     }
@@ -86,7 +92,12 @@ impl Drop for PaintedTexture {
     }
 }
 
-const FILTER: wgpu::FilterMode = wgpu::FilterMode::Linear;
+fn filter_of(options: TextureOptions) -> wgpu::FilterMode {
+    match options.magnification {
+        TextureFilter::Nearest => wgpu::FilterMode::Nearest,
+        TextureFilter::Linear => wgpu::FilterMode::Linear,
+    }
+}
 
 fn view_of(texture: &ScreenTexture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
