@@ -11,6 +11,7 @@ use super::scene::list;
 use super::shaders;
 use super::target::GpuTarget;
 use crate::error::Result;
+use crate::render::stage_times::Stage;
 use crate::render::supersample::nearest_to_center;
 
 /// Threads of a workgroup along each side, as in `average.wgsl`.
@@ -69,7 +70,7 @@ impl AveragePass {
         let readback = context.buffer("readback", bytes, Usage::MAP_READ | Usage::COPY_DST)?;
         let buffers = [&numbers, &order, &target.picture, &averaged];
         let group = bind(&context.device, &self.layout, buffers.map(wgpu::Buffer::as_entire_binding));
-        let mut pass = commands.pass("average");
+        let mut pass = commands.pass(Stage::Copy, "average");
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         let groups = |pixels: usize| pixels.div_ceil(GROUP) as u32;

@@ -9,18 +9,6 @@ use wgpu::BufferUsages as Usage;
 /// Passes that are timed at most; further ones are not.
 const MOST_PASSES: u32 = 32;
 
-/// The stage that a pass, by its name, belongs to.
-fn stage_of(pass: &str) -> Stage {
-    match pass {
-        "surface" | "blend" => Stage::Paint,
-        "silhouette" => Stage::Silhouettes,
-        "gather" | "resolve" => Stage::LookUp,
-        "sky" | "seen" | "free-space" => Stage::FreeSpace,
-        "fill" => Stage::Fill,
-        _ => Stage::Copy,
-    }
-}
-
 /// Where the adapter writes down when passes begin and end.
 #[derive(Debug)]
 pub(super) struct Stopwatch {
@@ -51,13 +39,13 @@ impl Stopwatch {
 pub(super) struct Commands<'a> {
     pub(super) encoder: wgpu::CommandEncoder,
     stopwatch: Option<&'a Stopwatch>,
-    /// The passes that are timed.
-    timed: Vec<&'static str>,
+    /// The stages of the passes that are timed.
+    timed: Vec<Stage>,
 }
 
 /// The passes of submitted commands that were timed.
 #[derive(Debug, Default)]
-pub(super) struct TimedPasses(Vec<&'static str>);
+pub(super) struct TimedPasses(Vec<Stage>);
 
 impl<'a> Commands<'a> {
     pub(super) fn new(context: &Context, stopwatch: Option<&'a Stopwatch>) -> Self {
@@ -65,8 +53,8 @@ impl<'a> Commands<'a> {
         Self { encoder, stopwatch, timed: Vec::new() }
     }
 
-    /// Begins the pass of a stage.
-    pub(super) fn pass(&mut self, stage: &'static str) -> wgpu::ComputePass<'_> {
+    /// Begins a pass, by its name, of a stage.
+    pub(super) fn pass(&mut self, stage: Stage, name: &'static str) -> wgpu::ComputePass<'_> {
         let nth = self.timed.len() as u32;
         let stopwatch = self.stopwatch.filter(|_| nth < MOST_PASSES);
         if stopwatch.is_some() {
@@ -77,7 +65,7 @@ impl<'a> Commands<'a> {
             beginning_of_pass_write_index: Some(2 * nth),
             end_of_pass_write_index: Some(2 * nth + 1),
         });
-        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(stage), timestamp_writes })
+        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes })
     }
 
     /// Hands all commands to the adapter.
@@ -102,9 +90,9 @@ impl TimedPasses {
         read_words(context, &stopwatch.readback, |words| {
             let ticks = |nth: usize| u64::from(words[2 * nth]) | u64::from(words[2 * nth + 1]) << 32;
             let mut times = StageTimes::default();
-            for (nth, pass) in self.0.into_iter().enumerate() {
+            for (nth, stage) in self.0.into_iter().enumerate() {
                 let milliseconds = ticks(2 * nth + 1).saturating_sub(ticks(2 * nth)) as f64 * per_tick;
-                *times.of(stage_of(pass)) += milliseconds;
+                *times.of(stage) += milliseconds;
             }
             times
         })

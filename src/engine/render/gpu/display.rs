@@ -16,6 +16,7 @@ use super::pipelines::{READ, UNIFORM, WRITE, bind, layout, pipeline};
 use super::shaders;
 use super::target::{GpuTarget, read_words};
 use crate::error::Result;
+use crate::render::stage_times::Stage;
 
 /// How holes are displayed that are not filled: stripes of two colors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +102,7 @@ impl DisplayPass {
             wgpu::BindingResource::TextureView(&view),
         ];
         let group = bind(&context.device, &self.layout, resources);
-        let mut pass = commands.pass("display");
+        let mut pass = commands.pass(Stage::Copy, "display");
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
         let groups = |pixels: usize| pixels.div_ceil(GROUP) as u32;

@@ -25,8 +25,8 @@ const CELL_WORDS: u64 = 5;
 /// Steps for which there are numbers even in the smallest picture.
 pub(super) const LEAST_STEPS: usize = 3;
 
-/// Sets of sources that are kept side by side.
-const SETS: u64 = 2;
+/// Sets of sources that are kept side by side, each with masks and a pyramid of its own: everything that is painted, and surfaces alone.
+pub(super) const SETS: u64 = 2;
 
 /// What the planes are made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,9 +8,10 @@ use crate::render::gpu::commands::Commands;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCellView, GpuProjector};
 use crate::render::gpu::pipelines::{Pipelines, READ, WRITE, bind, layout, pipeline};
-use crate::render::gpu::recorder::dispatch;
-use crate::render::gpu::scene::{SceneBindings, list};
+use crate::render::gpu::recorder::over_layer;
+use crate::render::gpu::scene::list;
 use crate::render::gpu::shaders::{CARRY, FREE_DEPTHS};
+use crate::render::stage_times::Stage;
 use crate::samples::halved_camera;
 use wgpu::BufferUsages as Usage;
 
@@ -178,7 +179,7 @@ impl SeenCells {
         self.carry_layer(context, commands, painted, 1, &views, &slots.frame);
         let resources = [&views.views, &slots.frame, &slots.free].map(wgpu::Buffer::as_entire_binding);
         let group = bind(&context.device, &self.free_layout, resources);
-        let mut pass = commands.pass("seen");
+        let mut pass = commands.pass(Stage::FreeSpace, "seen");
         pass.set_pipeline(&self.free);
         pass.set_bind_group(1, &group, &[]);
         let [across, down] = views.largest.map(|side| side.div_ceil(GROUP));
@@ -202,11 +203,8 @@ impl SeenCells {
     ) {
         let resources = [&views.views, &views.into_cells, nearest].map(wgpu::Buffer::as_entire_binding);
         let group = bind(&context.device, &self.carry_layout, resources);
-        let mut pass = commands.pass("seen");
-        pass.set_pipeline(&self.carry);
-        pass.set_bind_group(0, &painted.scene.group, &[SceneBindings::stage_offset(layer, 0)]);
-        pass.set_bind_group(1, &group, &[]);
-        dispatch(&mut pass, painted.scene.tile_counts[layer], 1);
+        let mut pass = commands.pass(Stage::FreeSpace, "seen");
+        over_layer(&mut pass, &self.carry, painted.scene, layer, &group);
     }
 }
 

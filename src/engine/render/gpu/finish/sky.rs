@@ -7,9 +7,10 @@ use crate::render::gpu::commands::Commands;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCameraRays, SUM_WORDS};
 use crate::render::gpu::pipelines::{Pipelines, READ, UNIFORM_AT, WRITE, bind, first_of, layout, pipeline};
-use crate::render::gpu::recorder::dispatch;
-use crate::render::gpu::scene::{SceneBindings, list, numbers_at, uniform_at};
+use crate::render::gpu::recorder::over_layer;
+use crate::render::gpu::scene::{list, numbers_at, uniform_at};
 use crate::render::gpu::shaders::{FILL_SKY, HALVE_SKY, SUM_SKY};
+use crate::render::stage_times::Stage;
 use bytemuck::Zeroable;
 use wgpu::BufferUsages as Usage;
 
@@ -134,11 +135,8 @@ impl Sky {
     ) {
         let resources = [buffers.0, buffers.1].map(wgpu::Buffer::as_entire_binding);
         let group = bind(&context.device, &self.sum_layout, resources);
-        let mut pass = commands.pass("sky");
-        pass.set_pipeline(&self.sum);
-        pass.set_bind_group(0, &painted.scene.group, &[SceneBindings::stage_offset(layer, 0)]);
-        pass.set_bind_group(1, &group, &[]);
-        dispatch(&mut pass, painted.scene.tile_counts[layer], 1);
+        let mut pass = commands.pass(Stage::FreeSpace, "sky");
+        over_layer(&mut pass, &self.sum, painted.scene, layer, &group);
     }
 
     /// Makes all grids, from the finest to the coarsest, and colors them, from the coarsest to the finest.
@@ -150,7 +148,7 @@ impl Sky {
             grids.environment.as_entire_binding(),
         ];
         let group = bind(&context.device, &self.grid_layout, resources);
-        let mut pass = commands.pass("sky");
+        let mut pass = commands.pass(Stage::FreeSpace, "sky");
         let mut run = |pipeline: &wgpu::ComputePipeline, level: u32| {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &group, &[numbers_at(level as usize)]);

@@ -1,11 +1,12 @@
 //! The compiled stages that finish a picture, and the order in which they run.
 
-use super::planes::{FinishPlanes, LEAST_STEPS};
+use super::planes::{FinishPlanes, LEAST_STEPS, SETS};
 use crate::render::gpu::commands::Commands;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::pipelines::{READ, UNIFORM_AT, WRITE, layout, pipeline};
 use crate::render::gpu::recorder::dispatch;
 use crate::render::gpu::shaders::FINISH;
+use crate::render::stage_times::Stage;
 
 /// Threads of a workgroup along each side, as in most files of `shaders/finish/`.
 const GROUP: usize = 16;
@@ -13,11 +14,8 @@ const GROUP: usize = 16;
 /// Pixels along each side of what a workgroup of `open_holes.wgsl` marks.
 const OPEN_HOLES_GROUP: usize = 32;
 
-/// The step at which `ray_masks.wgsl` tells open holes from everything else, and the one at which it tells all sources and surfaces, which
-/// takes
-/// both sets.
+/// The step at which `ray_masks.wgsl` tells open holes from everything else.
 const OPEN_STEP: usize = LEAST_STEPS - 1;
-const BOTH_SETS: u32 = 2;
 
 /// Threads of a workgroup of `ray_masks.wgsl`.
 const MASKS_GROUP: u64 = 256;
@@ -86,7 +84,7 @@ impl FinishStages {
         group: &wgpu::BindGroup,
     ) {
         let (width, height) = (planes.layout.width, planes.layout.height);
-        let mut pass = commands.pass("free-space");
+        let mut pass = commands.pass(Stage::FreeSpace, "free-space");
         pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
         let steps = [
             (&self.square_ranges, GROUP),
@@ -108,7 +106,7 @@ impl FinishStages {
     /// Turns marked pixels into holes, and counts all holes.
     fn count_holes(&self, commands: &mut Commands<'_>, planes: &FinishPlanes, group: &wgpu::BindGroup) {
         commands.encoder.clear_buffer(&planes.counts, 0, None);
-        let mut pass = commands.pass("free-space");
+        let mut pass = commands.pass(Stage::FreeSpace, "free-space");
         pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
         over_pixels(&mut pass, &self.holes, planes);
     }
@@ -116,7 +114,7 @@ impl FinishStages {
     /// Fills the holes of a picture.
     pub(super) fn fill(&self, commands: &mut Commands<'_>, planes: &FinishPlanes, group: &wgpu::BindGroup) {
         self.count_holes(commands, planes, group);
-        let mut pass = commands.pass("fill");
+        let mut pass = commands.pass(Stage::Fill, "fill");
         let mask_groups = planes.layout.mask_words().div_ceil(MASKS_GROUP) as u32;
         if planes.layout.tests_lines {
             pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
@@ -129,12 +127,12 @@ impl FinishStages {
         pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
         over_pixels(&mut pass, &self.kinds, planes);
         pass.set_pipeline(&self.ray_masks);
-        dispatch(&mut pass, mask_groups, BOTH_SETS);
+        dispatch(&mut pass, mask_groups, SETS as u32);
         pass.set_pipeline(&self.pull);
         for (step, level) in planes.layout.levels().into_iter().enumerate() {
             pass.set_bind_group(1, group, &FinishPlanes::at_step(step));
             let groups = |side: usize| side.div_ceil(GROUP) as u32;
-            pass.dispatch_workgroups(groups(level.0), groups(level.1), BOTH_SETS);
+            pass.dispatch_workgroups(groups(level.0), groups(level.1), SETS as u32);
         }
         pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
         over_pixels(&mut pass, &self.fill, planes);
