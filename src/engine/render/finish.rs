@@ -75,8 +75,8 @@ impl Finisher {
     ) -> Result<()> {
         let camera = &vantage.camera;
         let (mut environment, mut blended) = (None, Vec::new());
-        let images = FrameImages::at(samples, vantage.frame);
-        if tests_free_space(settings) && has_sky(samples, images.all()) {
+        let images = tests_free_space(settings).then(|| FrameImages::at(samples, vantage.frame));
+        if let Some(images) = images.filter(|images| has_sky(samples, images.all())) {
             let mut planes = std::mem::take(&mut self.planes);
             let seen = self.see(samples, vantage, images)?;
             environment.clone_from(&seen.environment);
@@ -159,8 +159,7 @@ impl SeenFrame {
     }
 
     fn is_of(&self, samples: &Arc<SampleSet>, images: &[usize]) -> bool {
-        let is_shared = |own: Arc<SampleSet>| Arc::ptr_eq(&own, samples) || own.shares(samples, images);
-        self.images == images && self.samples.upgrade().is_some_and(is_shared)
+        self.images == images && self.samples.upgrade().is_some_and(|own| own.shares(samples, images))
     }
 
     /// Memory that it alone takes, bytes.

@@ -56,13 +56,10 @@ impl StageTimes {
 
     /// Adds the times of another picture.
     pub fn add(&mut self, other: &Self) {
-        self.select_ms += other.select_ms;
-        self.paint_ms += other.paint_ms;
-        self.silhouettes_ms += other.silhouettes_ms;
-        self.look_up_ms += other.look_up_ms;
-        self.free_space_ms += other.free_space_ms;
-        self.fill_ms += other.fill_ms;
-        self.copy_ms += other.copy_ms;
+        let mut other = *other;
+        for stage in Stage::ALL {
+            *self.of(stage) += *other.of(stage);
+        }
     }
 
     /// The mean, if these are the sums over `count` pictures.
