@@ -169,7 +169,7 @@ pictures_by_size_and_store() {
             pictures "$kernel, $size times the size" default "views_$size" --kernel "$kernel"
         done
     done
-    pictures render.antialias=false default views_0.4 --set render.antialias=false
+    pictures render.antialias=off default views_0.4 --set render.antialias=off
     for from in spans.levels=paper pruning.method=off store.precision=bits10 store.coding=plain; do
         pictures "store with $from" "$from" views
     done

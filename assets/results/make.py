@@ -80,6 +80,8 @@ def measured(program, name, content, recording):
     sweep = ["sweep", name, "--vary", "render.kernel=gather,surfel,block,point", "--out", f"{name}-sweep"]
     swept = program.document(*sweep)
     points = swept["points"]
+    switches = ["sweep", name, "--vary", "render", "--out", f"{name}-switches"]
+    switched = [point for point in program.document(*switches)["points"] if point["series"] in ("reference", "variation")]
     ours = one_of(points, "reference")
     paper = one_of(points, "paper")
     everything = next(point for point in points if point["label"] == "no pruning, gather")
@@ -122,6 +124,7 @@ def measured(program, name, content, recording):
         "error_by_class": ours["error_by_class"],
         "methods": methods,
         "points": [brief(point) for point in points],
+        "switches": [brief(point) for point in switched],
     }
 
 
@@ -160,14 +163,13 @@ def stored(program, name, kind, arguments):
 
 
 def method(point, ours, info, store):
-    """The figures of one way to show a capture. Rivals are timed by the sweep, which leaves filling holes out."""
+    """The figures of one way to show a capture. Rivals keep no store, and are timed by the sweep."""
     mean, error = lead(ours, point)
     return brief(point) | {
         "kept": round(point["samples"] / info["pixels"], 6),
         "ours_ahead_db": round(mean, 4),
         "ours_ahead_db_se": round(error, 4),
         "milliseconds": round(store["milliseconds"] if store else point["milliseconds"], 2),
-        "is_filling_timed": store is not None,
     }
 
 
@@ -298,7 +300,7 @@ def save(results):
     """Writes results.json in the order of the page; each method and each point is one line of it."""
     order = [name for name, *_ in captures([])]
     results["captures"].sort(key=lambda entry: order.index(entry["name"]) if entry["name"] in order else len(order))
-    RESULTS.write_text(lined(results, ["captures", "methods", "points", "settings"]) + "\n")
+    RESULTS.write_text(lined(results, ["captures", "methods", "points", "switches", "settings"]) + "\n")
 
 
 def lined(value, opened, indent=""):

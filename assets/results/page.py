@@ -41,6 +41,13 @@ def results_page(results):
         "",
         *method_table(captures),
         "",
+        "## What each switch of the renderer gives, and what it takes",
+        "",
+        "Each is changed by itself. From the least to the most of all captures: accuracy over what some camera saw against the default's, and the time of",
+        "a picture as a multiple of the default's.",
+        "",
+        *switch_table(captures),
+        "",
         "## To repeat it",
         "",
         *repetition(results),
@@ -205,7 +212,7 @@ def words():
     yield "- *dB*: PSNR of pictures whose truth is known, holes of all methods filled alike. *Surfaces*: all pixels that show a surface, of all pictures"
     yield "  together. *Seen*: all pixels of what some camera saw, sky among it, the mean over pictures; *ours ahead* is of these."
     yield "- *ms*: a picture from a store with everything that is on by default (antialiasing, free space, filling): the median of all true viewpoints,"
-    yield "  each three times. The paper's way fills no holes. A rival's time leaves filling out."
+    yield "  each three times. The paper's way fills no holes."
     yield "- *Bytes*: the whole store. *Raw*: 8-bit color and 32-bit depth of every pixel."
 
 
@@ -233,6 +240,24 @@ def method_table(captures):
             yield "| " + " | ".join(cells) + " |"
 
 
+def switch_table(captures):
+    yield "| switch | dB | time |"
+    yield "|---|---|---|"
+    labels = {point["label"]: None for entry in captures for point in entry["switches"] if point["series"] == "variation"}
+    for label in labels:
+        gains, times = [], []
+        for entry in captures:
+            default = next(point for point in entry["switches"] if point["series"] == "reference")
+            for point in entry["switches"]:
+                if point["label"] == label:
+                    gains.append(point["db_seen"] - default["db_seen"])
+                    times.append(point["milliseconds"] / default["milliseconds"])
+        least, most = signed(min(gains), 2), signed(max(gains), 2)
+        fastest, slowest = f"{min(times):.2f}", f"{max(times):.2f}"
+        cells = [f"`{label}`", least if least == most else f"{least} to {most}", fastest if fastest == slowest else f"{fastest} to {slowest}"]
+        yield "| " + " | ".join(cells) + " |"
+
+
 def repetition(results):
     captures = results["captures"]
     minutes = sum(entry["seconds_measuring"] for entry in captures) / 60
@@ -254,6 +279,7 @@ def repetition(results):
         if entry["recording"]:
             yield entry["recording"]
     yield f"overlook sweep CAPTURE {captures[0]['sweep'].split(' ', 3)[3].rsplit(' ', 1)[0]} CAPTURE-sweep"
+    yield "overlook sweep CAPTURE --vary render --out CAPTURE-switches"
     yield "overlook preprocess CAPTURE --out ours.ovl"
     yield "overlook preprocess CAPTURE --out all.ovl --set pruning.method=off"
     for line in sorted({entry["paper_settings"] for entry in captures}):

@@ -9,7 +9,9 @@ use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
 use overlook_engine::render::{CpuRenderer, NO_IMAGE, Picture, Renderer, Vantage};
 use overlook_engine::samples::SampleSet;
-use overlook_engine::settings::{Backend, Coarse, Kernel, PruningMethod, RenderSettings, Settings};
+use overlook_engine::settings::{
+    Antialias, Backend, Coarse, Kernel, PruningMethod, RenderSettings, Settings,
+};
 
 fn samples(capture: &Capture, method: PruningMethod) -> Arc<SampleSet> {
     let mut settings = Settings::default();
@@ -185,8 +187,9 @@ fn a_coarse_picture_shows_what_a_fine_one_averages_to_on_slopes_and_at_edges() {
                 let settings = RenderSettings { antialias, coarse, ..settings.clone() };
                 off_the_mean(&render(&coarser(&fine, times), &settings), &whole, times as usize)
             };
-            let (off, on) = (decibel(false, Coarse::Average), decibel(true, Coarse::Average));
-            let pyramid = decibel(true, Coarse::Pyramid);
+            let (off, on) =
+                (decibel(Antialias::Off, Coarse::Average), decibel(Antialias::Silhouettes, Coarse::Average));
+            let pyramid = decibel(Antialias::Silhouettes, Coarse::Pyramid);
             println!("{kernel}, {times}: {off:.1} dB, averaged {on:.1} dB, from a pyramid {pyramid:.1} dB");
             assert!(on > 34.0 && on > off + 3.0, "{kernel}, {times}: {off:.1} dB, averaged {on:.1} dB");
             // Surfels are as coarse as their samples, so that only time is gained.
@@ -342,8 +345,10 @@ fn silhouettes_that_show_both_sides_are_a_tenth_nearer_to_the_truth_than_those_t
         sum / count as f32
     };
     for method in [PruningMethod::Off, PruningMethod::HighestRate] {
-        let (blended, decided) = (error(method, true), error(method, false));
+        let [averaged, blended, decided] =
+            [Antialias::Supersampled, Antialias::Silhouettes, Antialias::Off].map(|step| error(method, step));
         // Where a silhouette lies is known to a pixel of the cameras, and what is off by that stays.
         assert!(blended < 0.9 * decided, "after {method}: {blended} instead of {decided}");
+        assert!(averaged < 0.9 * decided, "after {method}: {averaged} instead of {decided}");
     }
 }

@@ -15,7 +15,7 @@ use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
-use crate::settings::{Backend, Kernel, RenderSettings};
+use crate::settings::{Antialias, Backend, Kernel, RenderSettings};
 
 /// The state of the graphics adapter.
 #[derive(Debug, Default)]
@@ -150,7 +150,7 @@ impl Renderer {
             return self.paint_by_levels(&request, &rates);
         }
         let finer = Vantage { camera: finer(&vantage.camera, factor), ..vantage.clone() };
-        let settings = &RenderSettings { antialias: false, ..settings.clone() };
+        let settings = &RenderSettings { antialias: Antialias::Off, ..settings.clone() };
         let (picture, stats) = self.paint(&Request { vantage: &finer, settings, factor, ..request })?;
         let stats = RenderStats { holes: picture.holes(), milliseconds: milliseconds(), ..stats };
         Ok((picture, stats))

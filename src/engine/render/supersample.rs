@@ -4,7 +4,7 @@
 //! sub-pixels of one surface at one depth, and gives a pixel at most two surfaces, those at its center.
 //!
 //! Source: supersampling on a regular grid with a box filter (Crow, *The Aliasing Problem in Computer-Generated Shaded Images*, CACM
-//! 1977). What differs: the grid is as fine as the picture was recorded.
+//! 1977). What differs: the grid is as fine as the picture was recorded, or twice as fine as the picture where that is asked for.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use super::vantage::{NO_IMAGE, Picture, Vantage};
 use crate::capture::{Camera, Intrinsics};
 use crate::grid::Grid;
 use crate::samples::SampleSet;
-use crate::settings::{Kernel, RenderSettings};
+use crate::settings::{Antialias, Kernel, RenderSettings};
 
 /// From this many recorded pixels along a pixel on the picture is supersampled. Below, interpolation suffices.
 const MIN_RATE: f32 = 1.75;
@@ -24,7 +24,11 @@ const TARGET_RATE: f32 = 1.5;
 /// Most columns and rows of the finer picture to a pixel. Gathering averages over the rest.
 const MAX_FACTOR: usize = 4;
 
-/// From this many recorded pixels along a pixel on, silhouettes are found on a z-buffer twice as fine as the picture.
+/// Columns and rows of the finer picture to a pixel at least, where every picture is supersampled.
+const LEAST_FACTOR: usize = 2;
+
+/// From this many recorded pixels along a pixel on, silhouettes are found on a z-buffer twice as fine as the picture, and every picture
+/// can be supersampled.
 const LEAST_REFINED_RATE: f32 = 0.65;
 
 /// Most pixels of the finer picture: a picture of 1280×720 at three times its size.
@@ -33,11 +37,11 @@ const MAX_FINER_PIXELS: usize = 1 << 23;
 /// Whether pictures coarser than the recording are averaged or rendered from coarser samples under these settings. Kernels that are
 /// simple on purpose stay so.
 pub(crate) fn filters(settings: &RenderSettings) -> bool {
-    settings.antialias && settings.kernel.interpolates()
+    settings.antialias != Antialias::Off && settings.kernel.interpolates()
 }
 
-/// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than the recording, and for kernels
-/// that are simple on purpose.
+/// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than the recording and not every
+/// picture is supersampled, and for kernels that are simple on purpose.
 pub(super) fn supersampling_factor(
     rates: &RecordedRates,
     vantage: &Vantage,
@@ -48,18 +52,20 @@ pub(super) fn supersampling_factor(
         return 1;
     }
     let rate = rates.of_share(0.5);
-    if rate < MIN_RATE {
-        return 1;
-    }
+    let is_always_finer = settings.antialias == Antialias::Supersampled && rate >= LEAST_REFINED_RATE;
+    let least = if is_always_finer { LEAST_FACTOR } else { 1 };
+    let wanted = if rate < MIN_RATE { 1 } else { (rate / TARGET_RATE).ceil() as usize };
     let affordable = (MAX_FINER_PIXELS as f64 / pixels as f64).sqrt() as usize;
-    ((rate / TARGET_RATE).ceil() as usize).clamp(1, MAX_FACTOR.min(affordable))
+    wanted.max(least).min(MAX_FACTOR.min(affordable))
 }
 
 /// Pixels of the z-buffer along each side of a pixel of the picture: 2 for the gather kernel, unless the picture is much finer
 /// than the recording, where silhouettes are interpolated anyway, or so large that it takes too long.
 pub(crate) fn subpixels(samples: &SampleSet, vantage: &Vantage, settings: &RenderSettings) -> usize {
     let pixels = vantage.camera.intrinsics.pixel_count();
-    let refines = settings.antialias && settings.kernel == Kernel::Gather && pixels <= MAX_FINER_PIXELS / 4;
+    let refines = settings.antialias != Antialias::Off
+        && settings.kernel == Kernel::Gather
+        && pixels <= MAX_FINER_PIXELS / 4;
     if refines && RecordedRates::of(samples, vantage).of_share(0.5) >= LEAST_REFINED_RATE { 2 } else { 1 }
 }
 

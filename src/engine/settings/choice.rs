@@ -1,18 +1,25 @@
 //! One macro that declares an enum of named choices whose doc comments are also its help text.
 
-/// Declares an enum whose variants have a name (for files and the command line) and a help text (their doc comment).
+use std::fmt::Formatter;
+use std::marker::PhantomData;
+use std::str::FromStr;
+
+use serde::de::{Error, Visitor};
+
+/// Declares an enum whose variants have a name (for files and the command line) and a help text (their doc comment). A name after `or`
+/// is read as well: of a former version, or of a setting that was a switch (`true`, `false`).
 macro_rules! choice {
     (
         $(#[$meta:meta])*
         pub enum $name:ident {
             $(
                 $(#[doc = $doc:literal])+
-                $variant:ident = $text:literal,
+                $variant:ident = $text:literal $(or $former:literal)?,
             )+
         }
     ) => {
         $(#[$meta])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
         pub enum $name {
             $(
                 $(#[doc = $doc])+
@@ -48,7 +55,7 @@ macro_rules! choice {
 
             fn from_str(text: &str) -> Result<Self, String> {
                 match text {
-                    $($text => Ok(Self::$variant),)+
+                    $($text $(| $former)? => Ok(Self::$variant),)+
                     _ => Err(format!(
                         "'{text}' is not one of {}",
                         [$($text),+].join(", ")
@@ -56,7 +63,32 @@ macro_rules! choice {
                 }
             }
         }
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_any($crate::settings::choice::NamedChoice(std::marker::PhantomData))
+            }
+        }
     };
 }
 
 pub(crate) use choice;
+
+/// Reads a choice from its name, or from the switch that it was.
+pub(crate) struct NamedChoice<T>(pub(crate) PhantomData<T>);
+
+impl<T: FromStr<Err = String>> Visitor<'_> for NamedChoice<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a name")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<T, E> {
+        name.parse().map_err(E::custom)
+    }
+
+    fn visit_bool<E: Error>(self, on: bool) -> Result<T, E> {
+        self.visit_str(if on { "true" } else { "false" })
+    }
+}

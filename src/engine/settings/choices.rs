@@ -152,6 +152,27 @@ choice! {
 }
 
 choice! {
+    /// How kernels that interpolate smooth what is finer than a pixel. The default takes up to twice the time of `off`.
+    pub enum Antialias {
+        /// Each pixel shows what is at its center.
+        Off = "off" or "false",
+        /// `gather` finds silhouettes at half a pixel; a picture coarser than the recording is rendered finer and averaged.
+        Silhouettes = "silhouettes" or "true",
+        /// Every picture is rendered at least twice as fine and averaged, but for close-ups: textures at a slant and what fills holes
+        /// are smoothed too, in two to four times the time.
+        Supersampled = "supersampled",
+    }
+}
+
+impl Antialias {
+    /// That of pictures in motion, where the next one follows at once.
+    #[must_use]
+    pub fn in_motion(self) -> Self {
+        if self == Self::Supersampled { Self::Silhouettes } else { self }
+    }
+}
+
+choice! {
     /// How pictures coarser than the recording are rendered.
     pub enum Coarse {
         /// Finer, and averaged: takes a third to two thirds of the time of a picture as fine as the recording.

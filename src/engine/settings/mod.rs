@@ -17,8 +17,8 @@ mod other_version;
 mod section;
 
 pub use choices::{
-    AgreementRule, Backend, Coarse, Coding, Correction, Fill, Instructions, Kernel, Magnified, MixedPixels,
-    NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
+    AgreementRule, Antialias, Backend, Coarse, Coding, Correction, Fill, Instructions, Kernel, Magnified,
+    MixedPixels, NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
 };
 pub use section::{Field, ValueKind};
 
@@ -154,9 +154,8 @@ section! {
         depth_tolerance: f32 = 4.0, "footprints", ValueKind::Number { min: 0.1, max: 64.0, log: true };
         /// Cameras whose colors `gather` averages at each point where nothing was pruned; pruning leaves the sample of one.
         views: u32 = 2, "cameras", ValueKind::Integer { min: 1, max: 8 };
-        /// Whether a picture coarser than the recording is rendered finer and averaged, by kernels that interpolate, and `gather` finds
-        /// silhouettes at half a pixel.
-        antialias: bool = true, "", ValueKind::Switch;
+        /// How kernels that interpolate smooth what is finer than a pixel. Pictures in motion are never supersampled.
+        antialias: Antialias = Antialias::Silhouettes, "", ValueKind::Choice(Antialias::NAMES);
         /// How a picture coarser than the recording is rendered if it is antialiased. The window renders from a pyramid while a view moves,
         /// whatever is chosen here.
         coarse: Coarse = Coarse::Average, "", ValueKind::Choice(Coarse::NAMES);

@@ -25,6 +25,7 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Antialias;
 
     #[test]
     fn a_value_that_is_not_known_costs_no_other_setting() {
@@ -36,6 +37,21 @@ mod tests {
         assert_eq!(settings, expected);
         assert_eq!(unknown, ["render.fill = \"texture\""]);
         assert_eq!(Settings::known_from_toml("[render"), None);
+    }
+
+    #[test]
+    fn a_setting_that_was_a_switch_is_read_as_the_choice_that_it_became() {
+        for (switch, expected) in [("true", Antialias::Silhouettes), ("false", Antialias::Off)] {
+            let text = format!("[render]\nantialias = {switch}\n");
+            let (settings, unknown) = Settings::known_from_toml(&text).unwrap();
+            assert_eq!((settings.render.antialias, unknown), (expected, Vec::new()));
+            assert_eq!(Settings::from_toml(&text, "test").unwrap(), settings);
+            let mut set = Settings::default();
+            set.set_text(&format!("render.antialias={switch}")).unwrap();
+            assert_eq!(set, settings);
+        }
+        let error = Settings::default().set_text("render.free_space=sometimes").unwrap_err().to_string();
+        assert!(error.contains("boolean"), "{error}");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::scene::{BenchScene, FRAMES, without_filling};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::{Renderer, Vantage};
 use overlook_engine::samples::SampleSet;
-use overlook_engine::settings::{Backend, Kernel, RenderSettings};
+use overlook_engine::settings::{Antialias, Backend, Kernel, RenderSettings};
 
 /// What is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,7 +111,7 @@ impl PaintCase {
     /// Paints one vantage after the other.
     fn paint(&self, bench: &Bench<'_>, round: &Round<'_>) -> Result<MeasuredStage> {
         // A stage is what it takes at its own size.
-        let defaults = RenderSettings { antialias: false, ..without_filling() };
+        let defaults = RenderSettings { antialias: Antialias::Off, ..without_filling() };
         let settings = RenderSettings { kernel: self.kernel, backend: self.backend, ..defaults };
         let mut renderer = Renderer::strict(self.backend)?;
         let mut turns = round.vantages.iter().cycle();

@@ -8,7 +8,7 @@ mod point;
 mod worst;
 
 pub use external::ExternalPoint;
-pub use plan::{Planned, SweepPlan, paper, variations};
+pub use plan::{Planned, SweepPlan, paper, picture_variations, variations};
 pub use point::{Point, Series, mark_behind_best, mark_pareto, mark_pareto_of_stores};
 pub use worst::worst_views;
 

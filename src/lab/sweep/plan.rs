@@ -7,8 +7,8 @@ use crate::trial::{Thinning, Trial};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::settings::{
-    AgreementRule, Fill, Kernel, MixedPixels, Precision, PruningMethod, RateModel, Settings, SpanLevels,
-    ValueKind,
+    AgreementRule, Antialias, Coarse, Fill, Kernel, Magnified, MixedPixels, Precision, PruningMethod,
+    RateModel, RenderSettings, Settings, SpanLevels, ValueKind,
 };
 
 /// One trial of a plan.
@@ -34,7 +34,7 @@ pub struct SweepPlan {
 }
 
 /// Values of numbers; choices and switches take all of theirs.
-const NUMBERS: [(&str, &[f64]); 9] = [
+const NUMBERS: [(&str, &[f64]); 11] = [
     ("pruning.agreement_margin", &[2.0, 3.0]),
     ("pruning.depth_tolerance", &[0.25, 0.5, 2.0, 4.0, 8.0]),
     ("pruning.normal_tolerance", &[15.0, 60.0]),
@@ -44,10 +44,19 @@ const NUMBERS: [(&str, &[f64]); 9] = [
     ("spans.depth_tolerance", &[0.004]),
     ("spans.noise", &[0.0]),
     ("store.depth_precision", &[0.25, 1.0]),
+    ("render.depth_tolerance", &[1.0, 16.0]),
+    ("render.views", &[1.0, 4.0]),
 ];
 
-/// Not varied: other methods are baselines, and no picture depends on normals in a store.
-const LEFT_OUT: [&str; 2] = ["pruning.method", "store.normals"];
+/// Not varied: other methods are baselines, no picture depends on normals in a store, kernels are tried with each variation, and
+/// times on two backends are no alternatives of one machine.
+const LEFT_OUT: [&str; 4] = ["pruning.method", "store.normals", "render.kernel", "render.backend"];
+
+/// The sections of settings that samples depend on.
+const OF_SAMPLES: [&str; 3] = ["spans", "pruning", "store"];
+
+/// The section of settings that only pictures depend on.
+const OF_PICTURES: [&str; 1] = ["render"];
 
 /// The paper's settings, as closely as ours express them: two span levels; the denser of two samples at one place stays, whatever
 /// their normals and colors; no noise tolerance, no overlap; a sample covers 2×2 pixels.
@@ -71,13 +80,17 @@ pub fn paper(base: &Settings) -> Settings {
 }
 
 impl SweepPlan {
-    /// The reference, every variation of one setting and every kernel with each, all baselines and all rivals.
+    /// The reference, every variation of the samples and every kernel with each, every switch of the renderer, all baselines and all
+    /// rivals.
     #[must_use]
     pub fn standard(reference: &Settings, capture: &Capture) -> Self {
         let mut plan = Self::empty(reference);
         plan.add_kernels("default", reference, &KERNELS);
         for (label, settings) in variations(reference) {
             plan.add_kernels(&label, &settings, &KERNELS);
+        }
+        for (label, settings) in picture_variations(reference) {
+            plan.add(label, settings);
         }
         plan.add_baselines(capture);
         plan
@@ -213,15 +226,42 @@ impl SweepPlan {
 /// The kernels of a sweep, the most accurate first.
 const KERNELS: [Kernel; 4] = [Kernel::Gather, Kernel::Surfel, Kernel::Block, Kernel::Point];
 
-/// The reference with one setting changed: every choice and switch of spans, pruning and store but two, and numbers around their
-/// defaults. Depth precision is varied only if the reference's store is not lossless, since it has no effect otherwise. New
-/// choices and switches are varied without being named here; new numbers are not.
+/// The reference with one setting changed that samples depend on: every choice and switch of spans, pruning and store but two, and
+/// numbers around their defaults. Depth precision is varied only if the reference's store is not lossless, since it has no effect
+/// otherwise. New choices and switches are varied without being named here; new numbers are not.
 #[must_use]
 pub fn variations(reference: &Settings) -> Vec<(String, Settings)> {
+    variations_in(&OF_SAMPLES, reference)
+}
+
+/// The reference with one switch of the renderer changed, and with all of those off that take time: what a picture costs that samples
+/// alone make.
+#[must_use]
+pub fn picture_variations(reference: &Settings) -> Vec<(String, Settings)> {
+    let mut bare = reference.clone();
+    bare.render = RenderSettings {
+        kernel: reference.render.kernel,
+        backend: reference.render.backend,
+        depth_tolerance: reference.render.depth_tolerance,
+        fill: Fill::None,
+        free_space: false,
+        views: 1,
+        antialias: Antialias::Off,
+        coarse: Coarse::Pyramid,
+        magnified: Magnified::Direct,
+    };
+    let mut list = variations_in(&OF_PICTURES, reference);
+    if bare != *reference {
+        list.push(("renderer: everything off".to_owned(), bare));
+    }
+    list
+}
+
+fn variations_in(sections: &[&str], reference: &Settings) -> Vec<(String, Settings)> {
     let mut assignments: Vec<String> = Vec::new();
     for field in Settings::fields() {
         let section = field.path.split('.').next().unwrap_or_default();
-        if !["spans", "pruning", "store"].contains(&section) || LEFT_OUT.contains(&field.path) {
+        if !sections.contains(&section) || LEFT_OUT.contains(&field.path) {
             continue;
         }
         if field.path == "store.depth_precision" && reference.store.precision == Precision::Lossless {
@@ -258,11 +298,11 @@ mod tests {
         lossless.set_text("store.precision=lossless").unwrap();
         let paths = |reference: &Settings| -> Vec<String> {
             let path = |(label, _): (String, _)| label.split(' ').next().unwrap_or_default().to_owned();
-            variations(reference).into_iter().map(path).collect()
+            variations(reference).into_iter().chain(picture_variations(reference)).map(path).collect()
         };
         let (of_lossless, of_rounded) = (paths(&lossless), paths(&rounded));
         for field in Settings::fields().filter(|field| !LEFT_OUT.contains(&field.path)) {
-            if !["spans", "pruning", "store"].iter().any(|section| field.path.starts_with(section)) {
+            if !OF_SAMPLES.iter().chain(&OF_PICTURES).any(|section| field.path.starts_with(section)) {
                 continue;
             }
             let is_tried = |paths: &[String]| paths.iter().any(|path| path == field.path);

@@ -161,7 +161,7 @@ pub struct Point {
     pub samples_shared: u64,
     /// Different spans that hold a sample.
     pub spans: u64,
-    /// Milliseconds of painting one view, median, always without filling; as noisy as the machine.
+    /// Milliseconds of rendering one view with these settings, median; as noisy as the machine.
     pub milliseconds: f64,
     /// Work of painting one view that is the same on every machine: samples times the kernel's cost.
     pub work: f64,

@@ -99,8 +99,12 @@ fn rendered_views(rival: Rival, fold: &Fold, settings: &RenderSettings, job: &Jo
             let view = &fold.views[index];
             let (camera, started) = (&view.camera, Instant::now());
             let mut picture = model.render(camera);
-            let milliseconds = started.elapsed().as_secs_f64() * 1e3;
+            let mut taken = started.elapsed();
             fill(&mut picture, camera, &filling);
+            if settings.fill != Fill::None {
+                taken = started.elapsed();
+            }
+            let milliseconds = taken.as_secs_f64() * 1e3;
             view.expose(&mut picture.color);
             pictures[index] = Some((picture, milliseconds));
             job.advance(1);

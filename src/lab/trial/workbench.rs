@@ -232,8 +232,9 @@ fn score_views(
         if let (Backend::Gpu, Some(why)) = (filling.backend, &painted.notice) {
             return Err(Error::Gpu { what: format!("'{}' asks for the GPU, but {why}", trial.label) });
         }
-        // Filling is the same for all kernels and baselines, and no part of the paper's method.
-        painted.score.milliseconds -= painted.fill_ms;
+        if trial.settings.render.fill == Fill::None {
+            painted.score.milliseconds -= painted.fill_ms;
+        }
         class_errors.add(&painted.class_errors.unwrap_or_default());
         scores.add(view, painted);
         job.advance(1);

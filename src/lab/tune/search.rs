@@ -3,7 +3,7 @@
 use super::choice::{CandidateSetting, LossRule, Reason, most_accurate};
 use super::plan::{TuneBudget, TunePlan};
 use super::whole::WholeStores;
-use crate::sweep::{Point, Series, variations};
+use crate::sweep::{Point, Series, picture_variations, variations};
 use crate::trial::{TimeLeft, Trial, Workbench};
 use crate::truth::{Recorded, Truth};
 use overlook_engine::capture::Capture;
@@ -115,7 +115,7 @@ impl<'a> SettingSearch<'a> {
 
     /// Finds the setting.
     pub(super) fn choose(&mut self) -> Result<Point> {
-        let trials = first_trials(&self.plan.settings);
+        let trials = first_trials(self.plan);
         self.expected = trials.len() + 12;
         let first = self.measure(&trials[0])?;
         self.starts_beyond = !self.is_within_budget(&first)?;
@@ -241,13 +241,18 @@ impl<'a> SettingSearch<'a> {
     }
 }
 
-/// The trials that every search begins with: the start, no pruning, and every variation of one setting.
-fn first_trials(start: &Settings) -> Vec<Trial> {
+/// The trials that a search begins with: the start, no pruning, and every variation of one setting; of the renderer's where time is
+/// what is scarce.
+fn first_trials(plan: &TunePlan) -> Vec<Trial> {
+    let start = &plan.settings;
     let mut everything = start.clone();
     everything.pruning.method = PruningMethod::Off;
     let mut trials = vec![Trial::new("start", start.clone()), Trial::new("no pruning", everything)];
-    trials
-        .extend(variations(start).into_iter().map(|(assignment, settings)| Trial::new(assignment, settings)));
+    let mut varied = variations(start);
+    if matches!(plan.budget, Some(TuneBudget::Milliseconds(_))) {
+        varied.extend(picture_variations(start));
+    }
+    trials.extend(varied.into_iter().map(|(assignment, settings)| Trial::new(assignment, settings)));
     trials
 }
 

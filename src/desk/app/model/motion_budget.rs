@@ -1,6 +1,6 @@
 //! How much of the settings a picture in motion keeps: as much as fits a budget of time, by what earlier pictures took.
 
-use overlook_engine::settings::{Coarse, Magnified, RenderSettings};
+use overlook_engine::settings::{Antialias, Coarse, Magnified, RenderSettings};
 
 /// Milliseconds that a picture may take while the view moves: pictures that are carried to the new viewpoint fill the time between.
 const BUDGET_MS: f64 = 70.0;
@@ -53,7 +53,7 @@ impl MotionQuality {
     pub(crate) fn of(self, at_rest: &RenderSettings) -> RenderSettings {
         RenderSettings {
             coarse: Coarse::Pyramid,
-            antialias: at_rest.antialias && self.antialias,
+            antialias: if self.antialias { at_rest.antialias.in_motion() } else { Antialias::Off },
             free_space: at_rest.free_space && self.free_space,
             magnified: if self.antialias { at_rest.magnified } else { Magnified::Direct },
             views: at_rest.views.min(self.views),
@@ -186,10 +186,11 @@ mod tests {
 
     #[test]
     fn nothing_is_switched_on_that_the_settings_switch_off() {
-        let off = RenderSettings { antialias: false, free_space: false, views: 1, ..Default::default() };
+        let off =
+            RenderSettings { antialias: Antialias::Off, free_space: false, views: 1, ..Default::default() };
         for step in STEPS {
             let settings = step.of(&off);
-            assert!(!settings.antialias && !settings.free_space && settings.views == 1);
+            assert!(settings.antialias == Antialias::Off && !settings.free_space && settings.views == 1);
         }
         assert_eq!(STEPS[2].size([641, 3]), [321, 2]);
     }

@@ -302,13 +302,13 @@ mod tests {
     #[test]
     fn switches_are_set_by_name() {
         let mut state = State::default();
-        for (text, on) in [("antialiasing: on", true), ("antialiasing: off", false)] {
+        for (text, on) in [("line-of-sight test: on", true), ("line-of-sight test: off", false)] {
             let entry = matching(&state, text).into_iter().next().unwrap();
-            let expected = Command::Set { path: "render.antialias", value: on.into() };
+            let expected = Command::Set { path: "render.free_space", value: on.into() };
             assert_eq!(entry.command, expected);
             let Command::Set { path, value } = entry.command else { unreachable!() };
             state.settings.set(path, value).unwrap();
-            assert_eq!(state.settings.render.antialias, on);
+            assert_eq!(state.settings.render.free_space, on);
         }
     }
 }

@@ -21,7 +21,7 @@ use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::render::gpu::HolePattern;
 use overlook_engine::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, WindowPicture, output};
 use overlook_engine::samples::SampleSet;
-use overlook_engine::settings::RenderSettings;
+use overlook_engine::settings::{Antialias, RenderSettings};
 
 /// Frames whose samples are sent to a GPU in advance.
 const FRAMES_AHEAD: usize = 2;
@@ -129,8 +129,8 @@ fn shown(
         let holes = is_plain.then(|| HolePattern { colors, stripe: key.stripe() as u32 });
         return renderer.show(samples, &key.vantage, &key.settings, holes.as_ref(), job);
     }
-    let settings =
-        RenderSettings { antialias: key.settings.antialias && !key.in_motion, ..key.settings.clone() };
+    let antialias = if key.in_motion { Antialias::Off } else { key.settings.antialias };
+    let settings = RenderSettings { antialias, ..key.settings.clone() };
     let (picture, stats) = renderer.render(samples, &key.vantage, &settings, job)?;
     Ok((WindowPicture::InMemory(picture), stats))
 }

@@ -24,8 +24,9 @@ pub(crate) struct SweepArgs {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Try these values of a setting, and all combinations where given several times, instead of the usual variations: as
-    /// in `--vary pruning.depth_tolerance=0.5,1,2`.
-    #[arg(long, value_name = "KEY=VALUE,VALUE…")]
+    /// in `--vary pruning.depth_tolerance=0.5,1,2`. `--vary render` tries every switch of the renderer by itself, so that the
+    /// chart shows what each gives and what time it takes.
+    #[arg(long, value_name = "KEY=VALUE,VALUE…|render")]
     vary: Vec<String>,
     /// Try the settings of this file, under its name; may be given several times.
     #[arg(long, value_name = "FILE", conflicts_with = "vary")]
@@ -163,10 +164,13 @@ impl SweepArgs {
         if self.vary.is_empty() {
             return Ok(SweepPlan::standard(settings, capture));
         }
+        if self.vary == ["render"] {
+            return Ok(SweepPlan::list(settings, sweep::picture_variations(settings), capture));
+        }
         let axis = |text: &String| {
             let (path, values) = text.split_once('=').ok_or_else(|| {
                 CommandError::Usage(format!(
-                    "--vary {text}: write it as key=value,value, as in render.kernel=block,gather"
+                    "--vary {text}: write it as key=value,value, as in render.kernel=block,gather, or give 'render' alone"
                 ))
             })?;
             Ok((path.trim().to_owned(), values.split(',').map(|value| value.trim().to_owned()).collect()))
