@@ -85,9 +85,7 @@ fn sweep_row(point: &Point) -> CsvRow {
 fn replacements(report: &Report) -> Vec<CsvRow> {
     let name =
         |index: usize| report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone());
-    let pairs = report.witnesses.iter().enumerate();
-    let pairs = pairs
-        .flat_map(|(loser, row)| row.iter().enumerate().map(move |(winner, count)| (loser, winner, count)));
+    let pairs = report.witnesses.iter();
     pairs
         .filter(|(loser, winner, _)| loser != winner)
         .map(|(loser, winner, count)| {
@@ -122,20 +120,18 @@ fn agreement(report: &Report) -> Vec<CsvRow> {
     let name =
         |index: usize| report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone());
     let mut rows = Vec::new();
-    for (of, row) in report.residuals.iter().enumerate() {
-        for (against, pair) in row.iter().enumerate() {
-            for (what, residual) in [("static", pair.lasting), ("moving", pair.moving)] {
-                let Some(residual) = residual else { continue };
-                rows.push(vec![
-                    ("camera", name(of)),
-                    ("against", name(against)),
-                    ("what", what.to_owned()),
-                    ("samples", residual.samples.to_string()),
-                    ("median_footprints", residual.median_footprints.to_string()),
-                    ("most_footprints", residual.most_footprints.to_string()),
-                    ("median_color_steps", residual.median_color_steps.to_string()),
-                ]);
-            }
+    for (of, against, pair) in report.residuals.iter() {
+        for (what, residual) in [("static", pair.lasting), ("moving", pair.moving)] {
+            let Some(residual) = residual else { continue };
+            rows.push(vec![
+                ("camera", name(of)),
+                ("against", name(against)),
+                ("what", what.to_owned()),
+                ("samples", residual.samples.to_string()),
+                ("median_footprints", residual.median_footprints.to_string()),
+                ("most_footprints", residual.most_footprints.to_string()),
+                ("median_color_steps", residual.median_color_steps.to_string()),
+            ]);
         }
     }
     rows

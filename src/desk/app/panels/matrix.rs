@@ -16,14 +16,16 @@ pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report, commands: &mut Comma
     ui.heading("Which camera replaces which");
     weak(ui, "Rows lose samples, columns keep the ones that replace them.");
     table_ui(ui, Table::Replacements, commands);
-    let most = report.witnesses.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
+    left_out_ui(ui, report);
+    let most = report.witnesses.iter().map(|(.., count)| *count).max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
     let kept_for = |winner: usize| {
-        report.witnesses.iter().filter_map(|row| row.get(winner)).map(|count| *count as f32).sum::<f32>()
+        let counts = (0..names.len()).filter_map(|loser| report.witnesses.get(loser, winner));
+        counts.map(|count| *count as f32).sum::<f32>()
     };
     let order = by_weight(names.len(), kept_for);
     pairs_ui(ui, "replacements", &names, &order, |loser, winner| {
-        let count = *report.witnesses.get(loser)?.get(winner)?;
+        let count = *report.witnesses.get(loser, winner)?;
         Some(PairCell {
             // The square root makes small counts differ from none.
             strength: (count > 0).then(|| (count as f32 / most).sqrt()),
@@ -36,6 +38,18 @@ pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report, commands: &mut Comma
             ),
         })
     });
+}
+
+/// Says what the matrix of replaced samples lacks where there are many cameras.
+fn left_out_ui(ui: &mut Ui, report: &Report) {
+    let left_out: u64 = report.witnesses_left_out.iter().sum();
+    if left_out > 0 {
+        let samples = model::count_of(left_out, "sample");
+        weak(
+            ui,
+            format!("Each row shows the cameras that replace most of it; {samples} were dropped for others."),
+        );
+    }
 }
 
 /// A scale ends at this many times the mean: a pair that is far off does not make all others alike.
@@ -79,7 +93,7 @@ fn residuals_ui(
 ) {
     note(ui, title);
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    let value = |row: usize, column: usize| Some(footprints(&of(report.residuals.get(row)?.get(column)?)?));
+    let value = |row: usize, column: usize| Some(footprints(&of(report.residuals.get(row, column)?)?));
     let (mut sum, mut count, mut most) = (0.0, 0, 0.0_f32);
     for (row, column) in (0..names.len()).flat_map(|row| (0..names.len()).map(move |column| (row, column))) {
         if let Some(value) = value(row, column) {
@@ -95,7 +109,7 @@ fn residuals_ui(
         (0..names.len()).filter_map(|other| value(camera, other)).fold(0.0, f32::max)
     });
     pairs_ui(ui, title, &names, &order, |row, column| {
-        let residual = of(report.residuals.get(row)?.get(column)?)?;
+        let residual = of(report.residuals.get(row, column)?)?;
         let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
         Some(PairCell {
             strength: Some((footprints(&residual) / lightest).sqrt().min(1.0)),

@@ -1,6 +1,7 @@
 //! Warnings about cameras that do not agree: one with the others, or none with any.
 
 use super::pair_residuals::PairResiduals;
+use super::pair_table::PairTable;
 use crate::median::median_f32;
 
 /// A camera that fits no other as well as the others fit each other.
@@ -81,20 +82,23 @@ const SUSPECT_RATIO: f32 = 8.0;
 
 /// The warning about all cameras together, where not even the two agree that fit best; see [`PairResiduals`] for `pairs`.
 /// `granted_footprints` is how far noise and rounding may put surfaces apart.
-pub(super) fn shared_warning(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Option<SharedWarning> {
-    let of = |a: usize, b: usize| pairs.get(a)?.get(b).copied();
-    let others = |a: usize| (0..pairs.len()).filter(move |b| *b != a);
-    let all = || (0..pairs.len()).flat_map(|a| others(a).filter_map(move |b| of(a, b)));
+pub(super) fn shared_warning(
+    pairs: &PairTable<PairResiduals>,
+    granted_footprints: f32,
+) -> Option<SharedWarning> {
+    let of = |a: usize, b: usize| pairs.get(a, b).copied();
+    let others = |a: usize| (0..pairs.cameras()).filter(move |b| *b != a);
+    let all = || (0..pairs.cameras()).flat_map(|a| others(a).filter_map(move |b| of(a, b)));
     if all().all(|pair| pair.lasting.is_none() && pair.moving.is_none()) {
         let is_informative = |a: &usize| {
             others(*a).filter_map(|b| of(*a, b)).any(|pair| pair.unmatched >= INFORMATIVE_UNMATCHED)
         };
-        let informative = (0..pairs.len()).filter(is_informative).count();
+        let informative = (0..pairs.cameras()).filter(is_informative).count();
         return (informative > 1).then_some(SharedWarning { footprints: None });
     }
     let one_way = |a: usize, b: usize| of(a, b)?.lasting;
     let fits_of = |fit: &dyn Fn(usize, usize) -> Option<(f32, u64)>| -> Vec<(f32, u64)> {
-        (0..pairs.len()).flat_map(|a| others(a).filter_map(move |b| fit(a, b))).collect()
+        (0..pairs.cameras()).flat_map(|a| others(a).filter_map(move |b| fit(a, b))).collect()
     };
     let mutual = fits_of(&|a, b| {
         let [there, back] = [one_way(a, b)?, one_way(b, a)?];
@@ -110,7 +114,7 @@ pub(super) fn shared_warning(pairs: &[Vec<PairResiduals>], granted_footprints: f
 /// The cameras that fit no other as well as the others fit each other; see [`PairResiduals`] for `pairs`. Where no others can be
 /// compared, only clocks are suspect, and all of them; the rest is left to the warning about all cameras.
 #[must_use]
-pub fn calibration_warnings(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarning> {
+pub fn calibration_warnings(pairs: &PairTable<PairResiduals>) -> Vec<CalibrationWarning> {
     let mut calibration_warnings = warnings_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));
     let moving = warnings_over(pairs, true, |pair| Some(pair.moving?.median_footprints));
     let wrong_poses = calibration_warnings.len();
@@ -124,20 +128,20 @@ pub fn calibration_warnings(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarn
 
 /// The warnings by one number of each pair; a pair that is missing counts for nothing.
 fn warnings_over(
-    pairs: &[Vec<PairResiduals>],
+    pairs: &PairTable<PairResiduals>,
     over_time: bool,
     of: impl Fn(&PairResiduals) -> Option<f32>,
 ) -> Vec<CalibrationWarning> {
-    let of = |a: usize, b: usize| of(pairs.get(a)?.get(b)?);
+    let of = |a: usize, b: usize| of(pairs.get(a, b)?);
     // The others that each camera can be compared with, those it fits best first.
     let partners = |camera: usize| {
         let off = |other: usize| of(camera, other).into_iter().chain(of(other, camera)).reduce(f32::max);
-        let others = (0..pairs.len()).filter(|other| *other != camera);
+        let others = (0..pairs.cameras()).filter(|other| *other != camera);
         let mut partners: Vec<(f32, usize)> = others.filter_map(|other| Some((off(other)?, other))).collect();
         partners.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         partners
     };
-    let partners: Vec<_> = (0..pairs.len()).map(partners).collect();
+    let partners: Vec<_> = (0..pairs.cameras()).map(partners).collect();
     let is_mutual = |a: usize, b: usize| of(a, b).is_some() && of(b, a).is_some();
     let warning = |camera: usize| {
         let footprints = partners[camera].first()?.0;
@@ -149,7 +153,7 @@ fn warnings_over(
             let counts = |other: usize| other != camera && is_mutual(a, other);
             Some(partners[a].iter().find(|(_, other)| counts(*other))?.0)
         };
-        let others = (0..pairs.len()).filter(|other| *other != camera);
+        let others = (0..pairs.cameras()).filter(|other| *other != camera);
         let mut usual: Vec<f32> = others.filter_map(best_without).collect();
         let usual_footprints = median_f32(&mut usual);
         let limit = match (over_time, usual_footprints) {
@@ -160,7 +164,7 @@ fn warnings_over(
         };
         (footprints > limit).then_some(CalibrationWarning { camera, over_time, footprints, usual_footprints })
     };
-    (0..pairs.len()).filter_map(warning).collect()
+    (0..pairs.cameras()).filter_map(warning).collect()
 }
 
 #[cfg(test)]
@@ -184,12 +188,20 @@ mod tests {
         (0..off.len()).map(|a| (0..off.len()).map(|b| pair(a, b)).collect()).collect()
     }
 
+    fn doubted(pairs: &[Vec<PairResiduals>]) -> Vec<CalibrationWarning> {
+        calibration_warnings(&pairs.to_vec().into())
+    }
+
+    fn shared(pairs: &[Vec<PairResiduals>], granted_footprints: f32) -> Option<SharedWarning> {
+        shared_warning(&pairs.to_vec().into(), granted_footprints)
+    }
+
     #[test]
     fn the_camera_that_fits_no_other_is_doubted_and_those_it_does_not_fit_are_not() {
-        let found = calibration_warnings(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1, 1.2, 0.1, 0.1]));
+        let found = doubted(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1, 1.2, 0.1, 0.1]));
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].camera, found[0].over_time, found[0].footprints), (1, false, 0.9));
-        let found = calibration_warnings(&pairs(&[0.01; 4], &[0.02, 0.01, 0.02, 0.6]));
+        let found = doubted(&pairs(&[0.01; 4], &[0.02, 0.01, 0.02, 0.6]));
         assert_eq!(found.iter().map(|d| (d.camera, d.over_time)).collect::<Vec<_>>(), [(3, true)]);
     }
 
@@ -198,14 +210,14 @@ mod tests {
         let mut part = pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]);
         part[3].clear();
         part[0].truncate(3);
-        assert_eq!(calibration_warnings(&part).iter().map(|warning| warning.camera).collect::<Vec<_>>(), [1]);
+        assert_eq!(doubted(&part).iter().map(|warning| warning.camera).collect::<Vec<_>>(), [1]);
     }
 
     #[test]
     fn a_camera_that_is_seen_but_sees_no_other_is_not_doubted_nor_makes_others_look_worse() {
         let mut one_sided = pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]);
         one_sided[1].fill(PairResiduals::default());
-        assert!(calibration_warnings(&one_sided).is_empty());
+        assert!(doubted(&one_sided).is_empty());
         let mut hardly_seen = pairs(&[0.05, 0.3, 0.05, 0.0], &[0.1; 4]);
         for (a, row) in hardly_seen.iter_mut().enumerate().take(3) {
             row[3].lasting = (a != 1)
@@ -214,44 +226,44 @@ mod tests {
                 .map(|fits| Residual { most_footprints: 0.0, ..fits });
         }
         hardly_seen[3].fill(PairResiduals::default());
-        assert!(calibration_warnings(&hardly_seen).is_empty());
+        assert!(doubted(&hardly_seen).is_empty());
     }
 
     #[test]
     fn where_all_are_off_alike_nobody_is_accused_and_what_all_share_is_doubted() {
         let alike = pairs(&[0.8, 0.9, 1.1], &[0.8, 0.9, 1.1]);
-        assert!(calibration_warnings(&alike).is_empty());
-        assert_eq!(shared_warning(&alike, 0.0), Some(SharedWarning { footprints: Some(0.9) }));
-        assert_eq!(shared_warning(&alike, 0.7), None, "noise explains it");
+        assert!(doubted(&alike).is_empty());
+        assert_eq!(shared(&alike, 0.0), Some(SharedWarning { footprints: Some(0.9) }));
+        assert_eq!(shared(&alike, 0.7), None, "noise explains it");
         let two = pairs(&[0.9, 0.9], &[0.1, 0.1]);
-        assert!(calibration_warnings(&two).is_empty());
-        let sentence = shared_warning(&two, 0.0).unwrap().sentence();
+        assert!(doubted(&two).is_empty());
+        let sentence = shared(&two, 0.0).unwrap().sentence();
         for key in ["depth_kind", "depth_unit_scale_factor", "lens", "0.90"] {
             assert!(sentence.contains(key), "{sentence}");
         }
-        assert_eq!(shared_warning(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]), 0.0), None, "two agree");
+        assert_eq!(shared(&pairs(&[0.01, 0.9, 0.02, 0.01], &[0.1; 4]), 0.0), None, "two agree");
         let mut one_sided = pairs(&[14.0; 2], &[0.1; 2]);
         one_sided[0][1] = PairResiduals::default();
-        assert_eq!(shared_warning(&one_sided, 0.0), Some(SharedWarning { footprints: Some(14.0) }));
+        assert_eq!(shared(&one_sided, 0.0), Some(SharedWarning { footprints: Some(14.0) }));
         let mut few = alike;
         for lasting in few.iter_mut().flatten().filter_map(|pair| pair.lasting.as_mut()) {
             lasting.samples = INFORMATIVE_SAMPLES - 1;
         }
-        assert_eq!(shared_warning(&few, 0.0), None, "silhouettes may be most of them");
+        assert_eq!(shared(&few, 0.0), None, "silhouettes may be most of them");
     }
 
     #[test]
     fn where_no_camera_finds_what_another_sees_depth_and_lens_are_doubted() {
         let unmatched = |count| vec![vec![PairResiduals { unmatched: count, ..Default::default() }; 2]; 2];
-        assert_eq!(shared_warning(&unmatched(5000), 0.0), Some(SharedWarning { footprints: None }));
-        assert_eq!(shared_warning(&unmatched(400), 0.0), None);
-        assert_eq!(shared_warning(&[], 0.0), None);
+        assert_eq!(shared(&unmatched(5000), 0.0), Some(SharedWarning { footprints: None }));
+        assert_eq!(shared(&unmatched(400), 0.0), None);
+        assert_eq!(shared(&[], 0.0), None);
     }
 
     #[test]
     fn the_clocks_of_two_cameras_are_doubted_only_where_silhouettes_cannot_be_the_reason() {
-        assert!(calibration_warnings(&pairs(&[0.01; 2], &[0.46; 2])).is_empty());
-        let found = calibration_warnings(&pairs(&[0.01; 2], &[15.75; 2]));
+        assert!(doubted(&pairs(&[0.01; 2], &[0.46; 2])).is_empty());
+        let found = doubted(&pairs(&[0.01; 2], &[15.75; 2]));
         assert_eq!(
             found.iter().map(|warning| (warning.camera, warning.over_time)).collect::<Vec<_>>(),
             [(0, true), (1, true)]

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::log_histogram::LogHistogram;
+use super::pair_table::{PairTable, keeps_all_pairs, others_kept};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
@@ -119,6 +120,8 @@ pub(crate) struct Residuals<'a> {
     camera_pairs: &'a CameraPairs<'a>,
     frames: usize,
     readings: PairHistograms,
+    /// Which pairs are compared, as [`PairHistograms`]: with many cameras each is compared with a few others.
+    is_compared: Vec<bool>,
     /// Per camera: samples that were looked for in cameras that see none of them.
     asked_unseen: Vec<u64>,
     /// Per camera: inverse depth on the lattice when it was last looked at.
@@ -131,7 +134,8 @@ impl<'a> Residuals<'a> {
         let readings = (0..pairs).map(|_| None).collect();
         let before = vec![Vec::new(); camera_pairs.cameras().len()];
         let asked_unseen = vec![0; camera_pairs.cameras().len()];
-        Self { camera_pairs, frames, readings, asked_unseen, before }
+        let is_compared = compared_pairs(camera_pairs);
+        Self { camera_pairs, frames, readings, is_compared, asked_unseen, before }
     }
 
     /// Compares what is the same over all frames.
@@ -153,12 +157,13 @@ impl<'a> Residuals<'a> {
         let layer = &layers[source];
         let block = |(column, row)| (column, row, lanes_at(layer, (column, row), |level| level == ROOT));
         let blocks: Vec<_> = lattice(layer, self.asked()).map(block).collect();
-        let others: Vec<_> = self.camera_pairs.others(source).collect();
+        let cameras = self.camera_pairs.cameras().len();
+        let is_compared = |(target, _): &(usize, &Registration)| self.is_compared[source * cameras + *target];
+        let others: Vec<_> = self.camera_pairs.others(source).filter(is_compared).collect();
         let compare = |(target, registration): (usize, &Registration)| {
             let (source, blocks) = (layer, &blocks[..]);
             (target, simd::run(Compare { registration, source, target: &layers[target], blocks }))
         };
-        let cameras = self.camera_pairs.cameras().len();
         for (target, reading) in others.into_par_iter().map(compare).collect::<Vec<_>>() {
             self.readings[source * cameras + target].get_or_insert_default()[0].add(&reading);
         }
@@ -217,11 +222,11 @@ impl<'a> Residuals<'a> {
         kind: usize,
         job: &Job,
     ) -> Result<()> {
-        let pairs = self.camera_pairs;
+        let (pairs, is_compared) = (self.camera_pairs, &self.is_compared);
         self.readings.par_iter_mut().enumerate().try_for_each(|(pair, readings)| {
             job.check()?;
             let [source, target] = [pair / layers.len(), pair % layers.len()];
-            if source != target {
+            if is_compared[pair] {
                 let compare = Compare {
                     registration: pairs.registration(source, target),
                     source: &layers[source],
@@ -236,12 +241,14 @@ impl<'a> Residuals<'a> {
 
     /// What was gathered.
     pub(crate) fn into_readings(mut self) -> PairHistograms {
-        // If no cameras at all can be compared, every pair counts its unmatched samples.
+        // If no cameras at all can be compared, pairs count their unmatched samples: all, or one of each camera.
         if !is_any_compared(&self.readings) {
             let cameras = self.asked_unseen.len();
             for (pair, readings) in self.readings.iter_mut().enumerate() {
-                let asked = self.asked_unseen[pair / cameras];
-                if pair / cameras != pair % cameras && asked > 0 && readings.is_none() {
+                let (source, target) = (pair / cameras, pair % cameras);
+                let asked = self.asked_unseen[source];
+                let is_told = keeps_all_pairs(cameras) || target == (source + 1) % cameras;
+                if source != target && is_told && asked > 0 && readings.is_none() {
                     readings.get_or_insert_default()[0].asked = asked;
                 }
             }
@@ -254,8 +261,33 @@ fn is_any_compared(readings: &PairHistograms) -> bool {
     readings.iter().flatten().flat_map(|pair| pair.iter()).any(|reading| reading.residual().is_some())
 }
 
-/// The residuals of this many cameras: `[source][target]`.
-pub(crate) fn residuals_of(readings: &PairHistograms, cameras: usize) -> Vec<Vec<PairResiduals>> {
+/// Which pairs are compared, `[source * cameras + target]`: all, or of many cameras each with a few of those that may see the same,
+/// spread over them, both ways.
+fn compared_pairs(pairs: &CameraPairs<'_>) -> Vec<bool> {
+    let cameras = pairs.cameras().len();
+    let mut is_compared = vec![false; cameras * cameras];
+    for source in 0..cameras {
+        let all: Vec<usize> = (0..cameras).filter(|target| *target != source).collect();
+        let targets: Vec<usize> = if keeps_all_pairs(cameras) {
+            all
+        } else {
+            let mut others: Vec<usize> = pairs.others(source).map(|(other, _)| other).collect();
+            // Counted from the camera itself, so that no camera is a partner of all.
+            let following = others.partition_point(|other| *other < source);
+            others.rotate_left(following);
+            let step = others.len().div_ceil(others_kept(cameras).div_ceil(2)).max(1);
+            others.into_iter().step_by(step).collect()
+        };
+        for target in targets {
+            is_compared[source * cameras + target] = true;
+            is_compared[target * cameras + source] = true;
+        }
+    }
+    is_compared
+}
+
+/// The residuals of this many cameras, `(source, target)`.
+pub(crate) fn residuals_of(readings: &PairHistograms, cameras: usize) -> PairTable<PairResiduals> {
     let is_any_compared = is_any_compared(readings);
     let of_pair = |pair: &Option<Box<[ResidualHistograms; 2]>>| {
         let Some([lasting, moving]) = pair.as_deref() else { return PairResiduals::default() };
@@ -265,8 +297,15 @@ pub(crate) fn residuals_of(readings: &PairHistograms, cameras: usize) -> Vec<Vec
             unmatched: if is_any_compared { 0 } else { lasting.asked },
         }
     };
+    if !keeps_all_pairs(cameras) {
+        let known = readings.iter().enumerate().filter(|(_, pair)| pair.is_some());
+        let placed = known.map(|(at, pair)| (at / cameras, at % cameras, of_pair(pair)));
+        return PairTable::of_some(cameras, placed);
+    }
     let mut pairs = readings.iter().map(of_pair);
-    (0..cameras).map(|_| pairs.by_ref().take(cameras).collect()).collect()
+    let rows: Vec<Vec<PairResiduals>> =
+        (0..cameras).map(|_| pairs.by_ref().take(cameras).collect()).collect();
+    rows.into()
 }
 
 /// The distance between frames at which moving samples are compared.

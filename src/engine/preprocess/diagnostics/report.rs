@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::calibration_warnings::{calibration_warnings, shared_warning};
 use super::depth_reading::DepthReading;
 use super::pair_residuals::PairResiduals;
+use super::pair_table::PairTable;
 use super::suspect::Suspect;
 use crate::alignment::Alignment;
 use crate::capture::conventions::Finding;
@@ -117,10 +118,15 @@ pub struct Report {
     /// Samples dropped, per rule; `static` counts the repetitions that a sample of several frames
     /// represents.
     pub pruned: BTreeMap<String, u64>,
-    /// `witnesses[loser][winner]`: samples of camera `loser` that were dropped for a sample of camera `winner`.
-    pub witnesses: Vec<Vec<u64>>,
-    /// `residuals[a][b]`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself.
-    pub residuals: Vec<Vec<PairResiduals>>,
+    /// `(loser, winner)`: samples of camera `loser` that were dropped for a sample of camera `winner`. Of more than 32 cameras each has
+    /// those winners alone that replace most of it.
+    pub witnesses: PairTable<u64>,
+    /// Per camera, samples that were dropped for a camera that `witnesses` leaves out; empty if it leaves out none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub witnesses_left_out: Vec<u64>,
+    /// `(a, b)`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself. Of more than 32 cameras each is
+    /// compared with some that may see the same, spread over them.
+    pub residuals: PairTable<PairResiduals>,
     /// What the rig got wrong and was mended; `None` where nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment: Option<Alignment>,

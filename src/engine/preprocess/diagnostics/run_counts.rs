@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::pair_residuals::{PairHistograms, residuals_of};
+use super::pair_table::{keeps_all_pairs, others_kept};
 use super::report::{Report, SpanReport};
 use crate::samples::ImageFacts;
 
@@ -24,7 +25,11 @@ impl RunCounts {
         add_each(&mut all.foreground_per_frame, &more.foreground_per_frame);
         add_named(&mut all.pruned, &more.pruned);
         add_named(&mut all.mixed_pixels, &more.mixed_pixels);
-        all.witnesses.iter_mut().zip(&more.witnesses).for_each(|(all, more)| add_each(all, more));
+        for (loser, winner, more) in more.witnesses.iter() {
+            if let Some(all) = all.witnesses.get_mut(loser, winner) {
+                *all += more;
+            }
+        }
         for (all, more) in all.cameras.iter_mut().zip(&more.cameras) {
             all.background_pixels += more.background_pixels;
             all.background_kept += more.background_kept;
@@ -51,6 +56,9 @@ impl RunCounts {
         }
         report.spans = spans.into_iter().map(|((_, span), samples)| SpanReport { span, samples }).collect();
         report.residuals = residuals_of(&readings, cameras);
+        if !keeps_all_pairs(cameras) {
+            report.witnesses_left_out = report.witnesses.keep_largest(others_kept(cameras));
+        }
         report
     }
 }

@@ -67,7 +67,7 @@ impl Tally {
             .collect();
         let samples_in = capture.pixel_count();
         let report = Report {
-            witnesses: vec![vec![0; cameras.len()]; cameras.len()],
+            witnesses: vec![vec![0; cameras.len()]; cameras.len()].into(),
             cameras,
             samples_in,
             bytes_raw: samples_in * RAW_BYTES_PER_PIXEL,
@@ -176,8 +176,10 @@ impl Tally {
         let mut by_rule = [0_u64; Rule::ALL.len()];
         for verdict in &decided.verdicts {
             by_rule[verdict.rule as usize] += 1;
-            if !verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA {
-                self.report.witnesses[camera][verdict.witness_camera as usize] += 1;
+            if !verdict.is_kept()
+                && let Some(count) = self.report.witnesses.get_mut(camera, verdict.witness_camera as usize)
+            {
+                *count += 1;
             }
         }
         let [yielded, dropped] = [Rule::MixedYields, Rule::MixedDropped].map(|rule| by_rule[rule as usize]);

@@ -18,7 +18,7 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::part::Part;
 use overlook_engine::plural::counted;
-use overlook_engine::preprocess::diagnostics::{CameraReport, PairResiduals, Report};
+use overlook_engine::preprocess::diagnostics::{CameraReport, Report};
 use overlook_engine::preprocess::{BufferedResult, preprocess_buffered};
 use overlook_engine::settings::{CaptureSettings, Settings, SpanLevels};
 use overlook_engine::store::file::{self, Extras, InputFiles, Provenance};
@@ -274,11 +274,10 @@ impl PreprocessArgs {
 /// The two cameras that agree least on what never changes, and the footprints that 85 % of their samples differ by at most;
 /// `None` if no two see the same.
 fn farthest_apart(report: &Report) -> Option<(f32, usize, usize)> {
-    let pairs = report.residuals.iter().enumerate().flat_map(|(a, row)| {
-        let of = move |(b, pair): (usize, &PairResiduals)| Some((pair.lasting?.most_footprints, a, b));
-        row.iter().enumerate().filter_map(of)
-    });
-    pairs.max_by(|a, b| a.0.total_cmp(&b.0))
+    let pairs = report.residuals.iter();
+    pairs
+        .filter_map(|(a, b, pair)| Some((pair.lasting?.most_footprints, a, b)))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// A line on the noise of a camera, and the shares of its pixels within the tolerances of spans.
