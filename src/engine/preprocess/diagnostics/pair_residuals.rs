@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::log_histogram::LogHistogram;
-use super::pair_table::{PairTable, keeps_all_pairs, others_kept};
+use super::pair_table::{PairTable, compared_pairs, keeps_all_pairs};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::error::Result;
 use crate::job::Job;
@@ -259,31 +259,6 @@ impl<'a> Residuals<'a> {
 
 fn is_any_compared(readings: &PairHistograms) -> bool {
     readings.iter().flatten().flat_map(|pair| pair.iter()).any(|reading| reading.residual().is_some())
-}
-
-/// Which pairs are compared, `[source * cameras + target]`: all, or of many cameras each with a few of those that may see the same,
-/// spread over them, both ways.
-fn compared_pairs(pairs: &CameraPairs<'_>) -> Vec<bool> {
-    let cameras = pairs.cameras().len();
-    let mut is_compared = vec![false; cameras * cameras];
-    for source in 0..cameras {
-        let all: Vec<usize> = (0..cameras).filter(|target| *target != source).collect();
-        let targets: Vec<usize> = if keeps_all_pairs(cameras) {
-            all
-        } else {
-            let mut others: Vec<usize> = pairs.others(source).map(|(other, _)| other).collect();
-            // Counted from the camera itself, so that no camera is a partner of all.
-            let following = others.partition_point(|other| *other < source);
-            others.rotate_left(following);
-            let step = others.len().div_ceil(others_kept(cameras).div_ceil(2)).max(1);
-            others.into_iter().step_by(step).collect()
-        };
-        for target in targets {
-            is_compared[source * cameras + target] = true;
-            is_compared[target * cameras + source] = true;
-        }
-    }
-    is_compared
 }
 
 /// The residuals of this many cameras, `(source, target)`.

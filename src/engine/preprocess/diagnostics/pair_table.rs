@@ -5,6 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::preprocess::registration::CameraPairs;
+
 /// Up to this many pairs of cameras all are kept.
 const MOST_PAIRS: usize = 1000;
 
@@ -12,13 +14,38 @@ const MOST_PAIRS: usize = 1000;
 const FEWEST_OTHERS: usize = 4;
 
 /// Whether of so many cameras all pairs are kept.
-pub(crate) fn keeps_all_pairs(cameras: usize) -> bool {
+pub(super) fn keeps_all_pairs(cameras: usize) -> bool {
     cameras * cameras.saturating_sub(1) <= MOST_PAIRS
 }
 
 /// With how many others a camera is paired where not all pairs are kept.
-pub(crate) fn others_kept(cameras: usize) -> usize {
+pub(super) fn others_kept(cameras: usize) -> usize {
     (MOST_PAIRS / cameras.max(1)).max(FEWEST_OTHERS)
+}
+
+/// Which pairs are compared, `[source * cameras + target]`: all, or of many cameras each with a few of those that may see the same,
+/// spread over them, both ways.
+pub(super) fn compared_pairs(pairs: &CameraPairs<'_>) -> Vec<bool> {
+    let cameras = pairs.cameras().len();
+    let mut is_compared = vec![false; cameras * cameras];
+    for source in 0..cameras {
+        let all: Vec<usize> = (0..cameras).filter(|target| *target != source).collect();
+        let targets: Vec<usize> = if keeps_all_pairs(cameras) {
+            all
+        } else {
+            let mut others: Vec<usize> = pairs.others(source).map(|(other, _)| other).collect();
+            // Counted from the camera itself, so that no camera is a partner of all.
+            let following = others.partition_point(|other| *other < source);
+            others.rotate_left(following);
+            let step = others.len().div_ceil(others_kept(cameras).div_ceil(2)).max(1);
+            others.into_iter().step_by(step).collect()
+        };
+        for target in targets {
+            is_compared[source * cameras + target] = true;
+            is_compared[target * cameras + source] = true;
+        }
+    }
+    is_compared
 }
 
 /// A table of pairs of cameras, `(row, column)`. A pair that is left out has no value.
