@@ -7,10 +7,12 @@ use std::time::Instant;
 use super::coarser_samples::CoarserSamples;
 use super::cpu::CpuRenderer;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
-use super::magnified::{by_levels, coarsest_level};
+use super::magnified::{COARSEST, by_levels, coarsest_level};
 use super::painter::Painter;
 use super::recorded_rates::RecordedRates;
-use super::supersample::{averaged, finer, supersampling_factor};
+use super::supersample::{
+    EDGE_FACTOR, averaged, finer, supersamples_edges, supersampling_factor, with_averaged_edges,
+};
 use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -66,6 +68,9 @@ struct Request<'a> {
     /// Pixels that are painted along each side of one of the picture, and averaged.
     factor: usize,
 }
+
+/// The level of the finer picture that edges are averaged from, after those of a close-up.
+const FINER: usize = COARSEST + 1;
 
 /// A picture, and what rendering it took.
 type PictureAndStats = (Arc<Picture>, RenderStats);
@@ -146,14 +151,27 @@ impl Renderer {
             return Ok((picture, RenderStats { milliseconds: milliseconds(), ..stats }));
         }
         let factor = supersampling_factor(&rates, vantage, settings);
-        if factor == 1 {
-            return self.paint_by_levels(&request, &rates);
+        if factor > 1 {
+            let (picture, stats) = self.paint_averaged(&request, factor)?;
+            let stats = RenderStats { holes: picture.holes(), milliseconds: milliseconds(), ..stats };
+            return Ok((picture, stats));
         }
+        let (picture, stats) = self.paint_by_levels(&request, &rates)?;
+        if !supersamples_edges(&rates, vantage, settings) {
+            return Ok((picture, stats));
+        }
+        let (averaged, more) = self.paint_averaged(&Request { level: FINER, ..request }, EDGE_FACTOR)?;
+        let samples = stats.samples + more.samples;
+        let stats = RenderStats { samples, milliseconds: milliseconds(), ..stats };
+        Ok((Arc::new(with_averaged_edges(&picture, &averaged)), stats))
+    }
+
+    /// Paints a picture `factor` times as fine, and averages it.
+    fn paint_averaged(&mut self, request: &Request<'_>, factor: usize) -> Result<PictureAndStats> {
+        let Request { vantage, settings, .. } = *request;
         let finer = Vantage { camera: finer(&vantage.camera, factor), ..vantage.clone() };
         let settings = &RenderSettings { antialias: Antialias::Off, ..settings.clone() };
-        let (picture, stats) = self.paint(&Request { vantage: &finer, settings, factor, ..request })?;
-        let stats = RenderStats { holes: picture.holes(), milliseconds: milliseconds(), ..stats };
-        Ok((picture, stats))
+        self.paint(&Request { vantage: &finer, settings, factor, ..*request })
     }
 
     /// Paints a picture, of what it magnifies coarser levels.
@@ -316,85 +334,4 @@ impl Renderer {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::demo::DemoSpec;
-    use crate::render::gpu::opened;
-    use crate::simd::skip::skip;
-
-    fn scene() -> (Arc<SampleSet>, Vantage) {
-        crate::render::tests::scene(DemoSpec::new("orrery").cameras(2).size((48, 36)), 0)
-    }
-
-    fn settings(backend: Backend) -> RenderSettings {
-        RenderSettings { backend, ..RenderSettings::default() }
-    }
-
-    fn any_adapter() -> Option<GpuRenderer> {
-        opened(GpuRenderer::new(AdapterChoice::Any))
-    }
-
-    #[test]
-    fn the_cpu_paints_where_it_is_asked_for_and_where_there_is_no_graphics_card() {
-        let (samples, vantage) = scene();
-        let mut renderer = Renderer::new();
-        renderer.render(&samples, &vantage, &settings(Backend::Cpu), &Job::new()).unwrap();
-        assert_eq!(renderer.painter(), Some(&Painter::cpu()));
-        let mut renderer = Renderer { adapter: Adapter::NoCard, ..Renderer::default() };
-        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
-        assert_eq!((renderer.painter(), renderer.notice()), (Some(&Painter::cpu()), None));
-    }
-
-    #[test]
-    fn a_software_adapter_is_never_chosen_by_itself() {
-        let Some(gpu) = any_adapter() else { return };
-        if !gpu.context.is_software() {
-            skip(None, &format!("{} is no software adapter", gpu.adapter_name()));
-            return;
-        }
-        let (samples, vantage) = scene();
-        let mut renderer = Renderer { adapter: Adapter::Open(Box::new(gpu)), ..Renderer::default() };
-        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
-        assert_eq!(renderer.painter(), Some(&Painter::cpu()));
-    }
-
-    #[test]
-    fn a_notice_goes_when_the_cpu_paints_by_choice() {
-        let (samples, vantage) = scene();
-        let why = || Adapter::Missing("there is none".to_owned());
-        let mut renderer = Renderer { adapter: why(), ..Renderer::default() };
-        let mut notice = |backend| {
-            renderer.render(&samples, &vantage, &settings(backend), &Job::new()).unwrap();
-            renderer.notice().map(str::to_owned)
-        };
-        assert_eq!(notice(Backend::Gpu).as_deref(), Some("the CPU renders: there is none"));
-        assert_eq!(notice(Backend::Auto), None);
-        // A card that was found to be faster, and is gone, is missed.
-        let faster = HashMap::from([(settings(Backend::Auto).kernel, Backend::Gpu)]);
-        let mut renderer = Renderer { adapter: why(), faster, ..Renderer::default() };
-        renderer.render(&samples, &vantage, &settings(Backend::Auto), &Job::new()).unwrap();
-        assert!(renderer.notice().is_some());
-    }
-
-    #[test]
-    fn the_cpu_takes_over_with_a_notice_when_the_adapter_is_lost() {
-        let Some(gpu) = any_adapter() else { return };
-        let (samples, vantage) = scene();
-        let mut renderer = Renderer { adapter: Adapter::Open(Box::new(gpu)), ..Renderer::default() };
-        let paint = |renderer: &mut Renderer| {
-            renderer.render(&samples, &vantage, &settings(Backend::Gpu), &Job::new()).unwrap().0
-        };
-        paint(&mut renderer);
-        assert_eq!(renderer.painter().unwrap().backend, Backend::Gpu);
-        assert_eq!(renderer.notice(), None);
-        let Adapter::Open(gpu) = &renderer.adapter else { panic!("the adapter is gone") };
-        gpu.context.device.destroy();
-        for _ in 0..2 {
-            let picture = paint(&mut renderer);
-            assert_eq!(renderer.painter(), Some(&Painter::cpu()));
-            assert!(renderer.notice().unwrap().starts_with("the CPU renders: "), "{:?}", renderer.notice());
-            assert!(picture.holes() < 48 * 36);
-        }
-        assert!(matches!(renderer.adapter, Adapter::Missing(_)));
-    }
-}
+mod tests;

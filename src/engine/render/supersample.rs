@@ -4,7 +4,8 @@
 //! sub-pixels of one surface at one depth, and gives a pixel at most two surfaces, those at its center.
 //!
 //! Source: supersampling on a regular grid with a box filter (Crow, *The Aliasing Problem in Computer-Generated Shaded Images*, CACM
-//! 1977). What differs: the grid is as fine as the picture was recorded, or twice as fine as the picture where that is asked for.
+//! 1977). What differs: the grid is as fine as the picture was recorded. Of a picture that is no coarser, edges alone are supersampled
+//! where that is asked for.
 
 use rayon::prelude::*;
 
@@ -24,11 +25,14 @@ const TARGET_RATE: f32 = 1.5;
 /// Most columns and rows of the finer picture to a pixel. Gathering averages over the rest.
 const MAX_FACTOR: usize = 4;
 
-/// Columns and rows of the finer picture to a pixel at least, where every picture is supersampled.
-const LEAST_FACTOR: usize = 2;
+/// Columns and rows of the finer picture to a pixel where only edges are supersampled.
+pub(super) const EDGE_FACTOR: usize = 2;
 
-/// From this many recorded pixels along a pixel on, silhouettes are found on a z-buffer twice as fine as the picture, and every picture
-/// can be supersampled.
+/// Neighboring pixels show different surfaces if their inverse depths differ by a larger share.
+const EDGE_RELATIVE: f32 = 0.02;
+
+/// From this many recorded pixels along a pixel on, silhouettes are found on a z-buffer twice as fine as the picture, and edges can be
+/// supersampled.
 const LEAST_REFINED_RATE: f32 = 0.65;
 
 /// Most pixels of the finer picture: a picture of 1280×720 at three times its size.
@@ -40,8 +44,8 @@ pub(crate) fn filters(settings: &RenderSettings) -> bool {
     settings.antialias != Antialias::Off && settings.kernel.interpolates()
 }
 
-/// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than the recording and not every
-/// picture is supersampled, and for kernels that are simple on purpose.
+/// The factor by which the picture's width and height should be multiplied: 1 if it is no coarser than the recording, and for kernels
+/// that are simple on purpose.
 pub(super) fn supersampling_factor(
     rates: &RecordedRates,
     vantage: &Vantage,
@@ -52,11 +56,49 @@ pub(super) fn supersampling_factor(
         return 1;
     }
     let rate = rates.of_share(0.5);
-    let is_always_finer = settings.antialias == Antialias::Supersampled && rate >= LEAST_REFINED_RATE;
-    let least = if is_always_finer { LEAST_FACTOR } else { 1 };
-    let wanted = if rate < MIN_RATE { 1 } else { (rate / TARGET_RATE).ceil() as usize };
+    if rate < MIN_RATE {
+        return 1;
+    }
     let affordable = (MAX_FINER_PIXELS as f64 / pixels as f64).sqrt() as usize;
-    wanted.max(least).min(MAX_FACTOR.min(affordable))
+    ((rate / TARGET_RATE).ceil() as usize).clamp(1, MAX_FACTOR.min(affordable))
+}
+
+/// Whether the edges of a picture that is as fine as the recording are supersampled.
+pub(super) fn supersamples_edges(
+    rates: &RecordedRates,
+    vantage: &Vantage,
+    settings: &RenderSettings,
+) -> bool {
+    settings.antialias == Antialias::Supersampled
+        && filters(settings)
+        && vantage.camera.intrinsics.pixel_count() <= MAX_FINER_PIXELS / (EDGE_FACTOR * EDGE_FACTOR)
+        && rates.of_share(0.5) >= LEAST_REFINED_RATE
+}
+
+/// A picture with the colors of another one of its size, which was averaged, where neighboring pixels show different surfaces. All else
+/// stays as it is: averaging would blur textures that are as fine as the picture.
+pub(super) fn with_averaged_edges(picture: &Picture, averaged: &Picture) -> Picture {
+    let (width, height) = picture.color.size();
+    let is_same = |a: (usize, usize), b: (usize, usize)| {
+        let [here, there] = [a, b].map(|at| picture.inverse_depth[at]);
+        let is_alike = (picture.image[a] == NO_IMAGE) == (picture.image[b] == NO_IMAGE);
+        is_alike && (here - there).abs() <= EDGE_RELATIVE * here.abs().max(there.abs())
+    };
+    let is_edge = |x: usize, y: usize| {
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        let columns = || x.saturating_sub(1)..(x + 2).min(width);
+        rows.flat_map(|row| columns().map(move |column| (column, row))).any(|at| !is_same((x, y), at))
+    };
+    let mut smooth = picture.clone();
+    let rows = smooth.color.as_mut_slice().par_chunks_mut(width.max(1)).enumerate();
+    rows.for_each(|(y, row)| {
+        for (x, color) in row.iter_mut().enumerate() {
+            if picture.shows((x, y)) && averaged.shows((x, y)) && is_edge(x, y) {
+                *color = averaged.color[(x, y)];
+            }
+        }
+    });
+    smooth
 }
 
 /// Pixels of the z-buffer along each side of a pixel of the picture: 2 for the gather kernel, unless the picture is much finer
@@ -146,6 +188,27 @@ mod tests {
         assert_eq!(small.color.as_slice(), [[0.4, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0; 3]]);
         assert_eq!(small.inverse_depth.as_slice(), [1.0, 0.5, -1.0]);
         assert_eq!(small.image.as_slice(), [7, 3, NO_IMAGE]);
+    }
+
+    #[test]
+    fn only_pixels_beside_another_surface_or_a_hole_take_the_color_of_the_averaged_picture() {
+        let mut picture = Picture::empty(6, 1);
+        let mut averaged = Picture::empty(6, 1);
+        for (x, (inverse_depth, image)) in
+            [(1.0, 2), (1.0, 2), (1.01, 2), (0.5, 2), (0.5, NO_IMAGE), (0.5, NO_IMAGE)]
+                .into_iter()
+                .enumerate()
+        {
+            for (of, red) in [(&mut picture, 0.0), (&mut averaged, 1.0)] {
+                of.inverse_depth[(x, 0)] = inverse_depth;
+                of.image[(x, 0)] = image;
+                of.color[(x, 0)] = [red; 3];
+            }
+        }
+        let smooth = with_averaged_edges(&picture, &averaged);
+        let red: Vec<f32> = smooth.color.as_slice().iter().map(|color| color[0]).collect();
+        assert_eq!(red, [0.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
+        assert_eq!((smooth.inverse_depth, smooth.image), (picture.inverse_depth, picture.image));
     }
 
     #[test]

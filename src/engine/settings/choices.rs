@@ -152,14 +152,14 @@ choice! {
 }
 
 choice! {
-    /// How kernels that interpolate smooth what is finer than a pixel. The default takes up to twice the time of `off`.
+    /// How kernels that interpolate smooth what is finer than a pixel. Each step takes longer than the one before.
     pub enum Antialias {
         /// Each pixel shows what is at its center.
         Off = "off" or "false",
         /// `gather` finds silhouettes at half a pixel; a picture coarser than the recording is rendered finer and averaged.
         Silhouettes = "silhouettes" or "true",
-        /// Every picture is rendered at least twice as fine and averaged, but for close-ups: textures at a slant and what fills holes
-        /// are smoothed too, in two to four times the time.
+        /// Edges are also rendered twice as fine and averaged, but for close-ups: those of what fills holes are smoothed too, in twice to
+        /// three times the time.
         Supersampled = "supersampled",
     }
 }

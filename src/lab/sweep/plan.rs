@@ -89,9 +89,7 @@ impl SweepPlan {
         for (label, settings) in variations(reference) {
             plan.add_kernels(&label, &settings, &KERNELS);
         }
-        for (label, settings) in picture_variations(reference) {
-            plan.add(label, settings);
-        }
+        plan.trials.extend(Self::switches(reference).trials.into_iter().skip(1));
         plan.add_baselines(capture);
         plan
     }
@@ -137,6 +135,17 @@ impl SweepPlan {
             plan.add(label, settings);
         }
         plan.add_baselines(capture);
+        plan
+    }
+
+    /// The reference and every switch of the renderer, without baselines.
+    #[must_use]
+    pub fn switches(reference: &Settings) -> Self {
+        let mut plan = Self::empty(reference);
+        plan.add("default", reference.clone());
+        for (label, settings) in picture_variations(reference) {
+            plan.add(label, settings);
+        }
         plan
     }
 

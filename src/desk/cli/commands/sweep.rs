@@ -165,7 +165,7 @@ impl SweepArgs {
             return Ok(SweepPlan::standard(settings, capture));
         }
         if self.vary == ["render"] {
-            return Ok(SweepPlan::list(settings, sweep::picture_variations(settings), capture));
+            return Ok(SweepPlan::switches(settings));
         }
         let axis = |text: &String| {
             let (path, values) = text.split_once('=').ok_or_else(|| {

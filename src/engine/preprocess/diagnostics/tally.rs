@@ -11,7 +11,7 @@ use crate::median::median_f32;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
-use crate::preprocess::pruning::{LevelVerdicts, Rule, Verdict};
+use crate::preprocess::pruning::{LevelVerdicts, Rule};
 use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, SpanLevel, TemporalScan};
 use crate::samples::Span;
 use crate::settings::{NormalSource, Settings};

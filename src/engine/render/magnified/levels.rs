@@ -14,7 +14,7 @@ use crate::settings::{Magnified, RenderSettings};
 const LEAST_MAGNIFICATION: f32 = 2.5;
 
 /// Coarsest level: a sixteenth of the columns and rows.
-const COARSEST: usize = 4;
+pub(crate) const COARSEST: usize = 4;
 
 /// A level serves if at least this share of the picture asks for it.
 const LEAST_SHARE: f64 = 0.1;

@@ -12,7 +12,7 @@
 mod levels;
 mod upsample;
 
-pub(super) use levels::coarsest_level;
+pub(super) use levels::{COARSEST, coarsest_level};
 
 use std::sync::Arc;
 use std::time::Instant;
