@@ -75,6 +75,7 @@ const STAGES: [(&str, &[&str]); 8] = [
             "output",
             "gpu",
             "film",
+            "renderer",
         ],
     ),
     (
