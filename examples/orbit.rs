@@ -2,7 +2,7 @@
 //! takes: median, and ninth of ten.
 //!
 //! ```sh
-//! cargo run --release --example orbit -- scene.ovl 640x480 40 --set render.antialias=false
+//! cargo run --release --example orbit -- scene.ovl 640x480 40 --set render.antialias=off
 //! ```
 
 use std::error::Error;
