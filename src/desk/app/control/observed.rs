@@ -42,12 +42,6 @@ pub struct Observed<'a> {
 }
 
 impl OverlookApp {
-    /// Until another scene is opened, pictures keep their quality while the view moves, whatever they take, so that they do not depend on
-    /// the machine's speed.
-    pub fn keep_quality_in_motion(&mut self) {
-        self.scheduler.live.budget.is_unlimited = true;
-    }
-
     /// What the window shows now.
     #[must_use]
     pub fn observed(&self) -> Observed<'_> {

@@ -70,8 +70,6 @@ impl MotionQuality {
 /// Chooses the quality of pictures in motion.
 #[derive(Debug, Default)]
 pub(crate) struct MotionBudget {
-    /// Nothing gives way, whatever pictures take.
-    pub is_unlimited: bool,
     step: usize,
     /// Milliseconds that pictures of each step took lately.
     took_ms: [Option<f64>; STEPS.len()],
@@ -80,7 +78,7 @@ pub(crate) struct MotionBudget {
 impl MotionBudget {
     /// The quality of the next picture in motion.
     pub(crate) fn quality(&self) -> MotionQuality {
-        STEPS[if self.is_unlimited { 0 } else { self.step }]
+        STEPS[self.step]
     }
 
     /// A resting picture with this many times the pixels of one in motion took this long. It tells where to begin.

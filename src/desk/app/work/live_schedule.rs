@@ -33,7 +33,7 @@ pub(crate) struct LiveSchedule {
     was_held: bool,
     /// Whether it is painted otherwise once it rests.
     will_change: bool,
-    pub(crate) budget: MotionBudget,
+    budget: MotionBudget,
 }
 
 impl LiveSchedule {
