@@ -156,14 +156,16 @@ impl Renderer {
             let stats = RenderStats { holes: picture.holes(), milliseconds: milliseconds(), ..stats };
             return Ok((picture, stats));
         }
-        let (picture, stats) = self.paint_by_levels(&request, &rates)?;
+        let (picture, mut stats) = self.paint_by_levels(&request, &rates)?;
         if !supersamples_edges(&rates, vantage, settings) {
             return Ok((picture, stats));
         }
         let (averaged, more) = self.paint_averaged(&Request { level: FINER, ..request }, EDGE_FACTOR)?;
-        let samples = stats.samples + more.samples;
-        let stats = RenderStats { samples, milliseconds: milliseconds(), ..stats };
-        Ok((Arc::new(with_averaged_edges(&picture, &averaged)), stats))
+        let picture = Arc::new(with_averaged_edges(&picture, &averaged));
+        stats.samples += more.samples;
+        stats.stages.add(&more.stages);
+        stats.milliseconds = milliseconds();
+        Ok((picture, stats))
     }
 
     /// Paints a picture `factor` times as fine, and averages it.
