@@ -99,11 +99,9 @@ fn rendered_views(rival: Rival, fold: &Fold, settings: &RenderSettings, job: &Jo
             let view = &fold.views[index];
             let (camera, started) = (&view.camera, Instant::now());
             let mut picture = model.render(camera);
-            let mut taken = started.elapsed();
+            let unfilled = started.elapsed();
             fill(&mut picture, camera, &filling);
-            if settings.fill != Fill::None {
-                taken = started.elapsed();
-            }
+            let taken = if settings.fill == Fill::None { unfilled } else { started.elapsed() };
             let milliseconds = taken.as_secs_f64() * 1e3;
             view.expose(&mut picture.color);
             pictures[index] = Some((picture, milliseconds));
