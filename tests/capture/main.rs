@@ -28,3 +28,4 @@ mod parser_damage;
 mod png_depth;
 mod round_trip;
 mod sources;
+mod transparency;

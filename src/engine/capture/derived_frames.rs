@@ -36,6 +36,10 @@ where
         self.original.place(camera, (self.read)(camera, frame)[0])
     }
 
+    fn transparent_pixels(&self, camera: usize, frame: usize) -> Result<Option<usize>> {
+        self.original.transparent_pixels(camera, (self.read)(camera, frame)[0])
+    }
+
     fn frames_are_ranked(&self) -> bool {
         self.original.frames_are_ranked()
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::camera::Camera;
 use super::depth_claim::DepthClaim;
@@ -23,6 +24,15 @@ pub trait FrameSource: Send + Sync {
 
     /// Where the frame comes from, for messages: a path, or the scene's name and frame.
     fn place(&self, camera: usize, frame: usize) -> String;
+
+    /// Pixels of a frame that are no samples because its picture is transparent there; `None` where it has no alpha channel, or that
+    /// says nothing or is not used.
+    ///
+    /// # Errors
+    /// As [`FrameSource::load`].
+    fn transparent_pixels(&self, _camera: usize, _frame: usize) -> Result<Option<usize>> {
+        Ok(None)
+    }
 
     /// Whether frames are numbered by the order of times that are fractions.
     fn frames_are_ranked(&self) -> bool {
@@ -125,6 +135,35 @@ impl Capture {
             return Err(Error::invalid(self.place(camera, frame), what));
         }
         Ok(loaded)
+    }
+
+    /// Pixels of a frame that are no samples because they are transparent, as [`FrameSource::transparent_pixels`].
+    ///
+    /// # Errors
+    /// As [`FrameSource::load`].
+    pub fn transparent_pixels(&self, camera: usize, frame: usize) -> Result<Option<usize>> {
+        self.source.transparent_pixels(self.source_cameras[camera], frame)
+    }
+
+    /// The share of the pixels that are no samples because they are transparent, in the middle frame of some cameras; `None` where no
+    /// picture of these has an alpha channel that counts.
+    ///
+    /// # Errors
+    /// As [`FrameSource::load`].
+    pub fn transparent_share(&self) -> Result<Option<f64>> {
+        /// Pictures that are looked at, at most.
+        const SOME: usize = 24;
+        let cameras = self.cameras.len();
+        let some = cameras.min(SOME);
+        let of_camera = |index: usize| {
+            let camera = index * cameras / some;
+            let pixels = self.cameras[camera].intrinsics.pixel_count();
+            Ok(self.transparent_pixels(camera, self.frame_count() / 2)?.map(|count| (count, pixels)))
+        };
+        let counts: Vec<Option<(usize, usize)>> =
+            (0..some).into_par_iter().map(of_camera).collect::<Result<_>>()?;
+        let sum = counts.into_iter().flatten().reduce(|a, b| (a.0 + b.0, a.1 + b.1));
+        Ok(sum.map(|(transparent, pixels)| transparent as f64 / pixels.max(1) as f64))
     }
 
     /// Where a frame comes from, for messages.

@@ -70,6 +70,9 @@ enum Contents {
         pixels: u64,
         normals: bool,
         reading: Box<Description>,
+        /// The share of the pixels that are no samples because they are transparent, in pictures that were looked at.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        transparent: Option<f64>,
         warnings: Vec<String>,
         /// Chosen views in their order, each with the share of the surface that the views up to it show.
         #[serde(skip_serializing_if = "Option::is_none")]
@@ -128,6 +131,7 @@ impl InfoArgs {
                 pixels: capture.pixel_count(),
                 normals: capture.has_normals,
                 reading: Box::new(source.description().clone()),
+                transparent: capture.transparent_share()?,
                 warnings: capture.warnings.clone(),
                 chosen,
                 conventions: ConventionInfo::of(&capture),
@@ -203,9 +207,16 @@ impl Info {
                 );
             }
         }
-        if let Contents::Capture { reading, .. } = &self.contents {
+        if let Contents::Capture { reading, transparent, .. } = &self.contents {
             for line in reading.lines() {
                 let _ = writeln!(text, "  {line}");
+            }
+            if let Some(share) = transparent {
+                let share = 100.0 * share;
+                let _ = writeln!(
+                    text,
+                    "  alpha: what is transparent is no sample ({share:.0} % of the pixels of the pictures looked at); \"use_alpha\": false in the manifest says otherwise"
+                );
             }
         }
         let (Contents::Capture { warnings, .. } | Contents::Store { warnings, .. }) = &self.contents;

@@ -1,14 +1,14 @@
 //! From planes of numbers to a [`Frame`] in the program's conventions.
 //!
 //! A pixel is *invalid* (no depth, takes part in nothing, is counted) where its depth is nonsense, where its color is
-//! not finite, and where nothing was hit behind a transparent film (alpha 0), since it then has neither depth nor
-//! color. Where nothing was hit but color is there, the pixel is a sample at infinity.
+//! not finite, and where it is transparent. Where nothing was hit but color is there, the pixel is a sample at infinity.
 
 use glam::{DMat3, DVec2, DVec3};
 
 use super::color_planes::ColorPlanes;
+use super::transparency::AlphaPlane;
 use crate::capture::camera::{Camera, Intrinsics};
-use crate::capture::frame::{Frame, INVALID_INVERSE_DEPTH};
+use crate::capture::frame::Frame;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::simd::{self, LANES, VectorLoop};
@@ -58,8 +58,8 @@ pub(crate) enum DepthTrouble {
 pub(crate) struct Layers {
     /// Linear red, green, blue; not yet checked.
     pub(crate) color: ColorPlanes,
-    /// Coverage, where the picture has it.
-    pub(crate) alpha: Option<Vec<f32>>,
+    /// Where the picture has it, and it counts.
+    pub(crate) alpha: Option<AlphaPlane>,
     /// As [`Frame::inverse_depth`].
     pub(crate) inverse_depth: Vec<f32>,
     /// As [`Frame::depth_step_relative`].
@@ -80,7 +80,7 @@ impl Layers {
     /// `Invalid` where not a single pixel has a depth, or depth is measured backwards.
     pub(crate) fn into_frame(mut self, camera: &Camera, place: &str) -> Result<Frame> {
         let (width, height) = camera.intrinsics.size();
-        let (color, without_color) = self.color.into_halves(&mut self.inverse_depth);
+        let (mut color, without_color) = self.color.into_halves(&mut self.inverse_depth);
         if self.depth_trouble == DepthTrouble::Negative {
             let what = format!(
                 "every distance in channel '{}' is negative; depth is the distance forward and must be positive",
@@ -98,10 +98,8 @@ impl Layers {
             );
             return Err(Error::invalid(place, what));
         }
-        for (inverse, alpha) in self.inverse_depth.iter_mut().zip(self.alpha.iter().flatten()) {
-            if *alpha <= 0.0 && *inverse == 0.0 {
-                *inverse = INVALID_INVERSE_DEPTH;
-            }
+        if let Some(alpha) = &self.alpha {
+            alpha.cut_out(&mut color, &mut self.inverse_depth);
         }
         let normal_in_world = self.normal.as_ref().map(|(planes, space)| {
             Grid::from_vec(width, height, world_normals(planes, *space, &self.inverse_depth, camera))
@@ -207,16 +205,21 @@ mod tests {
     use half::f16;
 
     use super::*;
+    use crate::capture::frame::INVALID_INVERSE_DEPTH;
 
     fn camera() -> Camera {
         let intrinsics = Intrinsics::from_horizontal_angle(4, 1, 0.5);
         Camera::look_at("c", intrinsics, DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z)
     }
 
+    fn alpha(values: &[f32]) -> Option<AlphaPlane> {
+        Some(AlphaPlane { values: values.to_vec(), is_associated: true })
+    }
+
     fn layers() -> Layers {
         Layers {
             color: ColorPlanes::Single([vec![0.5; 4], vec![0.25; 4], vec![1e9; 4]]),
-            alpha: Some(vec![1.0, 0.0, 1.0, 0.0]),
+            alpha: alpha(&[1.0, 0.0, 1.0, 0.0]),
             inverse_depth: vec![0.5, 0.0, 0.0, 0.25],
             depth_step_relative: 0.0,
             normal: None,
@@ -226,15 +229,16 @@ mod tests {
     }
 
     #[test]
-    fn sky_is_a_sample_unless_the_film_is_transparent_there() {
+    fn what_is_transparent_is_no_sample_and_opaque_sky_is_one() {
         let frame = layers().into_frame(&camera(), "test").unwrap();
-        assert_eq!(frame.inverse_depth.as_slice(), [0.5, -1.0, 0.0, 0.25]);
+        assert_eq!(frame.inverse_depth.as_slice(), [0.5, -1.0, 0.0, -1.0]);
         assert_eq!(frame.color[(0, 0)], [f16::from_f32(0.5), f16::from_f32(0.25), f16::MAX]);
     }
 
     #[test]
     fn a_transparent_film_in_whose_view_nothing_stands_is_a_frame_without_samples() {
-        let layers = Layers { alpha: Some(vec![0.0; 4]), inverse_depth: vec![0.0; 4], ..layers() };
+        let color = ColorPlanes::Single([(); 3].map(|()| vec![0.0; 4]));
+        let layers = Layers { color, alpha: alpha(&[0.0; 4]), inverse_depth: vec![0.0; 4], ..layers() };
         assert_eq!(layers.into_frame(&camera(), "test").unwrap().invalid_pixels(), 4);
     }
 
@@ -243,7 +247,7 @@ mod tests {
         let mut layers = layers();
         layers.color = ColorPlanes::Single([vec![0.5; 4], vec![f32::NAN, 0.25, 0.25, 0.25], vec![1.0; 4]]);
         let frame = layers.into_frame(&camera(), "test").unwrap();
-        assert_eq!(frame.invalid_pixels(), 2);
+        assert_eq!(frame.invalid_pixels(), 3);
         assert_eq!(frame.color[(0, 0)][1], f16::ZERO);
     }
 
@@ -258,7 +262,7 @@ mod tests {
     #[test]
     fn camera_space_normals_reach_the_world_and_face_the_camera() {
         let mut layers = layers();
-        layers.inverse_depth = vec![0.5; 4];
+        (layers.inverse_depth, layers.alpha) = (vec![0.5; 4], None);
         // Toward the viewer at half length, away from the viewer, up in the picture, none.
         let planes = [vec![0.0; 4], vec![0.0, 0.0, 1.0, 0.0], vec![0.5, -1.0, 0.0, 0.0]];
         layers.normal = Some((planes, NormalSpace::Camera));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! bytes ── file, zip ── planes ─┐
-//!            │                  ├─ depth (inverse depth), color_planes, assemble (frame)
+//!            │                  ├─ depth (inverse depth), color_planes, transparency, assemble (frame)
 //!        channels (who is who) ─┘
 //! ```
 //!
@@ -18,6 +18,7 @@ mod depth;
 mod file;
 mod header;
 mod plane;
+mod transparency;
 mod write;
 mod zip;
 
@@ -28,5 +29,6 @@ pub(crate) use depth::{DepthKind, DepthRules, HALF_MAX, MISS_DEPTH};
 pub use file::{ChannelInfo, DataWindow, ExrFile};
 pub(crate) use header::HeaderAttributes;
 pub use plane::ChannelPlane;
+pub(crate) use transparency::AlphaPlane;
 pub(crate) use write::write_frame;
 pub use write::write_picture;

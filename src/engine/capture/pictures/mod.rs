@@ -27,6 +27,6 @@ pub(crate) use distortion::Distortion;
 pub(crate) use format::{PICTURE_EXTENSIONS, PictureFormat, format_of};
 pub use npy::{NpyArray, parse as parse_npy};
 pub use pgm::parse as parse_pgm;
-pub(crate) use raster::{check, color, gray, size};
+pub(crate) use raster::{check, color, gray, has_alpha, size};
 pub(crate) use registration::{DepthGrid, RayCache, register};
 pub(crate) use resample::{Sources, sources};

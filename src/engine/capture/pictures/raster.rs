@@ -66,6 +66,13 @@ pub(super) fn check_gray16(path: &Path, place: &str) -> Result<(), Option<Error>
     if decoder.color_type() == ColorType::L16 { Ok(()) } else { Err(None) }
 }
 
+/// Whether a picture has an alpha channel, by its header.
+pub(crate) fn has_alpha(path: &Path, place: &str) -> Result<bool> {
+    let (reader, format) = reader(path, place)?;
+    let decoder = reader.into_decoder().map_err(|error| damaged(place, format, &error))?;
+    Ok(decoder.color_type().has_alpha())
+}
+
 /// Decodes a picture of any size.
 pub(super) fn decode_any(path: &Path, place: &str) -> Result<DynamicImage> {
     let (reader, format) = reader(path, place)?;

@@ -49,6 +49,8 @@ pub(crate) struct PictureFiles {
     pub raw_video: RawVideo,
     /// `None` leaves it to the format: EXR is linear, PNG is sRGB.
     pub is_linear: Option<bool>,
+    /// Whether what is transparent is no sample.
+    pub uses_alpha: bool,
 }
 
 /// The kind of depth that the manifest names; `None` where it names none.
@@ -135,6 +137,7 @@ impl PictureFiles {
             normal_space,
             raw_video: RawVideo::new(&keys.raw_video, place)?,
             is_linear: keys.color_space.as_deref().map(is_linear),
+            uses_alpha: keys.use_alpha.unwrap_or(true),
         })
     }
 

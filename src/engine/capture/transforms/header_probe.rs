@@ -34,6 +34,18 @@ pub(crate) fn pixel_aspect(path: &Path) -> f64 {
     is_exr.then(|| ExrFile::pixel_aspect(path)).flatten().unwrap_or(1.0)
 }
 
+/// Whether a picture has an alpha channel.
+pub(super) fn has_alpha(files: &PictureFiles, camera: &Camera, place: &str) -> Result<bool> {
+    match format_of(&files.color, place)? {
+        PictureFormat::Yuv | PictureFormat::Jpeg => Ok(false),
+        PictureFormat::Exr => {
+            let wishes = files.wishes_of_color_file();
+            Ok(ExrPicture::open(&files.color, files, wishes, camera, place)?.names.alpha.is_some())
+        }
+        _ => pictures::has_alpha(&files.color, place),
+    }
+}
+
 /// Facts from the headers of a frame's files.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HeaderFacts {

@@ -29,7 +29,7 @@ pub(super) enum NeededPlanes {
 /// The planes read so far.
 struct PictureParts {
     color: ColorPlanes,
-    alpha: Option<Vec<f32>>,
+    alpha: Option<AlphaPlane>,
     depth: Option<DepthPart>,
     normal: Option<[Vec<f32>; 3]>,
 }
@@ -40,7 +40,9 @@ impl PictureParts {
         let color = std::mem::replace(&mut self.color, ColorPlanes::Single([const { Vec::new() }; 3]));
         let planes = color.into_single();
         self.color = ColorPlanes::Single(planes.map(|plane| sources.linear(&plane)));
-        self.alpha = self.alpha.take().map(|alpha| sources.linear(&alpha));
+        if let Some(alpha) = &mut self.alpha {
+            alpha.values = sources.linear(&alpha.values);
+        }
         self.normal = self.normal.take().map(|planes| planes.map(|plane| sources.nearest(&plane, 0.0)));
     }
 }
@@ -103,7 +105,7 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
     }
     let layers = Layers {
         color: parts.color,
-        alpha: parts.alpha,
+        alpha: parts.alpha.filter(|_| files.uses_alpha),
         inverse_depth: depth.inverse_depth,
         depth_step_relative: depth.step_relative,
         normal: parts.normal.zip(files.normal_space),
@@ -131,6 +133,23 @@ fn read_color_file(
         return Ok(PictureParts { color, alpha: None, depth: None, normal: None });
     }
     if format_of(&files.color, place)? != PictureFormat::Exr {
+/// Pixels of a picture that are no samples because they are transparent; `None` where alpha says nothing, or is not used.
+///
+/// # Errors
+/// As [`frame`].
+pub(super) fn transparent_pixels(
+    files: &PictureFiles,
+    camera: &Camera,
+    place: &str,
+) -> Result<Option<usize>> {
+    if !files.uses_alpha || !header_probe::has_alpha(files, camera, place)? {
+        return Ok(None);
+    }
+    let PictureParts { color, alpha, .. } = read_color_file(files, camera, place, NeededPlanes::ColorOnly)?;
+    let (colors, _) = color.into_halves(&mut vec![0.0; camera.intrinsics.pixel_count()]);
+    Ok(alpha.and_then(|alpha| alpha.transparent_pixels(&colors)))
+}
+
         let (color, alpha) = pictures::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
         return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
@@ -144,6 +163,7 @@ fn read_color_file(
     let mut wanted = picture.color()?.to_vec();
     wanted.extend(picture.names.alpha);
     wanted.extend(depth.iter().flat_map(DepthChannels::indices));
+        let alpha = alpha.map(|values| AlphaPlane { values, is_associated: false });
     if wants_normals {
         wanted.extend(picture.normal()?);
     }
@@ -160,3 +180,4 @@ fn read_color_file(
     let normal = wants_normals.then(|| planes.take_three());
     Ok(PictureParts { color, alpha, depth, normal })
 }
+    let alpha = alpha.map(|values| AlphaPlane { values, is_associated: true });

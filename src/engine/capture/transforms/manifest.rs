@@ -119,6 +119,9 @@ pub(crate) struct Keys {
     /// Pixel centers in the units of `cx`: 0.5 (our convention), or 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_center_offset: Option<f64>,
+    /// Whether what is transparent is no sample; it is none where missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub use_alpha: Option<bool>,
     /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_space: Option<String>,
@@ -199,7 +202,7 @@ impl Keys {
             camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, x_fov, y_fov, camera_model, lens,
             applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
             depth_unit_scale_factor, integer_depth_scale, depth_integer_scale, depth_scale, depth_invalid_value,
-            depth_camera, near_clip, far_clip, normal_space, antialiased_color, pixel_center_offset, color_space, up,
+            depth_camera, near_clip, far_clip, normal_space, antialiased_color, pixel_center_offset, use_alpha, color_space, up,
             raw_video, transform_direction, camera_axes);
         Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }

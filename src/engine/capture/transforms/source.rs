@@ -39,6 +39,14 @@ impl FrameSource for FileSource {
 
     fn pose_convention(&self) -> PoseConvention {
         let first = self.recording.entries.first().and_then(|frames| frames.first());
+    fn transparent_pixels(&self, camera: usize, frame: usize) -> Result<Option<usize>> {
+        let entry = &self.recording.entries[camera][frame];
+        if entry.is_left_out {
+            return Ok(None);
+        }
+        load::transparent_pixels(&entry.files, &self.recording.cameras[camera], &entry.place)
+    }
+
         first.map(|entry| entry.keys.pose_convention()).unwrap_or_default()
     }
 
