@@ -19,11 +19,13 @@ mod small_capture;
 
 mod damage;
 mod demo_scenes;
+mod depth_buffers;
 mod formats;
 mod layers;
 mod manifests;
 mod miv;
 mod other_pictures;
+mod no_depth;
 mod parser_damage;
 mod png_depth;
 mod round_trip;

@@ -11,6 +11,7 @@
 //! only turn; anything with one camera, or with cameras that see nothing in common; an error that all of the world shares.
 
 mod agreement;
+mod buffer_planes;
 mod chosen_views;
 mod pictures;
 mod reading;
@@ -18,15 +19,12 @@ mod search;
 mod verdict;
 mod views;
 
-pub use super::depth_claim::{DepthClaim, DepthMeasure};
+pub use super::depth_claim::{DepthClaim, DepthMeasure, DepthPlanes};
 pub use super::pose_convention::{AxisDirection, CameraAxes, MIRROR, PoseConvention, PoseDirection, upright};
 pub use pictures::{ReadingPictures, RegisteredViews, pictures};
 pub use reading::Reading;
 pub use verdict::{Alternative, ConventionVerdict, Finding, ReadingPart, Undecided};
 
-use rayon::prelude::*;
-
-use super::camera::Camera;
 use super::parts::Capture;
 use crate::error::Result;
 use agreement::Comparison;
@@ -48,27 +46,6 @@ pub fn check(capture: &Capture) -> Result<Finding> {
     Ok(check_views(views.collect(), chosen.pairs, &claim, pose))
 }
 
-/// The same of pictures of depth at hand: `inverse_depth` gives 1/z of a camera's pixel, by their indices, 0 or less for none.
-pub(crate) fn check_pictures(
-    cameras: &[Camera],
-    claim: &DepthClaim,
-    pose: PoseConvention,
-    inverse_depths: impl Fn(usize) -> Result<Vec<f32>> + Sync,
-) -> Result<Finding> {
-    let pairs = views::pairs(cameras.len());
-    let is_compared = |index: usize| pairs.iter().any(|&(from, to)| from == index || to == index);
-    let views = cameras.par_iter().enumerate().map(|(index, camera)| {
-        let inverse = inverse_depths(index)?;
-        let mut view = ComparedView::new(camera, |pixel| inverse[pixel], claim);
-        // Views that are in no pair are not compared: their pictures are not needed.
-        if !is_compared(index) {
-            view.values = Vec::new();
-        }
-        Ok(view)
-    });
-    Ok(check_views(views.collect::<Result<_>>()?, pairs, claim, pose))
-}
-
 fn check_views(
     views: Vec<ComparedView>,
     pairs: Vec<(usize, usize)>,
@@ -77,7 +54,7 @@ fn check_views(
 ) -> Finding {
     /// With fewer points a score is chance.
     const MIN_POINTS: usize = 64;
-    let claimed = Reading { pose, measure: claim.measure, unit: claim.unit };
+    let claimed = Reading { pose, measure: claim.measure, unit: claim.unit, planes: claim.planes };
     let points: usize = pairs.iter().map(|&(from, _)| views[from].points.len()).sum();
     let unknown = |why: &str| Finding {
         verdict: ConventionVerdict::Unknown { why: why.to_owned() },

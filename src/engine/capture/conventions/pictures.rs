@@ -58,8 +58,8 @@ pub fn pictures(capture: &Capture, readings: [Reading; 2], width: usize) -> Resu
         let inverse = frame.inverse_depth.as_slice();
         ComparedView::new(&capture.cameras[camera], |index| inverse[index], &claim)
     });
-    let claimed =
-        Reading { pose: capture.source.pose_convention(), measure: claim.measure, unit: claim.unit };
+    let pose = capture.source.pose_convention();
+    let claimed = Reading { pose, measure: claim.measure, unit: claim.unit, planes: claim.planes };
     let pairs = chosen.pairs.clone();
     let comparison = Comparison { views: views.collect(), pairs, near_clip: claim.near_clip, claimed };
     let target = best_target(&comparison, &readings[1])

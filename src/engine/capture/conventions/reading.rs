@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::capture::depth_claim::DepthMeasure;
+use crate::capture::depth_claim::{DepthMeasure, DepthPlanes};
 use crate::capture::pose_convention::PoseConvention;
 
 /// The ray through a point of a picture, in camera space.
@@ -34,6 +34,10 @@ pub struct Reading {
     pub measure: DepthMeasure,
     /// World units per unit of the depth file.
     pub unit: f64,
+    /// The planes of a depth buffer, of nothing else.
+    #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planes: Option<DepthPlanes>,
 }
 
 impl Reading {
@@ -56,6 +60,14 @@ impl Reading {
                 let eye = world_from_camera.translation.z;
                 (scaled - eye) / world_from_camera.transform_vector3(ray.to_unit_z).z
             }
+            DepthMeasure::ZBuffer => self.between_planes(1.0 - scaled),
+            DepthMeasure::ReversedZBuffer => self.between_planes(scaled),
         }
+    }
+
+    /// Planar z of a number from 0 at the far plane to 1 at the near one; NaN outside.
+    fn between_planes(&self, nearness: f64) -> f64 {
+        let planes = self.planes.filter(|_| nearness > 0.0 && nearness < 1.0);
+        planes.map_or(f64::NAN, |planes| planes.inverse_depth(nearness).recip())
     }
 }

@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use super::agreement::Comparison;
+use super::buffer_planes::{any_planes, hardly_differ, may_be_buffer, planes_near, round_planes};
 use super::reading::Reading;
 use super::views::POINTS;
-use crate::capture::depth_claim::DepthMeasure;
+use crate::capture::depth_claim::{DepthMeasure, DepthPlanes};
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 
 /// Units that depth is written in: meters, centimeters, millimeters and tenths of them, feet, and the steps of TUM, D400 cameras at
@@ -45,15 +46,12 @@ pub(super) struct Scored {
 /// The readings under which the views agree best, and the claimed one, each with its score at one tolerance; best first.
 pub(super) fn search(comparison: &Comparison) -> Vec<Scored> {
     let mut found = Vec::new();
-    for measures in ordered_groups(comparison.claimed.measure) {
-        found.extend(of_group(comparison, &measures));
-        if best(&found) >= GOOD {
-            break;
-        }
+    let may_be_buffer = may_be_buffer(comparison);
+    if may_be_buffer && comparison.score(&comparison.claimed, SOME_POINTS, WIDE) < GOOD {
+        found.extend(buffer_between_planes(comparison));
     }
-    found.extend(nearby_units(comparison, &found));
-    if best(&found) < NOT_CHANCE {
-        found.extend(any_unit(comparison));
+    if !(may_be_buffer && hardly_differ(comparison)) {
+        found.extend(of_all_groups(comparison));
     }
     let mut readings: Vec<Reading> = vec![comparison.claimed];
     for scored in found {
@@ -64,6 +62,43 @@ pub(super) fn search(comparison: &Comparison) -> Vec<Scored> {
     let narrow = at_tolerance(comparison, &readings, NARROW);
     // Where depth is too noisy for the narrow tolerance, the wide one decides all.
     if best(&narrow) >= NOT_CHANCE { narrow } else { at_tolerance(comparison, &readings, WIDE) }
+}
+
+/// Poses, measures and units under which the views agree.
+fn of_all_groups(comparison: &Comparison) -> Vec<Scored> {
+    let mut found = Vec::new();
+    for measures in ordered_groups(comparison.claimed.measure) {
+        found.extend(of_group(comparison, &measures));
+        if best(&found) >= GOOD {
+            break;
+        }
+    }
+    found.extend(nearby_units(comparison, &found));
+    if best(&found) < NOT_CHANCE {
+        found.extend(any_unit(comparison));
+    }
+    found
+}
+
+/// The planes between which numbers from 0 to 1 agree best, as the depth buffer of the claimed poses.
+fn buffer_between_planes(comparison: &Comparison) -> Vec<Scored> {
+    let round = score_all(comparison, &round_planes(&comparison.claimed), SOME_POINTS, NARROW);
+    let found: Vec<Scored> = if best(&round) >= GOOD {
+        round
+    } else {
+        let coarse = score_all(comparison, &any_planes(&comparison.claimed), FEW_POINTS, WIDE);
+        let fine = coarse.first().map(|coarse| planes_near(&coarse.reading)).unwrap_or_default();
+        score_all(comparison, &fine, SOME_POINTS, NARROW)
+    };
+    let best = found.first().map(|scored| rounded_planes(scored.reading));
+    let scored = |reading: Reading| Scored { reading, score: comparison.score(&reading, SOME_POINTS, WIDE) };
+    best.map(scored).filter(|scored| scored.score > 0.0).into_iter().collect()
+}
+
+fn rounded_planes(reading: Reading) -> Reading {
+    let rounded =
+        |DepthPlanes { near, far }| DepthPlanes { near: three_digits(near), far: far.map(three_digits) };
+    Reading { planes: reading.planes.map(rounded), ..reading }
 }
 
 /// Scores at one tolerance: by all points for readings that come near the best, by some of them for others.
@@ -81,6 +116,9 @@ fn at_tolerance(comparison: &Comparison, readings: &[Reading], tolerance: f64) -
 /// The groups of measures, the claimed one's first and it first in its own.
 fn ordered_groups(claimed: DepthMeasure) -> Vec<Vec<DepthMeasure>> {
     let mut groups: Vec<Vec<DepthMeasure>> = GROUPS.iter().map(|group| group.to_vec()).collect();
+    if claimed.is_buffer() {
+        groups.push(vec![DepthMeasure::ZBuffer, DepthMeasure::ReversedZBuffer]);
+    }
     for group in &mut groups {
         group.sort_by_key(|measure| *measure != claimed);
     }
@@ -115,13 +153,15 @@ fn of_group(comparison: &Comparison, measures: &[DepthMeasure]) -> Vec<Scored> {
 
 fn all_poses_and_units(comparison: &Comparison, measure: DepthMeasure) -> Vec<Reading> {
     let claimed = comparison.claimed.unit;
-    let others = UNITS.into_iter().filter(|unit| (unit / claimed - 1.0).abs() > 1e-3);
-    let units: Vec<f64> = std::iter::once(claimed).chain(others).collect();
+    // Planes are in world units: numbers between them have no other.
+    let is_other = |unit: &f64| !measure.is_buffer() && (unit / claimed - 1.0).abs() > 1e-3;
+    let units: Vec<f64> = std::iter::once(claimed).chain(UNITS.into_iter().filter(is_other)).collect();
+    let planes = comparison.claimed.planes.filter(|_| measure.is_buffer());
     let mut readings = Vec::new();
     for axes in CameraAxes::all() {
         for direction in [PoseDirection::CameraToWorld, PoseDirection::WorldToCamera] {
             let pose = PoseConvention { direction, axes };
-            readings.extend(units.iter().map(|&unit| Reading { pose, measure, unit }));
+            readings.extend(units.iter().map(|&unit| Reading { pose, measure, unit, planes }));
         }
     }
     readings
@@ -135,7 +175,8 @@ fn nearby_units(comparison: &Comparison, found: &[Scored]) -> Vec<Scored> {
         (-STEPS..=STEPS)
             .map(move |step| Reading { unit: reading.unit * (1.0 + 0.03 * f64::from(step)), ..reading })
     };
-    let readings: Vec<Reading> = best.into_iter().chain([comparison.claimed]).flat_map(around).collect();
+    let have_units = best.into_iter().chain([comparison.claimed]).filter(|it| !it.measure.is_buffer());
+    let readings: Vec<Reading> = have_units.flat_map(around).collect();
     refined(comparison, &readings)
 }
 
@@ -155,7 +196,8 @@ fn any_unit(comparison: &Comparison) -> Vec<Scored> {
     for &pose in &poses {
         for measure in measures {
             let unit = |step| claimed.unit * STEP.powi(step);
-            readings.extend((-steps..=steps).map(|step| Reading { pose, measure, unit: unit(step) }));
+            let read = |step| Reading { pose, measure, unit: unit(step), planes: None };
+            readings.extend((-steps..=steps).map(read));
         }
     }
     refined(comparison, &readings)

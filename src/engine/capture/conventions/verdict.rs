@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::{Deserialize, Serialize};
 
 use super::agreement::Comparison;
+use super::buffer_planes::may_be_buffer;
 use super::reading::Reading;
 use super::search::{NOT_CHANCE, Scored, UNITS};
 
@@ -18,6 +19,9 @@ const EQUAL: f64 = 1.25;
 const MIN_BASELINE: f64 = 0.05;
 /// Units within this ratio are one.
 const SAME_UNIT: f64 = 1.06;
+
+/// What to try with numbers that may be a depth buffer.
+const BUFFER_ADVICE: &str = "; depth between 0 and 1 may be a depth buffer: write \"depth_kind\": \"z_buffer\" or \"reversed_z_buffer\", and the planes as \"depth_range\": [near, far]";
 
 /// A capture's conventions, judged by the agreement between its views.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -91,8 +95,11 @@ pub(super) fn decide(comparison: &Comparison, scored: &[Scored]) -> Finding {
     let finding = |verdict| Finding { verdict, claimed, claimed_score };
     let best = scored.first().map_or(0.0, |scored| scored.score);
     if best < NOT_CHANCE {
-        let why = "the views agree under no reading: they may show different things, poses or lenses may be wrong, or depth too noisy";
-        return finding(ConventionVerdict::Unknown { why: why.to_owned() });
+        let mut why = "the views agree under no reading: they may show different things, poses or lenses may be wrong, or depth too noisy".to_owned();
+        if may_be_buffer(comparison) {
+            why += BUFFER_ADVICE;
+        }
+        return finding(ConventionVerdict::Unknown { why });
     }
     let chosen = chosen(comparison, scored, best);
     let parts = [ReadingPart::Pose, ReadingPart::Measure, ReadingPart::Unit];
@@ -144,6 +151,7 @@ fn differs(comparison: &Comparison, a: &Reading, b: &Reading, part: ReadingPart)
         ReadingPart::Measure => {
             !a.measure.is_like(b.measure, comparison.near_clip, comparison.middle_depth(a))
         }
+        ReadingPart::Unit if a.measure.is_buffer() || b.measure.is_buffer() => false,
         ReadingPart::Unit => {
             let ratio = a.unit / b.unit;
             ratio.max(ratio.recip()) > SAME_UNIT
@@ -191,6 +199,10 @@ fn keys(comparison: &Comparison, reading: &Reading) -> Vec<(String, String)> {
         && differs(comparison, reading, claimed, ReadingPart::Measure)
     {
         keys.push(("depth_kind", format!("\"{kind}\"")));
+    }
+    if let Some(planes) = reading.planes.filter(|_| reading.planes != claimed.planes) {
+        let far = planes.far.map_or_else(|| "null".to_owned(), number);
+        keys.push(("depth_range", format!("[{}, {far}]", number(planes.near))));
     }
     if differs(comparison, reading, claimed, ReadingPart::Unit) {
         keys.push(("depth_unit_scale_factor", number(reading.unit)));
@@ -280,6 +292,10 @@ impl Alternative {
         }
         if self.reading.measure != claimed.measure {
             let mut part = format!("if depth is {}", self.reading.measure.words());
+            if let Some(planes) = self.reading.planes {
+                let far = planes.far.map_or_else(|| "infinity".to_owned(), number);
+                let _ = write!(part, " (at {} and {far})", number(planes.near));
+            }
             if self.reading.measure.depth_kind().is_none() {
                 part += ", which no key of the manifest says: convert it";
             }

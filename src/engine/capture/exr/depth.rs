@@ -6,6 +6,7 @@
 //! ray_distance_from_near_clip   z = v · cos a + near     (Mitsuba 3 measures from the near plane, along the ray)
 //! position                      z = forward · (p − eye)  (states its kind by itself)
 //! world_z                       z = (v − eye.z) / ray.z  (ray: in world space, scaled to z = 1 in the camera's)
+//! z_buffer, reversed_z_buffer   1/z even between planes  (becomes planar z before these rules are asked)
 //! ```
 
 use glam::{DVec2, DVec3};
@@ -36,6 +37,10 @@ pub(crate) enum DepthKind {
     WorldPosition,
     /// The z coordinate of the surface point in world space.
     WorldZ,
+    /// A depth buffer: 0 at the near plane, 1 at the far plane.
+    ZBuffer,
+    /// A reversed depth buffer: 1 at the near plane, 0 at the far plane.
+    ReversedZBuffer,
 }
 
 impl DepthKind {
@@ -47,8 +52,15 @@ impl DepthKind {
             "ray_distance_from_near_clip" => Self::RayDistanceFromNearClip,
             "position" => Self::WorldPosition,
             "world_z" => Self::WorldZ,
+            "z_buffer" => Self::ZBuffer,
+            "reversed_z_buffer" => Self::ReversedZBuffer,
             _ => return None,
         })
+    }
+
+    /// Whether values are between two planes.
+    pub(crate) fn is_buffer(self) -> bool {
+        matches!(self, Self::ZBuffer | Self::ReversedZBuffer)
     }
 }
 
@@ -97,9 +109,13 @@ impl DepthRules {
         let raw = f64::from(value);
         let scaled = raw * self.unit_scale;
         let depth_z = match self.kind {
-            DepthKind::PlanarZ | DepthKind::WorldPosition | DepthKind::WorldZ => scaled,
             DepthKind::RayDistance => scaled / ray_length,
             DepthKind::RayDistanceFromNearClip => scaled / ray_length + self.near_clip,
+            DepthKind::PlanarZ
+            | DepthKind::WorldPosition
+            | DepthKind::WorldZ
+            | DepthKind::ZBuffer
+            | DepthKind::ReversedZBuffer => scaled,
         };
         // All branches are the same for a whole plane, so that sixteen pixels are worked on at once.
         let is_miss = self.is_given_miss(raw) | (value >= self.misses_from);

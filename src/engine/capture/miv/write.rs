@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use super::sequence::{SequenceCamera, SequenceFile, rotation};
 use crate::capture::camera::Camera;
 use crate::capture::parts::Capture;
-use crate::capture::yuv::{ColorMatrix, LevelRange, PixelFormat, encode_color, encode_levels};
+use crate::capture::yuv::{ColorMatrix, LevelOrder, LevelRange, PixelFormat, encode_color, encode_levels};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::whole_file;
@@ -119,7 +119,7 @@ fn range(extent: CameraDepths) -> LevelRange {
         (1.0, 2.0)
     };
     let far = if extent.has_sky || far >= 1000.0 { f64::INFINITY } else { far };
-    LevelRange { near, far, zero_is_unknown: extent.has_unknown }
+    LevelRange { near, far, order: LevelOrder::FromFar, zero_is_unknown: extent.has_unknown }
 }
 
 fn write_camera(

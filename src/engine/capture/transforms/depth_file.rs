@@ -6,11 +6,11 @@ use glam::DAffine3;
 
 use super::depth_camera::shared_grid;
 use super::exr_picture::{
-    DecodedPlanes, DepthPart, ExrPicture, NEARLY_ALL, place_of_depth, quantile_of_hits, step_of_whole_units,
+    DecodedPlanes, DepthPart, ExrPicture, of_levels, place_of_depth, step_of_whole_units,
 };
 use super::files::PictureFiles;
 use crate::capture::camera::Camera;
-use crate::capture::exr::{DepthKind, DepthRules, DepthTrouble, ExrFile};
+use crate::capture::exr::{DepthKind, DepthTrouble, ExrFile};
 use crate::capture::pictures::{
     DepthGrid, DepthMap, PictureFormat, depth_size, drop_unsure, format_of, gray, register,
 };
@@ -34,22 +34,23 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         let (values, half_step) = files.raw_video.depth(path, place, camera.intrinsics.size())?;
         let rules = files.level_rules(place)?;
         refuse_bent_rays(rules.kind, &grid, place)?;
-        let mut depth = of_levels(values, half_step, &rules, &camera_of(&grid, camera), path);
+        let mut depth =
+            of_levels(values, half_step, &rules, &camera_of(&grid, camera), path.display().to_string());
         return finish(&mut depth, &grid, files, camera, place).map(|()| depth);
     }
     let map = DepthMap::read(path, files.raw_video.has_range(), place)?;
     let grid = grid_of(map.size, files, camera, place)?;
     if files.raw_video.has_range() {
-        let levels = map.whole_up_to.and_then(|most| files.raw_video.depth_of_levels(&map.values, most));
-        let Some((values, half_step)) = levels else {
+        let Some((values, half_step)) = files.raw_video.depth_of_map(&map) else {
             return Err(Error::invalid(
                 place,
-                "depth_range is of depth in whole numbers, and these are floats; leave it out",
+                "depth_range is of depth in whole numbers, and these are floats; leave it out, or write \"depth_kind\": \"z_buffer\" or \"reversed_z_buffer\" if they are a depth buffer",
             ));
         };
         let rules = files.level_rules(place)?;
         refuse_bent_rays(rules.kind, &grid, place)?;
-        let mut depth = of_levels(values, half_step, &rules, &camera_of(&grid, camera), path);
+        let mut depth =
+            of_levels(values, half_step, &rules, &camera_of(&grid, camera), path.display().to_string());
         return finish(&mut depth, &grid, files, camera, place).map(|()| depth);
     }
     let rules = files.map_depth_rules(map.whole_up_to, place)?;
@@ -63,25 +64,6 @@ pub(super) fn read(path: &Path, files: &PictureFiles, camera: &Camera, place: &s
         trouble: DepthTrouble::MayBeUnmeasured,
     };
     finish(&mut depth, &grid, files, camera, place).map(|()| depth)
-}
-
-/// Depth in world units that was given in levels. Half a level is `half_step` of inverse depth.
-fn of_levels(
-    values: Vec<f32>,
-    half_step: f32,
-    rules: &DepthRules,
-    camera: &Camera,
-    path: &Path,
-) -> DepthPart {
-    let inverse_depth = rules.inverse_depth_plane(values, camera);
-    // Levels are even in 1/z: their relative error grows with distance.
-    let farthest = quantile_of_hits(&inverse_depth, 1.0 - NEARLY_ALL);
-    DepthPart {
-        step_relative: if farthest > 0.0 { half_step / farthest } else { 0.0 },
-        inverse_depth,
-        name: path.display().to_string(),
-        trouble: DepthTrouble::MayBeUnmeasured,
-    }
 }
 
 /// Registers depth that came with the color, where the lens bends both.
@@ -111,6 +93,45 @@ pub(super) fn probe(path: &Path, files: &PictureFiles, camera: &Camera, place: &
     }
     grid_of(depth_size(path, files.raw_video.has_range(), place)?, files, camera, place)?;
     Ok(files.map_depth_rules(None, place)?.kind)
+}
+
+/// Why a picture has no depth, as the end of a sentence; `None` where its values do not tell.
+pub(super) fn why_none(files: &PictureFiles, camera: &Camera, place: &str) -> Option<String> {
+    let values = raw_values(files, camera, place).ok()?;
+    let count = |is_so: fn(&f32) -> bool| values.iter().filter(|value| is_so(value)).count();
+    let [unknown, zero, positive] =
+        [count(|value| value.is_nan()), count(|value| *value == 0.0), count(|value| *value > 0.0)];
+    let cause = if unknown == values.len() {
+        ": every value is NaN, which is no number; save the depth again"
+    } else if positive == 0 && unknown + zero < values.len() {
+        ": every depth is negative, as z of cameras that look along −z is; change its sign, so that it is the distance forward"
+    } else if positive == 0 {
+        ": every value is 0, which means that nothing was measured; save the depth again"
+    } else if files.raw_video.buffer().is_some() {
+        ": no value is between 0 and 1, as those of a depth buffer are; check depth_kind"
+    } else {
+        ": its values mean that nothing was hit or measured, or masks, confidence or transparency leave all of them out; check depth_kind, depth_miss_value and depth_invalid_value"
+    };
+    Some(cause.to_owned())
+}
+
+/// The values of depth as the file has them.
+fn raw_values(files: &PictureFiles, camera: &Camera, place: &str) -> Result<Vec<f32>> {
+    let (path, wishes) = match &files.depth {
+        Some(path) => (path, files.wishes_of_depth_file()),
+        None => (&files.color, files.wishes_of_color_file()),
+    };
+    match format_of(path, place)? {
+        PictureFormat::Exr => {
+            let size = exr_size(path, camera, place)?;
+            let own = camera_of(&grid_of(size, files, camera, place)?, camera);
+            let picture = ExrPicture::open(path, files, wishes, &own, place)?;
+            let indices = picture.depth()?.indices();
+            Ok(DecodedPlanes::decode(&picture, &indices)?.take_single())
+        }
+        PictureFormat::Yuv => Ok(files.raw_video.depth(path, place, camera.intrinsics.size())?.0),
+        _ => Ok(DepthMap::read(path, files.raw_video.has_range(), place)?.values),
+    }
 }
 
 /// The size of an EXR picture of depth: the color camera's, where one of its windows has it.

@@ -5,8 +5,10 @@ use std::path::Path;
 use super::files::PictureFiles;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{
-    ChannelNames, ChannelPlane, ChannelWishes, DataWindow, DepthKind, DepthRules, DepthTrouble, ExrFile,
+    ChannelInfo, ChannelNames, ChannelPlane, ChannelWishes, DataWindow, DepthKind, DepthRules, DepthTrouble,
+    ExrFile,
 };
+use crate::capture::yuv::LevelRange;
 use crate::error::{Error, Result};
 
 /// Where depth is in an EXR file.
@@ -111,6 +113,41 @@ pub(super) fn step_of_whole_units(rules: &DepthRules, inverse_depth: &[f32]) -> 
     0.5 * rules.unit_scale as f32 * quantile_of_hits(inverse_depth, NEARLY_ALL)
 }
 
+/// Depth in world units that was given in levels. Half a level is `half_step` of inverse depth.
+pub(super) fn of_levels(
+    values: Vec<f32>,
+    half_step: f32,
+    rules: &DepthRules,
+    camera: &Camera,
+    name: String,
+) -> DepthPart {
+    let inverse_depth = rules.inverse_depth_plane(values, camera);
+    // Levels are even in 1/z: their relative error grows with distance.
+    let farthest = quantile_of_hits(&inverse_depth, 1.0 - NEARLY_ALL);
+    DepthPart {
+        step_relative: if farthest > 0.0 { half_step / farthest } else { 0.0 },
+        inverse_depth,
+        name,
+        trouble: DepthTrouble::MayBeUnmeasured,
+    }
+}
+
+/// A channel that holds a depth buffer.
+fn of_buffer(
+    values: &[f32],
+    channel: &ChannelInfo,
+    range: &LevelRange,
+    picture: &ExrPicture,
+    camera: &Camera,
+) -> Result<DepthPart> {
+    let largest = if channel.is_whole { u32::MAX as f32 } else { 1.0 };
+    let depth = values.iter().map(|value| range.depth(*value, largest)).collect();
+    let rules = picture.files.level_rules(picture.place)?;
+    let half_step = range.half_step_of(channel.step_relative);
+    let part = of_levels(depth, half_step, &rules, camera, channel.name.clone());
+    Ok(DepthPart { trouble: DepthTrouble::Unknown, ..part })
+}
+
 /// The most that positions may project away from their pixels, by the median: filters and lens shifts stay below.
 const MAX_DISTANCE_FROM_RAYS_PX: f64 = 2.0;
 
@@ -183,8 +220,11 @@ impl DecodedPlanes {
         match channels {
             DepthChannels::One(index, kind) => {
                 let channel = &picture.file.channels()[index];
-                let rules = picture.files.depth_rules(kind, channel);
                 let values = self.take_single();
+                if let Some(range) = picture.files.raw_video.buffer() {
+                    return of_buffer(&values, channel, &range, picture, camera);
+                }
+                let rules = picture.files.depth_rules(kind, channel);
                 let is_negative = rules.are_negative(&values);
                 let trouble = if is_negative { DepthTrouble::Negative } else { DepthTrouble::Unknown };
                 let inverse_depth = rules.inverse_depth_plane(values, camera);

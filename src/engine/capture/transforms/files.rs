@@ -60,7 +60,7 @@ fn depth_kind_of(keys: &Keys, place: &str) -> Result<Option<DepthKind>> {
             Error::invalid(
                 place,
                 format!(
-                    "depth_kind '{name}' is unknown; there are planar_z, ray_distance, ray_distance_from_near_clip, position, world_z"
+                    "depth_kind '{name}' is unknown; there are planar_z, ray_distance, ray_distance_from_near_clip, position, world_z, z_buffer, reversed_z_buffer"
                 ),
             )
         })
@@ -135,7 +135,7 @@ impl PictureFiles {
                 ..DepthRules::default()
             },
             normal_space,
-            raw_video: RawVideo::new(&keys.raw_video, place)?,
+            raw_video: RawVideo::new(&keys.raw_video, depth_kind, place)?,
             is_linear: keys.color_space.as_deref().map(is_linear),
             uses_alpha: keys.use_alpha.unwrap_or(true),
         })
@@ -145,7 +145,7 @@ impl PictureFiles {
     pub(crate) fn check_exist(&self, place: &str) -> Result<()> {
         let more = [&self.depth, &self.normal, &self.confidence, &self.mask].map(Option::as_ref);
         let [depth, normal, confidence, mask] = more;
-        for (what, path) in [
+        for (name, path) in [
             ("picture", Some(&self.color)),
             ("depth", depth),
             ("normal", normal),
@@ -159,25 +159,33 @@ impl PictureFiles {
                     "the {what} file {} is missing; put it back or take its entry out of the manifest",
                     path.display()
                 );
-                return Err(Error::invalid(place, what));
+                return Some((name, Error::invalid(place, what)));
             }
         }
-        Ok(())
+        None
     }
 
     /// What depth is taken for: where the manifest leaves it open, and of positions, planar z.
     pub(crate) fn depth_claim(&self) -> DepthClaim {
+        let file = self.depth.as_ref().unwrap_or(&self.color);
+        let is_exr = matches!(format_of(file, ""), Ok(PictureFormat::Exr));
+        // Levels are even in 1/z whichever program wrote them.
+        let is_planar = self.depth_kind.is_none_or(|kind| kind == DepthKind::PlanarZ || kind.is_buffer());
+        let has_levels = !is_exr || self.raw_video.buffer().is_some();
+        if let (Some((measure, planes)), true) = (self.raw_video.claim(), is_planar && has_levels) {
+            return DepthClaim { measure, planes: Some(planes), ..DepthClaim::default() };
+        }
         let measure = match self.depth_kind {
             None | Some(DepthKind::PlanarZ | DepthKind::WorldPosition) => DepthMeasure::PlanarZ,
             Some(DepthKind::RayDistance) => DepthMeasure::RayDistance,
             Some(DepthKind::RayDistanceFromNearClip) => DepthMeasure::RayDistanceFromNearClip,
             Some(DepthKind::WorldZ) => DepthMeasure::WorldZ,
+            Some(DepthKind::ZBuffer) => DepthMeasure::ZBuffer,
+            Some(DepthKind::ReversedZBuffer) => DepthMeasure::ReversedZBuffer,
         };
-        let file = self.depth.as_ref().unwrap_or(&self.color);
-        let is_exr = matches!(format_of(file, ""), Ok(PictureFormat::Exr));
         let is_in_world_units = is_exr || self.raw_video.has_range();
         let unit = self.unit_scale.unwrap_or(if is_in_world_units { 1.0 } else { UNIT_SCALE });
-        DepthClaim { measure, unit, near_clip: self.rules.near_clip }
+        DepthClaim { measure, unit, near_clip: self.rules.near_clip, planes: None }
     }
 
     /// Whether the manifest leaves open which channel depth is, what it measures and in which unit.
@@ -232,13 +240,14 @@ impl PictureFiles {
         })
     }
 
-    /// The rules for depth in levels between a near and a far plane, which is in world units already.
+    /// The rules for depth between a near and a far plane, which is in world units already.
     ///
     /// # Errors
     /// `Invalid` for positions, which take three channels.
     pub(crate) fn level_rules(&self, place: &str) -> Result<DepthRules> {
         let rules = self.map_depth_rules(None, place)?;
-        Ok(DepthRules { unit_scale: 1.0, misses_from: f32::MAX, ..rules })
+        let kind = if rules.kind.is_buffer() { DepthKind::PlanarZ } else { rules.kind };
+        Ok(DepthRules { kind, unit_scale: 1.0, misses_from: f32::MAX, ..rules })
     }
 
     /// The rules for a depth channel of an EXR file.

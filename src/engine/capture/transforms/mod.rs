@@ -14,6 +14,7 @@ mod camera_name;
 mod cameras;
 mod depth_camera;
 mod depth_file;
+mod depth_presence;
 mod exr_picture;
 mod files;
 mod frame_numbers;
@@ -69,7 +70,8 @@ use source::FileSource;
 /// Opens a capture: a `transforms.json`, or a folder that holds one.
 ///
 /// Every file is looked for, and the first one of each camera has its header read; pictures are decoded on demand, except
-/// for first ones with both depth and positions where the manifest does not decide between them.
+/// for first ones with both depth and positions where the manifest does not decide between them, and for as many as it takes to find
+/// one with depth: the first, as a rule.
 ///
 /// # Errors
 /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
@@ -132,7 +134,9 @@ fn open_manifest(
     let up_in_world = up_in_world(keys(), path)?;
     // Renderers filter color unless the manifest denies it.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
-    Ok(Capture::new(
+    let source = Arc::new(FileSource { recording, has_normals });
+    let recording = &source.recording;
+    let capture = Capture::new(
         CaptureParts {
             name: capture_name(origin),
             cameras: recording.cameras.clone(),
@@ -141,10 +145,12 @@ fn open_manifest(
             has_normals,
             antialiased_color,
             warnings,
-            source: Arc::new(FileSource { recording, has_normals }),
+            source: source.clone(),
         },
         settings.cache as usize * 1024 * 1024,
-    ))
+    );
+    depth_presence::refuse_without_depth(&capture, &source)?;
+    Ok(capture)
 }
 
 /// Reads vantages, and where the pictures exist their truth, from a manifest of the same form.

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::capture::yuv::{ColorMatrix, LevelRange, PixelFormat, YuvFile};
+use crate::capture::depth_claim::{DepthMeasure, DepthPlanes};
+use crate::capture::exr::DepthKind;
+use crate::capture::pictures::DepthMap;
+use crate::capture::yuv::{ColorMatrix, LevelOrder, LevelRange, PixelFormat, YuvFile};
 use crate::error::{Error, Result};
 
 /// The manifest's keys of raw video.
@@ -23,7 +26,8 @@ pub(crate) struct RawVideoKeys {
     /// Weights and range of raw video of color.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yuv_color: Option<String>,
-    /// Near and far plane of depth in raw video or in whole numbers, whose levels run evenly in 1/z; far is null where it is infinite.
+    /// Near and far plane of depth in raw video, in whole numbers or in a depth buffer, which is even in 1/z; far is null where it is
+    /// infinite.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_range: Option<(f64, Option<f64>)>,
     /// Whether level 0 of such depth means no depth.
@@ -56,11 +60,11 @@ pub(crate) struct RawVideo {
 }
 
 impl RawVideo {
-    /// Takes the values of the manifest's keys; `place` is the entry.
+    /// Takes the values of the manifest's keys, for depth of this kind; `place` is the entry.
     ///
     /// # Errors
-    /// `Invalid` and `Unsupported` for values that mean nothing.
-    pub(super) fn new(keys: &RawVideoKeys, place: &str) -> Result<Self> {
+    /// `Invalid` and `Unsupported` for values that mean nothing, and for a depth buffer without its planes.
+    pub(super) fn new(keys: &RawVideoKeys, kind: Option<DepthKind>, place: &str) -> Result<Self> {
         let format = |key: &str, name: &Option<String>| {
             name.as_ref().map(|name| PixelFormat::of_key(key, name, place)).transpose()
         };
@@ -70,11 +74,20 @@ impl RawVideo {
                 Error::invalid(place, what)
             })
         });
+        let order = match kind {
+            Some(DepthKind::ZBuffer) => LevelOrder::ZBuffer,
+            Some(DepthKind::ReversedZBuffer) => LevelOrder::ReversedZBuffer,
+            _ => LevelOrder::FromFar,
+        };
+        if order != LevelOrder::FromFar && keys.depth_range.is_none() {
+            let what = "a depth buffer is between two planes; give them as \"depth_range\": [near, far], in world units, far as null where it is infinite";
+            return Err(Error::invalid(place, what));
+        }
         let range = keys.depth_range.map(|(near, far)| {
             let far = far.unwrap_or(f64::INFINITY);
             if near > 0.0 && near < far {
                 let zero_is_unknown = keys.depth_zero_is_unknown.unwrap_or(false);
-                return Ok(LevelRange { near, far, zero_is_unknown });
+                return Ok(LevelRange { near, far, order, zero_is_unknown });
             }
             let what = format!("depth_range is [{near}, {far}]; it is [near, far], with 0 < near < far");
             Err(Error::invalid(place, what))
@@ -123,12 +136,28 @@ impl RawVideo {
         self.range.is_some()
     }
 
-    /// Levels of at most `largest` as depth in world units, and half a level of it as inverse depth; `None` where depth is not
-    /// given in levels.
-    pub(super) fn depth_of_levels(&self, levels: &[f32], largest: f32) -> Option<(Vec<f32>, f32)> {
+    /// The range between whose planes floats are too: that of a depth buffer.
+    pub(super) fn buffer(&self) -> Option<LevelRange> {
+        self.range.filter(|range| range.order != LevelOrder::FromFar)
+    }
+
+    /// What numbers between near and far plane measure, and the planes; `None` where depth is not given so.
+    pub(super) fn claim(&self) -> Option<(DepthMeasure, DepthPlanes)> {
         let range = self.range?;
-        let depth = levels.iter().map(|level| range.depth(*level, largest)).collect();
-        Some((depth, range.half_step(largest)))
+        let is_normal = range.order == LevelOrder::ZBuffer;
+        let measure = if is_normal { DepthMeasure::ZBuffer } else { DepthMeasure::ReversedZBuffer };
+        Some((measure, range.planes()))
+    }
+
+    /// The values of a map as depth in world units, and half a step of it as inverse depth; `None` where they are not given in levels,
+    /// nor in floats of a depth buffer.
+    pub(super) fn depth_of_map(&self, map: &DepthMap) -> Option<(Vec<f32>, f32)> {
+        let (range, largest, step) = match map.whole_up_to {
+            Some(largest) => (self.range?, largest, largest.recip()),
+            None => (self.buffer()?, 1.0, map.step_relative),
+        };
+        let depth = map.values.iter().map(|value| range.depth(*value, largest)).collect();
+        Some((depth, range.half_step_of(step)))
     }
 
     fn depth_file<'a>(

@@ -28,17 +28,6 @@ impl FrameSource for FileSource {
         self.recording.entries[camera][frame].place.clone()
     }
 
-    fn frames_are_ranked(&self) -> bool {
-        self.recording.is_ranked
-    }
-
-    fn depth_claim(&self) -> DepthClaim {
-        let first = self.recording.entries.first().and_then(|frames| frames.first());
-        first.map(|entry| entry.files.depth_claim()).unwrap_or_default()
-    }
-
-    fn pose_convention(&self) -> PoseConvention {
-        let first = self.recording.entries.first().and_then(|frames| frames.first());
     fn transparent_pixels(&self, camera: usize, frame: usize) -> Result<Option<usize>> {
         let entry = &self.recording.entries[camera][frame];
         if entry.is_left_out {
@@ -47,7 +36,16 @@ impl FrameSource for FileSource {
         load::transparent_pixels(&entry.files, &self.recording.cameras[camera], &entry.place)
     }
 
-        first.map(|entry| entry.keys.pose_convention()).unwrap_or_default()
+    fn frames_are_ranked(&self) -> bool {
+        self.recording.is_ranked
+    }
+
+    fn depth_claim(&self) -> DepthClaim {
+        self.first_entry().map(|entry| entry.files.depth_claim()).unwrap_or_default()
+    }
+
+    fn pose_convention(&self) -> PoseConvention {
+        self.first_entry().map(|entry| entry.keys.pose_convention()).unwrap_or_default()
     }
 
     fn files(&self, camera: usize, frame: usize) -> Vec<std::path::PathBuf> {
@@ -92,5 +90,5 @@ pub(super) fn normals_in_all_cameras(recording: &CameraFiles, warnings: &mut Vec
             without.join(", ")
         ));
     }
-    Ok(without.is_empty())
+    without.is_empty()
 }

@@ -9,4 +9,4 @@ mod picture;
 
 pub(crate) use color::ColorMatrix;
 pub(crate) use format::PixelFormat;
-pub(crate) use picture::{LevelRange, YuvFile, encode_color, encode_levels, pictures_in};
+pub(crate) use picture::{LevelOrder, LevelRange, YuvFile, encode_color, encode_levels, pictures_in};

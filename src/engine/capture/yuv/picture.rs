@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::color::ColorMatrix;
 use super::format::PixelFormat;
+use crate::capture::depth_claim::DepthPlanes;
 use crate::color::{linear_from_srgb, srgb_from_linear};
 use crate::error::{Error, Result};
 
@@ -17,13 +18,27 @@ pub(crate) struct YuvFile<'a> {
     size: (usize, usize),
 }
 
+/// What is at the ends of a range of levels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum LevelOrder {
+    /// Levels as MPEG immersive video has them: surfaces lie from the far plane, level 0, to the near one.
+    #[default]
+    FromFar,
+    /// A depth buffer: level 0 is the near plane. Nothing was drawn where the far plane is.
+    ZBuffer,
+    /// A reversed depth buffer: level 0 is the far plane, where nothing was drawn.
+    ReversedZBuffer,
+}
+
 /// What the levels of a picture of depth mean: 1/z runs evenly from the far to the near plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LevelRange {
-    /// The nearest depth, of the largest level.
+    /// The nearest depth.
     pub near: f64,
-    /// The farthest depth, of level 0; may be infinite.
+    /// The farthest depth; may be infinite.
     pub far: f64,
+    /// Which end is which.
+    pub order: LevelOrder,
     /// Whether level 0 means that there is no depth.
     pub zero_is_unknown: bool,
 }
@@ -35,12 +50,30 @@ impl LevelRange {
             return f32::NAN;
         }
         let share = f64::from(level) / f64::from(largest);
-        (self.far.recip() + share * (self.near.recip() - self.far.recip())).recip() as f32
+        let nearness = if self.order == LevelOrder::ZBuffer { 1.0 - share } else { share };
+        if self.order != LevelOrder::FromFar && nearness == 0.0 {
+            return f32::INFINITY;
+        }
+        // A buffer holds no surface before its near plane, nor right on it.
+        if self.order != LevelOrder::FromFar && !(0.0..1.0).contains(&nearness) {
+            return f32::NAN;
+        }
+        self.planes().inverse_depth(nearness).recip() as f32
+    }
+
+    /// The planes.
+    pub(crate) fn planes(&self) -> DepthPlanes {
+        DepthPlanes { near: self.near, far: self.far.is_finite().then_some(self.far) }
     }
 
     /// Half a level of at most `largest`, as inverse depth.
     pub(crate) fn half_step(&self, largest: f32) -> f32 {
-        (0.5 * (self.near.recip() - self.far.recip()) / f64::from(largest)) as f32
+        self.half_step_of(largest.recip())
+    }
+
+    /// Half a step, a share of the range, as inverse depth.
+    pub(crate) fn half_step_of(&self, step: f32) -> f32 {
+        (0.5 * (self.near.recip() - self.far.recip()) * f64::from(step)) as f32
     }
 
     /// The level of an inverse depth of 0 or more; `None` where it is negative: that is no depth.
@@ -247,7 +280,7 @@ mod tests {
 
     #[test]
     fn the_worked_example_of_16_bits_is_met() {
-        let range = LevelRange { near: 0.3, far: 1.62, zero_is_unknown: false };
+        let range = LevelRange { near: 0.3, far: 1.62, order: LevelOrder::FromFar, zero_is_unknown: false };
         for (level, depth) in [(32_768.0, 0.506_245), (65_535.0, 0.3), (0.0, 1.62)] {
             assert!((range.depth(level, 65_535.0) - depth).abs() < 1e-6, "{level}");
         }
@@ -259,13 +292,32 @@ mod tests {
 
     #[test]
     fn what_has_no_depth_and_what_is_at_infinity_stay_apart() {
-        let range = LevelRange { near: 0.5, far: f64::INFINITY, zero_is_unknown: true };
+        let range =
+            LevelRange { near: 0.5, far: f64::INFINITY, order: LevelOrder::FromFar, zero_is_unknown: true };
         assert_eq!(range.level(-1.0, 65_535), 0);
         assert_eq!(range.level(0.0, 65_535), 1);
         assert!(range.depth(0.0, 65_535.0).is_nan());
         let open = LevelRange { zero_is_unknown: false, ..range };
         assert_eq!(open.level(0.0, 65_535), 0);
         assert_eq!(open.depth(0.0, 65_535.0), f32::INFINITY);
+    }
+
+    #[test]
+    fn a_depth_buffer_is_sky_at_its_far_plane_and_holds_nothing_at_its_near_one() {
+        let normal = LevelRange { near: 0.5, far: 8.0, order: LevelOrder::ZBuffer, zero_is_unknown: false };
+        let reversed = LevelRange { order: LevelOrder::ReversedZBuffer, ..normal };
+        for z in [0.6_f64, 1.0, 4.0, 7.5] {
+            let value = (8.0 / (8.0 - 0.5) * (1.0 - 0.5 / z)) as f32;
+            assert!((f64::from(normal.depth(value, 1.0)) - z).abs() < 1e-5 * z, "{z}");
+            assert!((f64::from(reversed.depth(1.0 - value, 1.0)) - z).abs() < 1e-5 * z, "{z}");
+        }
+        assert_eq!((normal.depth(1.0, 1.0), reversed.depth(0.0, 1.0)), (f32::INFINITY, f32::INFINITY));
+        for range in [normal, reversed] {
+            for outside in [-0.1, 1.1, f32::NAN] {
+                assert!(range.depth(outside, 1.0).is_nan(), "{outside}");
+            }
+        }
+        assert!(normal.depth(0.0, 1.0).is_nan() && reversed.depth(1.0, 1.0).is_nan());
     }
 
     /// Bytes of any kind give a picture or an error, and no depth that is below the near plane.
@@ -285,8 +337,9 @@ mod tests {
             let index = (next() % 3) as u64;
             let yuv = YuvFile::new(file.path(), "test", format, size);
             let fits = bytes.len() as u64 >= (index + 1) * format.picture_bytes(size);
+            let zero_is_unknown = next().is_multiple_of(2);
             let range =
-                LevelRange { near: 0.5, far: f64::INFINITY, zero_is_unknown: next().is_multiple_of(2) };
+                LevelRange { near: 0.5, far: f64::INFINITY, order: LevelOrder::FromFar, zero_is_unknown };
             let (color, depth) = (yuv.color(index, ColorMatrix::default()), yuv.depth(index, &range));
             assert_eq!((color.is_ok(), depth.is_ok()), (fits, fits));
             if let (Ok(color), Ok(depth)) = (color, depth) {
