@@ -26,6 +26,7 @@ mod pivot;
 mod pose_convention;
 mod readers;
 mod recording;
+mod skipped;
 pub mod transforms;
 mod yuv;
 
@@ -38,5 +39,6 @@ pub(crate) use frame_cache::EXPECTED_IN_ONE_PIECE;
 pub use open::{Source, open};
 pub use parts::{Capture, CaptureParts, FrameSource, TruthLoader, TruthView};
 pub use pivot::pivot;
-pub use readers::{Description, Skipped};
+pub use readers::Description;
 pub use recording::{Addition, CoveredSet, GreedyCover, ViewChoice};
+pub use skipped::Skipped;

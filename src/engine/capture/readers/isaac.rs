@@ -11,7 +11,7 @@ use super::place::{SourceFolder, names_in};
 use super::reader::{Description, ReadSource, Reader};
 use super::views::{digits_between, entry, from_opengl, json, lens, pose_of_rows, rig_or_recording};
 use crate::capture::transforms::{Keys, PictureEntry};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Names of depth, and what it measures; planar comes first as it holds for every lens.
 const DEPTHS: [(&str, &str); 2] =
@@ -67,16 +67,20 @@ impl Reader for Isaac {
                     continue;
                 };
                 let path = place.join(&at(&name));
-                let camera: IsaacCamera = json(&path)?;
+                let Ok(camera) = json::<IsaacCamera>(&path) else {
+                    description.skip("whose camera cannot be read", at(&name));
+                    continue;
+                };
                 let keys = Keys {
                     camera: Some(if folder.is_empty() { "camera".to_owned() } else { folder.clone() }),
                     frame: number.parse().ok(),
                     depth_kind: Some(kind.to_owned()),
                     ..keys_of(&camera)
                 };
-                let pose = pose(&camera).ok_or_else(|| {
-                    Error::invalid(path.display(), "cameraViewTransform is no rotation and translation")
-                })?;
+                let Some(pose) = pose(&camera) else {
+                    description.skip("without a rigid pose", at(&name));
+                    continue;
+                };
                 frames.push(PictureEntry { keys, ..entry(color, Some(depth), &pose) });
                 inputs.push(path);
             }

@@ -31,7 +31,7 @@ mod text;
 mod views;
 
 pub(crate) use place::SourceFolder;
-pub use reader::{Description, Skipped};
+pub use reader::Description;
 pub(crate) use reader::{ReadSource, Reader, SaidBy};
 
 use std::path::Path;

@@ -1,10 +1,8 @@
 //! `transforms.json` of nerfstudio and instant-ngp, and our superset of it.
 
-use std::collections::BTreeSet;
-
 use super::place::SourceFolder;
 use super::reader::{Description, ReadSource, Reader, SaidBy};
-use crate::capture::transforms::{MANIFEST_NAME, Manifest, ManifestOrigin, PictureEntry};
+use crate::capture::transforms::{MANIFEST_NAME, Manifest, ManifestOrigin, is_recording};
 use crate::error::Result;
 
 /// Reads a manifest: the file itself, or the one in the folder.
@@ -29,27 +27,16 @@ impl Reader for Nerfstudio {
     fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let path = place.join(place.file.as_deref().unwrap_or(MANIFEST_NAME));
         let manifest = Manifest::read(&path)?;
-        let named =
-            manifest.keys.camera.is_some() || manifest.frames.iter().any(|it| it.keys.camera.is_some());
         let description = Description {
             source: self.source().to_owned(),
             poses: "camera to world; camera x right, y up, looking along −z".to_owned(),
-            is_recording: !named && is_moving(&manifest),
+            is_recording: is_recording(&manifest),
             found: manifest.frames.len(),
             ..Description::default()
         };
         let origin = ManifestOrigin::of_file(&path);
         Ok(ReadSource { manifest, origin, inputs: vec![path], description, said_by: SaidBy::Manifest })
     }
-}
-
-/// Whether every picture has a pose of its own.
-fn is_moving(manifest: &Manifest) -> bool {
-    let pose = |entry: &PictureEntry| -> Vec<u64> {
-        entry.transform_matrix.iter().flatten().map(|value| value.to_bits()).collect()
-    };
-    let distinct: BTreeSet<Vec<u64>> = manifest.frames.iter().map(pose).collect();
-    distinct.len() > 1 && distinct.len() == manifest.frames.len()
 }
 
 fn is_json(name: &str) -> bool {

@@ -60,7 +60,10 @@ impl Reader for Polycam {
                 continue;
             };
             let path = place.join(&format!("{root}{prefix}cameras/{name}"));
-            let camera: Map<String, Value> = json(&path)?;
+            let Ok(camera) = json::<Map<String, Value>>(&path) else {
+                description.skip("whose camera cannot be read", name);
+                continue;
+            };
             let number = |key: &str| {
                 camera
                     .get(key)

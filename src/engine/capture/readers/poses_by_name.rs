@@ -13,7 +13,6 @@ use super::views::{
 };
 use crate::capture::transforms::{DepthCameraKeys, Keys, PictureEntry};
 use crate::error::{Error, Result};
-use crate::plural::counted;
 
 /// `ScanNet` as its own reader exports it.
 ///
@@ -56,7 +55,7 @@ fn find_scannet(found: &mut Found<'_>) -> Result<()> {
             found.add(name, Err("without a pose or depth"));
             continue;
         }
-        let pose = pose_of_rows(&found.numbers(&path)?);
+        let pose = found.numbers(&path).ok().and_then(|rows| pose_of_rows(&rows));
         let picture = pose.map(|pose| entry(format!("color/{name}"), Some(depth), &pose));
         found.add(name, picture.ok_or("taken while tracking was lost"));
     }
@@ -97,11 +96,10 @@ fn find_seven_scenes(found: &mut Found<'_>) -> Result<()> {
         for name in names_in(&found.place.join(&folder))?.iter().filter(|name| is_pose(name)) {
             let base = at(name.trim_end_matches(".pose.txt"));
             let path = found.place.join(&at(name));
-            let rows = found.numbers(&path)?;
-            if rows.len() != 16 {
-                let what = format!("it has {} where a pose has 4 lines of 4", counted(rows.len(), "number"));
-                return Err(Error::invalid(path.display(), what));
-            }
+            let Some(rows) = found.numbers(&path).ok().filter(|rows| rows.len() == 16) else {
+                found.add(at(name), Err("poses that are not 4 lines of 4 numbers"));
+                continue;
+            };
             let endings = ["png", "jpg", "jpeg"].map(|ending| format!("{base}.color.{ending}"));
             let Some(color) = endings.into_iter().find(|color| found.has_file(color)) else {
                 found.add(at(name), Err("poses without color"));

@@ -128,13 +128,10 @@ fn poses_of_json(path: &Path) -> Result<Poses> {
     let pose = |(index, parameters): (usize, RedwoodPose)| {
         let columns = <[f64; 16]>::try_from(parameters.extrinsic).ok();
         let camera_from_world = columns.and_then(|m| pose_of_rows(&rows_of(DMat4::from_cols_array(&m))));
-        let Some(camera_from_world) = camera_from_world else {
-            let what = format!("parameters[{index}].extrinsic is no rigid pose of 16 numbers");
-            return Err(Error::invalid(path.display(), what));
-        };
-        Ok((index, pose_of_rows(&rows_of(camera_from_world.inverse().into()))))
+        let pose = camera_from_world.and_then(|pose| pose_of_rows(&rows_of(pose.inverse().into())));
+        (index, pose)
     };
-    json::<RedwoodTrajectory>(path)?.parameters.into_iter().enumerate().map(pose).collect()
+    Ok(json::<RedwoodTrajectory>(path)?.parameters.into_iter().enumerate().map(pose).collect())
 }
 
 /// A folder of color, a folder of depth, and one line a frame for its pose.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::place::SourceFolder;
+use crate::capture::skipped::Skipped;
 use crate::capture::transforms::{Manifest, ManifestOrigin, places_of};
 use crate::error::Result;
 use crate::plural::counted;
@@ -84,25 +85,10 @@ pub struct Description {
     pub notes: Vec<String>,
 }
 
-/// Pictures that are not read, for one reason.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Skipped {
-    /// How many.
-    pub count: usize,
-    /// Why.
-    pub reason: String,
-    /// The first of them.
-    pub first: String,
-}
-
 impl Description {
     /// Notes that a picture is left out.
     pub(crate) fn skip(&mut self, reason: impl Into<String>, name: impl Into<String>) {
-        let reason = reason.into();
-        match self.skipped.iter_mut().find(|skipped| skipped.reason == reason) {
-            Some(skipped) => skipped.count += 1,
-            None => self.skipped.push(Skipped { count: 1, reason, first: name.into() }),
-        }
+        Skipped::note(&mut self.skipped, reason, name);
     }
 
     /// All of it, one line each.
@@ -117,9 +103,7 @@ impl Description {
                 "one moving camera and a static scene: every picture is a camera of its own".to_owned(),
             );
         }
-        lines.extend(self.skipped.iter().map(|skipped| {
-            format!("left out: {} {} (first: {})", skipped.count, skipped.reason, skipped.first)
-        }));
+        lines.extend(self.skipped.iter().map(Skipped::line));
         lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
         lines
     }

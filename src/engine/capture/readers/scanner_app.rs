@@ -13,12 +13,12 @@ use super::views::{
     ARKIT_POSES, MILLIMETERS, digits_between, entry, from_opengl, json, lens, pose_of_rows, recording,
 };
 use crate::capture::transforms::{Keys, PictureEntry};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// 3D Scanner App.
 pub(super) struct ScannerApp;
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct FrameFile {
     #[serde(rename = "cameraPoseARFrame")]
@@ -58,10 +58,10 @@ impl Reader for ScannerApp {
                 continue;
             }
             let path = place.join(name);
-            let frame: FrameFile = json(&path)?;
+            let frame = json::<FrameFile>(&path).unwrap_or_default();
             let ([fx, _, cx, _, fy, cy, ..], 16) = (&frame.intrinsics[..], frame.pose.len()) else {
-                let what = "intrinsics has to be 9 numbers and cameraPoseARFrame 16";
-                return Err(Error::invalid(path.display(), what));
+                description.skip("whose intrinsics are not 9 numbers, or cameraPoseARFrame not 16", name);
+                continue;
             };
             let Some(pose) = pose_of_rows(&frame.pose) else {
                 description.skip("taken while tracking was lost", name);

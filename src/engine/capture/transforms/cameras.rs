@@ -1,62 +1,26 @@
 //! Who recorded which frame: entries of the manifest grouped by camera and time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
 use super::files::{PictureFiles, picture_path};
+use super::header_probe::{HeaderFacts, probe};
+use super::left_out::{self, Posed, UNREADABLE};
 use super::manifest::{Keys, Manifest, PictureEntry};
 use super::origin::ManifestOrigin;
+use super::placed_entry::PlacedEntry;
 use super::same_camera::refuse_motion;
-use super::{frame_numbers, header_probe, intrinsics, pose};
+use super::{frame_numbers, pose};
 use crate::capture::camera::Camera;
 use crate::capture::pictures::RayCache;
 use crate::capture::pose_convention::upright;
+use crate::capture::skipped::Skipped;
 use crate::error::{Error, Result};
 
 /// A camera that moves by more than this, relative to the distance from the origin, is warned of.
 const WARNED_MOTION: f64 = 1e-9;
-
-/// One entry of the manifest with its camera and frame decided.
-pub(super) struct PlacedEntry {
-    /// As the manifest has it.
-    pub file_path: String,
-    /// File, camera and frame, for messages.
-    pub place: String,
-    /// Name of its camera.
-    pub camera_name: String,
-    /// Number of its frame.
-    pub number: i64,
-    /// Where its pixels are and how they are read.
-    pub files: PictureFiles,
-    /// Its keys in the manifest: the entry's own before those of the whole.
-    pub keys: Keys,
-    world_from_camera: DAffine3,
-}
-
-impl PlacedEntry {
-    /// The camera of this entry alone, reading the picture's header where the manifest lacks its size.
-    pub(super) fn camera(&self) -> Result<Camera> {
-        let picture = &self.files.color;
-        self.camera_of_size(
-            || header_probe::picture_size(picture, &self.place),
-            || header_probe::pixel_aspect(picture),
-        )
-    }
-
-    fn camera_of_size(
-        &self,
-        size: impl FnOnce() -> Result<(usize, usize)>,
-        pixel_aspect: impl FnOnce() -> f64,
-    ) -> Result<Camera> {
-        Ok(Camera {
-            name: self.camera_name.clone(),
-            intrinsics: intrinsics::intrinsics(&self.keys, size, pixel_aspect, &self.place)?,
-            world_from_camera: self.world_from_camera,
-        })
-    }
-}
 
 /// All entries in the manifest's order, each with camera and frame.
 pub(super) fn entries(manifest: &Manifest, origin: &ManifestOrigin) -> Result<Vec<PlacedEntry>> {
@@ -67,7 +31,7 @@ pub(super) fn entries(manifest: &Manifest, origin: &ManifestOrigin) -> Result<Ve
         .iter()
         .enumerate()
         .map(|(index, entry)| {
-            let place = format!("{}, frames[{index}] ({})", path.display(), entry.file_path);
+            let place = pose::place_of(origin, index, &entry.file_path);
             pose::world_from_camera(&entry.transform_matrix, keys[index].pose_convention(), &place)
         })
         .collect::<Result<_>>()?;
@@ -92,6 +56,7 @@ pub(super) fn entries(manifest: &Manifest, origin: &ManifestOrigin) -> Result<Ve
             number,
             files,
             keys,
+            is_left_out: false,
             world_from_camera: poses[index],
         });
     }
@@ -154,10 +119,11 @@ pub(super) struct CameraFiles {
 }
 
 impl CameraFiles {
-    /// Groups the entries of a manifest.
+    /// Groups the entries of a manifest. Every file is looked for; pictures that cannot be used are left out with a warning.
     ///
     /// # Errors
-    /// `Invalid` for a camera without one of the frames, or with one twice; `Unsupported` for one that moves.
+    /// `Invalid` for a camera without one of the frames, or with one twice, and where no picture is left; `Unsupported` for a camera
+    /// that moves.
     pub(super) fn group(manifest: &Manifest, origin: &ManifestOrigin) -> Result<Self> {
         let path = &origin.path;
         let mut warnings = Vec::new();
@@ -168,9 +134,9 @@ impl CameraFiles {
                 path.display()
             ));
         }
-        let mut order: Vec<String> = Vec::new();
-        let mut by_camera: BTreeMap<String, BTreeMap<i64, PlacedEntry>> = BTreeMap::new();
-        let entries = entries(manifest, origin)?;
+        let Posed { manifest, faults, mut skipped } = left_out::with_possible_poses(manifest, origin)?;
+        let mut entries = entries(&manifest, origin)?;
+        left_out::leave_out(&mut entries, faults, &mut skipped)?;
         if entries.iter().all(|entry| entry.keys.frame.or(entry.keys.time).is_none()) {
             let names: Vec<String> = entries.iter().map(|entry| entry.camera_name.clone()).collect();
             frame_numbers::refuse_gaps(&manifest.frames, &names, path)?;
@@ -179,23 +145,19 @@ impl CameraFiles {
             entries.iter().filter(|_| is_ranked).filter_map(|entry| Some((entry.number, entry.keys.time?)));
         let times = times.collect();
         let are_unnamed = entries.iter().all(|entry| entry.keys.camera.is_none());
-        for entry in entries {
-            if !by_camera.contains_key(&entry.camera_name) {
-                order.push(entry.camera_name.clone());
-            }
-            let frames = by_camera.entry(entry.camera_name.clone()).or_default();
-            if let Some(first) = frames.get(&entry.number) {
-                let what =
-                    format!("this camera has that frame already, in {}; take one out", first.file_path);
-                return Err(Error::invalid(&entry.place, what));
-            }
-            frames.insert(entry.number, entry);
+        let (order, mut by_camera) = by_camera(entries)?;
+        // Frames that no camera has are none.
+        let read = by_camera.values().flatten().filter(|(_, entry)| !entry.is_left_out);
+        let frame_numbers: BTreeSet<i64> = read.map(|(number, _)| *number).collect();
+        by_camera.values_mut().for_each(|frames| frames.retain(|number, _| frame_numbers.contains(number)));
+        let frame_numbers: Vec<i64> = frame_numbers.into_iter().collect();
+        if !are_unnamed && !is_ranked {
+            left_out::fill_gaps(&mut by_camera, &frame_numbers, &mut skipped);
         }
-        let mut frame_numbers: Vec<i64> = by_camera.values().flat_map(BTreeMap::keys).copied().collect();
-        frame_numbers.sort_unstable();
-        frame_numbers.dedup();
+        warnings.extend(skipped.iter().map(Skipped::line));
         let mut recording =
             Self { cameras: Vec::new(), frame_numbers, is_ranked, entries: Vec::new(), warnings };
+        let mut unreadable = Vec::new();
         for name in &order {
             if let Some(frames) = by_camera.remove(name) {
                 if let Some(missing) =
@@ -204,19 +166,64 @@ impl CameraFiles {
                     let poses = are_unnamed.then_some(order.len());
                     return Err(no_such_frame(name, *missing, &times, poses, path));
                 }
-                recording.add_camera(name, frames)?;
+                match recording.add_camera(name, frames) {
+                    Err(error) if recording.is_of_one_frame() => unreadable.push(error),
+                    added => added?,
+                }
             }
         }
+        recording.leave_out_unreadable(unreadable)?;
         Ok(recording)
+    }
+
+    /// Whether every camera has one picture, so that one that cannot be read leaves the others as they are.
+    fn is_of_one_frame(&self) -> bool {
+        self.frame_numbers.len() == 1
+    }
+
+    /// Notes pictures that cannot be read, which are cameras no more.
+    ///
+    /// # Errors
+    /// The first one's, if no other picture is left.
+    fn leave_out_unreadable(&mut self, errors: Vec<Error>) -> Result<()> {
+        let mut skipped = Vec::new();
+        errors.iter().for_each(|error| Skipped::note(&mut skipped, UNREADABLE, error.to_string()));
+        self.warnings.extend(skipped.iter().map(Skipped::line));
+        match errors.into_iter().next() {
+            Some(error) if self.cameras.is_empty() => Err(error),
+            _ => Ok(()),
+        }
+    }
+
+    /// What the headers of each camera's first picture tell. Of cameras of one picture, those are left out whose picture cannot be
+    /// read.
+    ///
+    /// # Errors
+    /// Whatever makes a picture unreadable: no color, no depth, another size.
+    pub(super) fn probe(&mut self) -> Result<Vec<HeaderFacts>> {
+        let probes = self.cameras.iter().zip(self.first_read());
+        let probes: Vec<Result<HeaderFacts>> =
+            probes.map(|(camera, first)| probe(&first.files, camera, &first.place)).collect();
+        if !self.is_of_one_frame() {
+            return probes.into_iter().collect();
+        }
+        let mut is_readable = probes.iter().map(Result::is_ok).collect::<Vec<_>>().into_iter();
+        let mut is_kept = is_readable.clone();
+        self.cameras.retain(|_| is_readable.next().unwrap_or(false));
+        self.entries.retain(|_| is_kept.next().unwrap_or(false));
+        let (found, errors): (Vec<_>, Vec<_>) = probes.into_iter().partition(Result::is_ok);
+        self.leave_out_unreadable(errors.into_iter().filter_map(Result::err).collect())?;
+        found.into_iter().collect()
     }
 
     fn add_camera(&mut self, name: &str, frames: BTreeMap<i64, PlacedEntry>) -> Result<()> {
         let frames: Vec<PlacedEntry> = frames.into_values().collect();
-        let Some(first) = frames.first() else { return Ok(()) };
+        let mut read = frames.iter().filter(|entry| !entry.is_left_out);
+        let Some(first) = read.next() else { return Ok(()) };
         let camera = first.camera()?;
         let size = camera.intrinsics.size();
         let mut moved: f64 = 0.0;
-        for entry in &frames[1..] {
+        for entry in read {
             let other = entry.camera_of_size(|| Ok(size), || camera.intrinsics.fy / camera.intrinsics.fx)?;
             refuse_motion(&camera, &other, first.number, &entry.place)?;
             moved = moved.max(camera.position_in_world().distance(other.position_in_world()));
@@ -232,10 +239,33 @@ impl CameraFiles {
         Ok(())
     }
 
-    /// Looks for every file, so that a missing one is known before hours of work.
-    pub(super) fn check_files_exist(&self) -> Result<()> {
-        self.entries.iter().flatten().try_for_each(|entry| entry.files.check_exist(&entry.place))
+    /// The first picture of each camera that is read.
+    pub(super) fn first_read(&self) -> impl Iterator<Item = &PlacedEntry> {
+        self.entries.iter().filter_map(|frames| frames.iter().find(|entry| !entry.is_left_out))
     }
+}
+
+/// The names of the cameras in order of appearance, and their entries by number.
+type ByCamera = (Vec<String>, BTreeMap<String, BTreeMap<i64, PlacedEntry>>);
+
+/// The entries of each camera of which any is read.
+fn by_camera(entries: Vec<PlacedEntry>) -> Result<ByCamera> {
+    let read = entries.iter().filter(|entry| !entry.is_left_out);
+    let cameras: BTreeSet<String> = read.map(|entry| entry.camera_name.clone()).collect();
+    let mut order: Vec<String> = Vec::new();
+    let mut by_camera: BTreeMap<String, BTreeMap<i64, PlacedEntry>> = BTreeMap::new();
+    for entry in entries.into_iter().filter(|entry| cameras.contains(&entry.camera_name)) {
+        if !by_camera.contains_key(&entry.camera_name) {
+            order.push(entry.camera_name.clone());
+        }
+        let frames = by_camera.entry(entry.camera_name.clone()).or_default();
+        if let Some(first) = frames.get(&entry.number) {
+            let what = format!("this camera has that frame already, in {}; take one out", first.file_path);
+            return Err(Error::invalid(&entry.place, what));
+        }
+        frames.insert(entry.number, entry);
+    }
+    Ok((order, by_camera))
 }
 
 /// The error of a camera without one of the frames. `times` are those that frames were ranked by, and `poses` how many cameras

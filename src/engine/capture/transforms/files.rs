@@ -141,8 +141,8 @@ impl PictureFiles {
         })
     }
 
-    /// Looks for the files.
-    pub(crate) fn check_exist(&self, place: &str) -> Result<()> {
+    /// The first of the files that is missing: which of them, and the error.
+    pub(crate) fn missing(&self, place: &str) -> Option<(&'static str, Error)> {
         let more = [&self.depth, &self.normal, &self.confidence, &self.mask].map(Option::as_ref);
         let [depth, normal, confidence, mask] = more;
         for (name, path) in [
@@ -156,7 +156,7 @@ impl PictureFiles {
                 && !path.is_file()
             {
                 let what = format!(
-                    "the {what} file {} is missing; put it back or take its entry out of the manifest",
+                    "the {name} file {} is missing; put it back or take its entry out of the manifest",
                     path.display()
                 );
                 return Some((name, Error::invalid(place, what)));

@@ -71,6 +71,17 @@ fn mask_out(
     Ok(())
 }
 
+/// The frame of a picture that is left out.
+pub(super) fn without_samples(camera: &Camera, normals: bool) -> Frame {
+    let (width, height) = camera.intrinsics.size();
+    Frame {
+        color: Grid::filled(width, height, [half::f16::ZERO; 3]),
+        inverse_depth: Grid::filled(width, height, INVALID_INVERSE_DEPTH),
+        normal_in_world: normals.then(|| Grid::filled(width, height, [0.0; 3])),
+        depth_step_relative: 0.0,
+    }
+}
+
 /// Decodes one frame; `place` names file, camera and frame in errors.
 ///
 /// # Errors
@@ -122,18 +133,6 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
     Ok(frame)
 }
 
-fn read_color_file(
-    files: &PictureFiles,
-    camera: &Camera,
-    place: &str,
-    need: NeededPlanes,
-) -> Result<PictureParts> {
-    let size = camera.intrinsics.size();
-    if format_of(&files.color, place)? == PictureFormat::Yuv {
-        let color = ColorPlanes::Single(files.raw_video.color(&files.color, place, size)?);
-        return Ok(PictureParts { color, alpha: None, depth: None, normal: None });
-    }
-    if format_of(&files.color, place)? != PictureFormat::Exr {
 /// Pixels of a picture that are no samples because they are transparent; `None` where alpha says nothing, or is not used.
 ///
 /// # Errors
@@ -151,7 +150,20 @@ pub(super) fn transparent_pixels(
     Ok(alpha.and_then(|alpha| alpha.transparent_pixels(&colors)))
 }
 
+fn read_color_file(
+    files: &PictureFiles,
+    camera: &Camera,
+    place: &str,
+    need: NeededPlanes,
+) -> Result<PictureParts> {
+    let size = camera.intrinsics.size();
+    if format_of(&files.color, place)? == PictureFormat::Yuv {
+        let color = ColorPlanes::Single(files.raw_video.color(&files.color, place, size)?);
+        return Ok(PictureParts { color, alpha: None, depth: None, normal: None });
+    }
+    if format_of(&files.color, place)? != PictureFormat::Exr {
         let (color, alpha) = pictures::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
+        let alpha = alpha.map(|values| AlphaPlane { values, is_associated: false });
         return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
     let picture = ExrPicture::open(&files.color, files, files.wishes_of_color_file(), camera, place)?;
@@ -164,7 +176,6 @@ pub(super) fn transparent_pixels(
     let mut wanted = picture.color()?.to_vec();
     wanted.extend(picture.names.alpha);
     wanted.extend(depth.iter().flat_map(DepthChannels::indices));
-        let alpha = alpha.map(|values| AlphaPlane { values, is_associated: false });
     if wants_normals {
         wanted.extend(picture.normal()?);
     }
@@ -177,8 +188,8 @@ pub(super) fn transparent_pixels(
         ColorPlanes::from([(); 3].map(|()| planes.take()))
     };
     let alpha = picture.names.alpha.map(|_| planes.take_single());
+    let alpha = alpha.map(|values| AlphaPlane { values, is_associated: true });
     let depth = depth.map(|channels| planes.take_depth(channels, &picture, camera)).transpose()?;
     let normal = wants_normals.then(|| planes.take_three());
     Ok(PictureParts { color, alpha, depth, normal })
 }
-    let alpha = alpha.map(|values| AlphaPlane { values, is_associated: true });

@@ -5,6 +5,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::origin::ManifestOrigin;
 use crate::capture::pose_convention::PoseConvention;
 use crate::error::{Error, Result};
 
@@ -31,7 +32,22 @@ pub(super) fn world_from_camera(
     convention: PoseConvention,
     place: &str,
 ) -> Result<DAffine3> {
-    let refuse = |what: &str| Err(Error::invalid(place, format!("transform_matrix {what}")));
+    checked(rows, convention).map_err(|what| refused(place, what))
+}
+
+/// The error of a pose; `what` as [`checked`] gives it.
+pub(super) fn refused(place: &str, what: &str) -> Error {
+    Error::invalid(place, format!("transform_matrix {what}"))
+}
+
+/// Where the pose of an entry is, for messages.
+pub(super) fn place_of(origin: &ManifestOrigin, index: usize, file_path: &str) -> String {
+    format!("{}, frames[{index}] ({file_path})", origin.path.display())
+}
+
+/// As [`world_from_camera`]; the error is what the matrix is or does, and advice behind a semicolon.
+pub(super) fn checked(rows: &[Vec<f64>], convention: PoseConvention) -> Result<DAffine3, &'static str> {
+    let refuse = |what: &'static str| Err(what);
     let has_shape = (3..=4).contains(&rows.len()) && rows.iter().all(|row| row.len() == 4);
     if !has_shape {
         return refuse("is not 4×4; write it row by row");

@@ -5,9 +5,10 @@
 
 use rayon::prelude::*;
 
-use super::cameras::{CameraFiles, PlacedEntry};
+use super::cameras::CameraFiles;
 use super::exr_picture::{DecodedPlanes, DepthChannels, ExrPicture};
 use super::files::PictureFiles;
+use super::placed_entry::PlacedEntry;
 use crate::capture::camera::Camera;
 use crate::capture::exr::DepthKind;
 use crate::capture::pictures::{PictureFormat, format_of};
@@ -22,7 +23,7 @@ pub(crate) fn prefer_to_contradicting_depth(recording: &mut CameraFiles, warning
     let cameras: Vec<(&Camera, &[PlacedEntry])> =
         recording.cameras.iter().zip(recording.entries.iter().map(Vec::as_slice)).collect();
     let of_camera = |(camera, entries): &(&Camera, &[PlacedEntry])| {
-        let first = entries.first()?;
+        let first = entries.iter().find(|entry| !entry.is_left_out)?;
         // A frame that cannot be read gives its error when it is loaded.
         distance(&first.files, camera, &first.place).ok().flatten()
     };

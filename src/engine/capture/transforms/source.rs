@@ -1,8 +1,9 @@
 //! The files of a capture as a source of frames.
 
 use super::cameras::CameraFiles;
-use super::header_probe::{HeaderFacts, probe};
+use super::header_probe::HeaderFacts;
 use super::load::{self, NeededPlanes};
+use super::placed_entry::PlacedEntry;
 use crate::capture::depth_claim::DepthClaim;
 use crate::capture::frame::Frame;
 use crate::capture::parts::FrameSource;
@@ -17,9 +18,19 @@ pub(super) struct FileSource {
     pub has_normals: bool,
 }
 
+impl FileSource {
+    /// The first picture that is read.
+    pub(super) fn first_entry(&self) -> Option<&PlacedEntry> {
+        self.recording.first_read().next()
+    }
+}
+
 impl FrameSource for FileSource {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
         let entry = &self.recording.entries[camera][frame];
+        if entry.is_left_out {
+            return Ok(load::without_samples(&self.recording.cameras[camera], self.has_normals));
+        }
         let need = NeededPlanes::Geometry { normals: self.has_normals };
         load::frame(&entry.files, &self.recording.cameras[camera], &entry.place, need)
     }
@@ -49,23 +60,24 @@ impl FrameSource for FileSource {
     }
 
     fn files(&self, camera: usize, frame: usize) -> Vec<std::path::PathBuf> {
-        let files = &self.recording.entries[camera][frame].files;
+        let entry = &self.recording.entries[camera][frame];
+        if entry.is_left_out {
+            return Vec::new();
+        }
+        let files = &entry.files;
         let more = [&files.depth, &files.normal, &files.confidence, &files.mask];
         std::iter::once(&files.color).chain(more.into_iter().flatten()).cloned().collect()
     }
 }
 
-/// Reads the headers of every camera's first frame, and gives whether all of them have normals.
-///
-/// # Errors
-/// Whatever makes these frames unreadable: no color, no depth, another size.
-pub(super) fn normals_in_all_cameras(recording: &CameraFiles, warnings: &mut Vec<String>) -> Result<bool> {
-    let mut probes = Vec::new();
-    for (camera, frames) in recording.cameras.iter().zip(&recording.entries) {
-        if let Some(first) = frames.first() {
-            probes.push((camera.name.as_str(), probe(&first.files, camera, &first.place)?));
-        }
-    }
+/// Whether all cameras have normals, by the headers of their first frames, with warnings about what these say.
+pub(super) fn normals_in_all_cameras(
+    recording: &CameraFiles,
+    probes: &[HeaderFacts],
+    warnings: &mut Vec<String>,
+) -> bool {
+    let names = recording.cameras.iter().map(|camera| camera.name.as_str());
+    let probes: Vec<(&str, &HeaderFacts)> = names.zip(probes).collect();
     let cameras = |is_so: fn(&HeaderFacts) -> bool| -> Vec<&str> {
         probes.iter().filter(|(_, probe)| is_so(probe)).map(|(name, _)| *name).collect()
     };

@@ -46,15 +46,23 @@ impl Reader for ExrHeader {
     fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let pictures = pictures(place);
         let is_unreal = unreal::is_of(&HeaderAttributes::read(&place.join(&pictures[0].path))?);
-        let description = description(is_unreal, self.source());
-        let mut frames = Vec::new();
+        let mut description = description(is_unreal, self.source());
+        let (mut frames, mut first_error) = (Vec::new(), None);
         for picture in &pictures {
             let path = place.join(&picture.path);
-            let header = HeaderAttributes::read(&path)?;
-            let camera =
-                if is_unreal { unreal::camera(&header, &path)? } else { projection::camera(&header, &path)? };
+            let read = |header: HeaderAttributes| {
+                let camera = if is_unreal { unreal::camera } else { projection::camera };
+                Ok((camera(&header, &path)?, header.size))
+            };
+            let (camera, (width, height)) = match HeaderAttributes::read(&path).and_then(read) {
+                Ok(found) => found,
+                Err(error) => {
+                    description.skip("whose header cannot be read", picture.path.clone());
+                    first_error.get_or_insert(error);
+                    continue;
+                }
+            };
             let [fx, fy, cx, cy] = camera.lens;
-            let (width, height) = header.size;
             let keys = Keys {
                 camera: Some(picture.camera.clone()),
                 frame: Some(picture.number as f64),
@@ -64,6 +72,9 @@ impl Reader for ExrHeader {
             };
             frames
                 .push(PictureEntry { keys, ..entry(picture.path.clone(), None, &camera.world_from_camera) });
+        }
+        if let (Some(error), true) = (first_error, frames.is_empty()) {
+            return Err(error);
         }
         let inputs = pictures.iter().map(|picture| place.join(&picture.path)).collect();
         rig_or_recording(place, keys_of_all(is_unreal), frames, description, inputs)
