@@ -10,8 +10,8 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Takes the depth of `pixels` out of a picture.
-fn lose_depth(path: &Path, pixels: usize) {
+/// Changes the depth of each pixel of a picture, given its index.
+fn change_depth(path: &Path, change: impl Fn(usize, f32) -> f32) {
     let mut picture = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -23,8 +23,39 @@ fn lose_depth(path: &Path, pixels: usize) {
     let channels = &mut picture.layer_data.channel_data.list;
     let depth = channels.iter_mut().find(|channel| channel.name.eq("Z")).unwrap();
     let exr::prelude::FlatSamples::F32(values) = &mut depth.sample_data else { panic!("depth is f32") };
-    values[..pixels].fill(f32::NAN);
+    values.iter_mut().enumerate().for_each(|(index, value)| *value = change(index, *value));
     picture.write().to_file(path).unwrap();
+}
+
+/// The same of all pictures of the capture `scene` in a folder.
+fn change_all_depth(folder: &Path, change: impl Fn(usize, f32) -> f32) {
+    let manifest = std::fs::read_to_string(folder.join("scene/transforms.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&manifest).unwrap();
+    for entry in manifest["frames"].as_array().unwrap() {
+        change_depth(&folder.join("scene").join(entry["file_path"].as_str().unwrap()), &change);
+    }
+}
+
+#[test]
+fn preprocess_says_what_info_says_of_another_unit_on_exact_and_on_noisy_depth() {
+    let demo = ["demo", "orrery", "--out", "scene", "--cameras", "4", "--frames", "1", "--size", "64x48"];
+    for noise in [0.0, 0.01] {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        succeed(overlook(folder, &demo));
+        let off = |index: usize| noise * ((index.wrapping_mul(7919) % 2001) as f32 / 1000.0 - 1.0);
+        change_all_depth(
+            folder,
+            |index, depth| if depth < 1e9 { 1000.0 * depth * (1.0 + off(index)) } else { depth },
+        );
+        let info = succeed(overlook(folder, &["info", "scene", "--json"]));
+        let info: Value = serde_json::from_slice(&info.stdout).unwrap();
+        let sentence = info["conventions"]["sentence"].as_str().unwrap();
+        assert!(sentence.contains("write \"depth_unit_scale_factor\": 0.001"), "{noise}: {sentence}");
+        let said = text(&succeed(overlook(folder, &["preprocess", "scene", "--out", "scene.ovl"])).stderr);
+        assert!(said.contains(&format!("overlook: warning: {sentence}\n")), "{noise}: {said}");
+        assert!(!said.contains("agrees with no other"), "{noise}: no camera is to blame: {said}");
+    }
 }
 
 #[test]
@@ -34,11 +65,7 @@ fn pixels_without_depth_are_told_and_pass_for_no_redundancy_between_cameras() {
     let whole = text(&succeed(overlook(folder, &["preprocess", "scene", "--out", "whole.ovl"])).stdout);
     assert!(!whole.contains("without depth"), "{whole}");
 
-    let manifest = std::fs::read_to_string(folder.join("scene/transforms.json")).unwrap();
-    let manifest: Value = serde_json::from_str(&manifest).unwrap();
-    for entry in manifest["frames"].as_array().unwrap() {
-        lose_depth(&folder.join("scene").join(entry["file_path"].as_str().unwrap()), 100);
-    }
+    change_all_depth(folder, |index, depth| if index < 100 { f32::NAN } else { depth });
     let keep = ["preprocess", "scene", "--out", "scene.ovl", "--set", "pruning.method=off"];
     let told = text(&succeed(overlook(folder, &keep)).stdout);
     let line = format!("  without depth {:>10}\n", 4 * 100);

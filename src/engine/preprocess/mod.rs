@@ -29,6 +29,7 @@ mod traversal;
 mod views;
 
 pub use prepared_scan::PreparedScan;
+pub(crate) use prepared_scan::better_conventions;
 pub(crate) use traversal::prune_run;
 
 use std::sync::{Arc, OnceLock};
@@ -148,6 +149,7 @@ fn prune_into(
     images.sort();
     let mut report = counts.finish(capture.cameras.len(), images.facts());
     report.alignment = scan.alignment().cloned();
+    report.note_conventions(scan.conventions());
     report.seconds = started.elapsed().as_secs_f64();
     let settings = aligned_settings(settings, scan.alignment());
     Ok(BufferedResult { outline: sample_set(capture, &settings, Vec::new()), images, report })

@@ -13,6 +13,7 @@ use super::pruning::{PrunedBackground, SpanStack, StaticLayer, rated, static_lay
 use super::registration::CameraPairs;
 use super::temporal::{self, TemporalScan};
 use crate::alignment::{self, Aligned, Alignment};
+use crate::capture::conventions::{self, Finding};
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
@@ -26,6 +27,7 @@ use crate::settings::{
 pub struct PreparedScan {
     scan: TemporalScan,
     aligned: Aligned,
+    conventions: Option<Finding>,
     align: AlignSettings,
     static_layers: Last<StaticKey, Arc<Vec<StaticLayer>>>,
     frame: Last<PreparedFrameKey, Arc<FrameLayers>>,
@@ -33,21 +35,28 @@ pub struct PreparedScan {
 }
 
 impl PreparedScan {
-    /// Corrects the rig's errors, and passes over all frames.
+    /// Asks whether the capture is read as it is meant, corrects the rig's errors, and passes over all frames.
     ///
     /// # Errors
     /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be written, and `Cancelled`.
     pub(crate) fn new(capture: &Capture, settings: &Settings, job: &Job) -> Result<Self> {
+        let conventions = better_conventions(capture)?;
         let aligned = alignment::align(capture, &settings.align, job)?;
         let scan = temporal::scan(&aligned.capture, settings, job)?;
-        Ok(Self::of(scan, aligned, &settings.align))
+        Ok(Self::of(scan, aligned, conventions, &settings.align))
     }
 
-    /// A scan of a capture that was aligned with these settings.
-    pub(crate) fn of(scan: TemporalScan, aligned: Aligned, align: &AlignSettings) -> Self {
+    /// A scan of a capture that was aligned with these settings; `conventions` are those that would fit far better than its own.
+    pub(crate) fn of(
+        scan: TemporalScan,
+        aligned: Aligned,
+        conventions: Option<Finding>,
+        align: &AlignSettings,
+    ) -> Self {
         Self {
             scan,
             aligned,
+            conventions,
             align: align.clone(),
             static_layers: Last::default(),
             frame: Last::default(),
@@ -67,6 +76,12 @@ impl PreparedScan {
         self.aligned.alignment.as_ref()
     }
 
+    /// How poses and depth would fit far better between cameras than as the capture says, where they would.
+    #[must_use]
+    pub fn conventions(&self) -> Option<&Finding> {
+        self.conventions.as_ref()
+    }
+
     /// The settings that the capture was aligned with.
     #[must_use]
     pub fn align_settings(&self) -> &AlignSettings {
@@ -84,6 +99,17 @@ impl PreparedScan {
         let spans = self.scan.served(&settings.spans);
         Settings { spans, align: self.align.clone(), ..settings.clone() }
     }
+}
+
+/// How poses and depth would fit far better between the cameras of a capture than as it says, where they would.
+///
+/// # Errors
+/// Those of reading a few frames.
+pub(crate) fn better_conventions(capture: &Capture) -> Result<Option<Finding>> {
+    if capture.cameras.len() < 2 || capture.frame_count() == 0 {
+        return Ok(None);
+    }
+    Ok(Some(conventions::check(capture)?).filter(|found| found.alternative().is_some()))
 }
 
 impl Deref for PreparedScan {

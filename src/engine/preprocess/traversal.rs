@@ -36,7 +36,7 @@ pub(crate) fn prune_run(
     let background = PrunedBackground::of(capture, scan, settings, job)?;
     let normal_errors = scan.normal_errors(&settings.normals, job)?;
     let mut tally = Tally::new(capture, scan, &normal_errors, settings);
-    tally.add_noise_between(&capture.cameras, &background.layers)?;
+    tally.add_noise_between(&capture.cameras, &background.layers);
     let pairs = CameraPairs::new(&capture.cameras);
     let packing = Packing { pairs: &pairs, settings };
     let mut residuals = Residuals::new(&pairs, scan.frames);

@@ -60,17 +60,9 @@ impl OverlookApp {
             Ok(finding) => readings.finding = Some(finding),
             Err(trouble) => readings.trouble = Some(trouble),
         }
-        let Some(told) = readings.finding.as_ref().and_then(|finding| {
-            let other = finding.alternative()?;
-            Some(format!(
-                "The views agree better ({:.0} % of the points, against {:.0} % as read) {}. Nothing was changed.",
-                100.0 * other.score,
-                100.0 * finding.claimed_score.max(0.0),
-                other.meaning(&finding.claimed)
-            ))
-        }) else {
-            return;
-        };
+        let warning = readings.finding.as_ref().and_then(|finding| finding.warning());
+        let Some(warning) = warning else { return };
+        let told = format!("{warning}. Nothing was changed");
         let title = "Check the capture: another reading fits better";
         self.state.warn_with_link(title, model::sentence(&told), NoticeLink::Readings);
     }

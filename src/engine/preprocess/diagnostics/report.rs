@@ -179,6 +179,14 @@ impl Report {
         self.cameras.iter().fold(0, |sum, camera| sum.saturating_add(camera.invalid))
     }
 
+    /// Notes how else the capture is to be read, which explains what samples say of depth alone.
+    pub(crate) fn note_conventions(&mut self, found: Option<&Finding>) {
+        self.conventions = found.cloned();
+        if found.is_some() {
+            self.better_reading = None;
+        }
+    }
+
     /// Warnings about cameras that do not fit the others, and about normals that do not fit the depth.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -200,11 +208,13 @@ impl Report {
             .filter_map(|camera| Some((camera.name.as_str(), camera.normals_off_degrees?)));
         let normals = normals::normal_space_warning(&off.collect::<Vec<_>>());
         let normals = normals.map(|sentence| (Suspect::Normals, sentence));
+        // Where all are read otherwise than meant, no camera is to blame by itself.
+        if let Some(reading) = self.conventions.as_ref().and_then(Finding::warning) {
+            return normals.into_iter().chain([(Suspect::Depth, reading)]).collect();
+        }
         if let Some(shared) = shared_warning(&self.residuals, self.noise_footprints()) {
             // Cameras that are noisy beside each other disagree whatever their depth is taken for.
-            let found = self.conventions.as_ref().and_then(Finding::warning);
-            let found = found.or(self.better_reading.map(DepthReading::sentence));
-            let reading = found.map(|found| format!("; {found}"));
+            let reading = self.better_reading.map(|found| format!("; {}", found.sentence()));
             if reading.is_some() || !self.is_noisy() {
                 let sentence = shared.sentence() + &reading.unwrap_or_default();
                 return normals.into_iter().chain([(Suspect::Depth, sentence)]).collect();

@@ -4,15 +4,13 @@ use rayon::prelude::*;
 
 use super::depth_reading::{DepthReading, better_reading};
 use super::report::{CameraReport, DepthNoise, Report, STATIC_RULE};
-use crate::capture::conventions::{self, DepthClaim, PoseConvention};
-use crate::capture::{Camera, Capture, INVALID_INVERSE_DEPTH};
-use crate::error::Result;
+use crate::capture::{Camera, Capture};
 use crate::median::median_f32;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{LevelVerdicts, Rule};
-use crate::preprocess::temporal::{CameraScan, ROOT, RangeFacts, SpanLevel, TemporalScan};
+use crate::preprocess::temporal::{CameraScan, RangeFacts, TemporalScan};
 use crate::samples::Span;
 use crate::settings::{NormalSource, Settings};
 
@@ -32,8 +30,6 @@ fn range_facts(scan: &TemporalScan, settings: &Settings) -> Vec<RangeFacts> {
 pub(crate) struct Tally {
     report: Report,
     frames: u64,
-    depth_claim: DepthClaim,
-    pose_convention: PoseConvention,
     /// Whether nothing was counted yet: the span of all frames comes first, also where a frame is as long.
     is_first: bool,
 }
@@ -74,47 +70,20 @@ impl Tally {
             foreground_per_frame: vec![0; scan.frames],
             ..Report::default()
         };
-        let (depth_claim, pose_convention) = (capture.source.depth_claim(), capture.source.pose_convention());
-        Self { report, frames, depth_claim, pose_convention, is_first: true }
+        Self { report, frames, is_first: true }
     }
 
     /// Notes how noisy cameras are beside each other. If any is, notes also whether another reading of its depth fits better.
-    ///
-    /// # Errors
-    /// None of its own.
-    pub(crate) fn add_noise_between(&mut self, cameras: &[Camera], layers: &[CameraLayer]) -> Result<()> {
+    pub(crate) fn add_noise_between(&mut self, cameras: &[Camera], layers: &[CameraLayer]) {
         if layers.iter().any(|layer| layer.noise_between.is_some()) {
-            let lasting = |(level, inverse_depth): (&SpanLevel, &f32)| {
-                if *level == ROOT { *inverse_depth } else { INVALID_INVERSE_DEPTH }
-            };
-            let inverse_depths = |camera: usize| {
-                let CameraLayer { level, inverse_depth, .. } = &layers[camera];
-                Ok(level.iter().zip(inverse_depth).map(lasting).collect())
-            };
-            self.add_reading(cameras, inverse_depths, || Ok(better_reading(cameras, layers)))?;
+            self.add_reading(better_reading(cameras, layers));
         }
         layers.iter().enumerate().for_each(|(camera, layer)| self.add_noise_of(camera, layer));
-        Ok(())
     }
 
-    /// Notes whether another convention makes the pictures of noisy cameras agree; if none does, notes the reading of depth that
-    /// `better` finds.
-    ///
-    /// # Errors
-    /// Those of `inverse_depths` and `better`.
-    pub(crate) fn add_reading(
-        &mut self,
-        cameras: &[Camera],
-        inverse_depths: impl Fn(usize) -> Result<Vec<f32>> + Sync,
-        better: impl FnOnce() -> Result<Option<DepthReading>>,
-    ) -> Result<()> {
-        let (claim, pose) = (&self.depth_claim, self.pose_convention);
-        let found = conventions::check_pictures(cameras, claim, pose, inverse_depths)?;
-        self.report.conventions = Some(found).filter(|found| found.warning().is_some());
-        if self.report.conventions.is_none() {
-            self.report.better_reading = better()?;
-        }
-        Ok(())
+    /// Notes the reading of depth that brings the samples of noisy cameras far closer together.
+    pub(crate) fn add_reading(&mut self, better: Option<DepthReading>) {
+        self.report.better_reading = better;
     }
 
     /// Notes how noisy a camera is beside others.

@@ -38,6 +38,7 @@ pub fn join_pruned<'a>(
     images.sort();
     let mut report = counts.finish(aligned.capture.cameras.len(), images.facts());
     report.alignment.clone_from(&aligned.alignment);
+    report.note_conventions(measured.conventions.as_ref());
     let settings = aligned_settings(settings, aligned.alignment.as_ref());
     Ok(BufferedResult { outline: sample_set(&aligned.capture, &settings, Vec::new()), images, report })
 }

@@ -8,9 +8,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::{self, Aligned, Alignment, CaptureCorrection};
+use crate::capture::conventions::Finding;
 use crate::capture::{Capture, with_changed_frames};
 use crate::error::Result;
 use crate::job::Job;
+use crate::preprocess::better_conventions;
 use crate::preprocess::temporal::{self, CameraPreview};
 use crate::settings::Settings;
 
@@ -19,6 +21,9 @@ use crate::settings::Settings;
 pub struct Measured {
     correction: CaptureCorrection,
     alignment: Option<Alignment>,
+    /// How poses and depth would fit far better between cameras than as the capture says, where they would.
+    #[serde(default)]
+    pub(super) conventions: Option<Finding>,
     pub(super) cameras: Vec<CameraPreview>,
     /// Cameras and frames that were read.
     frames_read: BTreeSet<(usize, usize)>,
@@ -44,6 +49,7 @@ impl Measured {
         settings.validate("settings")?;
         let frames_read = Arc::new(Mutex::new(BTreeSet::new()));
         let noted = noting_frames_read(capture, frames_read.clone());
+        let conventions = better_conventions(&noted)?;
         let Aligned { capture, alignment, correction } = alignment::align(&noted, &settings.align, job)?;
         job.start("Measuring noise", capture.cameras.len());
         let preview = |camera| {
@@ -53,7 +59,7 @@ impl Measured {
         };
         let cameras = (0..capture.cameras.len()).into_par_iter().map(preview).collect::<Result<_>>()?;
         let frames_read = frames_read.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        Ok(Self { correction, alignment, cameras, frames_read })
+        Ok(Self { correction, alignment, conventions, cameras, frames_read })
     }
 
     /// The capture that was measured, without what the rig got wrong.

@@ -50,7 +50,7 @@ pub fn prune_part<'a>(
     let aligned = measured.aligned(capture);
     let run = run_of_part(aligned.capture.frame_count(), part);
     let scan = read_scan(&aligned, measured, settings, run, spans, scans, job)?;
-    let scan = PreparedScan::of(scan, aligned, &settings.align);
+    let scan = PreparedScan::of(scan, aligned, measured.conventions.clone(), &settings.align);
     let images = ImageBuffer::new(samples_in_memory(settings));
     let (images, counts): (ImageBuffer, RunCounts) = prune_run(images, &scan, settings, run, job)?;
     let mut writer = RecordWriter::new(writer, format!("part {part} of pruning"))?;

@@ -71,11 +71,7 @@ pub(crate) fn prune_views(
         CameraPairs::new(&capture.cameras)
     };
     if noise > 0.0 {
-        tally.add_reading(
-            &capture.cameras,
-            |camera| views.inverse_depths(camera),
-            || better_reading(&pairs, &mut window, job),
-        )?;
+        tally.add_reading(better_reading(&pairs, &mut window, job)?);
     }
     let mut residuals = Residuals::new(&pairs, scan.frames);
     let mut pruning = Pruning::new(views, &pairs, window, job);

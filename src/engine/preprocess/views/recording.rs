@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicU8;
 
 use rayon::prelude::*;
 
-use crate::capture::{Capture, INVALID_INVERSE_DEPTH};
+use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::pruning::{ABSENT, Statuses};
@@ -51,16 +51,6 @@ impl<'a> Views<'a> {
         let spans = self.scan.spans.as_ref();
         let samples = spans.map(|spans| spans.get(camera, all_frames(self.scan.frames))).transpose()?;
         Ok(samples.flatten().unwrap_or_default())
-    }
-
-    /// What a view saw, row by row.
-    pub(super) fn inverse_depths(&self, camera: usize) -> Result<Vec<f32>> {
-        let samples = self.samples(camera)?;
-        let mut all = vec![INVALID_INVERSE_DEPTH; self.capture.cameras[camera].intrinsics.pixel_count()];
-        for (&pixel, &inverse_depth) in samples.pixels.iter().zip(&samples.inverse_depth) {
-            all[pixel as usize] = inverse_depth;
-        }
-        Ok(all)
     }
 
     /// Nothing is decided yet.
