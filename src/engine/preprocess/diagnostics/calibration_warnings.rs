@@ -1,6 +1,6 @@
 //! Warnings about cameras that do not agree: one with the others, or none with any.
 
-use super::pair_residuals::PairResiduals;
+use super::pair_residuals::{PairResiduals, Residual};
 use super::pair_table::PairTable;
 use crate::median::median_f32;
 
@@ -65,6 +65,10 @@ impl SharedWarning {
 /// stay below a tenth in all but one or two pairs; a camera that is turned by half a pixel reaches a third in all.
 const SUSPECT_POSE_FOOTPRINTS: f32 = 0.25;
 
+/// Where the median distance of the two cameras that fit best stays below this, in footprints, surfaces agree, and what most of the
+/// samples do not exceed is that of silhouettes: they are more than a sixth of a small round thing.
+const AGREEING_MEDIAN_FOOTPRINTS: f32 = 0.03;
+
 /// A clock is suspect only if the median distance of what moves exceeds this, in footprints: of moving things silhouettes are a large part, and are off in correct captures too.
 const SUSPECT_CLOCK_FOOTPRINTS: f32 = 0.15;
 
@@ -100,11 +104,18 @@ pub(super) fn shared_warning(
     let fits_of = |fit: &dyn Fn(usize, usize) -> Option<(f32, u64)>| -> Vec<(f32, u64)> {
         (0..pairs.cameras()).flat_map(|a| others(a).filter_map(move |b| fit(a, b))).collect()
     };
+    let off = |fit: Residual| {
+        if fit.median_footprints < AGREEING_MEDIAN_FOOTPRINTS {
+            fit.most_footprints.min(SUSPECT_POSE_FOOTPRINTS)
+        } else {
+            fit.most_footprints
+        }
+    };
     let mutual = fits_of(&|a, b| {
         let [there, back] = [one_way(a, b)?, one_way(b, a)?];
-        Some((there.most_footprints.max(back.most_footprints), there.samples.min(back.samples)))
+        Some((off(there).max(off(back)), there.samples.min(back.samples)))
     });
-    let one_sided = || fits_of(&|a, b| one_way(a, b).map(|fit| (fit.most_footprints, fit.samples)));
+    let one_sided = || fits_of(&|a, b| one_way(a, b).map(|fit| (off(fit), fit.samples)));
     let fits = if mutual.is_empty() { one_sided() } else { mutual };
     let is_informative = fits.iter().any(|(_, samples)| *samples >= INFORMATIVE_SAMPLES);
     let best = fits.iter().map(|(off, _)| *off).reduce(f32::min).filter(|_| is_informative)?;
@@ -170,7 +181,6 @@ fn warnings_over(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preprocess::diagnostics::pair_residuals::Residual;
 
     /// Residuals of cameras, each as far off as its entry says from all others.
     fn pairs(off: &[f32], moving: &[f32]) -> Vec<Vec<PairResiduals>> {
@@ -245,6 +255,11 @@ mod tests {
         let mut one_sided = pairs(&[14.0; 2], &[0.1; 2]);
         one_sided[0][1] = PairResiduals::default();
         assert_eq!(shared(&one_sided, 0.0), Some(SharedWarning { footprints: Some(14.0) }));
+        let mut round = alike.clone();
+        for lasting in round.iter_mut().flatten().filter_map(|pair| pair.lasting.as_mut()) {
+            lasting.median_footprints = 0.01;
+        }
+        assert_eq!(shared(&round, 0.0), None, "silhouettes are a large part of a small round thing");
         let mut few = alike;
         for lasting in few.iter_mut().flatten().filter_map(|pair| pair.lasting.as_mut()) {
             lasting.samples = INFORMATIVE_SAMPLES - 1;
