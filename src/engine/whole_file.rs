@@ -1,9 +1,10 @@
 //! Files that are seen under their names only when they are complete: whatever stood there stays until then.
 //!
-//! A link is written through: what it leads to is replaced, and the link stays. Pipes and devices are never replaced.
+//! A link is written through: what it leads to is replaced, and the link stays. Pipes and devices are never replaced, and never read:
+//! a pipe would be waited for, and a device need not end.
 
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempPath};
@@ -27,6 +28,58 @@ pub(crate) fn place_of(path: &Path) -> PathBuf {
 #[must_use]
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Refuses a pipe or a device. A place where nothing is, and a folder, are let through.
+///
+/// # Errors
+/// `Invalid` naming `path`.
+pub fn refuse_pipe(path: &Path) -> Result<()> {
+    match path.metadata() {
+        Ok(facts) if !facts.is_file() && !facts.is_dir() => Err(Error::invalid(
+            path.display(),
+            "is a pipe or a device, and is read more than once; name a file",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Opens a file for reading.
+///
+/// # Errors
+/// `Invalid` for a pipe or a device, `Io`; both naming `path`.
+pub fn open(path: &Path) -> Result<File> {
+    refuse_pipe(path)?;
+    File::open(path).map_err(|error| Error::io(path, error))
+}
+
+/// Reads a whole file.
+///
+/// # Errors
+/// As [`open`].
+pub fn read_all(path: &Path) -> Result<Vec<u8>> {
+    refuse_pipe(path)?;
+    std::fs::read(path).map_err(|error| Error::io(path, error))
+}
+
+/// Bytes of a short text at most.
+const SHORT_TEXT: u64 = 16 << 20;
+
+/// Reads a text that a user gives, which may come from a pipe, but not without end.
+///
+/// # Errors
+/// `Invalid` for more than 16 MiB, `Io`; both naming `path`.
+pub fn short_text(path: &Path) -> Result<String> {
+    let io = |error| Error::io(path, error);
+    let mut text = String::new();
+    File::open(path).map_err(io)?.take(SHORT_TEXT + 1).read_to_string(&mut text).map_err(io)?;
+    if text.len() as u64 > SHORT_TEXT {
+        return Err(Error::invalid(
+            path.display(),
+            "is too long for a text of settings or names; name another file",
+        ));
+    }
+    Ok(text)
 }
 
 /// Makes a file beside `path`, in its folder and so on its disk. It is removed unless `persist` gives it that
@@ -132,6 +185,9 @@ mod tests {
             let said = beside(place, "").unwrap_err().to_string();
             assert!(said.starts_with(&place.display().to_string()) && said.contains("name a file"), "{said}");
         }
+        let said = read_all(Path::new("/dev/zero")).unwrap_err().to_string();
+        assert!(said.starts_with("/dev/zero: is a pipe or a device"), "{said}");
+        assert!(refuse_pipe(folder.path()).is_ok() && refuse_pipe(&folder.path().join("none")).is_ok());
     }
 
     #[test]

@@ -30,6 +30,22 @@ fn a_pipe_stays_a_pipe() {
 
 #[test]
 #[cfg(unix)]
+fn nothing_waits_for_a_pipe_or_reads_a_device_in_place_of_a_manifest() {
+    let folder = scene("1", "24x16");
+    let folder = folder.path();
+    let manifest = folder.join("scene/transforms.json");
+    std::fs::remove_file(&manifest).unwrap();
+    assert!(Command::new("mkfifo").arg(&manifest).status().unwrap().success());
+    let expected = "transforms.json: is a pipe or a device, and is read more than once; name a file\n";
+    assert!(refused(folder, &["info", "scene"]).ends_with(expected));
+    assert!(refused(folder, &["info", "scene/transforms.json"]).ends_with(expected));
+    std::fs::remove_file(&manifest).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", &manifest).unwrap();
+    assert!(refused(folder, &["info", "scene"]).ends_with(expected));
+}
+
+#[test]
+#[cfg(unix)]
 fn a_store_is_written_through_a_link_to_it() {
     let folder = scene("1", "24x16");
     let folder = folder.path();

@@ -27,6 +27,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::whole_file;
 use section::section;
 
 section! {
@@ -213,7 +214,7 @@ impl Settings {
     /// # Errors
     /// [`Error::Io`] where the file cannot be read, and as [`Settings::from_toml`].
     pub fn load(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, error))?;
+        let text = whole_file::short_text(path)?;
         Self::from_toml(&text, &path.display().to_string())
     }
 

@@ -10,6 +10,7 @@ use crate::cli::output::{self, CommandError};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::Error;
 use overlook_engine::settings::{Backend, Fill, Kernel, RenderSettings, Settings};
+use overlook_engine::whole_file;
 
 /// Settings: the defaults, then a file, then single values.
 #[derive(Debug, Args)]
@@ -109,7 +110,7 @@ impl HoldOutArgs {
 
 /// The cameras that a file names, one a line; empty lines count for nothing.
 pub(crate) fn only_cameras(capture: &Capture, file: &Path) -> Result<Capture, Error> {
-    let text = std::fs::read_to_string(file).map_err(|error| Error::io(file, error))?;
+    let text = whole_file::short_text(file)?;
     let names: Vec<&str> = text.lines().map(str::trim).filter(|name| !name.is_empty()).collect();
     if names.is_empty() {
         return Err(Error::invalid(file.display(), "names no camera; write one a line"));

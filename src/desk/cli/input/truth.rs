@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::RangedU64ValueParser;
 
 use super::fingerprint;
-use crate::cli::output::{self, CommandError};
+use crate::cli::output::CommandError;
 use overlook_engine::capture::{Capture, transforms};
 use overlook_engine::plural::counted;
 use overlook_lab::truth::{self, Truth};
@@ -45,10 +45,7 @@ impl TruthArgs {
     /// The truth at all frames.
     pub(crate) fn truth(&self, path: &Path, capture: &Capture) -> Result<Truth, CommandError> {
         match self.views(path) {
-            Some(views) => {
-                output::refuse_pipe(&views)?;
-                Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?))
-            }
+            Some(views) => Ok(Truth::Views(transforms::open_views_of(&views, capture.frames_are_ranked())?)),
             None if capture.cameras.len() >= Truth::HoldOut.least_cameras() => Ok(Truth::HoldOut),
             None => Err(CommandError::Usage(format!(
                 "{} comes without truth views and has a single camera, which cannot be left out; name views with --views",

@@ -14,8 +14,8 @@ mod text;
 
 pub(crate) use command_error::CommandError;
 pub(crate) use output_guard::{
-    check_file, check_folder, refuse_capture_files, refuse_input, refuse_pipe, refuse_store,
-    refuse_true_pictures, refuse_view_files,
+    check_file, check_folder, refuse_capture_files, refuse_input, refuse_store, refuse_true_pictures,
+    refuse_view_files,
 };
 pub(crate) use part_files::{Inputs, OpenPart, PartFiles};
 pub(crate) use picture::PicturePaths;

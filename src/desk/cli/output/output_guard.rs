@@ -68,17 +68,6 @@ fn refuse_pictures_at(manifest: &Path, places: &[PathBuf], targets: &[PicturePat
     }
 }
 
-/// Refuses views from a pipe or a device: they are read twice.
-pub(crate) fn refuse_pipe(views: &Path) -> Result<()> {
-    match views.metadata() {
-        Ok(facts) if !facts.is_file() && !facts.is_dir() => Err(Error::invalid(
-            views.display(),
-            "is a pipe or a device, and is read more than once; name a file",
-        )),
-        _ => Ok(()),
-    }
-}
-
 /// Refuses a file that a capture or the truth beside it is read from: a list of pictures, or a picture.
 pub(crate) fn refuse_capture_files(capture: &Path, views: Option<&Path>, out: &Path) -> Result<()> {
     let beside = truth_beside(capture);

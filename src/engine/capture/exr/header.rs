@@ -1,7 +1,6 @@
 //! What renderers write into the headers of OpenEXR files beside the picture.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -9,7 +8,8 @@ use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 
 use super::decoder_guard::guarded;
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::whole_file;
 
 /// Attributes of a file, those of all its parts together; of several of one name the first.
 #[derive(Clone, Debug, Default)]
@@ -29,7 +29,7 @@ impl HeaderAttributes {
     /// `Io`, and `Invalid` for another file than OpenEXR and for a damaged header.
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let place = path.display().to_string();
-        let file = BufReader::new(File::open(path).map_err(|error| Error::io(path, error))?);
+        let file = BufReader::new(whole_file::open(path)?);
         let meta = guarded(&place, || MetaData::read_from_buffered(file, false))?;
         let mut found = Self::default();
         let has_parts = meta.headers.len() > 1;

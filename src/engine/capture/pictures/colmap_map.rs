@@ -8,6 +8,7 @@ use std::path::Path;
 use crate::capture::camera::is_believable_size;
 use crate::error::{Error, Result};
 use crate::plural::{counted, either};
+use crate::whole_file;
 
 /// Columns and rows, and each channel row by row.
 pub type ColmapMap = ((usize, usize), Vec<Vec<f32>>);
@@ -54,7 +55,7 @@ pub fn parse(bytes: &[u8], channels: usize, place: &str) -> Result<ColmapMap> {
 /// # Errors
 /// `Io`, and as [`parse`].
 pub(crate) fn read(path: &Path, channels: usize, place: &str) -> Result<ColmapMap> {
-    parse(&std::fs::read(path).map_err(|error| Error::io(path, error))?, channels, place)
+    parse(&whole_file::read_all(path)?, channels, place)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::place::SourceFolder;
 use super::reader::{Description, ReadSource, Reader, SaidBy};
 use crate::capture::transforms::{MANIFEST_NAME, Manifest, ManifestOrigin, is_recording};
 use crate::error::Result;
+use crate::whole_file;
 
 /// Reads a manifest: the file itself, or the one in the folder.
 pub(super) struct Nerfstudio;
@@ -45,7 +46,7 @@ fn is_json(name: &str) -> bool {
 
 /// Whether a JSON file lists pictures as a manifest does. One that is no JSON counts too: reading it names the fault.
 fn holds_frames(place: &SourceFolder) -> bool {
-    let Ok(bytes) = std::fs::read(&place.path) else { return false };
+    let Ok(bytes) = whole_file::read_all(&place.path) else { return false };
     let document: Result<serde_json::Value, _> = serde_json::from_slice(&bytes);
     document.map_or(true, |document| document.get("frames").is_some())
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::whole_file;
 
 /// Largest text file that is read.
 const MAX_BYTES: u64 = 1 << 30;
@@ -35,7 +36,7 @@ impl TextFile {
                 format!("{length} bytes are too many for a text file"),
             ));
         }
-        let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+        let bytes = whole_file::read_all(path)?;
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
         Ok(Self { path: path.to_path_buf(), text: String::from_utf8_lossy(bytes).into_owned() })
     }

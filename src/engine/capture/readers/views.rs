@@ -9,6 +9,7 @@ use super::place::{SourceFolder, names_in};
 use super::reader::{Description, ReadSource, SaidBy};
 use crate::capture::transforms::{Keys, Manifest, ManifestOrigin, PictureEntry, opengl_matrix};
 use crate::error::{Error, Result};
+use crate::whole_file;
 
 /// How far a quaternion's length, squared, may be from 1, and the axes of a matrix from orthonormal.
 const RIGID_TOLERANCE: f64 = 1e-2;
@@ -196,6 +197,6 @@ pub(super) fn digits_between<'a>(start: &str, name: &'a str, ending: &str) -> Op
 /// # Errors
 /// `Io`, and `Invalid` with line and column where it is damaged or lacks something.
 pub(super) fn json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T> {
-    let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+    let bytes = whole_file::read_all(path)?;
     serde_json::from_slice(&bytes).map_err(|error| Error::invalid(path.display(), error.to_string()))
 }

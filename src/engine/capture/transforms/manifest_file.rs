@@ -1,10 +1,10 @@
 //! The file of a manifest: its path, and files that are taken for one by mistake.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::whole_file;
 
 /// Name of the manifest in a capture's folder.
 pub const MANIFEST_NAME: &str = "transforms.json";
@@ -26,7 +26,7 @@ pub fn truth_beside(capture: &Path) -> Option<PathBuf> {
 /// The advice on a file that is a store or a picture by its first bytes.
 pub(crate) fn other_file(path: &Path) -> Result<Option<&'static str>> {
     let mut start = [0; 4];
-    let mut file = File::open(path).map_err(|error| Error::io(path, error))?;
+    let mut file = whole_file::open(path)?;
     if file.read_exact(&mut start).is_err() {
         return Ok(None);
     }

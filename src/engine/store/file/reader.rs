@@ -1,7 +1,6 @@
 //! Reads a store image by image.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
@@ -22,6 +21,7 @@ use crate::store::image::{
     self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, DoubtfulRuns, ImageHead, ReferenceImage,
     VisibleBlocks,
 };
+use crate::whole_file;
 
 /// An open store, from which images are read one by one. Reading from several threads is fine.
 pub struct Store {
@@ -47,7 +47,7 @@ impl Store {
             return Ok(false);
         }
         let mut start = [0; 4];
-        let mut file = File::open(path).map_err(|error| Error::io(path, error))?;
+        let mut file = whole_file::open(path)?;
         Ok(file.read_exact(&mut start).is_ok() && start == *b"FORM")
     }
 
@@ -56,7 +56,7 @@ impl Store {
     /// # Errors
     /// `Io`, `Invalid` (naming file, byte offset and chunk), `Unsupported` (a newer version).
     pub fn open(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(|error| Error::io(path, error))?;
+        let file = whole_file::open(path)?;
         let is_folder = file.metadata().is_ok_and(|metadata| metadata.is_dir());
         if is_folder {
             let place = path.display();

@@ -47,7 +47,6 @@ impl RenderArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.settings.only("render")?;
         output::check_folder(&self.out)?;
-        output::refuse_pipe(&self.views)?;
         let playback = input::open_store(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
