@@ -2,10 +2,9 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use overlook_engine::capture::exr;
 use overlook_engine::error::{Error, Result};
-use overlook_engine::render::output::write_png;
-use overlook_engine::render::{NO_IMAGE, Picture};
+use overlook_engine::render::Picture;
+use overlook_engine::render::output::{write_exr, write_png};
 
 /// Paths of a view's picture: its own name below the output folder, once with each extension.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -39,14 +38,12 @@ impl PicturePaths {
         Ok(Self { exr: with(".exr"), png: with(".png") })
     }
 
-    /// Writes the picture as EXR with linear `R G B A Z` and as PNG for display. Alpha is 0 where there is no sample; in the EXR,
-    /// that includes filled holes.
+    /// Writes the picture as EXR with linear `R G B A Z` and as PNG for display. Alpha is 0 only in holes that were not filled.
     pub(crate) fn write(&self, picture: &Picture) -> Result<()> {
         if let Some(folder) = self.exr.parent() {
             std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         }
-        let coverage = picture.image.map(|image| if *image == NO_IMAGE { 0.0 } else { 1.0 });
-        exr::write_picture(&self.exr, &picture.color, &coverage, &picture.inverse_depth)?;
+        write_exr(&self.exr, picture)?;
         write_png(&self.png, picture)
     }
 }

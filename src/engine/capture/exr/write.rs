@@ -3,7 +3,8 @@
 //! | channel | type | meaning |
 //! |---|---|---|
 //! | `R G B` | half | linear Rec.709 |
-//! | `A` | half | share of the pixel that is covered (rendered pictures only) |
+//! | `A` | half | 1 where the pixel shows something, 0 in holes (rendered pictures only) |
+//! | `sampled.V` | half | 1 where a sample was seen, 0 where the pixel was filled or is a hole (rendered pictures only) |
 //! | `Z` | float | planar z; 1e10 where nothing was hit, NaN for no depth |
 //! | `N.X N.Y N.Z` | float | unit normal in world space, 0 for no normal |
 
@@ -43,28 +44,34 @@ pub(crate) fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
     write_channels(path, frame.size(), channels)
 }
 
-/// Writes a rendered picture as linear `R G B A Z`: `coverage` is 0 where nothing was sampled, and `inverse_depth` as
-/// in [`Frame::inverse_depth`], 1e10 being written where it is negative. All three are of one size.
+/// The channel that tells what was sampled from what was invented.
+const SAMPLED: &str = "sampled.V";
+
+/// Writes a rendered picture as linear `R G B A Z` and [`SAMPLED`]. `shown` and `sampled` are 1 or 0: whether a pixel shows anything,
+/// and whether that is a sample and no filling. `inverse_depth` is as in [`Frame::inverse_depth`], 1e10 being written where it is
+/// negative. All are of one size.
 ///
 /// The file appears under its name only when it is complete.
 ///
 /// # Errors
 /// `Io` where the file cannot be written, `Invalid` for a picture without pixels or grids that differ in size.
-pub fn write_picture(
+pub(crate) fn write_picture(
     path: &Path,
     color: &Grid<[f32; 3]>,
-    coverage: &Grid<f32>,
+    [shown, sampled]: [&Grid<f32>; 2],
     inverse_depth: &Grid<f32>,
 ) -> Result<()> {
-    if color.size() != coverage.size() || color.size() != inverse_depth.size() {
+    if [shown.size(), sampled.size(), inverse_depth.size()].iter().any(|size| *size != color.size()) {
         return Err(Error::invalid(path.display(), "color, coverage and depth differ in size"));
     }
     let mut channels = color_channels(|channel| {
         // Brighter light saturates instead of becoming infinite.
         color.as_slice().iter().map(|c| f16::from_f32(c[channel].clamp(-HALF_MAX, HALF_MAX))).collect()
     });
-    let alpha = coverage.as_slice().iter().map(|&share| f16::from_f32(share)).collect();
-    channels.push(AnyChannel::new("A", FlatSamples::F16(alpha)));
+    for (name, shares) in [("A", shown), (SAMPLED, sampled)] {
+        let shares = shares.as_slice().iter().map(|&share| f16::from_f32(share)).collect();
+        channels.push(AnyChannel::new(name, FlatSamples::F16(shares)));
+    }
     let depth = inverse_depth.as_slice().iter().map(|&w| if w > 0.0 { depth_of(w) } else { MISS_DEPTH });
     channels.push(AnyChannel::new("Z", FlatSamples::F32(depth.collect())));
     write_channels(path, color.size(), channels)
@@ -118,14 +125,18 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.exr");
         let color = Grid::from_vec(2, 1, vec![[0.5, 1e9, -0.25], [0.0; 3]]);
-        let coverage = Grid::from_vec(2, 1, vec![1.0, 0.0]);
+        let shown = Grid::from_vec(2, 1, vec![1.0, 0.0]);
+        let sampled = Grid::from_vec(2, 1, vec![0.0, 0.0]);
         let inverse_depth = Grid::from_vec(2, 1, vec![0.25, -1.0]);
-        write_picture(&path, &color, &coverage, &inverse_depth).unwrap();
+        write_picture(&path, &color, [&shown, &sampled], &inverse_depth).unwrap();
         let file = ExrFile::open(&path, "picture").unwrap();
         let names: Vec<&str> = file.channels().iter().map(|channel| channel.name.as_str()).collect();
-        assert_eq!(names, ["A", "B", "G", "R", "Z"]);
-        let planes = file.decode(&[0, 1, 2, 3, 4], file.window(None).unwrap()).unwrap();
+        assert_eq!(names, ["A", "B", "G", "R", "Z", "sampled.V"]);
+        let planes = file.decode(&[0, 1, 2, 3, 4, 5], file.window(None).unwrap()).unwrap();
         let planes: Vec<Vec<f32>> = planes.into_iter().map(ChannelPlane::into_single).collect();
-        assert_eq!(planes, [[1.0, 0.0], [-0.25, 0.0], [HALF_MAX, 0.0], [0.5, 0.0], [4.0, MISS_DEPTH]]);
+        assert_eq!(
+            planes,
+            [[1.0, 0.0], [-0.25, 0.0], [HALF_MAX, 0.0], [0.5, 0.0], [4.0, MISS_DEPTH], [0.0, 0.0]]
+        );
     }
 }
