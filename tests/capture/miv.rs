@@ -2,12 +2,16 @@
 
 use crate::command;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
 
 use crate::scene::{Scene, arc};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use overlook_engine::capture::miv::write_sequence;
-use overlook_engine::capture::{self, Camera, Capture, CaptureParts};
+use overlook_engine::capture::{self, Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook_engine::color::srgb_from_linear;
+use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::settings::CaptureSettings;
 use serde_json::{Value, json};
@@ -220,4 +224,72 @@ fn the_command_exports_what_info_reads() {
     let again = ["export", "miv", "miv", "--out", "miv", "--name", "orrery"];
     let refused = command::overlook(folder.path(), &again).output().unwrap();
     assert!(!refused.status.success(), "a capture is not written over itself");
+}
+
+/// The same recording, far from the origin.
+fn recorded_at(place: DVec3) -> Capture {
+    recorded().with_changed_cameras(|_, camera| camera.world_from_camera.translation += place)
+}
+
+#[test]
+fn positions_far_from_the_origin_are_written_near_it_and_read_where_they_were() {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = recorded_at(DVec3::new(447_512.25, 5_411_850.5, 312.0));
+    write_sequence(folder.path(), "far", &capture, &Job::new()).unwrap();
+    let sequence: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("far.json")).unwrap()).unwrap();
+    for camera in sequence["cameras"].as_array().unwrap() {
+        let position = DVec3::from([0, 1, 2].map(|index| camera["Position"][index].as_f64().unwrap()));
+        assert!(position.length() < 100.0, "single precision holds it: {position}");
+    }
+    assert!(sequence["Overlook_world_offset"][1].as_f64().unwrap() > 5e6);
+    let read = capture::open(folder.path(), &CaptureSettings::default()).unwrap();
+    for (own, read) in capture.cameras.iter().zip(&read.cameras) {
+        let apart = own.position_in_world().distance(read.position_in_world());
+        assert!(apart < 1e-6, "{apart}");
+    }
+}
+
+/// Frames that can be read so often.
+struct Failing {
+    recorded: Capture,
+    left: AtomicUsize,
+}
+
+impl FrameSource for Failing {
+    fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+        if self.left.fetch_update(Relaxed, Relaxed, |left| left.checked_sub(1)).is_err() {
+            return Err(Error::invalid(self.place(camera, frame), "the file is gone"));
+        }
+        Ok((*self.recorded.frame(camera, frame)?).clone())
+    }
+
+    fn place(&self, camera: usize, frame: usize) -> String {
+        format!("camera {camera}, frame {frame}")
+    }
+}
+
+#[test]
+fn an_export_that_fails_leaves_nothing_and_spares_what_was_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("a/b");
+    let job = Job::new();
+    // Every frame is read for its extent, and once more to be written: the last of these reads fails.
+    let failing = || {
+        let reads = 2 * 3 * FRAMES - 1;
+        let source = Arc::new(Failing { recorded: recorded(), left: AtomicUsize::new(reads) });
+        Capture::new(CaptureParts { source, ..(*recorded()).clone() }, 0)
+    };
+    assert!(write_sequence(&out, "still", &failing(), &job).is_err());
+    assert!(!folder.path().join("a").exists(), "folders that were made are removed");
+    write_sequence(&out, "still", &recorded(), &job).unwrap();
+    let names = || {
+        let mut names: Vec<_> =
+            std::fs::read_dir(out.join("still")).unwrap().map(|file| file.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = names();
+    assert!(write_sequence(&out, "still", &failing(), &job).is_err());
+    assert!(out.join("still.json").is_file() && names() == before, "an earlier export stays whole");
 }

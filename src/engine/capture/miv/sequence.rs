@@ -17,6 +17,9 @@ pub(crate) struct SequenceFile {
     pub content_name: String,
     #[serde(rename = "BoundingBox_center")]
     pub bounding_box_center: Vec<f64>,
+    /// Added to every position: programs that read single precision keep the shape of a scene that stands far from the origin.
+    #[serde(rename = "Overlook_world_offset", skip_serializing_if = "Option::is_none")]
+    pub world_offset: Option<[f64; 3]>,
     #[serde(rename = "Fps")]
     pub fps: f64,
     #[serde(rename = "Frames_number")]
@@ -115,13 +118,13 @@ fn sequence_from_camera() -> DMat3 {
     DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X)
 }
 
-/// World from our camera space.
+/// World from our camera space. `offset` is that of the sequence.
 ///
 /// # Errors
 /// `Invalid` for numbers that are not finite.
-pub(crate) fn pose(camera: &SequenceCamera, place: &str) -> Result<DAffine3> {
+pub(crate) fn pose(camera: &SequenceCamera, offset: Option<[f64; 3]>, place: &str) -> Result<DAffine3> {
     let [yaw, pitch, roll] = camera.rotation.map(f64::to_radians);
-    let eye = DVec3::from(camera.position);
+    let eye = DVec3::from(camera.position) + DVec3::from(offset.unwrap_or_default());
     if !(yaw.is_finite() && pitch.is_finite() && roll.is_finite() && eye.is_finite()) {
         let what =
             format!("Position or Rotation of camera '{}' holds a number that is not finite", camera.name);
@@ -171,7 +174,7 @@ mod tests {
 
     #[test]
     fn the_first_camera_looks_along_x_with_z_up() {
-        let at_rest = pose(&SequenceCamera::default(), "").unwrap();
+        let at_rest = pose(&SequenceCamera::default(), None, "").unwrap();
         assert!(at_rest.transform_vector3(DVec3::Z).abs_diff_eq(DVec3::X, 1e-12));
         assert!(at_rest.transform_vector3(DVec3::X).abs_diff_eq(DVec3::NEG_Y, 1e-12));
         assert!(at_rest.transform_vector3(DVec3::Y).abs_diff_eq(DVec3::NEG_Z, 1e-12));
@@ -181,9 +184,9 @@ mod tests {
     fn angles_give_the_pose_again_straight_up_too() {
         for rotation in [[10.0, 20.0, 30.0], [-170.0, -60.0, 175.0], [33.0, 90.0, 0.0], [0.0, -90.0, 0.0]] {
             let camera = SequenceCamera { rotation, ..SequenceCamera::default() };
-            let first = pose(&camera, "").unwrap();
+            let first = pose(&camera, None, "").unwrap();
             let again = SequenceCamera { rotation: super::rotation(&first), ..camera };
-            assert!(pose(&again, "").unwrap().abs_diff_eq(first, 1e-7), "{rotation:?} {again:?}");
+            assert!(pose(&again, None, "").unwrap().abs_diff_eq(first, 1e-7), "{rotation:?} {again:?}");
         }
     }
 

@@ -1,18 +1,18 @@
 //! Writing a capture as a sequence that TMIV and RVS read.
 //!
 //! ```text
-//! DIR/NAME.json                                       written last
+//! DIR/NAME.json                                       written last; a failure leaves nothing
 //! DIR/NAME/v0_texture_640x480_yuv420p10le.yuv …       all frames, one after the other
 //! DIR/NAME/v0_depth_640x480_yuv420p16le.yuv …
 //! ```
 
-use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DQuat, DVec3};
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use tempfile::{NamedTempFile, TempPath};
 
 use super::sequence::{SequenceCamera, SequenceFile, rotation};
 use crate::capture::camera::Camera;
@@ -57,25 +57,61 @@ pub fn write_sequence(folder: &Path, name: &str, capture: &Capture, job: &Job) -
     }
     job.start("writing raw video", 2 * capture.cameras.len() * capture.frame_count());
     let content = folder.join(name);
-    std::fs::create_dir_all(&content).map_err(|error| Error::io(&content, error))?;
-    // Video of one capture must never be left beside the cameras of another.
-    let path = folder.join(format!("{name}.json"));
-    match std::fs::remove_file(&path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(Error::io(&path, error)),
-        _ => (),
+    let made = NewFolders::make(&content)?;
+    write_into(&content, name, capture, job)?;
+    made.keep();
+    Ok(())
+}
+
+/// Folders that were made for an export, which are removed again if it fails.
+struct NewFolders(Vec<PathBuf>);
+
+impl NewFolders {
+    fn make(folder: &Path) -> Result<Self> {
+        let is_missing = |place: &&Path| !place.as_os_str().is_empty() && !place.exists();
+        let missing = folder.ancestors().take_while(is_missing).map(Path::to_path_buf).collect();
+        let made = Self(missing);
+        std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+        Ok(made)
     }
+
+    fn keep(mut self) {
+        self.0.clear();
+    }
+}
+
+impl Drop for NewFolders {
+    fn drop(&mut self) {
+        // The innermost first; one that something else was put into stays.
+        for folder in &self.0 {
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+}
+
+/// Writes the video into a folder that is there, and the cameras beside it. Files take their names once all of them are complete.
+fn write_into(content: &Path, name: &str, capture: &Capture, job: &Job) -> Result<()> {
+    let path = content.with_file_name(format!("{name}.json"));
     let z_from_up = DAffine3::from_quat(DQuat::from_rotation_arc(capture.up_in_world, DVec3::Z));
+    let places = capture.cameras.iter().map(|camera| z_from_up.transform_point3(camera.position_in_world()));
+    let offset = world_offset(places);
+    let written_from_world = DAffine3::from_translation(-offset.unwrap_or_default()) * z_from_up;
     let cameras = (0..capture.cameras.len()).into_par_iter().map(|index| {
         let range = range(extent(capture, index, job)?);
         let camera = &capture.cameras[index];
-        write_camera(&content, index, capture, &range, job)?;
-        Ok(entry(camera, &format!("v{index}"), &(z_from_up * camera.world_from_camera), &range))
+        let video = write_camera(content, index, capture, &range, job)?;
+        Ok((
+            entry(camera, &format!("v{index}"), &(written_from_world * camera.world_from_camera), &range),
+            video,
+        ))
     });
-    let cameras = cameras.collect::<Result<Vec<SequenceCamera>>>()?;
+    let (cameras, video): (Vec<SequenceCamera>, Vec<[Unfinished; 2]>) =
+        cameras.collect::<Result<Vec<_>>>()?.into_iter().unzip();
     let sequence = SequenceFile {
         version: json!("4.0"),
         content_name: name.to_owned(),
         bounding_box_center: vec![0.0; 3],
+        world_offset: offset.map(|offset| offset.to_array()),
         fps: 30.0,
         frames_number: capture.frame_count() as u64,
         lengths_in_meters: Some(true),
@@ -83,10 +119,73 @@ pub fn write_sequence(folder: &Path, name: &str, capture: &Capture, job: &Job) -
         frame_ranges: Vec::new(),
         cameras,
     };
-    whole_file::write(&path, |writer| {
-        serde_json::to_writer_pretty(writer, &sequence)
-            .map_err(|error| Error::io(&path, std::io::Error::from(error)))
-    })
+    // Video of one capture must never be left beside the cameras of another.
+    match std::fs::remove_file(&path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(Error::io(&path, error)),
+        _ => (),
+    }
+    let text = serde_json::to_vec_pretty(&sequence)
+        .map_err(|error| Error::io(&path, std::io::Error::from(error)))?;
+    let mut named = NewFiles(Vec::new());
+    for Unfinished { file, path } in video.into_iter().flatten() {
+        whole_file::persist(file, &path)?;
+        named.0.push(path);
+    }
+    whole_file::write_all(&path, text)?;
+    named.0.clear();
+    Ok(())
+}
+
+/// Files that took their names, and lose them again if what belongs to them cannot be written.
+struct NewFiles(Vec<PathBuf>);
+
+impl Drop for NewFiles {
+    fn drop(&mut self) {
+        for file in &self.0 {
+            let _ = std::fs::remove_file(file);
+        }
+    }
+}
+
+/// A complete file without its name.
+struct Unfinished {
+    file: TempPath,
+    path: PathBuf,
+}
+
+/// A file that is written under another name.
+struct VideoFile {
+    writer: BufWriter<NamedTempFile>,
+    path: PathBuf,
+}
+
+impl VideoFile {
+    fn new(path: PathBuf) -> Result<Self> {
+        Ok(Self { writer: BufWriter::new(whole_file::beside(&path, ".part")?), path })
+    }
+
+    fn add(&mut self, bytes: &[u8]) -> Result<()> {
+        self.writer.write_all(bytes).map_err(|error| Error::io(&self.path, error))
+    }
+
+    fn finish(self) -> Result<Unfinished> {
+        let Self { writer, path } = self;
+        let file = writer.into_inner().map_err(|error| Error::io(&path, error.into_error()))?;
+        Ok(Unfinished { file: file.into_temp_path(), path })
+    }
+}
+
+/// World units from the origin up to which single precision holds a tenth of a thousandth of a unit.
+const NEAR: f64 = 1e3;
+
+/// A whole place among cameras that stand far from the origin, for them to be written from there; `None` where they do not.
+fn world_offset(places: impl Iterator<Item = DVec3>) -> Option<DVec3> {
+    let (mut sum, mut count, mut is_far) = (DVec3::ZERO, 0.0, false);
+    for place in places {
+        is_far |= place.abs().max_element() > NEAR;
+        (sum, count) = (sum + place, count + 1.0);
+    }
+    is_far.then(|| (sum / count).round())
 }
 
 fn extent(capture: &Capture, camera: usize, job: &Job) -> Result<CameraDepths> {
@@ -128,29 +227,24 @@ fn write_camera(
     capture: &Capture,
     range: &LevelRange,
     job: &Job,
-) -> Result<()> {
+) -> Result<[Unfinished; 2]> {
     let size = capture.cameras[index].intrinsics.size();
     let create = |kind: &str, format: PixelFormat| {
-        let path = content.join(format!("v{index}_{kind}_{}x{}_{}.yuv", size.0, size.1, format.name()));
-        let file = File::create(&path).map_err(|error| Error::io(&path, error))?;
-        Ok((BufWriter::new(file), path))
+        let name = format!("v{index}_{kind}_{}x{}_{}.yuv", size.0, size.1, format.name());
+        VideoFile::new(content.join(name))
     };
-    let (mut texture, texture_path) = create("texture", TEXTURE)?;
-    let (mut depth, depth_path) = create("depth", DEPTH)?;
+    let mut texture = create("texture", TEXTURE)?;
+    let mut depth = create("depth", DEPTH)?;
     for frame in 0..capture.frame_count() {
         job.check()?;
         let frame = capture.frame(index, frame)?;
-        let colors = encode_color(frame.color.as_slice(), size, TEXTURE, ColorMatrix::default());
-        texture.write_all(&colors).map_err(|error| Error::io(&texture_path, error))?;
+        texture.add(&encode_color(frame.color.as_slice(), size, TEXTURE, ColorMatrix::default()))?;
         let inverse = frame.inverse_depth.as_slice();
         let levels = inverse.iter().map(|inverse| range.level(*inverse, DEPTH.largest())).collect();
-        depth
-            .write_all(&encode_levels(levels, size, DEPTH))
-            .map_err(|error| Error::io(&depth_path, error))?;
+        depth.add(&encode_levels(levels, size, DEPTH))?;
         job.advance(1);
     }
-    texture.flush().map_err(|error| Error::io(&texture_path, error))?;
-    depth.flush().map_err(|error| Error::io(&depth_path, error))
+    Ok([texture.finish()?, depth.finish()?])
 }
 
 fn entry(camera: &Camera, name: &str, world_from_camera: &DAffine3, range: &LevelRange) -> SequenceCamera {

@@ -12,6 +12,7 @@ use crate::capture::miv::{SequenceCamera, SequenceFile, pose, projection};
 use crate::capture::transforms::{Keys, Manifest, ManifestOrigin, RawVideoKeys};
 use crate::capture::yuv::{PixelFormat, pictures_in};
 use crate::error::{Error, Result};
+use crate::whole_file;
 
 /// Largest JSON file that is looked into.
 const MAX_BYTES: u64 = 16 << 20;
@@ -42,7 +43,7 @@ impl Reader for Miv {
         let name = sequence_in(place).unwrap_or_default();
         let path = place.join(&name);
         let shown = path.display().to_string();
-        let bytes = std::fs::read(&path).map_err(|error| Error::io(&path, error))?;
+        let bytes = whole_file::read_all(&path)?;
         let sequence: SequenceFile = serde_json::from_slice(&bytes).map_err(|error| {
             Error::invalid(&shown, format!("no sequence of MPEG immersive video ({error})"))
         })?;
@@ -59,7 +60,7 @@ impl Reader for Miv {
             let keys = keys_of(camera, &shown)?;
             let texture = video(place, &sequence, camera, "texture", &shown)?;
             let depth = video(place, &sequence, camera, "depth", &shown)?;
-            let world_from_camera = pose(camera, &shown)?;
+            let world_from_camera = pose(camera, sequence.world_offset, &shown)?;
             let [columns, rows] = camera.resolution.map(|side| side as usize);
             for picture in pictures(place, &sequence, [&texture, &depth], (columns, rows))? {
                 let mut one = entry(texture.path.clone(), Some(depth.path.clone()), &world_from_camera);
@@ -96,7 +97,8 @@ fn sequence_in(place: &SourceFolder) -> Option<String> {
         let path = place.join(name);
         let is_small = path.metadata().is_ok_and(|it| it.is_file() && it.len() <= MAX_BYTES);
         let is_json = name.to_ascii_lowercase().ends_with(".json");
-        let document = || -> Option<Value> { serde_json::from_slice(&std::fs::read(&path).ok()?).ok() };
+        let document =
+            || -> Option<Value> { serde_json::from_slice(&whole_file::read_all(&path).ok()?).ok() };
         is_json && is_small && document().is_some_and(|document| is_of_cameras(&document))
     };
     match &place.file {
