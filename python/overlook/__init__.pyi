@@ -123,7 +123,7 @@ class Samples:
         """Planar z in the camera, (n,); infinite at the sky."""
 
     @property
-    def point_in_world(self) -> NDArray[np.float32]:
+    def point_in_world(self) -> NDArray[np.float64]:
         """(n, 3); infinite along its direction where depth is."""
 
     @property

@@ -203,7 +203,7 @@ struct SampleRows {
     span: Vec<[u32; 2]>,
     color: Vec<[f32; 3]>,
     depth: Vec<f32>,
-    point_in_world: Vec<[f32; 3]>,
+    point_in_world: Vec<[f64; 3]>,
     normal_in_world: Vec<[f32; 3]>,
 }
 
@@ -225,7 +225,7 @@ impl SampleRows {
             self.span.push([image.span.start, image.span.end]);
             self.color.push(image.color[sample.index].map(f16::to_f32));
             self.depth.push(arrays::depth_of(inverse_depth));
-            self.point_in_world.push(no_nan(point).as_vec3().to_array());
+            self.point_in_world.push(no_nan(point).to_array());
             if let Some(normals) = &image.normal {
                 self.normal_in_world.push(normals[sample.index].decode().to_array());
             }
@@ -260,7 +260,7 @@ pub struct PySamples {
     span: Py<PyArray2<u32>>,
     color: Py<PyArray2<f32>>,
     depth: Py<PyArray1<f32>>,
-    point_in_world: Py<PyArray2<f32>>,
+    point_in_world: Py<PyArray2<f64>>,
     normal_in_world: Option<Py<PyArray2<f32>>>,
 }
 

@@ -74,6 +74,34 @@ fn points_lie_where_the_samples_were_seen() {
 }
 
 #[test]
+fn points_far_from_the_origin_keep_millimeters() {
+    let folder = tempfile::tempdir().unwrap();
+    let [store, out] = ["far.ovl", "points.ply"].map(|name| folder.path().join(name));
+    let mut set = small_set();
+    let place = glam::DVec3::new(447_512.25, 5_411_850.5, 312.0);
+    for camera in &mut set.cameras {
+        camera.world_from_camera.translation += place;
+    }
+    overlook_engine::store::file::write(&store, &set, &small_report(), &Job::new()).unwrap();
+    let arguments = ["points", store.to_str().unwrap(), "--static", "--out", out.to_str().unwrap()];
+    let output = overlook(&arguments);
+    assert!(output.status.success(), "{}", said(&output));
+    let (header, points) = ply(&out);
+    assert!(["x", "y", "z"].iter().all(|axis| header.contains(&format!("property double {axis}"))));
+    let image = &set.images[0];
+    let depths = image.inverse_depths();
+    let near: Vec<_> = image.samples().filter(|sample| depths[sample.index] > 0.0).collect();
+    assert_eq!(points.len(), near.len() * 43);
+    for (sample, point) in near.iter().zip(points.chunks(43)) {
+        let double = |nth: usize| f64::from_le_bytes(point[8 * nth..8 * nth + 8].try_into().unwrap());
+        let pixel = glam::DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5);
+        let z = 1.0 / f64::from(depths[sample.index]);
+        let expected = set.cameras[image.camera as usize].unproject(pixel, z);
+        assert!(expected.distance(glam::DVec3::new(double(0), double(1), double(2))) < 1e-6);
+    }
+}
+
+#[test]
 fn every_frame_gets_a_file_and_static_points_one() {
     let (folder, store, _) = scene();
     let out = folder.path().join("frames");

@@ -43,15 +43,29 @@ pub(super) fn refuse_motion(first: &Camera, other: &Camera, first_number: i64, p
 fn is_still(first: &Camera, other: &Camera) -> bool {
     let reach = first.position_in_world().length();
     let (a, b) = (&first.world_from_camera, &other.world_from_camera);
-    let apart = (SAME_PLACE * reach.clamp(1.0, NEAR)).max(SAME_PLACE_FAR * reach);
+    let apart = apart(SAME_PLACE, reach);
     a.matrix3.abs_diff_eq(b.matrix3, SAME_ROTATION) && a.translation.abs_diff_eq(b.translation, apart)
+}
+
+/// How far apart places that are this far from the origin may be: by this share near it, and by rounding to `f32` beyond.
+fn apart(share: f64, reach: f64) -> f64 {
+    (share * reach.clamp(1.0, NEAR)).max(SAME_PLACE_FAR * reach)
+}
+
+/// Whether the place of a camera may have gone through `f32`.
+fn is_single(camera: &Camera) -> bool {
+    camera.position_in_world().to_array().iter().all(|value| f64::from(*value as f32) == *value)
 }
 
 /// The first of the `known` cameras that differs from this one by rounding alone, or this one, which is known from then on.
 pub(super) fn without_rounding(known: &mut Vec<Camera>, camera: Camera) -> Camera {
     let is_same = |first: &&Camera| {
         let (a, b) = (&first.intrinsics, &camera.intrinsics);
-        first.name == camera.name && a.size() == b.size() && same_lens(a, b) && is_still(first, &camera)
+        // Far from the origin a view that is written with all digits may be a step of a path away.
+        let is_near = first.position_in_world().distance(camera.position_in_world()) <= SAME_PLACE * NEAR;
+        let is_rounded = is_near || (is_single(first) && is_single(&camera));
+        let is_of_one_lens = first.name == camera.name && a.size() == b.size() && same_lens(a, b);
+        is_of_one_lens && is_rounded && is_still(first, &camera)
     };
     if let Some(first) = known.iter().find(is_same) {
         return first.clone();
@@ -60,8 +74,8 @@ pub(super) fn without_rounding(known: &mut Vec<Camera>, camera: Camera) -> Camer
     camera
 }
 
-/// How far apart the places of a view and of a picture of it may be, relative to the distance from the origin or 1, and how far the
-/// entries of their rotations: poses that another program wrote with five digits; a fifth of a pixel at a focal length of 2000.
+/// How far apart the places of a view and of a picture of it may be, relative to the distance from the origin between 1 and [`NEAR`],
+/// and how far the entries of their rotations: poses that another program wrote with five digits; a fifth of a pixel at a focal length of 2000.
 const SAME_VIEW: f64 = 1e-4;
 
 /// How far focal length and principal point of a view and of a picture of it may differ, pixels.
@@ -70,7 +84,7 @@ const SAME_VIEW_LENS_PX: f64 = 0.05;
 /// Whether another program took a picture from where a view was taken, with what it rounds its poses to.
 pub(super) fn is_view_from(view: &Camera, picture: &Camera) -> bool {
     let (a, b) = (&view.world_from_camera, &picture.world_from_camera);
-    let apart = SAME_VIEW * a.translation.length().max(1.0);
+    let apart = apart(SAME_VIEW, a.translation.length());
     a.matrix3.abs_diff_eq(b.matrix3, SAME_VIEW) && a.translation.abs_diff_eq(b.translation, apart)
 }
 

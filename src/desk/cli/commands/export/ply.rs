@@ -2,7 +2,8 @@
 //!
 //! Source: Turk, *The PLY Polygon File Format*, 1994. Points are in world space; normals are unit length and zero where none is
 //! known; colors are 8-bit sRGB, since that is what viewers expect of `red green blue`; `radius` is that of a disk as large as the
-//! sample's pixel on its surface, in world units.
+//! sample's pixel on its surface, in world units. Positions are doubles where cameras stand far from the origin: single precision
+//! holds half a meter in maps' coordinates.
 
 use std::io::Write;
 use std::path::Path;
@@ -15,8 +16,26 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::samples::{OctNormal, SampleImage, SampleSet};
 use overlook_engine::whole_file;
 
-/// Bytes of a point: position and normal, radius, color.
-const POINT_BYTES: usize = 7 * 4 + 3;
+/// Bytes of a point at most: position and normal, radius, color.
+const POINT_BYTES: usize = 3 * 8 + 4 * 4 + 3;
+
+/// World units from the origin up to which single precision holds a tenth of a thousandth of a unit.
+const NEAR: f64 = 1e3;
+
+/// How positions are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Precision {
+    Single,
+    Double,
+}
+
+impl Precision {
+    /// What the places of the cameras need.
+    fn of(cameras: &[Camera]) -> Self {
+        let is_far = |camera: &Camera| camera.position_in_world().abs().max_element() > NEAR;
+        if cameras.iter().any(is_far) { Self::Double } else { Self::Single }
+    }
+}
 
 /// Writes the samples of some images and returns their number. Samples at infinity have no position and are left out.
 pub(crate) fn write<'a>(
@@ -28,27 +47,36 @@ pub(crate) fn write<'a>(
     let near =
         |image: &SampleImage| image.inverse_depths().iter().filter(|depth| **depth > 0.0).count() as u64;
     let points = images.clone().map(near).sum();
+    let precision = Precision::of(&set.cameras);
     whole_file::write(path, |target| {
-        target.write_all(header(&set.name, points).as_bytes()).map_err(io)?;
+        target.write_all(header(&set.name, points, precision).as_bytes()).map_err(io)?;
         for image in images {
-            write_points(target, image, &set.cameras[image.camera as usize]).map_err(io)?;
+            write_points(target, image, &set.cameras[image.camera as usize], precision).map_err(io)?;
         }
         Ok(points)
     })
 }
 
-fn header(name: &str, points: u64) -> String {
+fn header(name: &str, points: u64, precision: Precision) -> String {
     let name = name.replace(['\n', '\r'], " ");
-    let floats = ["x", "y", "z", "nx", "ny", "nz", "radius"].map(|name| format!("property float {name}\n"));
+    let kind = if precision == Precision::Double { "double" } else { "float" };
+    let places = ["x", "y", "z"].map(|name| format!("property {kind} {name}\n"));
+    let floats = ["nx", "ny", "nz", "radius"].map(|name| format!("property float {name}\n"));
     let bytes = ["red", "green", "blue"].map(|name| format!("property uchar {name}\n"));
     format!(
-        "ply\nformat binary_little_endian 1.0\ncomment {name}, by overlook\nelement vertex {points}\n{}{}end_header\n",
+        "ply\nformat binary_little_endian 1.0\ncomment {name}, by overlook\nelement vertex {points}\n{}{}{}end_header\n",
+        places.concat(),
         floats.concat(),
         bytes.concat()
     )
 }
 
-fn write_points(target: &mut impl Write, image: &SampleImage, camera: &Camera) -> std::io::Result<()> {
+fn write_points(
+    target: &mut impl Write,
+    image: &SampleImage,
+    camera: &Camera,
+    precision: Precision,
+) -> std::io::Result<()> {
     let depths = image.inverse_depths();
     for sample in image.samples().filter(|sample| depths[sample.index] > 0.0) {
         let z = 1.0 / f64::from(depths[sample.index]);
@@ -57,9 +85,15 @@ fn write_points(target: &mut impl Write, image: &SampleImage, camera: &Camera) -
         let normals = image.normal.as_ref();
         let normal = normals.map_or(glam::Vec3::ZERO, |normals| OctNormal::decode(normals[sample.index]));
         let mut bytes = Vec::with_capacity(POINT_BYTES);
-        let floats = point.as_vec3().to_array().into_iter().chain(normal.to_array());
+        match precision {
+            Precision::Single => {
+                bytes.extend(point.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes))
+            }
+            Precision::Double => bytes.extend(point.to_array().into_iter().flat_map(f64::to_le_bytes)),
+        }
         let radius = radius(camera, ray, z, normal.as_dvec3());
-        bytes.extend(floats.chain([radius as f32]).flat_map(f32::to_le_bytes));
+        let floats = normal.to_array().into_iter().chain([radius as f32]);
+        bytes.extend(floats.flat_map(f32::to_le_bytes));
         bytes.extend(image.color[sample.index].map(|channel| srgb8_from_linear(channel.to_f32())));
         target.write_all(&bytes)?;
     }
