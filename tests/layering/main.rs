@@ -80,7 +80,7 @@ const STAGES: [(&str, &[&str]); 8] = [
     ),
     (
         "engine/capture",
-        &["exr", "yuv", "pictures", "conventions", "transforms", "miv", "colmap", "recording", "readers"],
+        &["exr", "yuv", "pictures", "conventions", "colmap", "transforms", "miv", "recording", "readers"],
     ),
     ("engine/demo", &["tracer", "scenes"]),
     ("engine/store", &["container", "codec", "image", "file", "playback"]),

@@ -11,13 +11,13 @@ use super::requests::{ExportRequest, FileRequest};
 use crate::app::model::{
     Background, Destination, Display, ExportTarget, Exported, Message, NO_KEYS, Purpose,
 };
-use overlook_engine::capture::transforms::{PathView, path_from_json, path_to_json};
-use overlook_engine::capture::{Capture, exr};
+use overlook_engine::capture::Capture;
+use overlook_engine::capture::transforms::{PathView, open_path, path_to_json};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::render::film::{self, FilmEncoder, FilmSource};
-use overlook_engine::render::output::write_png;
-use overlook_engine::render::{NO_IMAGE, Picture, Renderer};
+use overlook_engine::render::output::{write_exr, write_png};
+use overlook_engine::render::{Picture, Renderer};
 use overlook_engine::settings::Settings;
 use overlook_engine::store::file::{Extras, Provenance};
 use overlook_engine::{store, whole_file};
@@ -51,12 +51,6 @@ fn save_picture(path: &Path, picture: &ColorImage, rendered: &Picture, display: 
         alpha => [pixel.r(), pixel.g(), pixel.b(), alpha],
     });
     write_rgba(path, picture.size, bytes.collect())
-}
-
-/// Linear color, coverage and planar depth.
-fn write_exr(path: &Path, picture: &Picture) -> Result<()> {
-    let coverage = picture.image.map(|image| if *image == NO_IMAGE { 0.0 } else { 1.0 });
-    exr::write_picture(path, &picture.color, &coverage, &picture.inverse_depth)
 }
 
 /// Writes a part of a picture of the window.
@@ -145,8 +139,7 @@ fn read_path(path: &Path) -> Result<Vec<PathView>> {
     if length > MOST_OF_A_PATH {
         return Err(Error::invalid(path.display(), format!("{length} bytes are too many for a camera path")));
     }
-    let text = std::fs::read(path).map_err(|error| Error::io(path, error))?;
-    path_from_json(&text, path)
+    Ok(open_path(path, false)?.views)
 }
 
 /// Paints and writes all pictures.

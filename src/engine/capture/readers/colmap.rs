@@ -12,10 +12,12 @@ use glam::{DAffine3, DVec3};
 
 use super::place::SourceFolder;
 use super::reader::{Description, ReadSource, Reader};
-use super::views::{entry, lens, recording};
+use super::views::{entry, recording};
 use crate::capture::colmap::{self, ColmapCamera, ColmapImage};
-use crate::capture::transforms::{Keys, LensKeys, NormalSpaceName, PictureEntry};
+use crate::capture::pictures::PictureRows;
+use crate::capture::transforms::{Keys, NormalSpaceName, PictureEntry, keys_of_colmap};
 use crate::error::{Error, Result};
+use crate::whole_file;
 
 /// Largest file that is read: reconstructions of some 10,000 images.
 const MAX_BYTES: u64 = 16 << 30;
@@ -79,6 +81,8 @@ impl Reader for Colmap {
             depth_kind: Some("planar_z".to_owned()),
             normal_space: Some(NormalSpaceName::Text("camera_opencv".to_owned())),
             up: Some(up.to_array()),
+            // COLMAP reads the rows as they are stored.
+            picture_orientation: Some(PictureRows::AsStored),
             ..Keys::default()
         };
         description.notes.push("up is the mean of the cameras' up, as COLMAP stores none".to_owned());
@@ -201,7 +205,7 @@ fn read(path: &Path) -> Result<Vec<u8>> {
             format!("{length} bytes are too many for a reconstruction"),
         ));
     }
-    std::fs::read(path).map_err(|error| Error::io(path, error))
+    whole_file::read_all(path)
 }
 
 /// Which maps of a workspace are read.
@@ -246,24 +250,6 @@ fn picture(
     camera: &ColmapCamera,
     path: &Path,
 ) -> Result<PictureEntry> {
-    if !camera.model.is_read() {
-        let what = format!(
-            "camera {} is of model {}, which is not undone; undistort the images (colmap image_undistorter), and open that folder",
-            camera.id, camera.model.name
-        );
-        return Err(Error::unsupported(path.display(), what));
-    }
-    let named = || camera.model.parameters.iter().copied().zip(camera.parameters.iter().copied());
-    let number =
-        |names: [&str; 2]| named().find(|(name, _)| names.contains(name)).map_or(0.0, |(_, value)| value);
-    let [fx, fy, cx, cy] = [["f", "fx"], ["f", "fy"], ["cx", ""], ["cy", ""]].map(number);
-    let bent: Vec<(&str, f64)> = named().filter(|(name, _)| name.starts_with(['k', 'p', 'o'])).collect();
-    let own = Keys {
-        w: Some(camera.width as f64),
-        h: Some(camera.height as f64),
-        camera_model: Some(camera.model.name.to_owned()),
-        lens: LensKeys::of(&bent),
-        ..lens(fx, fy, cx, cy, 0.5)
-    };
+    let own = keys_of_colmap(camera, path)?;
     Ok(PictureEntry { normal_file_path: normal, keys: own, ..entry(color, Some(depth), pose) })
 }

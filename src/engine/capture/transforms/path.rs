@@ -11,9 +11,11 @@ use std::path::Path;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::manifest::Manifest;
-use super::{intrinsics, pose};
+use super::manifest::{Manifest, PictureEntry};
+use super::view_list::{self, ViewList};
+use super::{frame_numbers, header_probe, intrinsics, pose};
 use crate::capture::camera::{Camera, Intrinsics};
+use crate::capture::pose_convention::upright;
 use crate::error::{Error, Result};
 
 /// One picture of a camera path.
@@ -25,6 +27,17 @@ pub struct PathView {
     pub frame_number: i64,
     /// Whether the path has a key here.
     pub is_key: bool,
+}
+
+/// A camera path in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathFile {
+    /// Its views, in the file's order.
+    pub views: Vec<PathView>,
+    /// Whether these are all pictures of a film, and not places between which a camera moves.
+    pub is_film: bool,
+    /// Whether it says which frame each view sees. If not, their numbers are 0.
+    pub names_frames: bool,
 }
 
 #[derive(Serialize)]
@@ -79,26 +92,54 @@ pub fn path_to_json(up_in_world: DVec3, views: &[PathView]) -> Result<String> {
     serde_json::to_string_pretty(&path).map_err(|error| Error::invalid("camera path", error.to_string()))
 }
 
-/// The pictures of a path, from a manifest as [`path_to_json`] or another program wrote it. No file is looked for; `place` is
+/// Reads a camera path from a file, or the one in a folder, of any program that lists viewpoints: a manifest, nerfstudio's
+/// `camera_path.json`, the `cameras.json` of Gaussian splats, or a COLMAP model. `frames_are_ranked`: see
+/// [`open_views_of`](super::open_views_of).
+///
+/// # Errors
+/// `Io`, and as [`path_from_json`].
+pub fn open_path(path: &Path, frames_are_ranked: bool) -> Result<PathFile> {
+    let list = ViewList::read(path)?;
+    frame_numbers::refuse_times(&list.manifest, &list.path, frames_are_ranked)?;
+    let names_frame = |entry: &PictureEntry| {
+        let keys = entry.keys.clone().or(&list.manifest.keys);
+        keys.frame.or(keys.time).is_some()
+    };
+    let names_frames = list.manifest.frames.iter().all(names_frame);
+    let folder = list.path.parent().unwrap_or(Path::new(""));
+    let views = views_of(&list.manifest, &list.path, Some(folder))?;
+    Ok(PathFile { views, is_film: list.is_film, names_frames })
+}
+
+/// The pictures of a path, from a text as [`path_to_json`] or another program wrote it. No file is looked for; `place` is
 /// named in errors.
 ///
 /// # Errors
-/// `Invalid` for what is no manifest, for a pose or lens that cannot be, for an entry without `w` and `h`, and for a time that is
-/// no number of a frame.
+/// `Invalid` for what is no list of views, for a pose or lens that cannot be, for an entry without `w` and `h`, and for a time that
+/// is no number of a frame.
 pub fn path_from_json(text: &[u8], place: &Path) -> Result<Vec<PathView>> {
-    let manifest = Manifest::from_json(text, &place.display().to_string())?;
-    super::frame_numbers::refuse_times(&manifest, place, false)?;
+    let (manifest, _) = view_list::from_json(text, &place.display().to_string())?;
+    frame_numbers::refuse_times(&manifest, place, false)?;
+    views_of(&manifest, place, None)
+}
+
+/// The views of a list. `folder` has the pictures that tell the size of views whose entries do not.
+fn views_of(manifest: &Manifest, place: &Path, folder: Option<&Path>) -> Result<Vec<PathView>> {
     let has_keys = manifest.frames.iter().any(|entry| entry.path_key);
-    let view = |(index, entry): (usize, &super::manifest::PictureEntry)| {
+    let view = |(index, entry): (usize, &PictureEntry)| {
         let place = format!("{}, frames[{index}]", place.display());
         let keys = entry.keys.clone().or(&manifest.keys);
-        let without_size = || {
-            let what = "has no \"w\" and \"h\"; write the columns and rows of its pictures";
-            Err(Error::invalid(&place, what))
+        let picture = folder.map(|folder| folder.join(&entry.file_path)).filter(|picture| picture.is_file());
+        let size_of_picture = || match &picture {
+            Some(picture) => header_probe::picture_size(picture, keys.picture_orientation, None, &place),
+            None => {
+                let what = "has no \"w\" and \"h\"; write the columns and rows of its pictures";
+                Err(Error::invalid(&place, what))
+            }
         };
-        let intrinsics = intrinsics::intrinsics(&keys, without_size, || 1.0, &place)?;
+        let intrinsics = intrinsics::intrinsics(&keys, size_of_picture, || 1.0, &place)?;
         let world_from_camera =
-            pose::world_from_camera(&entry.transform_matrix, keys.pose_convention(), &place)?;
+            upright(pose::world_from_camera(&entry.transform_matrix, keys.pose_convention(), &place)?);
         let frame_number = keys.frame.or(keys.time).unwrap_or(0.0) as i64;
         let camera = Camera { name: "path".to_owned(), intrinsics, world_from_camera };
         Ok(PathView { camera, frame_number, is_key: entry.path_key || !has_keys })

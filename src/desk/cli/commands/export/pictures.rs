@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::path::{self, Stops};
+use super::path::{self, Pace, Stops};
 use crate::cli::input::{self, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::error::Result;
@@ -21,9 +21,16 @@ use overlook_engine::store::playback::Playback;
 pub(crate) struct FilmArgs {
     /// The store.
     store: PathBuf,
-    /// The camera path: a manifest of views, one place at a time; between them the camera moves smoothly.
+    /// The camera path: views at some frames, between which the camera moves smoothly, or every picture of a film, as the window and
+    /// nerfstudio's viewer write it. Of a scene of one frame every view is a picture.
     #[arg(long, value_name = "TRANSFORMS")]
     path: PathBuf,
+    /// Hold the scene at this frame, by its number: every view of the path is a picture of one moment.
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    frame: Option<i64>,
+    /// So many pictures, spread evenly over the path; more than it has frames are slow motion.
+    #[arg(long, value_name = "N", value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..1_000_000))]
+    pictures: Option<usize>,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -42,12 +49,12 @@ impl FilmArgs {
     /// The open store, the stops of the path, and the settings to paint with.
     pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), CommandError> {
         self.settings.only("render")?;
-        output::refuse_pipe(&self.path)?;
         let playback = input::open_store(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
         self.painting.apply(&mut settings.render);
-        let stops = path::along(&self.path, info)?;
+        let pace = Pace { frame: self.frame, pictures: self.pictures };
+        let stops = path::along(&self.path, info, pace)?;
         Ok((Arc::new(playback), stops, settings.render))
     }
 }
@@ -70,7 +77,7 @@ pub(crate) fn paint(
 pub(crate) struct PicturesArgs {
     #[command(flatten)]
     film: FilmArgs,
-    /// Folder for the pictures, named by their frame's number.
+    /// Folder for the pictures, named by their frame's number, or by their own where a frame has several.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
