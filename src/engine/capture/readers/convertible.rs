@@ -1,7 +1,8 @@
 //! Sources that another program has to convert first, or that hold no depth.
 
-use super::place::SourceFolder;
+use super::place::{SourceFolder, names_in};
 use crate::error::Error;
+use crate::whole_file;
 
 /// A source that is recognized and not read.
 struct Convertible {
@@ -70,6 +71,31 @@ const BY_ENDING: [Convertible; 16] = [
     },
 ];
 
+/// What the names of the files with a frame's poses end in.
+const SOLO_FRAME: &str = ".frame_data.json";
+
+const SOLO: &str = "is a sequence of Unity Perception (SOLO), whose poses are not read; write a transforms.json beside it: for every picture \
+file_path, its .Depth.exr as depth_file_path with \"depth_channel\": \"R\", position and rotation of its frame_data.json as transform_matrix \
+with \"camera_axes\": [\"right\", \"up\", \"forward\"], and the angle of view as camera_angle_x";
+
+/// What to do with a split of a data set of radiance fields.
+fn radiance_field_split(place: &SourceFolder, split: &str) -> String {
+    let has_depth = whole_file::read_all(&place.join(split)).is_ok_and(|text| {
+        ["\"depth_file_path\"", "\"depth_path\""]
+            .iter()
+            .any(|key| text.windows(key.len()).any(|part| part == key.as_bytes()))
+    });
+    if has_depth {
+        return format!(
+            "is one split of a data set; open it by its name: overlook {}",
+            place.join(split).display()
+        );
+    }
+    "is one split of a data set of radiance fields, without depth; name each picture's depth in it as depth_file_path, with its unit as \
+     depth_unit_scale_factor, and open this file"
+        .to_owned()
+}
+
 /// The advice on a place that is recognized and cannot be read.
 pub(super) fn advice(place: &SourceFolder) -> Option<Error> {
     let names: Vec<&str> = place.file.as_deref().map_or_else(|| place.names().collect(), |name| vec![name]);
@@ -82,6 +108,20 @@ pub(super) fn advice(place: &SourceFolder) -> Option<Error> {
     if has("poses_bounds.npy") {
         let what = "are poses without depth (LLFF, DyNeRF, Neu3D); compute dense depth with COLMAP for every frame, and open its dense folder";
         return refuse("poses_bounds.npy", what);
+    }
+    if place.file.is_none()
+        && let Some(split) =
+            place.first_of(&["transforms_train.json", "transforms_test.json", "transforms_val.json"])
+    {
+        return refuse(split, &radiance_field_split(place, split));
+    }
+    let is_sequence = |name: &&str| name.starts_with("sequence.");
+    if place.file.is_none()
+        && let Some(sequence) = place.names().find(is_sequence)
+        && names_in(&place.join(sequence))
+            .is_ok_and(|names| names.iter().any(|name| name.ends_with(SOLO_FRAME)))
+    {
+        return refuse(sequence, SOLO);
     }
     names.iter().find_map(|name| {
         let lower = name.to_ascii_lowercase();
