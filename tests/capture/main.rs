@@ -17,6 +17,7 @@ mod scene;
 #[path = "../common/small_capture.rs"]
 mod small_capture;
 
+mod color_files;
 mod damage;
 mod demo_scenes;
 mod depth_buffers;
@@ -25,6 +26,7 @@ mod layers;
 mod left_out;
 mod manifests;
 mod miv;
+mod names_and_layouts;
 mod no_depth;
 mod other_pictures;
 mod parser_damage;

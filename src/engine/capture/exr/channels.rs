@@ -33,7 +33,7 @@ pub(crate) struct ChannelWishes {
 /// Indices of the recognized channels, into the list of names they were found in.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ChannelNames {
-    /// Red, green, blue.
+    /// Red, green, blue; the same channel for all of them where it is gray (`Y`).
     pub(crate) color: Option<[usize; 3]>,
     /// Alpha beside the color.
     pub(crate) alpha: Option<usize>,
@@ -66,8 +66,11 @@ impl ChannelNames {
             found => found?,
         };
         let root = finder.root(layer, color_layer);
-        let color = color_layer.and_then(|layer| finder.triple(layer, RGB));
-        let alpha = color_layer.and_then(|layer| finder.channel(layer, "A"));
+        let gray =
+            || finder.channel(layer.unwrap_or(""), "Y").filter(|_| !wishes.is_apart).map(|gray| [gray; 3]);
+        let color = color_layer.map_or_else(gray, |layer| finder.triple(layer, RGB));
+        let alpha_layer = color_layer.or(layer).or(color.map(|_| ""));
+        let alpha = alpha_layer.filter(|_| color.is_some()).and_then(|layer| finder.channel(layer, "A"));
         let depth = match &wishes.depth_channel {
             Some(wish) => Some(finder.wished(wish)?),
             None => finder.depth(root, color_layer),

@@ -63,7 +63,13 @@ pub(crate) fn guarded<T>(place: &str, decode: impl FnOnce() -> exr::error::Resul
         Ok(Ok(value)) => Ok(value),
         Ok(Err(exr::error::Error::NotSupported(what))) => {
             let what = one_line(&what);
-            let advice = if what.contains("deep") { "flattened" } else { "with ZIP compression" };
+            let advice = if what.contains("deep") {
+                "flattened"
+            } else if what.contains("subsampling") {
+                "as RGB, every channel of every pixel"
+            } else {
+                "with ZIP compression"
+            };
             Err(Error::unsupported(place, format!("{what}; save it again {advice}")))
         }
         Ok(Err(error)) => Err(damaged(place, &error.to_string())),

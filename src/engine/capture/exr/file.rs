@@ -4,7 +4,6 @@
 //! inflated nor stored, and so that sizes are checked before anything is allocated for them.
 
 use std::collections::{HashMap, HashSet};
-use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
@@ -12,22 +11,22 @@ use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
 use exr::compression::Compression;
 use exr::meta::MetaData;
-use exr::meta::attribute::{Chromaticities, SampleType, Text};
+use exr::meta::attribute::{EnvironmentMap, SampleType, Text};
 use exr::meta::header::Header;
 
 use super::decoder_guard::{self, guarded};
 use super::plane::ChannelPlane;
+use super::primaries::Primaries;
 use super::zip::Inflater;
 use crate::capture::camera::{MAX_SIDE, is_believable_size, wrong_size};
 use crate::error::{Error, Result};
 use crate::plural::counted;
+use crate::whole_file;
 
 /// No compression but DWA makes more than a thousand bytes of one, and a pixel has at least one.
 const MAX_PIXELS_PER_BYTE: usize = 1100;
 /// DWA keeps a few numbers of each 8×8 pixels, and makes those smaller in turn.
 const DWA_BLOCK_PIXELS: usize = 64;
-/// Chromaticities that differ from those of Rec.709 by no more than this are taken for them.
-const CHROMATICITY_SLACK: f32 = 1e-3;
 /// Ratios of a pixel's width to its height that are believed.
 const BELIEVABLE_PIXEL_ASPECTS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 /// Largest file that is read: one frame of the largest believable size with a dozen float channels stays below it.
@@ -67,8 +66,8 @@ pub struct ExrFile {
     display: DataWindow,
     data: Vec<DataWindow>,
     pixels_per_byte: Vec<usize>,
-    /// Whether the header states chromaticities that are not those of Rec.709.
-    pub(crate) has_other_primaries: bool,
+    /// The primaries that the header states; Rec.709's where it states none.
+    pub(crate) primaries: Primaries,
 }
 
 impl ExrFile {
@@ -78,6 +77,7 @@ impl ExrFile {
     /// `Io` where it cannot be read, `Invalid` for a damaged or absurd header, `Unsupported` for deep or subsampled
     /// pictures and for compressions newer than ZIP, PIZ and DWA.
     pub fn open(path: &Path, place: &str) -> Result<Self> {
+        whole_file::refuse_pipe(path)?;
         let length = std::fs::metadata(path).map_err(|error| unreadable(path, place, error))?.len();
         if length > MAX_FILE_BYTES {
             let what = format!("{length} bytes are too many for one picture; save it again");
@@ -120,10 +120,8 @@ impl ExrFile {
         }
         tell_apart(&mut channels, &in_full);
         let pixels_per_byte = headers.iter().map(|header| max_pixels_per_byte(header.compression)).collect();
-        let has_other_primaries = headers
-            .iter()
-            .filter_map(|header| header.shared_attributes.chromaticities)
-            .any(|chromaticities| !are_rec_709(chromaticities));
+        let stated = headers.iter().find_map(|header| header.shared_attributes.chromaticities);
+        let primaries = stated.map_or(Primaries::Rec709, Primaries::of_header);
         let display = headers.first().map(|header| header.shared_attributes.display_window);
         let Some(display) = display else {
             return Err(Error::invalid(place, "the file holds no picture; save it again"));
@@ -134,21 +132,13 @@ impl ExrFile {
             width: display.size.0,
             height: display.size.1,
         };
-        Ok(Self {
-            place: place.to_owned(),
-            bytes,
-            channels,
-            display,
-            data,
-            pixels_per_byte,
-            has_other_primaries,
-        })
+        Ok(Self { place: place.to_owned(), bytes, channels, display, data, pixels_per_byte, primaries })
     }
 
     /// Width of a pixel over its height; `None` where the header cannot be read or states an absurd ratio.
     #[must_use]
     pub fn pixel_aspect(path: &Path) -> Option<f64> {
-        let file = BufReader::new(File::open(path).ok()?);
+        let file = BufReader::new(whole_file::open(path).ok()?);
         let meta = guarded("", || MetaData::read_from_buffered(file, false)).ok()?;
         let aspect = f64::from(meta.headers.first()?.shared_attributes.pixel_aspect);
         BELIEVABLE_PIXEL_ASPECTS.contains(&aspect).then_some(aspect)
@@ -178,7 +168,7 @@ impl ExrFile {
             .ok_or_else(|| wrong_size(&self.place, (self.display.width, self.display.height), expected))
     }
 
-    /// Decodes the channels with these indices (into [`ExrFile::channels`]), in their order.
+    /// Decodes the channels with these indices (into [`ExrFile::channels`]), in their order; one may be there twice.
     ///
     /// # Errors
     /// `Invalid` for damaged data, `Unsupported` for what the decoder does not know.
@@ -192,6 +182,11 @@ impl ExrFile {
         let unknown = |&channel: &usize| ChannelPlane::unknown(self.channels[channel].is_half, pixels);
         let mut planes: Vec<ChannelPlane> = wanted.iter().map(unknown).collect();
         guarded(&self.place, || self.decode_blocks(wanted, window, &mut planes))?;
+        for (at, channel) in wanted.iter().enumerate() {
+            if let Some(first) = wanted[..at].iter().position(|other| other == channel) {
+                planes[at] = planes[first].clone();
+            }
+        }
         Ok(planes)
     }
 
@@ -279,12 +274,6 @@ fn max_pixels_per_byte(compression: Compression) -> usize {
     }
 }
 
-fn are_rec_709(Chromaticities { red, green, blue, white }: Chromaticities) -> bool {
-    let expected = [(red, 0.64, 0.33), (green, 0.3, 0.6), (blue, 0.15, 0.06), (white, 0.3127, 0.329)];
-    let is_near = |a: f32, b: f32| (a - b).abs() <= CHROMATICITY_SLACK;
-    expected.into_iter().all(|(found, x, y)| is_near(found.0, x) && is_near(found.1, y))
-}
-
 /// Gives channels of several parts that would have one name `part.channel`, so that none hides another.
 fn tell_apart(channels: &mut [ChannelInfo], in_full: &[String]) {
     let mut counts: HashMap<String, usize> = HashMap::new();
@@ -329,6 +318,16 @@ fn data_window(header: &Header, place: &str) -> Result<DataWindow> {
     }
     if header.channels.list.iter().any(|channel| channel.sampling != exr::math::Vec2(1, 1)) {
         return Err(Error::unsupported(place, "subsampled channels are not supported; save it again as RGB"));
+    }
+    if let Some(map) = header.own_attributes.environment_map {
+        let kind = match map {
+            EnvironmentMap::LatitudeLongitude => "a panorama of the whole sphere",
+            EnvironmentMap::Cube => "the six sides of a cube",
+        };
+        let what = format!(
+            "the header says that it is {kind} (envmap), which is not read; render perspective pictures of it"
+        );
+        return Err(Error::unsupported(place, what));
     }
     let position = header.own_attributes.layer_position;
     Ok(DataWindow {

@@ -5,10 +5,14 @@ use std::path::Path;
 use image::DynamicImage;
 
 use super::format::{PictureFormat, format_of};
-use super::raster::{damaged_tiff, decode_any, open_tiff, size};
-use super::{colmap_map, npy, pgm};
-use crate::capture::camera::is_believable_size;
+use super::raster::{decode_any, size};
+use super::tiff_samples::TiffSamples;
+use super::{colmap_map, npy, pfm, pgm};
 use crate::error::{Error, Result};
+use crate::whole_file;
+
+/// Relative rounding of half floats.
+const HALF_STEP: f32 = 1.0 / 2048.0;
 
 /// Raw values of depth.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +34,7 @@ impl DepthMap {
     /// # Errors
     /// `Io`, `Invalid`, `Unsupported`: a file that is missing, damaged, or holds something else.
     pub(crate) fn read(path: &Path, levels: bool, place: &str) -> Result<Self> {
-        let bytes = || std::fs::read(path).map_err(|error| Error::io(path, error));
+        let bytes = || whole_file::read_all(path);
         let whole =
             |size, values| Self { size, values, whole_up_to: Some(f32::from(u16::MAX)), step_relative: 0.0 };
         match format_of(path, place)? {
@@ -38,9 +42,13 @@ impl DepthMap {
                 let (size, values) = pgm::parse(&bytes()?, place)?;
                 Ok(whole(size, values))
             }
+            PictureFormat::Pfm => {
+                let (size, values) = pfm::parse(&bytes()?, place)?;
+                Ok(Self { size, values, whole_up_to: None, step_relative: 0.0 })
+            }
             PictureFormat::Npy => {
                 let npy::NpyArray { size, values, is_whole, is_half } = npy::parse(&bytes()?, place)?;
-                let step_relative = if is_half { 0.5_f32.powi(11) } else { 0.0 };
+                let step_relative = if is_half { HALF_STEP } else { 0.0 };
                 Ok(Self { size, values, whole_up_to: is_whole.then_some(f32::from(u16::MAX)), step_relative })
             }
             PictureFormat::ColmapMap => {
@@ -48,6 +56,7 @@ impl DepthMap {
                 Ok(Self { size, values: planes.remove(0), whole_up_to: None, step_relative: 0.0 })
             }
             PictureFormat::Tiff => tiff(path, place),
+            PictureFormat::Jpeg => Err(jpeg(place)),
             _ => match decode_any(path, place)? {
                 DynamicImage::ImageLuma16(gray) => {
                     let size = (gray.width() as usize, gray.height() as usize);
@@ -74,6 +83,12 @@ fn has_eight_bits(picture: &DynamicImage) -> bool {
     }
 }
 
+fn jpeg(place: &str) -> Error {
+    let what =
+        "JPEG holds no depth: it has 8 bits, and changes them; save depth as 16-bit PNG, TIFF, .npy or EXR";
+    Error::unsupported(place, what)
+}
+
 fn not_depth(place: &str) -> Error {
     Error::unsupported(place, "depth in PNG must be 16-bit gray; save it so, or as EXR")
 }
@@ -97,36 +112,18 @@ pub fn depth_size(path: &Path, levels: bool, place: &str) -> Result<(usize, usiz
 }
 
 fn tiff(path: &Path, place: &str) -> Result<DepthMap> {
-    use tiff::decoder::DecodingResult;
-    let mut decoder = open_tiff(path, place)?;
-    let (width, height) = decoder.dimensions().map_err(|error| damaged_tiff(place, &error))?;
-    let size = (width as usize, height as usize);
-    if !is_believable_size(size.0, size.1) {
-        return Err(Error::unsupported(place, format!("{width}×{height} pixels are too many")));
-    }
-    let image = decoder.read_image().map_err(|error| damaged_tiff(place, &error))?;
-    let (values, whole_up_to): (Vec<f32>, _) = match image {
-        DecodingResult::F32(values) => (values, None),
-        DecodingResult::F64(values) => (values.into_iter().map(|value| value as f32).collect(), None),
-        DecodingResult::U16(values) => {
-            (values.into_iter().map(f32::from).collect(), Some(f32::from(u16::MAX)))
-        }
-        DecodingResult::U32(values) => {
-            (values.into_iter().map(|value| value as f32).collect(), Some(u32::MAX as f32))
-        }
-        _ => {
-            return Err(Error::unsupported(
-                place,
-                "depth in TIFF must have 16 bits or floats; save it so, or as EXR",
-            ));
-        }
-    };
-    if values.len() != size.0 * size.1 {
+    let TiffSamples { size, channels, values, whole_up_to, is_half, .. } = TiffSamples::read(path, place)?;
+    if channels != 1 {
+        let (width, height) = size;
         let what = format!(
             "the number of values for {width}×{height} pixels is {}; depth has one channel",
             values.len()
         );
         return Err(Error::unsupported(place, what));
     }
-    Ok(DepthMap { size, values, whole_up_to, step_relative: 0.0 })
+    if whole_up_to.is_some_and(|most| most <= f32::from(u8::MAX)) {
+        let what = "depth in TIFF must have 16 or 32 bits, or floats; save it so, or as EXR";
+        return Err(Error::unsupported(place, what));
+    }
+    Ok(DepthMap { size, values, whole_up_to, step_relative: if is_half { HALF_STEP } else { 0.0 } })
 }

@@ -13,10 +13,12 @@ pub(crate) enum PictureFormat {
     Png,
     /// JPEG: color alone.
     Jpeg,
-    /// TIFF: depth in floats or whole numbers, color in 8 or 16 bits.
+    /// TIFF: color or depth, in floats or whole numbers.
     Tiff,
     /// PGM: depth in 16 bits.
     Pgm,
+    /// Netpbm's floats: depth alone.
+    Pfm,
     /// An array of `NumPy`: depth alone.
     Npy,
     /// A map of COLMAP's: depth or normals alone.
@@ -38,12 +40,19 @@ pub(crate) fn format_of(path: &Path, place: &str) -> Result<PictureFormat> {
         "jpg" | "jpeg" => Ok(PictureFormat::Jpeg),
         "tif" | "tiff" => Ok(PictureFormat::Tiff),
         "pgm" => Ok(PictureFormat::Pgm),
+        "pfm" => Ok(PictureFormat::Pfm),
         "npy" => Ok(PictureFormat::Npy),
         "yuv" => Ok(PictureFormat::Yuv),
         "bin" => Ok(PictureFormat::ColmapMap),
+        "npz" => Err(Error::unsupported(
+            place,
+            "archives of NumPy (.npz) are not read; save the array by itself as .npy (numpy.save), or as EXR",
+        )),
         other => Err(Error::unsupported(
             place,
-            format!("pictures of type '{other}' are not supported; convert them to EXR, PNG or JPEG"),
+            format!(
+                "files of type '{other}' are not read; save color as EXR, PNG, TIFF or JPEG, and depth as EXR, 16-bit PNG, TIFF or .npy"
+            ),
         )),
     }
 }

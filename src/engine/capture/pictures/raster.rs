@@ -1,16 +1,20 @@
-//! Pictures in PNG, JPEG and TIFF.
+//! Pictures of color in PNG, JPEG and TIFF.
 
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use image::metadata::Orientation;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
-use tiff::decoder::Decoder as TiffDecoder;
 
+use super::color_tags::ColorTag;
 use super::format::{PictureFormat, format_of};
-use crate::capture::camera::{MAX_PIXELS, MAX_SIDE, wrong_size};
+use super::tiff_samples::{self, TiffSamples};
+use super::turned::{self, PictureRows, rows_by_size, shown_size, turn, turned};
+use crate::capture::camera::{MAX_PIXELS, MAX_SIDE};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result, one_line};
+use crate::whole_file;
 
 /// Bytes of a pixel of four channels of 16 bits.
 const PIXEL_BYTES: u64 = 8;
@@ -18,7 +22,6 @@ const PIXEL_BYTES: u64 = 8;
 fn reader(path: &Path, place: &str) -> Result<(ImageReader<BufReader<File>>, &'static str)> {
     let (format, name) = match format_of(path, place)? {
         PictureFormat::Jpeg => (ImageFormat::Jpeg, "JPEG"),
-        PictureFormat::Tiff => (ImageFormat::Tiff, "TIFF"),
         PictureFormat::Png => (ImageFormat::Png, "PNG"),
         _ => {
             let what =
@@ -26,8 +29,7 @@ fn reader(path: &Path, place: &str) -> Result<(ImageReader<BufReader<File>>, &'s
             return Err(Error::unsupported(place, what));
         }
     };
-    let mut reader = ImageReader::open(path).map_err(|error| Error::io(path, error))?;
-    reader.set_format(format);
+    let mut reader = ImageReader::with_format(BufReader::new(whole_file::open(path)?), format);
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE as u32);
     limits.max_image_height = Some(MAX_SIDE as u32);
@@ -46,17 +48,20 @@ fn damaged(place: &str, format: &str, error: &image::ImageError) -> Error {
     Error::invalid(place, format!("damaged, or not a {format} picture ({what}); save it again"))
 }
 
-/// Columns and rows, from the header.
+/// Columns and rows as they are stored, from the header.
 pub(crate) fn size(path: &Path, place: &str) -> Result<(usize, usize)> {
-    let (reader, format) = reader(path, place)?;
-    let (width, height) = reader.into_dimensions().map_err(|error| damaged(place, format, &error))?;
-    Ok((width as usize, height as usize))
+    Ok(stored_size(path, place)?.0)
 }
 
 /// Checks the header of a picture of color.
-pub(crate) fn check(path: &Path, place: &str, expected: (usize, usize)) -> Result<()> {
-    let found = size(path, place)?;
-    if found == expected { Ok(()) } else { Err(wrong_size(place, found, expected)) }
+pub(crate) fn check(
+    path: &Path,
+    place: &str,
+    expected: (usize, usize),
+    rows: Option<PictureRows>,
+) -> Result<()> {
+    let (stored, tag) = stored_size(path, place)?;
+    turn(stored, tag, expected, rows, place).map(drop)
 }
 
 /// Checks that a picture has 16 bits of gray: `Err(None)` where it has not.
@@ -66,8 +71,11 @@ pub(super) fn check_gray16(path: &Path, place: &str) -> Result<(), Option<Error>
     if decoder.color_type() == ColorType::L16 { Ok(()) } else { Err(None) }
 }
 
-/// Whether a picture has an alpha channel, by its header.
+/// Whether a picture has an alpha channel.
 pub(crate) fn has_alpha(path: &Path, place: &str) -> Result<bool> {
+    if format_of(path, place)? == PictureFormat::Tiff {
+        return Ok(TiffSamples::read(path, place)?.has_alpha());
+    }
     let (reader, format) = reader(path, place)?;
     let decoder = reader.into_decoder().map_err(|error| damaged(place, format, &error))?;
     Ok(decoder.color_type().has_alpha())
@@ -82,15 +90,102 @@ pub(super) fn decode_any(path: &Path, place: &str) -> Result<DynamicImage> {
 /// Red, green, blue, and alpha if the picture has it, row-major.
 pub(crate) type ColorAndAlpha = ([Vec<f32>; 3], Option<Vec<f32>>);
 
-/// Linear red, green and blue, and alpha where the file has it. `is_linear` leaves values as they are; otherwise they
-/// are sRGB.
+/// How a manifest wants the numbers and the rows of a picture read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ColorReading {
+    /// Whether values are left as they are or are sRGB, whatever the picture says of itself. Where it says nothing either, floats are
+    /// linear and whole numbers are sRGB.
+    pub(crate) is_linear: Option<bool>,
+    /// Which rows of a picture with an orientation tag are meant.
+    pub(crate) rows: Option<PictureRows>,
+}
+
+/// Linear red, green and blue, and alpha where the file has it.
 pub(crate) fn color(
     path: &Path,
     place: &str,
     expected: (usize, usize),
-    is_linear: bool,
+    reading: &ColorReading,
 ) -> Result<ColorAndAlpha> {
-    check(path, place, expected)?;
+    let (stored, tag) = stored_size(path, place)?;
+    let turn = turn(stored, tag, expected, reading.rows, place)?;
+    let ((color, alpha), tag) = if format_of(path, place)? == PictureFormat::Tiff {
+        let picture = TiffSamples::read(path, place)?;
+        let tag = match &picture.profile {
+            Some(profile) if reading.is_linear.is_none() && picture.whole_up_to.is_some() => {
+                ColorTag::of_profile(profile, place)?
+            }
+            _ => None,
+        };
+        let is_linear = if tag.is_some() { Some(true) } else { reading.is_linear };
+        (tiff_color(picture, is_linear), tag)
+    } else {
+        let tag = if reading.is_linear.is_some() { None } else { color_tag(path, place)? };
+        let is_linear = tag.is_some() || reading.is_linear == Some(true);
+        (raster_color(path, place, is_linear)?, tag)
+    };
+    let color = match tag {
+        Some(tag) => tag.linear(color, place)?,
+        None => color,
+    };
+    Ok((color.map(|plane| turned(plane, stored, turn)), alpha.map(|plane| turned(plane, stored, turn))))
+}
+
+/// What a PNG or JPEG says of its colors; `None` where they are sRGB.
+fn color_tag(path: &Path, place: &str) -> Result<Option<ColorTag>> {
+    if format_of(path, place)? == PictureFormat::Png {
+        return ColorTag::of_png(path, place);
+    }
+    let (reader, format) = reader(path, place)?;
+    let mut decoder = reader.into_decoder().map_err(|error| damaged(place, format, &error))?;
+    let profile = decoder.icc_profile().map_err(|error| damaged(place, format, &error))?;
+    profile.map_or(Ok(None), |profile| ColorTag::of_profile(&profile, place))
+}
+
+/// Columns and rows of a picture as it is stored, and how it is to be turned to be shown.
+fn stored_size(path: &Path, place: &str) -> Result<((usize, usize), Orientation)> {
+    if format_of(path, place)? == PictureFormat::Tiff {
+        return tiff_samples::size(path, place);
+    }
+    let (reader, format) = reader(path, place)?;
+    let mut decoder = reader.into_decoder().map_err(|error| damaged(place, format, &error))?;
+    let (width, height) = decoder.dimensions();
+    // A tag that cannot be read turns nothing.
+    let tag = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    Ok(((width as usize, height as usize), tag))
+}
+
+/// Columns and rows of a picture whose camera is not known: of the rows that are meant, of which the size of what lies beside it may tell.
+///
+/// # Errors
+/// `Io`, and `Invalid` for a damaged header, and where a tag turns the picture and nothing tells which rows are meant.
+pub(crate) fn size_of_rows(
+    path: &Path,
+    rows: Option<PictureRows>,
+    beside: Option<(usize, usize)>,
+    place: &str,
+) -> Result<(usize, usize)> {
+    let (stored, tag) = stored_size(path, place)?;
+    let shown = shown_size(stored, tag);
+    if shown == stored {
+        return Ok(stored);
+    }
+    match rows.or_else(|| rows_by_size(stored, tag, beside?)) {
+        Some(PictureRows::AsStored) => Ok(stored),
+        Some(PictureRows::AsShown) => Ok(shown),
+        None => Err(turned::open(tag, place)),
+    }
+}
+
+/// Whether a tag turns a picture so that its size alone does not tell which rows a camera of the `expected` size means.
+pub(crate) fn is_open(path: &Path, expected: (usize, usize), place: &str) -> bool {
+    stored_size(path, place).is_ok_and(|(stored, tag)| {
+        tag != Orientation::NoTransforms && stored == expected && shown_size(stored, tag) == expected
+    })
+}
+
+/// Colors and alpha of a PNG or JPEG, decoded from sRGB unless they are linear, or are not yet to be.
+fn raster_color(path: &Path, place: &str, is_linear: bool) -> Result<ColorAndAlpha> {
     let picture = decode_any(path, place)?;
     let has_alpha = picture.color().has_alpha();
     let rgba = picture.into_rgba16();
@@ -107,8 +202,30 @@ pub(crate) fn color(
     Ok((color, alpha))
 }
 
+/// Color and alpha of a TIFF picture, of which gray is all three colors.
+fn tiff_color(picture: TiffSamples, is_linear: Option<bool>) -> ColorAndAlpha {
+    let has_alpha = picture.has_alpha();
+    let TiffSamples { channels, values, whole_up_to, .. } = picture;
+    let is_linear = is_linear.unwrap_or(whole_up_to.is_none());
+    let scale = whole_up_to.map_or(1.0, f32::recip);
+    let plane = |channel: usize| values.iter().skip(channel).step_by(channels).map(|value| value * scale);
+    let colors = if channels < 3 { [0; 3] } else { [0, 1, 2] };
+    let color = colors.map(|channel| {
+        let plane = plane(channel);
+        if is_linear { plane.collect() } else { plane.map(linear_from_srgb).collect() }
+    });
+    let alpha = has_alpha.then(|| plane(channels - 1).collect());
+    (color, alpha)
+}
+
 /// A gray picture of 8 bits, as masks and confidence are: columns, rows and values row by row.
 pub(crate) fn gray(path: &Path, place: &str) -> Result<((usize, usize), Vec<u8>)> {
+    if format_of(path, place)? == PictureFormat::Tiff {
+        let TiffSamples { size, channels, values, .. } = TiffSamples::read(path, place)?;
+        // Of masks and confidence the numbers count, and not what share they are of the largest.
+        let gray = values.into_iter().step_by(channels).map(|value| value.ceil().clamp(0.0, 255.0) as u8);
+        return Ok((size, gray.collect()));
+    }
     let picture = decode_any(path, place)?;
     let gray = match picture {
         // Of whole numbers in 16 bits the low byte counts: confidence is 0, 1 or 2.
@@ -119,17 +236,4 @@ pub(crate) fn gray(path: &Path, place: &str) -> Result<((usize, usize), Vec<u8>)
         picture => picture.into_luma8(),
     };
     Ok(((gray.width() as usize, gray.height() as usize), gray.into_raw()))
-}
-
-pub(super) fn open_tiff(path: &Path, place: &str) -> Result<TiffDecoder<BufReader<File>>> {
-    let file = File::open(path).map_err(|error| Error::io(path, error))?;
-    let decoder = TiffDecoder::new(BufReader::new(file)).map_err(|error| damaged_tiff(place, &error))?;
-    let mut limits = tiff::decoder::Limits::default();
-    limits.decoding_buffer_size = 8 * MAX_PIXELS;
-    Ok(decoder.with_limits(limits))
-}
-
-pub(super) fn damaged_tiff(place: &str, error: &tiff::TiffError) -> Error {
-    let what = one_line(&error.to_string());
-    Error::invalid(place, format!("damaged, or not a TIFF picture that can be read ({what}); save it again"))
 }

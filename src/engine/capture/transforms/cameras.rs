@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
-use super::files::{PictureFiles, picture_path};
+use super::files::{PictureFiles, named_path};
 use super::header_probe::{HeaderFacts, probe};
 use super::left_out::{self, Posed, UNREADABLE};
 use super::manifest::{Keys, Manifest, PictureEntry};
 use super::origin::ManifestOrigin;
 use super::placed_entry::PlacedEntry;
 use super::same_camera::refuse_motion;
+use super::same_name::{SimilarNames, is_absolute};
 use super::{frame_numbers, pose};
 use crate::capture::camera::Camera;
 use crate::capture::pictures::RayCache;
@@ -44,10 +45,11 @@ pub(super) fn entries(manifest: &Manifest, origin: &ManifestOrigin) -> Result<Ve
     let names = camera_names(&keys, &poses, path)?;
     let numbers = frame_numbers::frame_numbers(&keys, &manifest.frames, &names, path)?;
     let rays = RayCache::default();
+    let similar = SimilarNames::default();
     let mut placed = Vec::with_capacity(keys.len());
     for (index, (keys, entry)) in keys.into_iter().zip(&manifest.frames).enumerate() {
         let (camera_name, number) = (names[index].clone(), numbers[index]);
-        let mut files = picture_files(folder, entry, &keys, path)?;
+        let mut files = picture_files(folder, entry, &keys, path, &similar)?;
         files.rays = rays.clone();
         placed.push(PlacedEntry {
             file_path: entry.file_path.clone(),
@@ -63,11 +65,18 @@ pub(super) fn entries(manifest: &Manifest, origin: &ManifestOrigin) -> Result<Ve
     Ok(placed)
 }
 
-fn picture_files(folder: &Path, entry: &PictureEntry, keys: &Keys, manifest: &Path) -> Result<PictureFiles> {
-    let resolve = |file_path: &Option<String>| file_path.as_ref().map(|name| picture_path(folder, name, &[]));
+fn picture_files(
+    folder: &Path,
+    entry: &PictureEntry,
+    keys: &Keys,
+    manifest: &Path,
+    similar: &SimilarNames,
+) -> Result<PictureFiles> {
+    let resolve =
+        |file_path: &Option<String>| file_path.as_ref().map(|name| named_path(folder, name, &[], similar));
     let [depth, normal] = [resolve(&entry.depth_file_path), resolve(&entry.normal_file_path)];
     let others: Vec<&Path> = [&depth, &normal].into_iter().flatten().map(PathBuf::as_path).collect();
-    let color = picture_path(folder, &entry.file_path, &others);
+    let color = named_path(folder, &entry.file_path, &others, similar);
     let apart = |path: Option<PathBuf>| path.filter(|path| *path != color);
     let place = format!("{} ({})", manifest.display(), entry.file_path);
     let [confidence, mask] = [resolve(&entry.confidence_file_path), resolve(&entry.mask_path)];
@@ -134,6 +143,7 @@ impl CameraFiles {
                 path.display()
             ));
         }
+        warnings.extend(names_of_another_machine(manifest, origin));
         let Posed { manifest, faults, mut skipped } = left_out::with_possible_poses(manifest, origin)?;
         let mut entries = entries(&manifest, origin)?;
         left_out::leave_out(&mut entries, faults, &mut skipped)?;
@@ -243,6 +253,17 @@ impl CameraFiles {
     pub(super) fn first_read(&self) -> impl Iterator<Item = &PlacedEntry> {
         self.entries.iter().filter_map(|frames| frames.iter().find(|entry| !entry.is_left_out))
     }
+}
+
+/// A warning where pictures are named from the root of another machine, and files below the manifest are read in their place.
+fn names_of_another_machine(manifest: &Manifest, origin: &ManifestOrigin) -> Option<String> {
+    let mut names = manifest.frames.iter().map(|entry| &entry.file_path).filter(|name| is_absolute(name));
+    let first = names.find(|name| !origin.folder.join(name.as_str()).is_file())?;
+    Some(format!(
+        "{}: pictures are named from the root of another machine, as '{first}'; files below {} whose names end alike are read",
+        origin.path.display(),
+        origin.folder.join(".").display()
+    ))
 }
 
 /// The names of the cameras in order of appearance, and their entries by number.

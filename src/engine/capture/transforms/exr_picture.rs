@@ -59,7 +59,10 @@ impl<'a> ExrPicture<'a> {
     pub(super) fn depth(&self) -> Result<DepthChannels> {
         const KEY: &str = "name one as \"depth_channel\" in the manifest";
         const LAYER_KEY: &str = "name the layer of its X, Y and Z as \"depth_channel\" in the manifest";
-        let one = |kind| self.names.depth.map(|index| DepthChannels::One(index, kind));
+        // A picture of one channel is a picture or depth, and not both.
+        let is_gray = |index: usize| !self.wishes.is_apart && self.names.color == Some([index; 3]);
+        let own = self.names.depth.filter(|index| !is_gray(*index));
+        let one = |kind| own.map(|index| DepthChannels::One(index, kind));
         let position = || self.names.position.map(DepthChannels::Position);
         // Beside depth, red, green and blue are a picture.
         let unnamed = || {

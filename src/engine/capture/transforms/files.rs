@@ -3,14 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use super::depth_camera::DepthCamera;
-use super::manifest::{Keys, Manifest, NormalSpaceName};
-use super::manifest_file::manifest_path;
+use super::manifest::{Keys, Manifest};
+use super::normal_space_name::NormalSpaceName;
 use super::raw_video::RawVideo;
+use super::same_name::SimilarNames;
+use super::view_list::ViewList;
 use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{
     ChannelInfo, ChannelWishes, DepthKind, DepthRules, HALF_MAX, MISS_DEPTH, NormalSpace,
 };
-use crate::capture::pictures::{Distortion, PICTURE_EXTENSIONS, PictureFormat, RayCache, format_of};
+use crate::capture::pictures::{
+    ColorReading, Distortion, PICTURE_EXTENSIONS, PictureFormat, PictureRows, RayCache, format_of,
+};
 use crate::error::{Error, Result};
 
 /// nerfstudio's unit of depth in PNG, TIFF and `NumPy` files: millimeters.
@@ -51,6 +55,10 @@ pub(crate) struct PictureFiles {
     pub is_linear: Option<bool>,
     /// Whether what is transparent is no sample.
     pub uses_alpha: bool,
+    /// Whether the manifest names colors of Rec.709's primaries, so that what the picture says of its own does not count.
+    pub are_colors_named: bool,
+    /// Which rows of a picture that is shown turned are meant, if that is known.
+    pub rows: Option<PictureRows>,
 }
 
 /// The kind of depth that the manifest names; `None` where it names none.
@@ -138,7 +146,14 @@ impl PictureFiles {
             raw_video: RawVideo::new(&keys.raw_video, depth_kind, place)?,
             is_linear: keys.color_space.as_deref().map(is_linear),
             uses_alpha: keys.use_alpha.unwrap_or(true),
+            are_colors_named: keys.color_space.as_deref().is_some_and(are_rec_709),
+            rows: keys.picture_orientation,
         })
+    }
+
+    /// How the numbers and the rows of a picture of color are read.
+    pub(crate) fn color_reading(&self) -> ColorReading {
+        ColorReading { is_linear: self.is_linear, rows: self.rows }
     }
 
     /// The first of the files that is missing: which of them, and the error.
@@ -183,7 +198,10 @@ impl PictureFiles {
             Some(DepthKind::ZBuffer) => DepthMeasure::ZBuffer,
             Some(DepthKind::ReversedZBuffer) => DepthMeasure::ReversedZBuffer,
         };
-        let is_in_world_units = is_exr || self.raw_video.has_range();
+        let file = self.depth.as_ref().unwrap_or(&self.color);
+        let in_world_units = [PictureFormat::Exr, PictureFormat::Pfm];
+        let is_in_world_units = self.raw_video.has_range()
+            || format_of(file, "").is_ok_and(|format| in_world_units.contains(&format));
         let unit = self.unit_scale.unwrap_or(if is_in_world_units { 1.0 } else { UNIT_SCALE });
         DepthClaim { measure, unit, near_clip: self.rules.near_clip, planes: None }
     }
@@ -233,7 +251,7 @@ impl PictureFiles {
         }
         Ok(DepthRules {
             kind,
-            unit_scale: self.unit_scale.unwrap_or(UNIT_SCALE),
+            unit_scale: self.depth_claim().unit,
             zero_is_unknown: true,
             misses_from: whole_up_to.unwrap_or(MISS_DEPTH),
             ..self.rules
@@ -267,6 +285,12 @@ fn is_linear(color_space: &str) -> bool {
     !color_space.to_ascii_lowercase().contains("srgb") || color_space.to_ascii_lowercase().contains("linear")
 }
 
+/// Whether a color space is known to have the primaries of Rec.709.
+fn are_rec_709(color_space: &str) -> bool {
+    let lower = color_space.to_ascii_lowercase();
+    ["srgb", "709", "raw"].iter().any(|known| lower.contains(known))
+}
+
 /// The path of a picture that a manifest names; manifests from Windows may have `\\` where others have `/`. Of several that a name
 /// without extension may mean, those that are known to be `others` come last.
 pub(crate) fn picture_path(folder: &Path, name: &str, others: &[&Path]) -> PathBuf {
@@ -276,6 +300,16 @@ pub(crate) fn picture_path(folder: &Path, name: &str, others: &[&Path]) -> PathB
     }
     let elsewhere = with_extension(folder.join(name.replace('\\', "/")), others);
     if elsewhere.is_file() { elsewhere } else { path }
+}
+
+/// As [`picture_path`], and where no file has that name the only one whose name other systems take for the same.
+pub(super) fn named_path(folder: &Path, name: &str, others: &[&Path], similar: &SimilarNames) -> PathBuf {
+    let path = picture_path(folder, name, others);
+    if path.is_file() {
+        return path;
+    }
+    let spellings = std::iter::once(folder.join(name.replace('\\', "/"))).chain(extended(&path));
+    spellings.into_iter().find_map(|path| similar.file(folder, &path)).unwrap_or(path)
 }
 
 /// The first data sets of radiance fields name pictures without extension. The text behind a dot may be a number.
@@ -318,18 +352,21 @@ fn extended(path: &Path) -> Vec<PathBuf> {
 /// # Errors
 /// `Io` and `Invalid` where the manifest cannot be read.
 pub fn picture_places(path: &Path) -> Result<Vec<PathBuf>> {
-    let path = manifest_path(path);
-    let manifest = Manifest::read(&path)?;
-    Ok(places_of(&manifest, path.parent().unwrap_or(Path::new(""))))
+    let list = ViewList::read(path)?;
+    Ok(places_of(&list.manifest, list.path.parent().unwrap_or(Path::new(""))))
 }
 
 /// Every place that the pictures of a manifest are read from, whose paths are relative to `folder`.
 pub(crate) fn places_of(manifest: &Manifest, folder: &Path) -> Vec<PathBuf> {
     let mut pictures = Vec::new();
+    let similar = SimilarNames::default();
     for entry in &manifest.frames {
         let spellings = entry.paths().flat_map(|name| [name.clone(), name.replace('\\', "/")]);
         for picture in spellings.map(|name| folder.join(name)) {
             pictures.extend(extended(&picture));
+            if !picture.is_file() {
+                pictures.extend(similar.file(folder, &picture));
+            }
             pictures.push(picture);
         }
     }

@@ -7,12 +7,18 @@ use super::exr_picture::{ExrPicture, no_depth};
 use super::files::PictureFiles;
 use super::normal_file::{normals_of_own, open_normal_file, place_of_normals};
 use crate::capture::camera::Camera;
-use crate::capture::exr::{DepthKind, ExrFile};
-use crate::capture::pictures::{self, PictureFormat, format_of};
+use crate::capture::exr::{DepthKind, ExrFile, Primaries};
+use crate::capture::pictures::{self, PictureFormat, PictureRows, format_of};
 use crate::error::{Error, Result};
 
-/// Columns and rows of a picture, from its header.
-pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
+/// Columns and rows of a picture, from its header. Of one that a tag turns, those of the rows that are meant: `rows` says which, or the
+/// file of depth beside it has them.
+pub(crate) fn picture_size(
+    path: &Path,
+    rows: Option<PictureRows>,
+    depth: Option<&Path>,
+    place: &str,
+) -> Result<(usize, usize)> {
     let format = format_of(path, place)?;
     if !path.is_file() {
         let what = "the picture is missing, and the manifest does not give its size; give w and h, or put the picture there";
@@ -24,8 +30,17 @@ pub(crate) fn picture_size(path: &Path, place: &str) -> Result<(usize, usize)> {
             let window = ExrFile::open(path, place)?.window(None)?;
             Ok((window.width, window.height))
         }
-        _ => pictures::size(path, place),
+        _ => pictures::size_of_rows(path, rows, depth.and_then(size_of_depth), place),
     }
+}
+
+/// Columns and rows of a file of depth; `None` where it cannot be read, which is told later.
+fn size_of_depth(path: &Path) -> Option<(usize, usize)> {
+    if format_of(path, "").ok()? == PictureFormat::Exr {
+        let window = ExrFile::open(path, "").ok()?.window(None).ok()?;
+        return Some((window.width, window.height));
+    }
+    pictures::depth_size(path, true, "").ok()
 }
 
 /// Width of a pixel over its height by the picture's header; 1 where it states none.
@@ -53,8 +68,8 @@ pub(crate) struct HeaderFacts {
     pub has_normals: bool,
     /// Whether depth is measured from a near plane that the manifest does not give.
     pub lacks_near_clip: bool,
-    /// Whether colors are of other primaries than Rec.709's.
-    pub has_other_primaries: bool,
+    /// Whether the header states primaries that no colors have.
+    pub has_absurd_primaries: bool,
 }
 
 /// Checks the headers of a frame's files.
@@ -73,10 +88,10 @@ pub(crate) fn probe(files: &PictureFiles, camera: &Camera, place: &str) -> Resul
                 kind = Some(picture.depth()?.kind());
             }
             probe.has_normals |= picture.names.normal.is_some();
-            probe.has_other_primaries = picture.file.has_other_primaries;
+            probe.has_absurd_primaries = picture.file.primaries == Primaries::Absurd;
         }
         _ if files.depth.is_none() => return Err(no_depth(place)),
-        _ => pictures::check(&files.color, place, size)?,
+        _ => pictures::check(&files.color, place, size, files.rows)?,
     }
     if let Some(path) = &files.depth {
         kind = Some(depth_file::probe(path, files, camera, place)?);

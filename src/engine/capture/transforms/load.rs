@@ -8,7 +8,7 @@ use super::files::PictureFiles;
 use super::header_probe;
 use super::normal_file;
 use crate::capture::camera::Camera;
-use crate::capture::exr::{AlphaPlane, ColorPlanes, DepthTrouble, Layers};
+use crate::capture::exr::{AlphaPlane, ColorPlanes, DepthTrouble, Layers, Primaries};
 use crate::capture::frame::{Frame, INVALID_INVERSE_DEPTH};
 use crate::capture::pictures::{self, PictureFormat, format_of};
 use crate::color::linear_from_srgb;
@@ -162,7 +162,7 @@ fn read_color_file(
         return Ok(PictureParts { color, alpha: None, depth: None, normal: None });
     }
     if format_of(&files.color, place)? != PictureFormat::Exr {
-        let (color, alpha) = pictures::color(&files.color, place, size, files.is_linear.unwrap_or(false))?;
+        let (color, alpha) = pictures::color(&files.color, place, size, &files.color_reading())?;
         let alpha = alpha.map(|values| AlphaPlane { values, is_associated: false });
         return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }
@@ -180,10 +180,15 @@ fn read_color_file(
         wanted.extend(picture.normal()?);
     }
     let mut planes = DecodedPlanes::decode(&picture, &wanted)?;
+    let primaries = if files.are_colors_named { Primaries::Rec709 } else { picture.file.primaries };
     let color = if files.is_linear == Some(false) {
         let mut encoded = planes.take_three();
         encoded.iter_mut().flatten().for_each(|value| *value = linear_from_srgb(*value));
         ColorPlanes::Single(encoded)
+    } else if let Primaries::Others(_) = primaries {
+        let mut others = planes.take_three();
+        primaries.convert(&mut others);
+        ColorPlanes::Single(others)
     } else {
         ColorPlanes::from([(); 3].map(|()| planes.take()))
     };

@@ -7,12 +7,16 @@ use serde_json::Value;
 
 use super::camera_name::camera_name;
 use super::depth_camera::DepthCameraKeys;
+use super::json_text::plain;
 use super::lens::LensKeys;
 use super::manifest_file::other_file;
+use super::normal_space_name::{NormalSpaceName, present};
+use super::pose_rows::rows;
 use super::raw_video::RawVideoKeys;
-use crate::capture::pictures::Distortion;
+use crate::capture::pictures::{Distortion, PictureRows};
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 use crate::error::{Error, Result, one_line};
+use crate::whole_file;
 
 /// Largest manifest that is read: some 100,000 entries.
 const MAX_BYTES: u64 = 256 << 20;
@@ -125,6 +129,9 @@ pub(crate) struct Keys {
     /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_space: Option<String>,
+    /// Which rows of pictures that a tag turns are meant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture_orientation: Option<PictureRows>,
     /// Up in world space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
@@ -137,20 +144,6 @@ pub(crate) struct Keys {
     /// Where the axes of the poses' camera space point; OpenGL's where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_axes: Option<CameraAxes>,
-}
-
-/// The value of `normal_space`. Null is not the same as a missing key: the file's value counts for a missing one.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub(crate) enum NormalSpaceName {
-    /// A name, `world` or `camera`.
-    Text(String),
-    /// No normals are to be read.
-    Null,
-}
-
-fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<NormalSpaceName>, D::Error> {
-    NormalSpaceName::deserialize(deserializer).map(Some)
 }
 
 /// The keys of `own`, and where one is missing that of `file`.
@@ -203,7 +196,7 @@ impl Keys {
             applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
             depth_unit_scale_factor, integer_depth_scale, depth_integer_scale, depth_scale, depth_invalid_value,
             depth_camera, near_clip, far_clip, normal_space, antialiased_color, pixel_center_offset, use_alpha, color_space, up,
-            raw_video, transform_direction, camera_axes);
+            picture_orientation, raw_video, transform_direction, camera_axes);
         Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }
 }
@@ -237,6 +230,7 @@ pub(crate) struct PictureEntry {
     #[serde(default)]
     pub path_key: bool,
     /// Camera to world, row-major, OpenGL axes; 4 rows or 3.
+    #[serde(deserialize_with = "rows")]
     pub transform_matrix: Vec<Vec<f64>>,
     /// Keys of this entry alone.
     #[serde(flatten)]
@@ -275,6 +269,11 @@ impl Manifest {
     /// # Errors
     /// `Io` where it cannot be read, `Invalid` where it is missing, for broken JSON, a missing key, or no entries.
     pub(crate) fn read(path: &Path) -> Result<Self> {
+        Self::from_json(&Self::bytes(path)?, &path.display().to_string())
+    }
+
+    /// The bytes of a manifest, unless the file cannot be one.
+    pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
         if !path.exists() {
             return Err(Error::invalid(
                 path.display(),
@@ -289,8 +288,7 @@ impl Manifest {
             let what = format!("{length} bytes are too many for a manifest");
             return Err(Error::invalid(path.display(), what));
         }
-        let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
-        Self::from_json(&bytes, &path.display().to_string())
+        whole_file::read_all(path)
     }
 
     /// The manifest as JSON that [`Manifest::from_json`] reads.
@@ -303,8 +301,7 @@ impl Manifest {
 
     /// Reads a manifest from JSON; `place` is named in errors.
     pub(crate) fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
-        // Editors of Windows put a byte-order mark before UTF-8.
-        let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+        let bytes = &plain(bytes);
         let mut manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
             let what = wrong_value(bytes).unwrap_or_else(|| error.to_string());
             let what = one_line(&what);

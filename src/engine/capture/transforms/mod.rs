@@ -12,6 +12,7 @@
 
 mod camera_name;
 mod cameras;
+mod colmap_keys;
 mod depth_camera;
 mod depth_file;
 mod depth_presence;
@@ -20,12 +21,14 @@ mod files;
 mod frame_numbers;
 mod header_probe;
 mod intrinsics;
+mod json_text;
 mod left_out;
 mod lens;
 mod load;
 mod manifest;
 mod manifest_file;
 mod normal_file;
+mod normal_space_name;
 mod origin;
 mod other_pictures;
 mod other_reading;
@@ -34,23 +37,29 @@ mod pictures_by_pose;
 mod pictures_of_views;
 mod placed_entry;
 mod pose;
+mod pose_rows;
 mod position_depth;
 mod raw_video;
 mod same_camera;
+mod same_name;
 mod source;
+mod turned_pictures;
+mod view_list;
 mod write;
 
+pub(crate) use colmap_keys::keys_of_colmap;
 pub(crate) use depth_camera::DepthCameraKeys;
 pub use files::picture_places;
 pub(crate) use files::places_of;
 pub(crate) use left_out::is_recording;
 pub(crate) use lens::LensKeys;
-pub(crate) use manifest::{Keys, Manifest, NormalSpaceName, PictureEntry};
+pub(crate) use manifest::{Keys, Manifest, PictureEntry};
 pub(crate) use manifest_file::other_file;
 pub use manifest_file::{MANIFEST_NAME, manifest_path, truth_beside};
+pub(crate) use normal_space_name::NormalSpaceName;
 pub(crate) use origin::ManifestOrigin;
 pub use other_pictures::{MatchedBy, OtherPictures};
-pub use path::{PathView, path_from_json, path_to_json};
+pub use path::{PathFile, PathView, open_path, path_from_json, path_to_json};
 pub use pictures_of_views::open_pictures;
 pub(crate) use pose::opengl_matrix;
 pub(crate) use raw_video::RawVideoKeys;
@@ -69,6 +78,7 @@ use crate::settings::CaptureSettings;
 use cameras::CameraFiles;
 use load::NeededPlanes;
 use source::FileSource;
+use view_list::ViewList;
 
 /// Opens a capture: a `transforms.json`, or a folder that holds one.
 ///
@@ -127,6 +137,7 @@ fn open_manifest(
 ) -> Result<Capture> {
     let path = &origin.path;
     let mut recording = CameraFiles::group(manifest, origin)?;
+    turned_pictures::decide(&mut recording);
     let probes = recording.probe()?;
     let mut warnings = std::mem::take(&mut recording.warnings);
     let has_normals = source::normals_in_all_cameras(&recording, &probes, &mut warnings);
@@ -156,7 +167,8 @@ fn open_manifest(
     Ok(capture)
 }
 
-/// Reads vantages, and where the pictures exist their truth, from a manifest of the same form.
+/// Reads vantages, and where the pictures exist their truth, from a manifest of the same form, or another list of viewpoints (see
+/// [`open_path`]).
 ///
 /// A true picture needs no depth: where none is recorded, every pixel of it counts as a sample at infinity. Views of one camera that
 /// differ by no more than a capture's frames may are one vantage.
@@ -173,8 +185,7 @@ pub fn open_views(path: &Path) -> Result<Vec<TruthView>> {
 /// # Errors
 /// As [`open_views`].
 pub fn open_views_of(path: &Path, frames_are_ranked: bool) -> Result<Vec<TruthView>> {
-    let path = manifest_path(path);
-    let manifest = Manifest::read(&path)?;
+    let ViewList { manifest, path, .. } = ViewList::read(path)?;
     frame_numbers::refuse_times(&manifest, &path, frames_are_ranked)?;
     let places = cameras::entries(&manifest, &ManifestOrigin::of_file(&path))?;
     let mut known = Vec::new();

@@ -85,7 +85,7 @@ pub(super) fn loader(
     place: String,
     view: &TruthView,
 ) -> std::result::Result<TruthLoader, String> {
-    let found = picture_size(&files.color, &place).map_err(|error| error.to_string())?;
+    let found = picture_size(&files.color, files.rows, None, &place).map_err(|error| error.to_string())?;
     let wanted = view.camera.intrinsics.size();
     if found != wanted {
         let ((width, height), (columns, rows)) = (found, wanted);

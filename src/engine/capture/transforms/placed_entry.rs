@@ -47,7 +47,7 @@ impl PlacedEntry {
     pub(super) fn camera(&self) -> Result<Camera> {
         let picture = &self.files.color;
         self.camera_of_size(
-            || header_probe::picture_size(picture, &self.place),
+            || header_probe::picture_size(picture, self.files.rows, self.files.depth.as_deref(), &self.place),
             || header_probe::pixel_aspect(picture),
         )
     }

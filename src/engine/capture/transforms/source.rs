@@ -81,11 +81,11 @@ pub(super) fn normals_in_all_cameras(
     let cameras = |is_so: fn(&HeaderFacts) -> bool| -> Vec<&str> {
         probes.iter().filter(|(_, probe)| is_so(probe)).map(|(name, _)| *name).collect()
     };
-    let of_other_primaries = cameras(|probe| probe.has_other_primaries);
-    if !of_other_primaries.is_empty() {
+    let of_absurd_primaries = cameras(|probe| probe.has_absurd_primaries);
+    if !of_absurd_primaries.is_empty() {
         warnings.push(format!(
-            "the pictures of {} state chromaticities other than Rec.709's, which are not converted; colors are taken as linear Rec.709",
-            of_other_primaries.join(", ")
+            "the pictures of {} state chromaticities that no colors have; colors are taken as linear Rec.709",
+            of_absurd_primaries.join(", ")
         ));
     }
     let without_near_clip = cameras(|probe| probe.lacks_near_clip);
