@@ -8,4 +8,6 @@ mod scene;
 mod camera_residuals;
 mod color_lens;
 mod conventions;
+mod do_no_harm;
+mod exact_scenes;
 mod rigs;

@@ -111,6 +111,8 @@ pub(crate) struct Sensing {
 pub(crate) struct Matches<'a> {
     pub(crate) views: [&'a ReferenceView; 2],
     pub(crate) points: Vec<[DVec3; 2]>,
+    /// For each of them, how many resolutions, the finest first, show nothing but its surface around it in both cameras.
+    pub(crate) pure_levels: Vec<usize>,
 }
 
 /// The difference of standardized brightness at one match, and its derivatives.
@@ -126,13 +128,20 @@ const LEAST_CONTRAST: f64 = 0.02;
 impl Matches<'_> {
     /// How many matches are looked at.
     pub(crate) fn count(&self, sensing: &Sensing) -> usize {
-        self.points.len().div_ceil(sensing.stride)
+        self.looked_at(sensing).count()
+    }
+
+    /// The matches that are looked at, with their indices: where one surface is all that is seen at this resolution.
+    fn looked_at(&self, sensing: &Sensing) -> impl Iterator<Item = (usize, &[DVec3; 2])> {
+        let level = sensing.level;
+        let pure = self.points.iter().enumerate().filter(move |(index, _)| level < self.pure_levels[*index]);
+        pure.step_by(sensing.stride)
     }
 
     /// The differences at all matches that both color pictures show.
     pub(crate) fn differences(&self, lens: &ColorLens, sensing: &Sensing) -> Vec<BrightnessDifference> {
-        let points = self.points.iter().enumerate().step_by(sensing.stride);
-        let seen: Vec<(usize, [Brightness; 2])> = points
+        let seen: Vec<(usize, [Brightness; 2])> = self
+            .looked_at(sensing)
             .filter_map(|(index, [own, other])| {
                 let own = lens.brightness(self.views[0], *own, sensing)?;
                 Some((index, [own, lens.brightness(self.views[1], *other, sensing)?]))

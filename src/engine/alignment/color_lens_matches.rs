@@ -2,7 +2,7 @@
 //!
 //! Purpose: see [`super::color_lens_search`]. Source: none; a sample counts where the other camera's depth confirms it.
 
-use glam::DVec3;
+use glam::DVec2;
 
 use super::color_lens::Matches;
 use super::reference_view::ReferenceView;
@@ -16,16 +16,19 @@ pub(super) fn matches(problem: &Problem, pair: [usize; 2]) -> Matches<'_> {
     let views = pair.map(|camera| &problem.views[camera]);
     let [own, other] = views;
     let other_from_own = other.camera.camera_from_world() * own.camera.world_from_camera;
-    let points = problem.samples[pair[0]].iter().filter_map(|sample| {
+    let confirmed = problem.samples[pair[0]].iter().filter_map(|sample| {
         let point = own.camera.intrinsics.ray_in_camera(sample.pixel) / sample.inverse_depth;
         let there = other_from_own.transform_point3(point);
-        is_confirmed(other, there).then_some([point, there])
+        let image = other.camera.intrinsics.project(there)?;
+        let pure_levels = sample.pure_levels.min(other.pure_levels_at(image));
+        is_confirmed(other, image, there.z).then_some(([point, there], pure_levels))
     });
-    Matches { views, points: points.collect() }
+    let (points, pure_levels) = confirmed.unzip();
+    Matches { views, points, pure_levels }
 }
 
-/// Whether the view has the depth of a point where it sees it, away from edges and from what moves.
-fn is_confirmed(view: &ReferenceView, point: DVec3) -> bool {
-    let surface = view.camera.intrinsics.project(point).and_then(|image| view.surface_at(image));
-    surface.is_some_and(|(_, _, here)| (f64::from(here) * point.z - 1.0).abs() < SAME_DEPTH_RELATIVE)
+/// Whether the view has this depth at an image position, away from edges and from what moves.
+fn is_confirmed(view: &ReferenceView, image: DVec2, depth: f64) -> bool {
+    let surface = view.surface_at(image);
+    surface.is_some_and(|(_, _, here)| (f64::from(here) * depth - 1.0).abs() < SAME_DEPTH_RELATIVE)
 }

@@ -75,11 +75,11 @@ pub(crate) struct LensCorrection {
     pub(crate) judgment: Judgment,
 }
 
-/// The color lenses that pay, one for every lens that enough cameras claim.
+/// The color lenses that pay, one for every lens that enough cameras claim; and what is said of those that no sensor has.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<Vec<LensCorrection>> {
+pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<(Vec<LensCorrection>, Vec<String>)> {
     let mut claimed: Vec<Intrinsics> = Vec::new();
     for view in &problem.views {
         if !claimed.contains(&view.camera.intrinsics) {
@@ -92,7 +92,9 @@ pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<Vec<Lens
             found.extend(search.run(job)?);
         }
     }
-    Ok(found)
+    let distance = 1.0 / problem.scale.inverse_depth;
+    let (kept, refused): (Vec<_>, Vec<_>) = found.into_iter().partition(|lens| lens.is_plausible(distance));
+    Ok((kept, refused.iter().map(LensCorrection::refusal).collect()))
 }
 
 /// All pairs of cameras that claim one lens.
@@ -123,7 +125,9 @@ impl<'a> LensSearch<'a> {
         let (judging, fitting): (Vec<_>, Vec<_>) = pairs
             .into_iter()
             .flatten()
-            .filter(|(_, pair)| pair.points.len() >= LEAST_MATCHES)
+            .filter(|(_, pair)| {
+                pair.pure_levels.iter().filter(|levels| **levels > 0).count() >= LEAST_MATCHES
+            })
             .partition(|pair| pair.0);
         let [fitting, judging] =
             [fitting, judging].map(|pairs| pairs.into_iter().map(|(_, pair)| pair).collect::<Vec<_>>());
@@ -136,7 +140,8 @@ impl<'a> LensSearch<'a> {
     }
 
     fn sensing(&self, level: usize) -> Sensing {
-        let all: usize = self.fitting.iter().map(|pair| pair.points.len()).sum();
+        let pure = |pair: &Matches| pair.pure_levels.iter().filter(|levels| level < **levels).count();
+        let all: usize = self.fitting.iter().map(pure).sum();
         let most = if level == COARSEST { MOST_COARSE_MATCHES } else { MOST_MATCHES };
         Sensing {
             level,
@@ -225,7 +230,7 @@ impl<'a> LensSearch<'a> {
         };
         let pairs: Vec<(f64, f64)> = self.fitting.par_iter().map(of_pair).collect();
         let (sum, count) = pairs.iter().fold((0.0, 0.0), |(sum, count), pair| (sum + pair.0, count + pair.1));
-        sum / count
+        sum / count.max(1.0)
     }
 
     /// Refines a lens by the pairs that find it. A stage is a resolution and its steps at most; it ends where nothing changes.

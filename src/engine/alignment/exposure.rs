@@ -5,6 +5,7 @@
 //! pair gives the median ratio of its samples in a coarse picture, so that highlights and other surfaces do not count. Ratios are
 //! logarithms, so that their sum holds the mean gain.
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::judge::Judgment;
@@ -12,11 +13,12 @@ use super::normal_equations::NormalEquations;
 use super::reference_view::ReferenceView;
 use super::solver::{PairWeighing, Problem, Weighing, loss};
 use super::surface_samples::SurfaceSample;
-use crate::grid::Grid;
 use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// Half the side of the square whose mean color is compared, pixels.
 const RADIUS: usize = 2;
+/// Resolutions that show nothing but one surface where the square does.
+const PURE_LEVELS: usize = 1;
 /// Linear colors below the first are too dark for a ratio; those above the second may be cut off.
 const USABLE: [f32; 2] = [0.004, 0.85];
 /// A pair with fewer samples gives no ratio.
@@ -47,6 +49,7 @@ pub(super) fn kept_gain(gains: &[GainCorrection], camera: usize) -> Option<&Gain
 struct ColorPair {
     own: [f64; 3],
     found: [f64; 3],
+    region: usize,
     judges: bool,
 }
 
@@ -75,7 +78,7 @@ pub(crate) fn align_gains(problem: &Problem, weighing: &Weighing) -> Vec<GainCor
     // All gains are applied; then each camera's is judged beside those of the others.
     let found: Vec<[f64; 3]> = corrections.iter().map(|correction| correction.log_gain).collect();
     for (camera, correction) in corrections.iter_mut().enumerate() {
-        correction.judgment = judged(camera, &found, colors.iter().zip(&spreads));
+        correction.judgment = judged(camera, &found, colors.iter().zip(&spreads), problem.regions);
         let largest =
             |values: [f64; 3]| values.into_iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let [stops, errors] = [correction.log_gain, correction.standard_error]
@@ -119,6 +122,7 @@ fn judged<'a>(
     camera: usize,
     found: &[[f64; 3]],
     pairs: impl Iterator<Item = (&'a ColorsOfPair, &'a [f64; 3])>,
+    regions: usize,
 ) -> Judgment {
     let mut losses = Vec::new();
     for ((pair, colors), spread) in pairs.filter(|((pair, _), _)| pair.contains(&camera)) {
@@ -132,10 +136,10 @@ fn judged<'a>(
                 };
                 (0..3).map(of_channel).sum()
             };
-            losses.push([off(before), off(now)]);
+            losses.push((color.region, [off(before), off(now)]));
         }
     }
-    Judgment::of(&losses)
+    Judgment::of_regions(&losses, regions)
 }
 
 /// The spreads of each pair that has a ratio; of others nothing counts.
@@ -161,8 +165,7 @@ fn hold_mean(equations: &mut NormalEquations, held: &[usize]) {
 
 /// The mean colors of a camera's own samples.
 fn own_colors(view: &ReferenceView, samples: &[SurfaceSample]) -> Vec<LogColor> {
-    let of_sample =
-        |sample: &SurfaceSample| mean_log_color(&view.frame.color, sample.pixel.x, sample.pixel.y);
+    let of_sample = |sample: &SurfaceSample| mean_log_color(view, sample.pixel);
     samples.iter().map(of_sample).collect()
 }
 
@@ -181,19 +184,25 @@ fn color_pairs(
         views.terms(sample, level, gate)?;
         let point = own.camera.unproject(sample.pixel, 1.0 / sample.inverse_depth);
         let (image, _) = other.camera.project(point)?;
-        let found = mean_log_color(&other.frame.color, image.x, image.y)?;
-        Some(ColorPair { own: own_color, found, judges: sample.judges })
+        let found = mean_log_color(other, image)?;
+        Some(ColorPair { own: own_color, found, region: sample.region, judges: sample.judges })
     });
     colors.collect()
 }
 
-/// Logarithms of a mean color; `None` near the border, and where it is too dark or too bright for a ratio.
+/// Logarithms of a mean color; `None` near the border and the end of a surface, and where it is too dark or too bright for a ratio.
 type LogColor = Option<[f64; 3]>;
 
-fn mean_log_color(color: &Grid<[half::f16; 3]>, u: f64, v: f64) -> LogColor {
+fn mean_log_color(view: &ReferenceView, image: DVec2) -> LogColor {
+    let color = &view.frame.color;
     let (width, height) = color.size();
-    let (x, y) = (u as usize, v as usize);
-    if x < RADIUS || y < RADIUS || x + RADIUS >= width || y + RADIUS >= height {
+    let (x, y) = (image.x as usize, image.y as usize);
+    if view.pure_levels_at(image) < PURE_LEVELS
+        || x < RADIUS
+        || y < RADIUS
+        || x + RADIUS >= width
+        || y + RADIUS >= height
+    {
         return None;
     }
     let mut sum = [0.0_f32; 3];

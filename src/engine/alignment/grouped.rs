@@ -28,6 +28,7 @@ struct DecidedCameras {
     correction: CaptureCorrection,
     cameras: Vec<AlignedCamera>,
     pairs: Vec<AlignedPair>,
+    refused: Vec<String>,
 }
 
 impl DecidedCameras {
@@ -43,6 +44,7 @@ impl DecidedCameras {
             },
             cameras: seen.cameras.iter().map(named).collect(),
             pairs: Vec::new(),
+            refused: Vec::new(),
         }
     }
 
@@ -51,6 +53,10 @@ impl DecidedCameras {
         let is_new = |camera: usize| group.new.binary_search(&camera).is_ok();
         let CaptureCorrection { cameras, frames, late_frames, .. } = found.correction;
         let alignment = found.alignment.unwrap_or_default();
+        self.refused.extend(alignment.refused.iter().cloned());
+        if !alignment.is_of_cameras() {
+            return;
+        }
         for (nth, &camera) in held.iter().enumerate().filter(|(_, camera)| is_new(**camera)) {
             self.correction.cameras[camera] = cameras[nth].clone();
             self.correction.frames[camera] = frames[nth].clone();
@@ -88,9 +94,9 @@ pub(super) fn aligned_in_groups(
             so_far = decided.correction.applied_to_seen(seen);
         }
     }
-    let DecidedCameras { mut correction, cameras, pairs } = decided;
+    let DecidedCameras { mut correction, cameras, pairs, refused } = decided;
     if lenses.is_empty() && cameras.iter().all(|camera| camera.sentence().is_none()) {
-        return Ok(None);
+        return Ok((!refused.is_empty()).then(|| Aligned::refused(seen, Alignment::refused(refused))));
     }
     if correction.late_frames.iter().all(|late| *late == 0) {
         correction.late_frames = Vec::new();
@@ -103,7 +109,7 @@ pub(super) fn aligned_in_groups(
     };
     let corrections = CameraCorrections::new((0..cameras.len()).map(of_camera).collect(), typical_depth);
     let lenses = lenses.iter().map(AlignedLens::new).collect();
-    let alignment = Alignment { cameras, lenses, pairs, corrections };
+    let alignment = Alignment { cameras, lenses, pairs, corrections, refused, misread: None };
     Ok(Some(Aligned { capture: so_far, alignment: Some(alignment), correction }))
 }
 

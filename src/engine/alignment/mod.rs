@@ -29,13 +29,16 @@ mod groups;
 mod judge;
 mod normal_equations;
 mod overlaps;
+mod plausibility;
 mod poses;
 mod reference_view;
+mod regions;
 mod registered_frames;
 mod report;
 mod residuals;
 mod shifted_frames;
 mod solver;
+mod surface_extent;
 mod surface_samples;
 mod together;
 mod view_alignment;
@@ -48,7 +51,7 @@ pub use report::{
 pub use together::Aligned;
 pub use view_alignment::align_view;
 
-use crate::capture::Capture;
+use crate::capture::{Capture, conventions};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
@@ -75,11 +78,12 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         return Ok(Aligned::unchanged(capture));
     }
     job.start("Aligning cameras", 1);
-    let (lenses, looked) = if settings.lens == Correction::Auto {
+    let (lenses, refused, looked) = if settings.lens == Correction::Auto {
         let looked = LookedAt::new(capture, job)?;
-        (color_lens_search::find_color_lenses(&looked.problem, job)?, Some(looked))
+        let (lenses, refused) = color_lens_search::find_color_lenses(&looked.problem, job)?;
+        (lenses, refused, Some(looked))
     } else {
-        (Vec::new(), None)
+        (Vec::new(), Vec::new(), None)
     };
     let seen = CaptureCorrection::of_lenses(&lenses).seen_through_lenses(capture);
     let is_lens_alone = AlignSettings { lens: Correction::Off, ..settings.clone() } == AlignSettings::OFF;
@@ -101,8 +105,27 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         };
         aligned_beside_lenses(&seen, problem, &lenses, settings, job)?
     };
+    let found = with_refusals(found, refused, capture)?;
     job.advance(1);
-    Ok(found.unwrap_or_else(|| Aligned::unchanged(capture)))
+    Ok(found)
+}
+
+/// What was found, unless the capture is read otherwise than it is meant: then cameras disagree for that reason, and nothing is
+/// corrected. `refused` joins what is said to be left as it is.
+fn with_refusals(found: Option<Aligned>, refused: Vec<String>, capture: &Capture) -> Result<Aligned> {
+    if found.is_none() && refused.is_empty() {
+        return Ok(Aligned::unchanged(capture));
+    }
+    let reading = conventions::check(capture)?;
+    if reading.alternative().is_some() {
+        let misread = Alignment { misread: Some(reading), ..Alignment::default() };
+        return Ok(Aligned::refused(capture, misread));
+    }
+    let mut found = found.unwrap_or_else(|| Aligned::unchanged(capture));
+    if !refused.is_empty() {
+        found.alignment.get_or_insert_default().refused.splice(0..0, refused);
+    }
+    Ok(found)
 }
 
 /// How many cameras of a capture are aligned together at most; `None` where all are.

@@ -86,14 +86,18 @@ impl Factor {
         x
     }
 
+    /// The column of the inverse that belongs to one unknown.
+    pub(crate) fn inverse_column(&self, unknown: usize) -> Vec<f64> {
+        let mut unit = vec![0.0; self.size];
+        unit[unknown] = 1.0;
+        self.solve(&unit)
+    }
+
     /// The block of the inverse that belongs to the unknowns from `start` on, `N` of them.
     pub(crate) fn inverse_block<const N: usize>(&self, start: usize) -> [[f64; N]; N] {
         let mut block = [[0.0; N]; N];
-        let mut unit = vec![0.0; self.size];
         for (column, values) in block.iter_mut().enumerate() {
-            unit[start + column] = 1.0;
-            values.copy_from_slice(&self.solve(&unit)[start..start + N]);
-            unit[start + column] = 0.0;
+            values.copy_from_slice(&self.inverse_column(start + column)[start..start + N]);
         }
         block
     }

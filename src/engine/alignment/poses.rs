@@ -5,6 +5,8 @@ use rayon::prelude::*;
 
 use super::judge::Judgment;
 use super::normal_equations::eigen;
+use super::plausibility;
+use super::regions::RegionShares;
 use super::residuals::{GAIN, UNKNOWNS};
 use super::solver::{Problem, SolverStage, Weighing, make_rigid, moved};
 use crate::capture::Camera;
@@ -39,6 +41,8 @@ pub(crate) struct PoseCorrection {
     pub(crate) kept: bool,
     /// Whether it would pay, but the pictures do not determine the pose in some direction.
     pub(crate) is_weak: bool,
+    /// Whether it would pay, but is farther off than the poses of rigs are.
+    pub(crate) is_implausible: bool,
     /// How far samples of the camera move, root mean square, footprints.
     pub(crate) footprints: f64,
     /// Standard errors of rotation (radians) and translation (units), per axis, the largest.
@@ -142,22 +146,24 @@ pub(crate) fn align_poses(problem: &mut Problem, job: &Job) -> Result<Vec<PoseCo
         return Ok(none(problem));
     };
     let terms = problem.terms_per_sample(&weighing);
+    let regions = RegionShares::new(problem, &weighing);
     let judged = (0..problem.views.len()).into_par_iter().map(|camera| {
         let now = problem.views[camera].camera.world_from_camera;
         let then = original[camera].world_from_camera;
         let block = factor.inverse_block::<GAIN>(camera * UNKNOWNS);
         let weakest = eigen(block).iter().map(|(value, _)| value.max(0.0)).fold(0.0, f64::max);
         let inflated = terms.sqrt();
-        let largest = |start: usize| {
-            (start..start + 3).map(|axis| block[axis][axis].max(0.0).sqrt()).fold(0.0, f64::max) * inflated
-        };
+        let errors = regions.pose_errors(&factor, camera);
+        let largest = |start: usize| errors[start..start + 3].iter().copied().fold(0.0, f64::max);
         let footprints = problem.displacement(camera, &now, &then);
         let judgment = Judgment::of_pose(problem, &weighing, camera, then);
         let is_known = weakest.sqrt() * inflated < WEAK.max(0.3 * footprints);
         let is_wanted = judgment.pays() && footprints > LEAST_MOVE;
+        let is_plausible = plausibility::is_of_a_rig(&(then.inverse() * now), problem.scale.inverse_depth);
         PoseCorrection {
-            kept: is_wanted && is_known,
+            kept: is_wanted && is_known && is_plausible,
             is_weak: is_wanted && !is_known,
+            is_implausible: is_wanted && is_known && !is_plausible,
             footprints,
             standard_errors: [
                 largest(0) / problem.scale.focal,
@@ -186,6 +192,7 @@ impl PoseCorrection {
         Self {
             kept: false,
             is_weak: false,
+            is_implausible: false,
             footprints: 0.0,
             standard_errors: [0.0; 2],
             judgment: Judgment::default(),

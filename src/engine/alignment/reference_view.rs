@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::surface_extent::pure_levels;
 use crate::capture::{Camera, Capture, Frame};
 use crate::error::Result;
 use crate::grid::Grid;
@@ -30,6 +31,8 @@ pub(crate) struct ReferenceView {
     /// Brightness at every resolution, the finest first: the square root of luminance, which has noise of about the same width
     /// everywhere and grows in proportion to a change of exposure.
     pub(crate) brightness: Vec<Grid<f32>>,
+    /// Per pixel the number of resolutions, the finest first, that show nothing but its surface around it.
+    pub(crate) pure_levels: Grid<u8>,
     /// Pixels that are as they are in another frame; `None` where there is only one frame.
     pub(crate) is_still: Option<Grid<bool>>,
 }
@@ -45,7 +48,8 @@ impl ReferenceView {
             let coarser = halved(&levels[levels.len() - 1]);
             levels.push(coarser);
         }
-        Self { camera, frame, brightness: levels, is_still }
+        let pure_levels = pure_levels(&frame.inverse_depth);
+        Self { camera, frame, brightness: levels, pure_levels, is_still }
     }
 
     /// All views of a capture at its first frame. The frame in the middle shows what moves.
@@ -66,6 +70,13 @@ impl ReferenceView {
     /// Whether the pixel is known to stay as it is.
     pub(crate) fn is_still(&self, x: usize, y: usize) -> bool {
         self.is_still.as_ref().is_none_or(|still| still[(x, y)])
+    }
+
+    /// How many resolutions, the finest first, show nothing but one surface around an image position; 0 outside of the picture.
+    pub(crate) fn pure_levels_at(&self, image: DVec2) -> usize {
+        let is_inside = image.x >= 0.0 && image.y >= 0.0;
+        let levels = self.pure_levels.get(image.x as usize, image.y as usize).filter(|_| is_inside);
+        levels.map_or(0, |levels| usize::from(*levels))
     }
 
     /// The pixel at an image position, and its inverse depth; `None` where it has none, at an edge of depth, near the border of the

@@ -11,9 +11,11 @@ use super::clock::ClockCorrection;
 use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
 use super::exposure::{GainCorrection, kept_gain};
+use super::plausibility::refusals;
 use super::poses::{PoseCorrection, WIDE_LOOK};
 use super::registered_frames::color_camera;
 use super::solver::Problem;
+use crate::capture::conventions::Finding;
 use crate::capture::{Camera, Capture, Intrinsics};
 use crate::median::median;
 
@@ -31,6 +33,12 @@ pub struct Alignment {
     /// What was corrected of each camera, with every bit; `None` where no pose and no exposure changed.
     #[serde(alias = "views", skip_serializing_if = "Option::is_none")]
     pub corrections: Option<CameraCorrections>,
+    /// What would make cameras agree better but is not corrected, one sentence each: it is farther off than rigs are.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<String>,
+    /// The reading of poses and depth under which views agree far better than as the capture is read. Nothing is corrected then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub misread: Option<Finding>,
 }
 
 /// What was corrected of one camera.
@@ -209,7 +217,28 @@ impl Alignment {
             lenses: lenses.iter().map(AlignedLens::new).collect(),
             pairs: pairs.collect(),
             corrections: camera_corrections(capture, problem, gains),
+            refused: refusals(capture, poses),
+            misread: None,
         }
+    }
+
+    /// That nothing is corrected, and why.
+    pub(super) fn refused(refused: Vec<String>) -> Self {
+        Self { refused, ..Self::default() }
+    }
+
+    /// Whether anything is corrected or left as it is for want of evidence, rather than nothing for some reason.
+    #[must_use]
+    pub fn is_of_cameras(&self) -> bool {
+        !self.cameras.is_empty()
+    }
+
+    /// What is not corrected, and why, one line each.
+    #[must_use]
+    pub fn refusals(&self) -> Vec<String> {
+        let misread = self.misread.as_ref().and_then(Finding::warning);
+        let misread = misread.map(|warning| format!("cameras are left as they are: {warning}"));
+        misread.into_iter().chain(self.refused.iter().cloned()).collect()
     }
 
     /// What was corrected, one line a lens and one a camera.

@@ -29,7 +29,8 @@ pub(crate) struct Term {
 pub(crate) struct Terms {
     /// In footprints; `None` where the other camera has no depth there.
     pub(crate) distance: Option<Term>,
-    /// In brightness; `None` near the border of the picture.
+    /// In brightness; `None` near the border of the picture, and where either picture shows another surface beside the sample's at
+    /// this resolution.
     pub(crate) color: Option<Term>,
 }
 
@@ -130,7 +131,10 @@ impl<'a> PairOfViews<'a> {
         image: DVec2,
         level: usize,
     ) -> Option<Term> {
-        let [found, across, down] = self.target.brightness_at(level, image.x, image.y)?;
+        // A picture that has no depth of its own shows nothing of where its surfaces end.
+        let is_pure =
+            level < sample.pure_levels && (self.color_alone || level < self.target.pure_levels_at(image));
+        let [found, across, down] = self.target.brightness_at(level, image.x, image.y).filter(|_| is_pure)?;
         let lens = &self.target.camera.intrinsics;
         let [own_gain, gain] = self.gains;
         let (across, down) = (across * gain, down * gain);

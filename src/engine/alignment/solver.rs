@@ -29,6 +29,8 @@ pub(crate) struct Problem {
     pub(crate) moved: Vec<[f64; 6]>,
     /// Cameras whose poses may change.
     pub(crate) is_free: Vec<bool>,
+    /// Regions that samples lie in.
+    pub(crate) regions: usize,
     /// Whether the depth of targets is left out.
     pub(crate) color_alone: bool,
 }
@@ -89,11 +91,10 @@ impl PairEquations {
     }
 
     fn add(&mut self, term: &Term, sigma: f64) {
-        let relative = term.residual / (TUKEY * sigma);
-        if relative.abs() >= 1.0 {
+        let weight = robust_weight(term.residual, sigma);
+        if weight == 0.0 {
             return;
         }
-        let weight = (1.0 - relative * relative).powi(2) / (sigma * sigma);
         let mut all = [0.0; 2 * UNKNOWNS];
         all[..UNKNOWNS].copy_from_slice(&term.source);
         all[UNKNOWNS..].copy_from_slice(&term.target);
@@ -106,6 +107,12 @@ impl PairEquations {
         }
         self.terms += 1.0;
     }
+}
+
+/// Tukey's weight of a residual: the reciprocal of the variance for small ones, 0 for strays.
+pub(crate) fn robust_weight(residual: f64, sigma: f64) -> f64 {
+    let relative = (residual / (TUKEY * sigma)).abs().min(1.0);
+    (1.0 - relative * relative).powi(2) / (sigma * sigma)
 }
 
 /// Tukey's loss of a residual, from 0 to 1.

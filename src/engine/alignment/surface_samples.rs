@@ -20,6 +20,10 @@ pub(crate) struct SurfaceSample {
     pub(crate) normal_in_camera: DVec3,
     /// At each resolution.
     pub(crate) brightness: [f64; LEVELS],
+    /// How many resolutions, the finest first, show nothing but the surface around the sample.
+    pub(crate) pure_levels: usize,
+    /// The region of space that it lies in, by number; the same in all cameras.
+    pub(crate) region: usize,
     /// Whether the sample judges corrections rather than taking part in finding them.
     pub(crate) judges: bool,
 }
@@ -68,6 +72,8 @@ pub(crate) fn surface_samples(view: &ReferenceView, count: usize) -> Vec<Surface
             inverse_depth: plane.inverse_depth,
             normal_in_camera,
             brightness,
+            pure_levels: view.pure_levels_at(pixel),
+            region: 0,
             judges,
         })
     });

@@ -9,8 +9,10 @@ use super::color_lens_search::LensCorrection;
 use super::corrected_frames::FrameCorrection;
 use super::exposure::{self, kept_gain};
 use super::overlaps::overlapping_pairs;
+use super::plausibility::refusals;
 use super::poses;
 use super::reference_view::ReferenceView;
+use super::regions::set_regions;
 use super::report::{Alignment, FoundCorrections};
 use super::residuals::ProblemScale;
 use super::solver::Problem;
@@ -36,6 +38,11 @@ impl Aligned {
     /// The capture as it claims to be.
     pub(super) fn unchanged(capture: &Capture) -> Self {
         Self { capture: capture.clone(), alignment: None, correction: CaptureCorrection::default() }
+    }
+
+    /// The capture as it claims to be, and why.
+    pub(super) fn refused(capture: &Capture, why: Alignment) -> Self {
+        Self { alignment: Some(why), ..Self::unchanged(capture) }
     }
 }
 
@@ -74,7 +81,8 @@ pub(super) fn aligned_beside_lenses(
         || gains.iter().any(|gain| gain.kept)
         || clocks.iter().any(ClockCorrection::shows);
     if !is_kept {
-        return Ok(None);
+        let refused = refusals(seen, &poses);
+        return Ok((!refused.is_empty()).then(|| Aligned::refused(seen, Alignment::refused(refused))));
     }
     let before = problem.pair_medians_as_claimed(&seen.cameras);
     let of_camera = |camera: usize| {
@@ -104,7 +112,7 @@ pub(super) fn problem(capture: &Capture, pairs: Option<Vec<[usize; 2]>>, job: &J
     let views = ReferenceView::all_of(capture, job)?;
     let cameras = views.len();
     let count = (SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_SAMPLES, SAMPLES);
-    let samples: Vec<_> = views.par_iter().map(|view| surface_samples(view, count)).collect();
+    let mut samples: Vec<_> = views.par_iter().map(|view| surface_samples(view, count)).collect();
     let pairs = pairs.unwrap_or_else(|| overlapping_pairs(&views, &samples));
     let mut depths: Vec<f64> = samples.iter().flatten().map(|sample| sample.inverse_depth).collect();
     let mut focals: Vec<f64> = views.iter().map(|view| view.camera.intrinsics.fx).collect();
@@ -112,10 +120,12 @@ pub(super) fn problem(capture: &Capture, pairs: Option<Vec<[usize; 2]>>, job: &J
         inverse_depth: median(&mut depths).unwrap_or(1.0),
         focal: median(&mut focals).unwrap_or(1.0),
     };
+    let regions = set_regions(&views, &mut samples, scale.inverse_depth);
     Ok(Problem {
         log_gains: vec![0.0; cameras],
         moved: vec![[0.0; 6]; cameras],
         is_free: vec![true; cameras],
+        regions,
         color_alone: false,
         views,
         samples,

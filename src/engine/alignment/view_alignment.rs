@@ -47,6 +47,7 @@ pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job)
         log_gains: vec![0.0; 2],
         moved: vec![[0.0; 6]; 2],
         is_free: vec![false, true],
+        regions: 1,
         color_alone: true,
     };
     for (level, steps) in STAGES {

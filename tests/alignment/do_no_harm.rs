@@ -1,0 +1,187 @@
+//! What is right is left alone, whatever it shows; and what is found to be wrong is wrong by as much as is said.
+
+use glam::{DAffine3, DQuat, DVec3};
+use overlook_engine::alignment::{Aligned, align};
+use overlook_engine::capture::{Camera, Capture};
+use overlook_engine::job::Job;
+use overlook_engine::settings::AlignSettings;
+
+use crate::draws::Draws;
+use crate::exact_scenes::{ExactScene, between, color_camera, misplaced};
+
+fn aligned(capture: &Capture) -> Aligned {
+    align(capture, &AlignSettings::default(), &Job::new()).unwrap()
+}
+
+/// The corrections that are made of exact scenes.
+fn harm(seeds: std::ops::Range<u64>) -> Vec<String> {
+    let of_seed = |seed: u64| {
+        let scene = ExactScene::random(seed, seed % 2 == 1);
+        let capture = scene.record(scene.cameras.clone());
+        let found = aligned(&capture);
+        if found.alignment.is_none() {
+            assert_eq!(found.capture.cameras, capture.cameras);
+        }
+        found.alignment.map(|alignment| format!("scene {seed}: {:?}", alignment.sentences()))
+    };
+    seeds.filter_map(of_seed).collect()
+}
+
+#[test]
+fn exact_scenes_are_left_alone_whatever_they_show() {
+    let harm = harm(0..16);
+    assert!(harm.is_empty(), "{harm:#?}");
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn two_hundred_exact_scenes_are_left_alone() {
+    let harm = harm(0..200);
+    assert!(harm.is_empty(), "{} of 200: {harm:#?}", harm.len());
+}
+
+/// A stated number that ought to be another one.
+#[derive(Debug)]
+struct Stated {
+    what: String,
+    off: f64,
+    standard_error: f64,
+}
+
+fn pose_planted(seed: u64) -> Vec<Stated> {
+    let scene = ExactScene::random(seed, seed % 2 == 1);
+    let mut draws = Draws(seed ^ 0x5bd1_e995);
+    let wrong = draws.below(scene.cameras.len() as u64) as usize;
+    let (degrees, distance) = (between(&mut draws, 0.1, 1.5), between(&mut draws, 0.0, 0.05));
+    let mut claimed = scene.cameras.clone();
+    claimed[wrong] = misplaced(&claimed[wrong], &mut draws, degrees, distance);
+    let found = aligned(&scene.record(claimed.clone()));
+    let cameras = found.alignment.map_or_else(Vec::new, |alignment| alignment.cameras);
+    let mut stated = Vec::new();
+    for (index, camera) in cameras.iter().enumerate() {
+        let (degrees, distance) = if index == wrong { (degrees, distance) } else { (0.0, 0.0) };
+        let what = |what: &str| {
+            format!("{what} of camera {index} of {}, {wrong} is wrong, scene {seed}", cameras.len())
+        };
+        if let Some(pose) = &camera.pose {
+            stated.push(Stated {
+                what: what("angle"),
+                off: pose.degrees - degrees,
+                standard_error: pose.degrees_se,
+            });
+            let off = pose.distance - distance;
+            stated.push(Stated { what: what("distance"), off, standard_error: pose.distance_se });
+        }
+        if let Some(exposure) = &camera.exposure {
+            for channel in 0..3 {
+                let off = exposure.stops[channel];
+                stated.push(Stated { what: what("stops"), off, standard_error: exposure.stops_se[channel] });
+            }
+        }
+    }
+    stated
+}
+
+fn exposure_planted(seed: u64) -> Vec<Stated> {
+    let mut scene = ExactScene::random(seed, seed % 2 == 1);
+    let mut draws = Draws(seed ^ 0x5bd1_e995);
+    scene.stops = scene.cameras.iter().map(|_| between(&mut draws, -0.3, 0.3)).collect();
+    let mean = scene.stops.iter().sum::<f64>() / scene.stops.len() as f64;
+    let found = aligned(&scene.record(scene.cameras.clone()));
+    let cameras = found.alignment.map_or_else(Vec::new, |alignment| alignment.cameras);
+    let mut stated = Vec::new();
+    for (index, camera) in cameras.iter().enumerate() {
+        let what = |what: &str| format!("{what} of camera {index} of {}, scene {seed}", cameras.len());
+        if let Some(pose) = &camera.pose {
+            stated.push(Stated { what: what("angle"), off: pose.degrees, standard_error: pose.degrees_se });
+        }
+        if let Some(exposure) = &camera.exposure {
+            for channel in 0..3 {
+                let off = exposure.stops[channel] + scene.stops[index] - mean;
+                stated.push(Stated { what: what("stops"), off, standard_error: exposure.stops_se[channel] });
+            }
+        }
+    }
+    stated
+}
+
+fn lens_planted(seed: u64) -> Vec<Stated> {
+    let mut scene = ExactScene::random(seed, seed % 2 == 1);
+    let mut draws = Draws(seed ^ 0x5bd1_e995);
+    let ratio = between(&mut draws, 0.88, 1.12);
+    let mut part = |most: f64| between(&mut draws, -most, most);
+    let turn = DVec3::new(part(0.006), part(0.006), part(0.006));
+    let shift = DVec3::new(part(0.04), part(0.01), part(0.01));
+    let color_from_depth = DAffine3::from_rotation_translation(DQuat::from_scaled_axis(turn), shift);
+    let color: Vec<Camera> =
+        scene.cameras.iter().map(|camera| color_camera(camera, ratio, color_from_depth)).collect();
+    let focal = color[0].intrinsics.fx;
+    scene.color_cameras = Some(color);
+    let found = aligned(&scene.record(scene.cameras.clone()));
+    let Some(alignment) = found.alignment else { return Vec::new() };
+    let what = |what: &str| format!("{what} of {} cameras, scene {seed}", scene.cameras.len());
+    let mut stated = Vec::new();
+    for lens in &alignment.lenses {
+        stated.push(Stated {
+            what: what("focal"),
+            off: lens.color.fx - focal,
+            standard_error: lens.focal_se,
+        });
+        if let (Some(degrees_se), Some(distance_se)) = (lens.degrees_se, lens.distance_se) {
+            let degrees = turn.length().to_degrees();
+            stated.push(Stated {
+                what: what("lens angle"),
+                off: lens.degrees - degrees,
+                standard_error: degrees_se,
+            });
+            let off = lens.distance - shift.length();
+            stated.push(Stated { what: what("lens distance"), off, standard_error: distance_se });
+        }
+    }
+    for (index, camera) in alignment.cameras.iter().enumerate() {
+        if let Some(pose) = &camera.pose {
+            let (what, off) = (what(&format!("camera {index}, angle")), pose.degrees);
+            stated.push(Stated { what, off, standard_error: pose.degrees_se });
+        }
+        for (stops, standard_error) in
+            camera.exposure.iter().flat_map(|exposure| exposure.stops.into_iter().zip(exposure.stops_se))
+        {
+            stated.push(Stated { what: what(&format!("camera {index}, stops")), off: stops, standard_error });
+        }
+    }
+    stated
+}
+
+fn all_planted(seeds: std::ops::Range<u64>) -> Vec<Vec<Stated>> {
+    let planted = [pose_planted, exposure_planted, lens_planted];
+    seeds.map(|seed| planted[seed as usize / 2 % 3](seed)).collect()
+}
+
+/// Whether the truth of all that is stated about a scene lies within three standard errors.
+fn holds(stated: &[Stated]) -> bool {
+    stated.iter().all(|stated| stated.off.abs() <= 3.0 * stated.standard_error)
+}
+
+#[test]
+fn the_truth_of_planted_errors_lies_within_three_standard_errors() {
+    let all = all_planted(0..18);
+    let found = all.iter().filter(|stated| !stated.is_empty()).count();
+    assert!(found >= 9, "corrections of {found} of {} scenes", all.len());
+    for stated in &all {
+        assert!(holds(stated), "{stated:#?}");
+    }
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn the_truth_of_two_hundred_planted_errors_lies_within_three_standard_errors() {
+    let all = all_planted(0..200);
+    let found = all.iter().filter(|stated| !stated.is_empty()).count();
+    let wrong: Vec<&Vec<Stated>> = all.iter().filter(|stated| !holds(stated)).collect();
+    for stated in wrong.iter().flat_map(|stated| stated.iter()) {
+        let sigmas = stated.off / stated.standard_error;
+        println!("{sigmas:8.1} {:9.4} ± {:.4} {}", stated.off, stated.standard_error, stated.what);
+    }
+    println!("corrections of {found} scenes, {} of them off", wrong.len());
+    assert!(wrong.len() <= 2, "{} of {found}", wrong.len());
+}
