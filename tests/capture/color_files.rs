@@ -3,8 +3,8 @@
 use crate::captures::{Folder, PIXELS, SIZE, entry, flat};
 use exr::meta::attribute::{Chromaticities, EnvironmentMap};
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
-    LayerAttributes, Vec2, WritableImage,
+    AnyChannel, AnyChannels, Encoding, Image, ImageAttributes, IntegerBounds, Layer, LayerAttributes, Vec2,
+    WritableImage,
 };
 use half::f16;
 use image::{ImageBuffer, ImageFormat, Luma, Rgb, RgbImage};
@@ -180,7 +180,7 @@ fn luminance_alone_is_gray() {
 }
 
 /// A PNG with a further chunk.
-fn png_with(picture: &RgbImage, name: &[u8; 4], data: &[u8]) -> Vec<u8> {
+fn png_with(picture: &RgbImage, name: [u8; 4], data: &[u8]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
     let bytes = bytes.into_inner();
@@ -197,14 +197,14 @@ fn a_png_that_names_other_colors_than_srgb_is_converted() {
     let folder = Folder::new();
     let red = RgbImage::from_pixel(SIZE.0 as u32, SIZE.1 as u32, Rgb([255, 0, 0]));
     // Display P3 with the sRGB curve, by H.273's numbers; and linear light by its gamma.
-    folder.put("p3.png", &png_with(&red, b"cICP", &[12, 13, 0, 1]));
+    folder.put("p3.png", &png_with(&red, *b"cICP", &[12, 13, 0, 1]));
     assert_near(first_color(&with_depth(&folder, "p3.png", json!({})).unwrap()), [1.2249, -0.0420, -0.0196]);
     let said = with_depth(&folder, "p3.png", json!({"color_space": "srgb"})).unwrap();
     assert_near(first_color(&said), [1.0, 0.0, 0.0]);
     let gray = RgbImage::from_pixel(SIZE.0 as u32, SIZE.1 as u32, Rgb([51; 3]));
-    folder.put("linear.png", &png_with(&gray, b"gAMA", &100_000_u32.to_be_bytes()));
+    folder.put("linear.png", &png_with(&gray, *b"gAMA", &100_000_u32.to_be_bytes()));
     assert_near(first_color(&with_depth(&folder, "linear.png", json!({})).unwrap()), [0.2; 3]);
-    folder.put("usual.png", &png_with(&gray, b"gAMA", &45_455_u32.to_be_bytes()));
+    folder.put("usual.png", &png_with(&gray, *b"gAMA", &45_455_u32.to_be_bytes()));
     let usual = first_color(&with_depth(&folder, "usual.png", json!({})).unwrap());
     gray.save(folder.path("plain.png")).unwrap();
     assert_eq!(usual, first_color(&with_depth(&folder, "plain.png", json!({})).unwrap()));
@@ -246,7 +246,7 @@ fn walls(
         .iter()
         .enumerate()
         .map(|(index, x)| {
-            folder.put(&format!("{index}.png"), &png_with(&stored(&wall(*x)), b"eXIf", &exif(tag)));
+            folder.put(&format!("{index}.png"), &png_with(&stored(&wall(*x)), *b"eXIf", &exif(tag)));
             json!({
                 "file_path": format!("{index}.png"), "depth_file_path": "depth.png", "fl_x": focal,
                 "transform_matrix": [[1, 0, 0, x], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]],

@@ -90,13 +90,16 @@ fn a_file_that_is_no_picture_is_left_out() {
 #[test]
 fn where_no_picture_can_be_used_the_first_fault_is_the_refusal() {
     let all = |_: &Folder, entries: &mut Vec<Value>| {
-        entries.iter_mut().for_each(|entry| entry["transform_matrix"] = json!([[1, 0, 0, 0]]));
+        for entry in entries.iter_mut() {
+            entry["transform_matrix"] = json!([[1, 0, 0, 0]]);
+        }
     };
     let refused = recording(all).map(drop).unwrap_err().to_string();
     assert!(refused.contains("frames[0] (a.exr)") && refused.contains("is not 4×4"), "{refused}");
     let none = |folder: &Folder, _: &mut Vec<Value>| {
-        ["a", "b", "c", "late"]
-            .map(|name| std::fs::remove_file(folder.path(&format!("{name}.exr"))).unwrap());
+        for name in ["a", "b", "c", "late"] {
+            std::fs::remove_file(folder.path(&format!("{name}.exr"))).unwrap();
+        }
     };
     let refused = recording(none).map(drop).unwrap_err().to_string();
     assert!(refused.contains("a.exr") && refused.contains("missing"), "{refused}");

@@ -161,7 +161,7 @@ fn written_by_others() -> (tempfile::TempDir, Capture) {
     (folder, capture)
 }
 
-fn open(folder: &tempfile::TempDir) -> overlook_engine::error::Result<Capture> {
+fn open(folder: &tempfile::TempDir) -> Result<Capture> {
     capture::open(folder.path(), &CaptureSettings::default())
 }
 

@@ -32,7 +32,7 @@ fn fuzz_cases() -> u64 {
 /// A parser: whether it takes these bytes.
 type Parser = fn(&[u8]) -> Result<()>;
 
-const PARSERS: [(&str, Parser); 7] = [
+const PARSERS: [(&str, Parser); 8] = [
     ("cameras.bin", |bytes| colmap::cameras_of_bytes(bytes, "a").map(drop)),
     ("images.bin", |bytes| colmap::images_of_bytes(bytes, "a").map(drop)),
     ("cameras.txt", |bytes| colmap::cameras_of_text(&String::from_utf8_lossy(bytes), "a").map(drop)),
@@ -40,6 +40,7 @@ const PARSERS: [(&str, Parser); 7] = [
     ("COLMAP's map", |bytes| pictures::parse_colmap_map(bytes, 1, "a").map(drop)),
     ("npy", |bytes| pictures::parse_npy(bytes, "a").map(drop)),
     ("pgm", |bytes| pictures::parse_pgm(bytes, "a").map(drop)),
+    ("pfm", |bytes| pictures::parse_pfm(bytes, "a").map(drop)),
 ];
 
 fn seed(name: &str) -> Vec<u8> {
@@ -74,6 +75,7 @@ fn seed(name: &str) -> Vec<u8> {
             );
             bytes
         }
+        "pfm" => b"Pf\n8 6\n-1.0\n".iter().copied().chain([1; 192]).collect(),
         _ => b"P5 8 6 65535\n".iter().copied().chain([1; 96]).collect(),
     }
 }

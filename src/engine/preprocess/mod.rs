@@ -148,7 +148,7 @@ fn prune_into(
     let (mut images, counts) = prune_run(images, scan, settings, all_frames(scan.frames), job)?;
     images.sort();
     let mut report = counts.finish(capture.cameras.len(), images.facts());
-    report.alignment = scan.alignment().cloned();
+    report.note_alignment(scan.alignment());
     report.note_conventions(scan.conventions());
     report.seconds = started.elapsed().as_secs_f64();
     let settings = aligned_settings(settings, scan.alignment());
@@ -158,7 +158,11 @@ fn prune_into(
 /// Settings as a result names them: what changed nothing leaves no trace, so that a capture that is right gives the same store
 /// whatever is looked for.
 pub(crate) fn aligned_settings(settings: &Settings, alignment: Option<&Alignment>) -> Settings {
-    let align = if alignment.is_some() { settings.align.clone() } else { AlignSettings::default() };
+    let align = if alignment.is_some_and(Alignment::is_of_cameras) {
+        settings.align.clone()
+    } else {
+        AlignSettings::default()
+    };
     Settings { align, ..settings.clone() }
 }
 

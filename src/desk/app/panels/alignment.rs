@@ -14,6 +14,13 @@ use overlook_engine::preprocess::diagnostics::Report;
 /// The corrections, and a button that shows the picture with and without them. Nothing without corrections.
 pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands: &mut Commands) {
     let Some(alignment) = &report.alignment else { return };
+    for line in alignment.refusals() {
+        ui.label(RichText::new(format!("Not corrected: {line}")).color(Tokens::in_ui(ui).warning));
+    }
+    if !alignment.is_of_cameras() {
+        ui.add_space(space::LARGE);
+        return;
+    }
     ui.heading("What was corrected");
     weak(ui, "Cameras agree better so, by samples that took no part in finding it.");
     ui.horizontal(|ui| {

@@ -76,10 +76,14 @@ impl AlignArgs {
             let views = views.as_ref().filter(|_| of_views.is_some());
             return output::print_json(&AlignOutput { alignment: alignment.as_ref(), views, seconds });
         }
-        let mut lines = alignment.as_ref().map_or_else(
-            || vec!["Nothing to correct: no change makes cameras agree better by more than its standard error".to_owned()],
-            Alignment::sentences,
-        );
+        let mut lines = alignment.as_ref().map_or_else(Vec::new, Alignment::sentences);
+        let refused = alignment.as_ref().map_or_else(Vec::new, Alignment::refusals);
+        lines.extend(refused.iter().map(|line| format!("not corrected: {line}")));
+        if lines.is_empty() {
+            let line =
+                "Nothing to correct: no change makes cameras agree better by more than its standard error";
+            lines.push(line.to_owned());
+        }
         lines.extend(of_views);
         lines.extend(self.out.iter().map(|out| format!("Wrote {}", out.display())));
         output::print(&lines.join("\n"))

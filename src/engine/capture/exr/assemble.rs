@@ -212,14 +212,14 @@ mod tests {
         Camera::look_at("c", intrinsics, DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z)
     }
 
-    fn alpha(values: &[f32]) -> Option<AlphaPlane> {
-        Some(AlphaPlane { values: values.to_vec(), is_associated: true })
+    fn alpha(values: &[f32]) -> AlphaPlane {
+        AlphaPlane { values: values.to_vec(), is_associated: true }
     }
 
     fn layers() -> Layers {
         Layers {
             color: ColorPlanes::Single([vec![0.5; 4], vec![0.25; 4], vec![1e9; 4]]),
-            alpha: alpha(&[1.0, 0.0, 1.0, 0.0]),
+            alpha: Some(alpha(&[1.0, 0.0, 1.0, 0.0])),
             inverse_depth: vec![0.5, 0.0, 0.0, 0.25],
             depth_step_relative: 0.0,
             normal: None,
@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn a_transparent_film_in_whose_view_nothing_stands_is_a_frame_without_samples() {
         let color = ColorPlanes::Single([(); 3].map(|()| vec![0.0; 4]));
-        let layers = Layers { color, alpha: alpha(&[0.0; 4]), inverse_depth: vec![0.0; 4], ..layers() };
+        let layers = Layers { color, alpha: Some(alpha(&[0.0; 4])), inverse_depth: vec![0.0; 4], ..layers() };
         assert_eq!(layers.into_frame(&camera(), "test").unwrap().invalid_pixels(), 4);
     }
 

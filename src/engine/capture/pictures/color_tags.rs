@@ -158,7 +158,9 @@ impl ColorTag {
             Self::Curves(curves, matrix) => {
                 let at = |value: f32| (value.clamp(0.0, 1.0) * f32::from(u16::MAX) + 0.5) as usize;
                 for (plane, curve) in encoded.iter_mut().zip(curves) {
-                    plane.iter_mut().for_each(|value| *value = curve[at(*value)]);
+                    for value in plane {
+                        *value = curve[at(*value)];
+                    }
                 }
                 let [red, green, blue] = &mut encoded;
                 for ((red, green), blue) in red.iter_mut().zip(green).zip(blue) {

@@ -1,6 +1,6 @@
 //! Depth in PFM (`Pf`), as programs for stereo write it.
 //!
-//! Source: Debevec's *PFM Portable FloatMap Image Format*: `Pf`, columns and rows, and a scale in text, each followed by one white
+//! Source: Debevec's *PFM Portable `FloatMap` Image Format*: `Pf`, columns and rows, and a scale in text, each followed by one white
 //! space; then floats row by row, the lowest row first. The bytes of each are in Intel's order where the scale is negative. What
 //! differs: the size of the scale is not used, as nobody writes one on purpose.
 

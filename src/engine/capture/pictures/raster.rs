@@ -105,7 +105,7 @@ pub(crate) fn color(
     path: &Path,
     place: &str,
     expected: (usize, usize),
-    reading: &ColorReading,
+    reading: ColorReading,
 ) -> Result<ColorAndAlpha> {
     let (stored, tag) = stored_size(path, place)?;
     let turn = turn(stored, tag, expected, reading.rows, place)?;

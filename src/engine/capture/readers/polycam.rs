@@ -13,7 +13,7 @@ use super::views::{
     ARKIT_POSES, MILLIMETERS, entry, from_opengl, json, lens, pictures_in, pose_of_rows, recording, stem,
 };
 use crate::capture::transforms::{Keys, PictureEntry};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Polycam.
 pub(super) struct Polycam;
@@ -60,26 +60,13 @@ impl Reader for Polycam {
                 continue;
             };
             let path = place.join(&format!("{root}{prefix}cameras/{name}"));
-            let Ok(camera) = json::<Map<String, Value>>(&path) else {
+            let Some((rows, keys)) = json(&path).ok().and_then(|camera| rows_and_lens(&camera)) else {
                 description.skip("whose camera cannot be read", name);
                 continue;
             };
-            let number = |key: &str| {
-                camera
-                    .get(key)
-                    .and_then(Value::as_f64)
-                    .ok_or_else(|| Error::invalid(path.display(), format!("there is no number '{key}'")))
-            };
-            let cells = (0..3).flat_map(|row| (0..4).map(move |column| format!("t_{row}{column}")));
-            let rows: Vec<f64> = cells.map(|cell| number(&cell)).collect::<Result<_>>()?;
             let Some(pose) = pose_of_rows(&rows) else {
                 description.skip("without a rigid pose", color);
                 continue;
-            };
-            let keys = Keys {
-                w: Some(number("width")?),
-                h: Some(number("height")?),
-                ..lens(number("fx")?, number("fy")?, number("cx")?, number("cy")?, 0.5)
             };
             frames.push(PictureEntry {
                 confidence_file_path: in_folder("confidence", "png"),
@@ -91,6 +78,15 @@ impl Reader for Polycam {
         let keys = Keys { depth_unit_scale_factor: Some(1e-3), up: Some([0.0, 1.0, 0.0]), ..Keys::default() };
         recording(place, keys, frames, description, inputs)
     }
+}
+
+/// The rows of a camera's pose, and its lens; `None` where a number is missing.
+fn rows_and_lens(camera: &Map<String, Value>) -> Option<(Vec<f64>, Keys)> {
+    let number = |key: &str| camera.get(key).and_then(Value::as_f64);
+    let cells = (0..3).flat_map(|row| (0..4).map(move |column| format!("t_{row}{column}")));
+    let rows: Vec<f64> = cells.map(|cell| number(&cell)).collect::<Option<_>>()?;
+    let lens = lens(number("fx")?, number("fy")?, number("cx")?, number("cy")?, 0.5);
+    Some((rows, Keys { w: Some(number("width")?), h: Some(number("height")?), ..lens }))
 }
 
 /// The folder of the keyframes below the source's: `""`, or a path that ends in `/`.

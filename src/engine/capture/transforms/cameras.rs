@@ -7,7 +7,7 @@ use glam::DAffine3;
 
 use super::files::{PictureFiles, named_path};
 use super::header_probe::{HeaderFacts, probe};
-use super::left_out::{self, Posed, UNREADABLE};
+use super::left_out::{self, LeftOut, Posed, UNREADABLE};
 use super::manifest::{Keys, Manifest, PictureEntry};
 use super::origin::ManifestOrigin;
 use super::placed_entry::PlacedEntry;
@@ -144,9 +144,10 @@ impl CameraFiles {
             ));
         }
         warnings.extend(names_of_another_machine(manifest, origin));
-        let Posed { manifest, faults, mut skipped } = left_out::with_possible_poses(manifest, origin)?;
+        let Posed { manifest, faults, skipped } = left_out::with_possible_poses(manifest, origin)?;
+        let mut left_out = LeftOut::new(skipped);
         let mut entries = entries(&manifest, origin)?;
-        left_out::leave_out(&mut entries, faults, &mut skipped)?;
+        left_out.by_pose(&mut entries, faults);
         if entries.iter().all(|entry| entry.keys.frame.or(entry.keys.time).is_none()) {
             let names: Vec<String> = entries.iter().map(|entry| entry.camera_name.clone()).collect();
             frame_numbers::refuse_gaps(&manifest.frames, &names, path)?;
@@ -156,30 +157,27 @@ impl CameraFiles {
         let times = times.collect();
         let are_unnamed = entries.iter().all(|entry| entry.keys.camera.is_none());
         let (order, mut by_camera) = by_camera(entries)?;
-        // Frames that no camera has are none.
-        let read = by_camera.values().flatten().filter(|(_, entry)| !entry.is_left_out);
-        let frame_numbers: BTreeSet<i64> = read.map(|(number, _)| *number).collect();
-        by_camera.values_mut().for_each(|frames| frames.retain(|number, _| frame_numbers.contains(number)));
-        let frame_numbers: Vec<i64> = frame_numbers.into_iter().collect();
+        let numbers: BTreeSet<i64> = by_camera.values().flat_map(BTreeMap::keys).copied().collect();
         if !are_unnamed && !is_ranked {
-            left_out::fill_gaps(&mut by_camera, &frame_numbers, &mut skipped);
+            left_out.fill_gaps(&mut by_camera, &numbers);
         }
-        warnings.extend(skipped.iter().map(Skipped::line));
+        for name in &order {
+            let lacks = |number: &&i64| !by_camera[name].contains_key(number);
+            if let Some(missing) = numbers.iter().find(lacks) {
+                let poses = are_unnamed.then_some(order.len());
+                return Err(no_such_frame(name, *missing, &times, poses, path));
+            }
+        }
+        let frame_numbers = left_out.by_files(&order, &mut by_camera)?;
+        warnings.extend(left_out.lines());
         let mut recording =
             Self { cameras: Vec::new(), frame_numbers, is_ranked, entries: Vec::new(), warnings };
         let mut unreadable = Vec::new();
         for name in &order {
-            if let Some(frames) = by_camera.remove(name) {
-                if let Some(missing) =
-                    recording.frame_numbers.iter().find(|number| !frames.contains_key(number))
-                {
-                    let poses = are_unnamed.then_some(order.len());
-                    return Err(no_such_frame(name, *missing, &times, poses, path));
-                }
-                match recording.add_camera(name, frames) {
-                    Err(error) if recording.is_of_one_frame() => unreadable.push(error),
-                    added => added?,
-                }
+            let frames = by_camera.remove(name).unwrap_or_default();
+            match recording.add_camera(name, frames) {
+                Err(error) if recording.is_of_one_frame() => unreadable.push(error),
+                added => added?,
             }
         }
         recording.leave_out_unreadable(unreadable)?;
@@ -197,7 +195,9 @@ impl CameraFiles {
     /// The first one's, if no other picture is left.
     fn leave_out_unreadable(&mut self, errors: Vec<Error>) -> Result<()> {
         let mut skipped = Vec::new();
-        errors.iter().for_each(|error| Skipped::note(&mut skipped, UNREADABLE, error.to_string()));
+        for error in &errors {
+            Skipped::note(&mut skipped, UNREADABLE, error.to_string());
+        }
         self.warnings.extend(skipped.iter().map(Skipped::line));
         match errors.into_iter().next() {
             Some(error) if self.cameras.is_empty() => Err(error),
@@ -269,13 +269,11 @@ fn names_of_another_machine(manifest: &Manifest, origin: &ManifestOrigin) -> Opt
 /// The names of the cameras in order of appearance, and their entries by number.
 type ByCamera = (Vec<String>, BTreeMap<String, BTreeMap<i64, PlacedEntry>>);
 
-/// The entries of each camera of which any is read.
+/// The entries of each camera.
 fn by_camera(entries: Vec<PlacedEntry>) -> Result<ByCamera> {
-    let read = entries.iter().filter(|entry| !entry.is_left_out);
-    let cameras: BTreeSet<String> = read.map(|entry| entry.camera_name.clone()).collect();
     let mut order: Vec<String> = Vec::new();
     let mut by_camera: BTreeMap<String, BTreeMap<i64, PlacedEntry>> = BTreeMap::new();
-    for entry in entries.into_iter().filter(|entry| cameras.contains(&entry.camera_name)) {
+    for entry in entries {
         if !by_camera.contains_key(&entry.camera_name) {
             order.push(entry.camera_name.clone());
         }
@@ -333,7 +331,11 @@ mod tests {
             })
             .collect();
         let manifest = json!({ "frames": frames }).to_string();
-        let origin = ManifestOrigin::of_file(Path::new("transforms.json"));
+        let folder = tempfile::tempdir().unwrap();
+        for index in 0..entries.len() {
+            std::fs::write(folder.path().join(format!("{index}.exr")), "").unwrap();
+        }
+        let origin = ManifestOrigin::of_file(&folder.path().join("transforms.json"));
         CameraFiles::group(&Manifest::from_json(manifest.as_bytes(), "transforms.json")?, &origin)
     }
 

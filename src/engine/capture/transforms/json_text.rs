@@ -6,8 +6,8 @@ use std::borrow::Cow;
 /// the numbers that JSON cannot hold (`NaN`, `Infinity`), which Python writes: a key that is never read may have them, and a message
 /// about one that is read quotes them.
 pub(super) fn plain(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let bytes = bytes.strip_prefix(&[0xEF, 0xBB, 0xBF]).unwrap_or(bytes);
     let text = match bytes {
-        [0xEF, 0xBB, 0xBF, text @ ..] => Cow::Borrowed(text),
         [0xFF, 0xFE, text @ ..] => Cow::Owned(from_utf16(text, u16::from_le_bytes)),
         [0xFE, 0xFF, text @ ..] => Cow::Owned(from_utf16(text, u16::from_be_bytes)),
         text => Cow::Borrowed(text),

@@ -135,52 +135,90 @@ fn file_fault(entry: &PlacedEntry) -> Option<Fault> {
     lacks_depth.then(|| Fault { reason: "without depth".to_owned(), error: no_depth(&entry.place) })
 }
 
-/// Puts gaps where cameras lack a frame that others have, if these are exceptions, and notes them.
-pub(super) fn fill_gaps(
-    by_camera: &mut BTreeMap<String, BTreeMap<i64, PlacedEntry>>,
-    frame_numbers: &[i64],
-    skipped: &mut Vec<Skipped>,
-) {
-    /// Of so many pictures one may be missing. Where more are, frames are numbered wrongly rather than lost.
-    const OF: usize = 4;
-    let pictures = by_camera.len() * frame_numbers.len();
-    let there: usize = by_camera.values().map(BTreeMap::len).sum();
-    if OF * (pictures - there) >= pictures {
-        return;
+/// The pictures of a capture that are left out.
+pub(super) struct LeftOut {
+    skipped: Vec<Skipped>,
+    /// The error of the first one.
+    first: Option<Error>,
+}
+
+impl LeftOut {
+    /// With those that are no entries any more.
+    pub(super) fn new(skipped: Vec<Skipped>) -> Self {
+        Self { skipped, first: None }
     }
-    for frames in by_camera.values_mut() {
-        for number in frame_numbers {
-            let gap = frames.values().next().map(|entry| entry.gap_at(*number));
-            if let (Some(gap), false) = (gap, frames.contains_key(number)) {
-                Skipped::note(skipped, "that are in no file", gap.place.clone());
-                frames.insert(*number, gap);
+
+    /// A line for each reason.
+    pub(super) fn lines(&self) -> impl Iterator<Item = String> {
+        self.skipped.iter().map(Skipped::line)
+    }
+
+    fn leave_out(&mut self, entry: &mut PlacedEntry, fault: Fault) {
+        entry.is_left_out = true;
+        Skipped::note(&mut self.skipped, fault.reason, &entry.file_path);
+        self.first.get_or_insert(fault.error);
+    }
+
+    /// Leaves out the entries with a fault of their pose.
+    pub(super) fn by_pose(&mut self, entries: &mut [PlacedEntry], faults: Vec<Option<Fault>>) {
+        for (entry, fault) in entries.iter_mut().zip(faults) {
+            if let Some(fault) = fault {
+                self.leave_out(entry, fault);
             }
         }
     }
-}
 
-/// Marks the entries that cannot be used, by the faults of their poses and files, and notes them.
-///
-/// # Errors
-/// That of the first entry if all have a fault.
-pub(super) fn leave_out(
-    entries: &mut [PlacedEntry],
-    faults: Vec<Option<Fault>>,
-    skipped: &mut Vec<Skipped>,
-) -> Result<()> {
-    let mut first = None;
-    let mut is_any_read = false;
-    for (entry, fault) in entries.iter_mut().zip(faults) {
-        let Some(fault) = fault.or_else(|| file_fault(entry)) else {
-            is_any_read = true;
-            continue;
-        };
-        entry.is_left_out = true;
-        Skipped::note(skipped, fault.reason, &entry.file_path);
-        first.get_or_insert(fault.error);
+    /// Puts gaps where cameras lack a frame that others have, if these are exceptions.
+    pub(super) fn fill_gaps(
+        &mut self,
+        by_camera: &mut BTreeMap<String, BTreeMap<i64, PlacedEntry>>,
+        numbers: &BTreeSet<i64>,
+    ) {
+        /// Fewer than one of so many pictures. Where more are missing, frames are numbered wrongly rather than lost.
+        const OF: usize = 4;
+        let pictures = by_camera.len() * numbers.len();
+        let there: usize = by_camera.values().map(BTreeMap::len).sum();
+        if OF * (pictures - there) >= pictures {
+            return;
+        }
+        for frames in by_camera.values_mut() {
+            for number in numbers {
+                let gap = frames.values().next().map(|entry| entry.gap_at(*number));
+                if let (Some(gap), false) = (gap, frames.contains_key(number)) {
+                    Skipped::note(&mut self.skipped, "that are in no file", gap.place.clone());
+                    frames.insert(*number, gap);
+                }
+            }
+        }
     }
-    match first {
-        Some(error) if !is_any_read => Err(error),
-        _ => Ok(()),
+
+    /// Leaves out the entries whose files cannot be used, then cameras and frames without any other, and gives the numbers of the
+    /// frames. Cameras are looked at in this `order`.
+    ///
+    /// # Errors
+    /// That of the first entry that was left out, if no other is there.
+    pub(super) fn by_files(
+        &mut self,
+        order: &[String],
+        by_camera: &mut BTreeMap<String, BTreeMap<i64, PlacedEntry>>,
+    ) -> Result<Vec<i64>> {
+        for name in order {
+            let frames = by_camera.get_mut(name).into_iter().flat_map(BTreeMap::values_mut);
+            for entry in frames.filter(|entry| !entry.is_left_out) {
+                if let Some(fault) = file_fault(entry) {
+                    self.leave_out(entry, fault);
+                }
+            }
+        }
+        by_camera.retain(|_, frames| frames.values().any(|entry| !entry.is_left_out));
+        let read = by_camera.values().flatten().filter(|(_, entry)| !entry.is_left_out);
+        let numbers: BTreeSet<i64> = read.map(|(number, _)| *number).collect();
+        for frames in by_camera.values_mut() {
+            frames.retain(|number, _| numbers.contains(number));
+        }
+        match self.first.take() {
+            Some(error) if by_camera.is_empty() => Err(error),
+            _ => Ok(numbers.into_iter().collect()),
+        }
     }
 }

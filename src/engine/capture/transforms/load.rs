@@ -162,7 +162,7 @@ fn read_color_file(
         return Ok(PictureParts { color, alpha: None, depth: None, normal: None });
     }
     if format_of(&files.color, place)? != PictureFormat::Exr {
-        let (color, alpha) = pictures::color(&files.color, place, size, &files.color_reading())?;
+        let (color, alpha) = pictures::color(&files.color, place, size, files.color_reading())?;
         let alpha = alpha.map(|values| AlphaPlane { values, is_associated: false });
         return Ok(PictureParts { color: ColorPlanes::Single(color), alpha, depth: None, normal: None });
     }

@@ -130,12 +130,13 @@ fn views_of(manifest: &Manifest, place: &Path, folder: Option<&Path>) -> Result<
         let place = format!("{}, frames[{index}]", place.display());
         let keys = entry.keys.clone().or(&manifest.keys);
         let picture = folder.map(|folder| folder.join(&entry.file_path)).filter(|picture| picture.is_file());
-        let size_of_picture = || match &picture {
-            Some(picture) => header_probe::picture_size(picture, keys.picture_orientation, None, &place),
-            None => {
+        let size_of_picture = || {
+            let without_size = || {
                 let what = "has no \"w\" and \"h\"; write the columns and rows of its pictures";
-                Err(Error::invalid(&place, what))
-            }
+                Error::invalid(&place, what)
+            };
+            let picture = picture.as_ref().ok_or_else(without_size)?;
+            header_probe::picture_size(picture, keys.picture_orientation, None, &place)
         };
         let intrinsics = intrinsics::intrinsics(&keys, size_of_picture, || 1.0, &place)?;
         let world_from_camera =

@@ -5,8 +5,9 @@
 
 use glam::DVec2;
 
-use super::cameras::{CameraFiles, PlacedEntry};
+use super::cameras::CameraFiles;
 use super::load::{self, NeededPlanes};
+use super::placed_entry::PlacedEntry;
 use crate::capture::camera::Camera;
 use crate::capture::frame::Frame;
 use crate::capture::pictures::{PictureRows, is_open};

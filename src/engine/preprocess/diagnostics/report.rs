@@ -181,9 +181,17 @@ impl Report {
 
     /// Notes how else the capture is to be read, which explains what samples say of depth alone.
     pub(crate) fn note_conventions(&mut self, found: Option<&Finding>) {
-        self.conventions = found.cloned();
-        if found.is_some() {
+        if let Some(found) = found {
+            self.conventions = Some(found.clone());
             self.better_reading = None;
+        }
+    }
+
+    /// Notes what was corrected of the rig, and how else the capture is to be read where that is why nothing was.
+    pub(crate) fn note_alignment(&mut self, alignment: Option<&Alignment>) {
+        self.alignment = alignment.cloned();
+        if let Some(misread) = alignment.and_then(|alignment| alignment.misread.as_ref()) {
+            self.conventions = Some(misread.clone());
         }
     }
 

@@ -15,6 +15,7 @@ use overlook_engine::render::film::{self, FilmSource};
 use overlook_engine::render::{Picture, Renderer};
 use overlook_engine::settings::{RenderSettings, Settings};
 use overlook_engine::store::playback::Playback;
+use overlook_engine::whole_file;
 
 /// Where a film is painted from, and how.
 #[derive(Debug, Args)]
@@ -49,6 +50,7 @@ impl FilmArgs {
     /// The open store, the stops of the path, and the settings to paint with.
     pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), CommandError> {
         self.settings.only("render")?;
+        whole_file::refuse_pipe(&self.path)?;
         let playback = input::open_store(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;

@@ -87,7 +87,7 @@ fn write_points(
         let mut bytes = Vec::with_capacity(POINT_BYTES);
         match precision {
             Precision::Single => {
-                bytes.extend(point.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes))
+                bytes.extend(point.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
             }
             Precision::Double => bytes.extend(point.to_array().into_iter().flat_map(f64::to_le_bytes)),
         }

@@ -248,6 +248,9 @@ impl PreprocessArgs {
             for line in alignment.sentences().into_iter().chain(ViewCorrections::of(alignment).sentence()) {
                 let _ = writeln!(text, "  corrected {line}");
             }
+            for line in alignment.refusals() {
+                let _ = writeln!(text, "  not corrected: {line}");
+            }
         }
         if let Some((off, a, b)) = farthest_apart(&result.report) {
             let [a, b] = [a, b].map(|camera| &result.report.cameras[camera].name);

@@ -13,6 +13,7 @@ use overlook_engine::capture::{TruthView, transforms};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::whole_file;
 use overlook_lab::truth::{CorrectedViews, ViewCorrections};
 use views::ViewPainting;
 
@@ -47,6 +48,7 @@ impl RenderArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.settings.only("render")?;
         output::check_folder(&self.out)?;
+        whole_file::refuse_pipe(&self.views)?;
         let playback = input::open_store(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
