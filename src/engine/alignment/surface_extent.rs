@@ -15,7 +15,7 @@ const LEAST_DISTANCES: [u8; LEVELS] = [3, 5, 8, 14];
 const EDGE_RELATIVE: f32 = 0.03;
 const EDGE_MEDIANS: f32 = 8.0;
 /// Pixels without depth between pixels of one surface, in a row or column, are a hole of the sensor up to this number.
-const MOST_HOLE: usize = 8;
+const MOST_HOLE: usize = 3;
 /// Neighbors that are looked at for the median difference.
 const PROBES: usize = 4096;
 
@@ -45,34 +45,14 @@ fn difference(a: f32, b: f32) -> f32 {
 /// The pixels at which a surface ends: those beside another surface, and those without depth that are no holes.
 fn ends(inverse_depth: &Grid<f32>, limit: f32) -> Grid<bool> {
     let (width, height) = inverse_depth.size();
-    let values = inverse_depth.as_slice();
+    let rows = (0..height).map(|y| Line { start: y * width, step: 1, count: width });
+    let columns = (0..width).map(|x| Line { start: x, step: width, count: height });
+    let lines: Vec<Line> = rows.chain(columns).collect();
+    let mut values = inverse_depth.as_slice().to_vec();
+    // Rows first: what is filled there serves the columns, so that depth of a coarser lattice leaves no holes.
+    lines.iter().for_each(|line| line.fill_holes(&mut values, limit));
     let mut ends: Vec<bool> = values.iter().map(|value| *value <= 0.0).collect();
-    let rows = (0..height).map(|y| (y * width, 1, width));
-    let columns = (0..width).map(|x| (x, width, height));
-    let lines: Vec<(usize, usize, usize)> = rows.chain(columns).collect();
-    for &(start, step, count) in &lines {
-        // The last pixel of the line with depth, as a number along the line.
-        let mut last: Option<usize> = None;
-        for nth in 0..count {
-            let here = values[start + nth * step];
-            if here == 0.0 {
-                last = None;
-            }
-            if here <= 0.0 {
-                continue;
-            }
-            let hole =
-                last.map(|last| (last, nth - last - 1)).filter(|(_, hole)| (1..=MOST_HOLE).contains(hole));
-            if let Some((last, _)) = hole
-                && difference(values[start + last * step], here) <= limit
-            {
-                (last + 1..nth).for_each(|inside| ends[start + inside * step] = false);
-            }
-            last = Some(nth);
-        }
-    }
-    // Edges last: a hole takes none of them away.
-    for &(start, step, count) in &lines {
+    for Line { start, step, count } in lines {
         for nth in 1..count {
             let [before, here] = [start + (nth - 1) * step, start + nth * step];
             let are_both = values[before] > 0.0 && values[here] > 0.0;
@@ -82,6 +62,37 @@ fn ends(inverse_depth: &Grid<f32>, limit: f32) -> Grid<bool> {
         }
     }
     Grid::from_vec(width, height, ends)
+}
+
+/// Pixels of one row or column.
+struct Line {
+    start: usize,
+    step: usize,
+    count: usize,
+}
+
+impl Line {
+    /// Gives holes between pixels of one surface its inverse depth.
+    fn fill_holes(&self, values: &mut [f32], limit: f32) {
+        // The last pixel with depth, as a number along the line.
+        let mut last: Option<usize> = None;
+        for nth in 0..self.count {
+            let here = values[self.start + nth * self.step];
+            if here == 0.0 {
+                last = None;
+            }
+            if here <= 0.0 {
+                continue;
+            }
+            let hole = last.filter(|last| (1..=MOST_HOLE).contains(&(nth - last - 1)));
+            if let Some(last) = hole
+                && difference(values[self.start + last * self.step], here) <= limit
+            {
+                (last + 1..nth).for_each(|inside| values[self.start + inside * self.step] = here);
+            }
+            last = Some(nth);
+        }
+    }
 }
 
 /// The distance of each pixel from the nearest marked one along rows, columns and diagonals, at most 255.
