@@ -60,7 +60,9 @@ class Streams {
   }
 
   number(stream) {
-    let [number, shift, byte] = [0, 0, 0];
+    let number = 0;
+    let shift = 0;
+    let byte;
     do {
       byte = this.bytes[this.at[stream]++];
       number |= (byte & 0x7f) << shift;
@@ -134,9 +136,12 @@ function readSamples(streams, tiles, image, shift) {
       let p = (tile.y + row + BORDER) * stride + tile.x + BORDER;
       for (let column = 0; column < TILE; column++, p++) {
         if (!(mask >> column & 1)) continue;
-        const [left, above, corner] = [depths[p - 1], depths[p - stride], depths[p - stride - 1]];
+        const left = depths[p - 1];
+        const above = depths[p - stride];
+        const corner = depths[p - stride - 1];
         // Inverse depth.
-        let [predicted, smooth] = [0, 1];
+        let predicted = 0;
+        let smooth = 1;
         if (left === MISSING) {
           predicted = above === MISSING ? depthBefore : continued(above, depths[p - 2 * stride]);
         } else if (above === MISSING) {
@@ -147,7 +152,8 @@ function readSamples(streams, tiles, image, shift) {
           predicted = corner === 0 ? Math.max(left, above) : 0;
           if (left === above) smooth = 0;
         } else {
-          const [down, across] = [Math.abs(left - corner), Math.abs(above - corner)];
+          const down = Math.abs(left - corner);
+          const across = Math.abs(above - corner);
           if (down > DEPTH_EDGE && across > DEPTH_EDGE) {
             predicted = left;
           } else {
@@ -166,7 +172,8 @@ function readSamples(streams, tiles, image, shift) {
         inverse[p] = floats[0];
         // Color.
         let context = 3;
-        const [l, a] = [3 * (p - 1), 3 * (p - stride)];
+        const l = 3 * (p - 1);
+        const a = 3 * (p - stride);
         if (left !== MISSING && above !== MISSING) {
           if (corner === MISSING) {
             red = colors[l] + colors[a] + 1 >> 1;
@@ -183,9 +190,13 @@ function readSamples(streams, tiles, image, shift) {
             blue = predictChannel(average, colors[l + 2], colors[a + 2], colors[c + 2]);
           }
         } else if (left !== MISSING) {
-          [red, green, blue] = [colors[l], colors[l + 1], colors[l + 2]];
+          red = colors[l];
+          green = colors[l + 1];
+          blue = colors[l + 2];
         } else if (above !== MISSING) {
-          [red, green, blue] = [colors[a], colors[a + 1], colors[a + 2]];
+          red = colors[a];
+          green = colors[a + 1];
+          blue = colors[a + 2];
         }
         const byGreen = bytes[at[GREEN + context]++] << 24 >> 24;
         const size = Math.abs(byGreen);
@@ -213,51 +224,80 @@ function predictChannel(average, left, above, corner) {
 }
 
 /** The gentler growth from one neighbor to the next among those of the same surface; 0 if there is none. */
-function gentler(w, before, after, hasBefore, hasAfter, limit) {
-  const [back, on] = [w - before, after - w];
-  const [nearBack, nearOn] = [hasBefore && Math.abs(back) <= limit, hasAfter && Math.abs(on) <= limit];
-  if (nearBack && nearOn) return Math.abs(back) <= Math.abs(on) ? back : on;
-  return nearBack ? back : nearOn ? on : 0;
+function gentler(back, on, limit) {
+  const isBack = Math.abs(back) <= limit;
+  const isOn = Math.abs(on) <= limit;
+  if (isBack && isOn) return Math.abs(back) <= Math.abs(on) ? back : on;
+  return isBack ? back : isOn ? on : 0;
 }
 
-/** Lays decoded samples out for the renderer, from byte `at` of `out` on. */
+/**
+ * Lays decoded samples out for the renderer, from sample `at` of `out` on: first those of every fourth column and row, then the others of
+ * every second, then all others. Gives how many there are of the first, of the first two and of all: coarse pictures are drawn from fewer.
+ */
 function layOut(tiles, perFootprint, out, at) {
+  const counts = [];
+  let end = at;
+  for (let pass = 0; pass < 3; pass++) {
+    end = layOutSome(tiles, perFootprint, out, end, pass);
+    counts.push(end - at);
+  }
+  return counts;
+}
+
+/** The columns that each pass takes of a row, by the row. */
+function columnsOf(pass, row) {
+  const [fourth, second] = [row & 3 ? 0 : 0x1111, row & 1 ? 0 : 0x5555];
+  return pass === 0 ? fourth : pass === 1 ? second & ~fourth : ~second;
+}
+
+/** Lays out what a pass takes; gives the sample after the last. */
+function layOutSome(tiles, perFootprint, out, at, pass) {
   const { depths, colors, inverse, stride } = planes;
   for (const tile of tiles) {
     for (let row = 0; row < TILE; row++) {
-      const mask = tile.rows[row];
+      const mask = tile.rows[row] & columnsOf(pass, row);
+      if (mask === 0) continue;
       const doubtful = tile.doubtful === null ? 0 : tile.doubtful[row];
       let p = (tile.y + row + BORDER) * stride + tile.x + BORDER;
       for (let column = 0; column < TILE; column++, p++) {
         if (!(mask >> column & 1)) continue;
         const w = inverse[p];
         const limit = EDGE_FOOTPRINTS * perFootprint * w;
-        const [l, r, u, d] = [depths[p - 1] !== MISSING, depths[p + 1] !== MISSING, depths[p - stride] !== MISSING, depths[p + stride] !== MISSING];
-        const [left, right, above, below] = [inverse[p - 1], inverse[p + 1], inverse[p - stride], inverse[p + stride]];
+        // Growth from and to each neighbor; of one that is missing it is NaN, which is neither within the limit nor beyond it.
+        const left = depths[p - 1] === MISSING ? NaN : w - inverse[p - 1];
+        const right = depths[p + 1] === MISSING ? NaN : inverse[p + 1] - w;
+        const above = depths[p - stride] === MISSING ? NaN : w - inverse[p - stride];
+        const below = depths[p + stride] === MISSING ? NaN : inverse[p + stride] - w;
         const toShare = limit > 0 ? 32767 / limit : 0;
-        const beside = l && Math.abs(left - w) > limit || r && Math.abs(right - w) > limit
-          || u && Math.abs(above - w) > limit || d && Math.abs(below - w) > limit;
-        out.setUint16(at, tile.x + column, true);
-        out.setUint16(at + 2, tile.y + row, true);
-        out.setFloat32(at + 4, w, true);
-        out.setInt16(at + 8, Math.round(gentler(w, left, right, l, r, limit) * toShare), true);
-        out.setInt16(at + 10, Math.round(gentler(w, above, below, u, d, limit) * toShare), true);
-        out.setUint8(at + 12, colors[3 * p]);
-        out.setUint8(at + 13, colors[3 * p + 1]);
-        out.setUint8(at + 14, colors[3 * p + 2]);
-        out.setUint8(at + 15, (doubtful >> column & 1 ? IS_DOUBTFUL : 0) | (beside ? IS_BESIDE_EDGE : 0));
-        at += SAMPLE_BYTES;
+        const isBeside = Math.abs(left) > limit || Math.abs(right) > limit || Math.abs(above) > limit || Math.abs(below) > limit;
+        out.words[8 * at] = tile.x + column;
+        out.words[8 * at + 1] = tile.y + row;
+        out.floats[4 * at + 1] = w;
+        out.words[8 * at + 4] = Math.round(gentler(left, right, limit) * toShare);
+        out.words[8 * at + 5] = Math.round(gentler(above, below, limit) * toShare);
+        out.bytes[16 * at + 12] = colors[3 * p];
+        out.bytes[16 * at + 13] = colors[3 * p + 1];
+        out.bytes[16 * at + 14] = colors[3 * p + 2];
+        out.bytes[16 * at + 15] = (doubtful >> column & 1 ? IS_DOUBTFUL : 0) | (isBeside ? IS_BESIDE_EDGE : 0);
+        at++;
       }
     }
   }
+  return at;
 }
 
-/** The samples of the images of a chunk, one after another, `SAMPLE_BYTES` each; `bytes` is the decompressed chunk. */
+/**
+ * The samples of the images of a chunk, one after another, `SAMPLE_BYTES` each, and for each image the counts of `layOut`;
+ * `bytes` is the decompressed chunk.
+ */
 export function decodeChunk(bytes, images, cameras) {
   const streams = new Streams(bytes);
   const count = images.reduce((sum, image) => sum + image.samples, 0);
   const samples = new Uint8Array(count * SAMPLE_BYTES);
-  const view = new DataView(samples.buffer);
+  // Browsers run on little-endian machines alone; typed arrays take their order.
+  const out = { bytes: samples, words: new Uint16Array(samples.buffer), floats: new Float32Array(samples.buffer) };
+  const counts = [];
   let at = 0;
   for (const image of images) {
     const { lens, depth_shift: shift } = cameras[image.camera];
@@ -266,10 +306,10 @@ export function decodeChunk(bytes, images, cameras) {
     clearPlanes(columns, rows);
     const tiles = readTiles(streams, image, columns);
     readSamples(streams, tiles, image, shift);
-    layOut(tiles, (1 << image.level) / Math.sqrt(lens[2] * lens[3]), view, at);
-    at += image.samples * SAMPLE_BYTES;
+    counts.push(layOut(tiles, (1 << image.level) / Math.sqrt(lens[2] * lens[3]), out, at));
+    at += image.samples;
   }
-  return samples;
+  return { samples, counts };
 }
 
 /** Undoes the differences that the colors of the sky are stored as. */

@@ -8,7 +8,9 @@ import { fragmentOf, readFragment } from "./address.js";
 import { Controls, pointOf } from "./controls.js";
 
 /** The finest and the coarsest picture while it moves, in pixels per recorded pixel along each side; finer where the device is fast. */
-const [FINEST, COARSEST] = [2, 0.4];
+const [FINEST, COARSEST] = [2, 0.35];
+/** Pictures with fewer pixels per recorded pixel are drawn from a quarter, and from a sixteenth, of the samples. */
+const FEWER_SAMPLES = [0.75, 0.45];
 /** Milliseconds between pictures above which they get coarser, and below which finer. */
 const [SLOW, FAST] = [45, 22];
 /** A view rests after this many milliseconds. */
@@ -29,8 +31,9 @@ class Player {
     this.loops = true;
     this.follows = false;
     this.isBare = false;
-    this.finest = 1;
-    this.movedAt = 0;
+    // The first picture is a quick one.
+    this.finest = 0.7;
+    this.movedAt = performance.now();
     this.drawnAt = 0;
     this.drawn = null;
     this.pictures = 0;
@@ -233,8 +236,9 @@ class Player {
     if (this.follows) this.followPath();
     const moves = this.isPlaying || this.controls.isFlying() || this.controls.isDragging() || performance.now() - this.movedAt < REST;
     if (moves && passed > 0) this.adapt(passed);
-    const isShown = this.show(moves ? this.finest : FINEST);
-    if (moves || !isShown && this.isLoading) {
+    const isFirst = this.pictures === 0;
+    const isShown = this.show(moves || isFirst ? this.finest : FINEST);
+    if (moves || isFirst || !isShown && this.isLoading) {
       requestAnimationFrame((later) => this.tick(later));
       return;
     }
@@ -263,9 +267,9 @@ class Player {
 
   /** Coarser pictures where the device is slow, finer ones where it is fast. */
   adapt(milliseconds) {
-    this.pace = 0.8 * (this.pace ?? 30) + 0.2 * Math.min(milliseconds, 400);
+    this.pace = 0.7 * (this.pace ?? 30) + 0.3 * Math.min(milliseconds, 400);
     if (this.pace > SLOW && this.finest > COARSEST) {
-      this.finest = Math.max(this.finest * 0.8, COARSEST);
+      this.finest = Math.max(this.finest * Math.max(Math.sqrt(SLOW / this.pace), 0.6), COARSEST);
       this.pace = 30;
     } else if (this.pace < FAST && this.finest < FINEST) {
       this.finest = Math.min(this.finest * 1.05, FINEST);
@@ -282,7 +286,8 @@ class Player {
     const { drawn, frame } = this;
     const same = (a, b) => a.every((part, nth) => part === b[nth]);
     if (drawn && drawn.frame === frame && same(drawn.pose, pose) && same(drawn.lens, lens)) return true;
-    this.renderer.draw(frame, pose, lens);
+    const isStill = this.isPlaying && drawn !== null && same(drawn.pose, pose) && same(drawn.lens, lens);
+    this.renderer.draw(frame, pose, lens, isStill, FEWER_SAMPLES.filter((few) => finest < few).length);
     this.drawn = { frame, pose, lens };
     this.pictures += 1;
     if (this.pictures === 1) {

@@ -3,7 +3,8 @@
 import { axis, place, subtract, turnedBack } from "./math.js";
 import { SAMPLE_BYTES } from "./decode.js";
 import {
-  BLEND_FRAGMENT, BLEND_VERTEX, FINISH, PULL_LEVEL, PULL_PICTURE, PUSH_LEVEL, SURFACE_FRAGMENT, SURFACE_VERTEX, WHOLE_VERTEX,
+  BLEND_FRAGMENT, BLEND_VERTEX, CARRY, FILL, PULL_LEVEL, PULL_PICTURE, PUSH_LEVEL, SHOW, SURFACE_FRAGMENT, SURFACE_VERTEX, TURN_OVER,
+  WHOLE_VERTEX,
 } from "./shaders.js";
 
 /** Footprints whose centers lie this far outside the picture are drawn too, pixels. */
@@ -11,6 +12,9 @@ const GUARD = 64;
 
 /** Levels that holes are filled from, at most: holes of that many doublings of a pixel. */
 const MOST_LEVELS = 9;
+
+/** Samples of spans of at least this share of all frames are drawn once while the view is still. */
+const LASTING = 0.25;
 
 /** A reason, in words for people, for which nothing can be drawn. */
 export class CannotDraw extends Error {}
@@ -28,12 +32,15 @@ export class Renderer {
     this.size = [0, 0];
     this.ranges = [];
     this.programs = {
-      surface: program(gl, SURFACE_VERTEX, SURFACE_FRAGMENT),
-      blend: program(gl, BLEND_VERTEX, BLEND_FRAGMENT),
-      pullPicture: program(gl, WHOLE_VERTEX, PULL_PICTURE),
-      pullLevel: program(gl, WHOLE_VERTEX, PULL_LEVEL),
-      pushLevel: program(gl, WHOLE_VERTEX, PUSH_LEVEL),
-      finish: program(gl, WHOLE_VERTEX, FINISH),
+      surface: new Stage(gl, SURFACE_VERTEX, SURFACE_FRAGMENT),
+      blend: new Stage(gl, BLEND_VERTEX, BLEND_FRAGMENT),
+      pullPicture: new Stage(gl, WHOLE_VERTEX, PULL_PICTURE),
+      pullLevel: new Stage(gl, WHOLE_VERTEX, PULL_LEVEL),
+      pushLevel: new Stage(gl, WHOLE_VERTEX, PUSH_LEVEL),
+      carry: new Stage(gl, WHOLE_VERTEX, CARRY),
+      show: new Stage(gl, WHOLE_VERTEX, SHOW),
+      fill: new Stage(gl, WHOLE_VERTEX, FILL),
+      turnOver: new Stage(gl, WHOLE_VERTEX, TURN_OVER),
     };
     this.nothing = gl.createVertexArray();
     this.sky = null;
@@ -61,15 +68,15 @@ export class Renderer {
     gl.bindVertexArray(null);
   }
 
-  /** Takes the samples of some images, which begin at sample `first` of all. */
-  upload(samples, images, first) {
+  /** Takes the samples of some images as `decodeChunk` gives them, which begin at sample `first` of all. */
+  upload({ samples, counts }, images, first) {
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
     gl.bufferSubData(gl.ARRAY_BUFFER, first * SAMPLE_BYTES, samples);
-    for (const image of images) {
-      this.ranges.push({ ...image, first });
+    images.forEach((image, nth) => {
+      this.ranges.push({ ...image, first, counts: counts[nth] });
       first += image.samples;
-    }
+    });
     // Ranges of one camera are drawn together.
     this.ranges.sort((a, b) => a.camera - b.camera || a.level - b.level || a.first - b.first);
   }
@@ -86,59 +93,98 @@ export class Renderer {
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   }
 
-  /** Draws a frame, by its index, from a pose through a lens, whose size is that of the picture. */
-  draw(frame, pose, lens) {
+  /**
+   * Draws a frame, by its index, from a pose through a lens, whose size is that of the picture. Where only time passes, as `isStill` says,
+   * samples that last are drawn once, and those that come and go over them. Of 2×2 samples one
+   * is drawn if `coarser` is 1, of 4×4 if it is 2.
+   */
+  draw(frame, pose, lens, isStill = false, coarser = 0) {
+    this.coarser = coarser;
     const gl = this.gl;
     const [width, height] = lens;
     if (this.size[0] !== width || this.size[1] !== height) this.resize(width, height);
-    const { targets, programs } = this;
+    const { targets } = this;
     const alive = this.ranges.filter((range) => range.start <= frame && frame < range.end);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, targets.surface);
+    if (isStill) {
+      const lasts = (range) => range.end - range.start >= this.scene.frames.length * LASTING;
+      const key = [coarser, ...pose, ...lens, ...alive.filter(lasts).map((range) => range.first)].join();
+      if (key !== targets.lastingKey) {
+        this.drawSurface(targets.lasting, alive.filter(lasts), pose, lens);
+        this.drawBlend(targets.lasting, alive.filter(lasts), pose, lens);
+        targets.lastingKey = key;
+      }
+      const fleeting = alive.filter((range) => !lasts(range));
+      this.drawSurface(targets.whole, fleeting, pose, lens, targets.lasting);
+      this.drawBlend(targets.whole, fleeting, pose, lens, targets.lasting);
+    } else {
+      this.drawSurface(targets.whole, alive, pose, lens);
+      this.drawBlend(targets.whole, alive, pose, lens);
+    }
+    this.fillLevels();
+    this.finish(pose, lens);
+  }
+
+  /** The nearest depth in each pixel; over that of a picture `before`, if one is given. */
+  drawSurface(target, alive, pose, lens, before) {
+    const gl = this.gl;
+    const [width, height] = this.size;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.surface);
     gl.viewport(-GUARD, -GUARD, width + 2 * GUARD, height + 2 * GUARD);
     gl.depthMask(true);
-    gl.clearDepth(0);
-    gl.clear(gl.DEPTH_BUFFER_BIT);
+    if (before) {
+      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, before.surface);
+      gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.DEPTH_BUFFER_BIT, gl.NEAREST);
+    } else {
+      gl.clearDepth(0);
+      gl.clear(gl.DEPTH_BUFFER_BIT);
+    }
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.GREATER);
-    gl.disable(gl.BLEND);
-    gl.bindVertexArray(this.samples);
-    this.drawSamples(programs.surface, alive, pose, lens);
-
-    gl.bindFramebuffer(gl.FRAMEBUFFER, targets.sums.framebuffer);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT);
+    this.drawSamples(this.programs.surface, alive, pose, lens);
     gl.disable(gl.DEPTH_TEST);
+  }
+
+  /** The sums of colors and weights in each pixel; with those of a picture `before`, if one is given. */
+  drawBlend(target, alive, pose, lens, before) {
+    const gl = this.gl;
+    const ratio = 1 / (1 + this.scene.depth_tolerance / Math.sqrt(lens[2] * lens[3]));
+    const { carry, blend } = this.programs;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.blended);
+    if (before) {
+      carry.use();
+      bind(gl, carry, { lasting_sums: before.sums, lasting_depths: before.depths, depths: target.depths });
+      gl.uniform1f(carry.uniform("surface_ratio"), ratio);
+      gl.uniform1f(carry.uniform("unit"), this.unit);
+      this.over(target.blended, this.size);
+    } else {
+      gl.clearColor(0, 0, 0, 0);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+    }
+    gl.viewport(-GUARD, -GUARD, this.size[0] + 2 * GUARD, this.size[1] + 2 * GUARD);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE);
-    const blend = programs.blend;
-    gl.useProgram(blend.program);
-    bind(gl, blend, { depths: targets.depths });
+    blend.use();
+    bind(gl, blend, { depths: target.depths });
     gl.uniform4f(blend.uniform("lens"), lens[2], lens[3], lens[4], lens[5]);
-    gl.uniform1f(blend.uniform("surface_ratio"), 1 / (1 + this.scene.depth_tolerance / Math.sqrt(lens[2] * lens[3])));
+    gl.uniform1f(blend.uniform("surface_ratio"), ratio);
     this.drawSamples(blend, alive, pose, lens);
     gl.disable(gl.BLEND);
-    gl.bindVertexArray(this.nothing);
-    this.fillHoles();
-    this.finish(pose, lens);
   }
 
   drawSamples(stage, alive, pose, lens) {
     const gl = this.gl;
-    gl.useProgram(stage.program);
+    gl.bindVertexArray(this.samples);
+    stage.use();
     gl.uniform1f(stage.uniform("guard"), GUARD);
     gl.uniform2f(stage.uniform("size"), lens[0], lens[1]);
     gl.uniform1f(stage.uniform("unit"), this.unit);
-    for (let nth = 0; nth < alive.length;) {
-      const { camera, level, first } = alive[nth];
+    gl.uniform1f(stage.uniform("pixel_scale"), 1 / (1 << this.coarser));
+    alive.forEach(({ camera, level, first, counts }, nth) => {
       if (nth === 0 || alive[nth - 1].camera !== camera || alive[nth - 1].level !== level) {
-        this.setCamera(stage, this.scene.cameras[camera], 1 << level, pose, lens);
+        this.setCamera(stage, this.scene.cameras[camera], 1 << level + this.coarser, pose, lens);
       }
-      let end = first;
-      for (; nth < alive.length && alive[nth].camera === camera && alive[nth].level === level && alive[nth].first === end; nth++) {
-        end += alive[nth].samples;
-      }
-      gl.drawArrays(gl.POINTS, first, end - first);
-    }
+      gl.drawArrays(gl.POINTS, first, counts[2 - this.coarser]);
+    });
   }
 
   /** Carries pixels of a camera, `side` of its pixels wide, into the picture: `ray·z` and the way between the cameras, before the division. */
@@ -159,46 +205,59 @@ export class Renderer {
     gl.uniform1f(stage.uniform("per_footprint"), side / Math.sqrt(fx * fy));
   }
 
-  fillHoles() {
+  /** What holes are filled with, level by level. */
+  fillLevels() {
     const gl = this.gl;
-    const { targets, programs } = this;
-    const { pulled, pushed, sums, depths } = targets;
+    const { pulled, pushed, whole } = this.targets;
+    const { pullPicture, pullLevel, pushLevel } = this.programs;
     pulled.forEach((level, nth) => {
-      const stage = nth === 0 ? programs.pullPicture : programs.pullLevel;
-      const before = nth === 0 ? { size: this.size } : pulled[nth - 1];
-      gl.useProgram(stage.program);
-      bind(gl, stage, nth === 0 ? { sums: sums.texture, depths } : { colors_of_level: before.color, nearness_of_level: before.nearness });
-      gl.uniform2i(stage.uniform("last"), before.size[0] - 1, before.size[1] - 1);
-      over(gl, level);
+      const stage = nth === 0 ? pullPicture : pullLevel;
+      const size = nth === 0 ? this.size : pulled[nth - 1].size;
+      stage.use();
+      bind(gl, stage, nth === 0 ? { sums: whole.sums, depths: whole.depths } : { level: pulled[nth - 1].color });
+      gl.uniform2i(stage.uniform("last"), size[0] - 1, size[1] - 1);
+      this.over(level.framebuffer, level.size);
     });
-    const stage = programs.pushLevel;
-    gl.useProgram(stage.program);
+    pushLevel.use();
     for (let nth = pushed.length - 1; nth >= 0; nth--) {
-      const coarser = pushed[nth + 1] ?? pulled[nth + 1];
-      bind(gl, stage, {
-        colors_of_level: pulled[nth].color, nearness_of_level: pulled[nth].nearness,
-        coarser_colors: coarser.color, coarser_nearness: coarser.nearness,
-      });
-      over(gl, pushed[nth]);
+      bind(gl, pushLevel, { level: pulled[nth].color, coarser: (pushed[nth + 1] ?? pulled[nth + 1]).color });
+      this.over(pushed[nth].framebuffer, pushed[nth].size);
     }
   }
 
   finish(pose, lens) {
     const gl = this.gl;
     const { targets } = this;
-    const stage = this.programs.finish;
-    const filled = targets.pushed[0] ?? targets.pulled[0];
+    const { show, fill, turnOver } = this.programs;
+    show.use();
+    bind(gl, show, { sums: targets.whole.sums });
+    this.over(targets.shown, this.size);
+    // A hole is where the depth is that of nothing.
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.EQUAL);
+    gl.depthMask(false);
     const [a, b, c] = [axis(pose, 0), axis(pose, 1), axis(pose, 2)];
-    gl.useProgram(stage.program);
-    bind(gl, stage, {
-      sums: targets.sums.texture, depths: targets.depths, coarser_colors: filled.color, coarser_nearness: filled.nearness, sky: this.sky,
-    });
-    gl.uniform1i(stage.uniform("has_sky"), this.sky ? 1 : 0);
-    gl.uniform1f(stage.uniform("rows"), lens[1]);
-    gl.uniform3fv(stage.uniform("sky_corner"), c.map((part, i) => part - a[i] * lens[4] / lens[2] - b[i] * lens[5] / lens[3]));
-    gl.uniform3fv(stage.uniform("sky_across"), a.map((part) => part / lens[2]));
-    gl.uniform3fv(stage.uniform("sky_down"), b.map((part) => part / lens[3]));
-    over(gl, { framebuffer: null, size: this.size });
+    fill.use();
+    bind(gl, fill, { coarser: (targets.pushed[0] ?? targets.pulled[0]).color, level: targets.pulled[0].color, sky: this.sky });
+    gl.uniform1i(fill.uniform("has_sky"), this.sky ? 1 : 0);
+    gl.uniform3fv(fill.uniform("sky_corner"), c.map((part, i) => part - a[i] * lens[4] / lens[2] - b[i] * lens[5] / lens[3]));
+    gl.uniform3fv(fill.uniform("sky_across"), a.map((part) => part / lens[2]));
+    gl.uniform3fv(fill.uniform("sky_down"), b.map((part) => part / lens[3]));
+    this.over(targets.shown, this.size);
+    gl.disable(gl.DEPTH_TEST);
+    gl.depthMask(true);
+    turnOver.use();
+    bind(gl, turnOver, { picture: targets.picture });
+    this.over(null, this.size);
+  }
+
+  /** Draws one triangle over the whole of a target. */
+  over(framebuffer, [width, height]) {
+    const gl = this.gl;
+    gl.bindVertexArray(this.nothing);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    gl.viewport(0, 0, width, height);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
   /** The inverse depth in the middle of a pixel of the last picture, counted from its upper left corner; 0 at infinity and in holes. */
@@ -206,7 +265,7 @@ export class Renderer {
     const gl = this.gl;
     if (!this.targets) return 0;
     // Depth cannot be read directly: it is copied into the bytes of a color of one pixel.
-    const stage = this.programs.depthAt ??= program(gl, WHOLE_VERTEX, `#version 300 es
+    const stage = this.programs.depthAt ??= new Stage(gl, WHOLE_VERTEX, `#version 300 es
       precision highp float;
       uniform sampler2D depths;
       uniform ivec2 at;
@@ -215,14 +274,11 @@ export class Renderer {
         float whole = min(floor(texelFetch(depths, at, 0).r * 16777216.0), 16777215.0);
         code = vec4(floor(whole / 65536.0), floor(mod(whole, 65536.0) / 256.0), mod(whole, 256.0), 255.0) / 255.0;
       }`);
-    const probe = this.probe ??= colorTarget(gl, [gl.RGBA8], [1, 1]);
-    gl.bindVertexArray(this.nothing);
-    gl.disable(gl.DEPTH_TEST);
-    gl.disable(gl.BLEND);
-    gl.useProgram(stage.program);
-    bind(gl, stage, { depths: this.targets.depths });
+    const probe = this.probe ??= this.framebuffer(this.texture(gl.RGBA8, [1, 1]), null);
+    stage.use();
+    bind(gl, stage, { depths: this.targets.whole.depths });
     gl.uniform2i(stage.uniform("at"), Math.min(Math.max(Math.floor(x), 0), this.size[0] - 1), Math.min(Math.max(Math.floor(y), 0), this.size[1] - 1));
-    over(gl, probe);
+    this.over(probe, [1, 1]);
     const read = new Uint8Array(4);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, read);
     const stored = (read[0] * 65536 + read[1] * 256 + read[2]) / 16777216;
@@ -233,80 +289,87 @@ export class Renderer {
   /** Makes the targets of a picture of a size. */
   resize(width, height) {
     const gl = this.gl;
-    for (const object of this.targets?.all ?? []) {
+    for (const object of this.made ?? []) {
       if (object instanceof WebGLTexture) gl.deleteTexture(object);
       else gl.deleteFramebuffer(object);
     }
+    this.made = [];
     this.size = [width, height];
     [gl.canvas.width, gl.canvas.height] = this.size;
-    const depths = texture(gl, gl.DEPTH_COMPONENT32F, this.size);
-    const surface = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, surface);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, depths, 0);
-    gl.drawBuffers([gl.NONE]);
-    const sums = colorTarget(gl, [gl.RGBA16F], this.size);
+    const picture = () => {
+      const [depths, sums] = [this.texture(gl.DEPTH_COMPONENT32F, this.size), this.texture(gl.RGBA16F, this.size)];
+      return { depths, sums, surface: this.framebuffer(null, depths), blended: this.framebuffer(sums, null) };
+    };
+    const level = (size) => {
+      const color = this.texture(gl.RGBA16F, size);
+      return { color, framebuffer: this.framebuffer(color, null), size };
+    };
+    const [whole, lasting] = [picture(), picture()];
     const [pulled, pushed] = [[], []];
     let size = this.size;
-    while (pulled.length < MOST_LEVELS && Math.max(...size) > 1) {
+    do {
       size = size.map((side) => Math.ceil(side / 2));
-      pulled.push(levelTarget(gl, size));
+      pulled.push(level(size));
+    } while (pulled.length < MOST_LEVELS && Math.max(...size) > 1);
+    for (const { size: same } of pulled.slice(0, -1)) pushed.push(level(same));
+    const shown = this.texture(gl.RGBA8, this.size);
+    this.targets = { whole, lasting, pulled, pushed, picture: shown, shown: this.framebuffer(shown, whole.depths), lastingKey: null };
+  }
+
+  texture(format, [width, height]) {
+    const gl = this.gl;
+    const made = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
+    for (const which of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, which, gl.NEAREST);
+    for (const which of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, which, gl.CLAMP_TO_EDGE);
+    this.made?.push(made);
+    return made;
+  }
+
+  /** What is drawn into: a texture of colors, one of depths, or both. */
+  framebuffer(color, depths) {
+    const gl = this.gl;
+    const made = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, made);
+    if (color) gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, color, 0);
+    if (depths) gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, depths, 0);
+    gl.drawBuffers([color ? gl.COLOR_ATTACHMENT0 : gl.NONE]);
+    this.made?.push(made);
+    return made;
+  }
+}
+
+/** A program that the driver makes meanwhile; what is wrong with it shows when it is first used. */
+class Stage {
+  constructor(gl, vertexText, fragmentText) {
+    this.gl = gl;
+    this.places = new Map();
+    this.linked = gl.createProgram();
+    for (const [type, text] of [[gl.VERTEX_SHADER, vertexText], [gl.FRAGMENT_SHADER, fragmentText]]) {
+      const shader = gl.createShader(type);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(this.linked, shader);
     }
-    for (const level of pulled.slice(0, -1)) pushed.push(levelTarget(gl, level.size));
-    const levels = [...pulled, ...pushed].flatMap((level) => [level.color, level.nearness, level.framebuffer]);
-    this.targets = {
-      depths, surface, sums: { ...sums, texture: sums.textures[0] }, pulled, pushed,
-      all: [depths, surface, sums.framebuffer, ...sums.textures, ...levels],
-    };
+    gl.linkProgram(this.linked);
   }
-}
 
-/** A program, and the places of its uniforms by their names. */
-function program(gl, vertexText, fragmentText) {
-  const linked = gl.createProgram();
-  for (const [type, text] of [[gl.VERTEX_SHADER, vertexText], [gl.FRAGMENT_SHADER, fragmentText]]) {
-    const shader = gl.createShader(type);
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    gl.attachShader(linked, shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) {
-      throw new CannotDraw(`The graphics driver refuses a shader: ${gl.getShaderInfoLog(shader)}`);
+  use() {
+    const { gl, linked } = this;
+    if (!this.isChecked && !gl.getProgramParameter(linked, gl.LINK_STATUS) && !gl.isContextLost()) {
+      const shaders = gl.getAttachedShaders(linked).map((shader) => gl.getShaderInfoLog(shader));
+      throw new CannotDraw(`The graphics driver refuses a shader: ${[gl.getProgramInfoLog(linked), ...shaders].join(" ")}`);
     }
+    this.isChecked = true;
+    gl.useProgram(linked);
   }
-  gl.linkProgram(linked);
-  if (!gl.getProgramParameter(linked, gl.LINK_STATUS)) {
-    throw new CannotDraw(`The graphics driver refuses a program: ${gl.getProgramInfoLog(linked)}`);
+
+  /** The place of a uniform. */
+  uniform(name) {
+    if (!this.places.has(name)) this.places.set(name, this.gl.getUniformLocation(this.linked, name));
+    return this.places.get(name);
   }
-  const places = new Map();
-  const uniform = (name) => {
-    if (!places.has(name)) places.set(name, gl.getUniformLocation(linked, name));
-    return places.get(name);
-  };
-  return { program: linked, uniform };
-}
-
-function texture(gl, format, [width, height]) {
-  const made = gl.createTexture();
-  gl.bindTexture(gl.TEXTURE_2D, made);
-  gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
-  for (const which of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, which, gl.NEAREST);
-  for (const which of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, which, gl.CLAMP_TO_EDGE);
-  return made;
-}
-
-/** What is drawn into: a texture of each format. */
-function colorTarget(gl, formats, size) {
-  const textures = formats.map((format) => texture(gl, format, size));
-  const framebuffer = gl.createFramebuffer();
-  gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-  textures.forEach((made, nth) => gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + nth, gl.TEXTURE_2D, made, 0));
-  gl.drawBuffers(textures.map((_, nth) => gl.COLOR_ATTACHMENT0 + nth));
-  return { framebuffer, textures, size };
-}
-
-/** A level of filled holes. */
-function levelTarget(gl, size) {
-  const { framebuffer, textures: [color, nearness] } = colorTarget(gl, [gl.RGBA16F, gl.R16F], size);
-  return { framebuffer, color, nearness, size };
 }
 
 /** Binds textures to the samplers of a program in use. */
@@ -316,11 +379,4 @@ function bind(gl, stage, textures) {
     gl.bindTexture(gl.TEXTURE_2D, bound);
     gl.uniform1i(stage.uniform(name), unit);
   });
-}
-
-/** Draws one triangle over the whole of a target. */
-function over(gl, target) {
-  gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
-  gl.viewport(0, 0, target.size[0], target.size[1]);
-  gl.drawArrays(gl.TRIANGLES, 0, 3);
 }

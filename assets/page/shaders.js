@@ -1,10 +1,13 @@
-// The stages of a picture. Pictures are drawn with rows downward, as cameras count them; the last stage turns them over.
+// The stages of a picture. Pictures are drawn with rows downward, as cameras count them, and turned over at last.
 //
 //   SURFACE   depth of the nearest sample of each pixel
 //   BLEND     colors of all samples of that surface, weighted and summed
-//   PULL      holes: averages at ever coarser levels, of the farthest surface around
-//   PUSH      holes: colors of coarser levels carried into finer ones
-//   FINISH    colors divided by their weights, holes filled, the sky behind; sRGB
+//   CARRY     the same sums of lasting samples, drawn before, where they are still nearest
+//   PULL      averages at ever coarser levels, of the farthest surface around
+//   PUSH      colors of coarser levels carried into the gaps of finer ones
+//   SHOW      colors divided by their weights, as sRGB
+//   FILL      holes: what is around, or the sky
+//   TURN_OVER onto the screen
 //
 // Source: for splats as oriented, projected reconstruction filters, Zwicker et al., Surface Splatting, SIGGRAPH 2001. The numbers are
 // those of the kernel `surfel` of Overlook.
@@ -18,7 +21,7 @@ layout(location = 2) in vec2 slope;
 layout(location = 3) in vec4 color_flags;
 
 uniform vec3 corner, across, down, origin;
-uniform float focal_ratio, per_footprint, guard;
+uniform float focal_ratio, per_footprint, pixel_scale, guard;
 uniform vec2 size;
 
 struct Footprint {
@@ -36,7 +39,7 @@ const float CORE_REACH = 0.525;
 
 Footprint footprint() {
   Footprint f;
-  f.ray = corner + across * (pixel.x + 0.5) + down * (pixel.y + 0.5);
+  f.ray = corner + across * (pixel.x * pixel_scale + 0.5) + down * (pixel.y * pixel_scale + 0.5);
   vec3 point = f.ray + origin * inverse_depth;
   float r = 1.0 / point.z;
   vec2 uv = point.xy * r;
@@ -186,116 +189,147 @@ void main() {
 export const WHOLE_VERTEX = `#version 300 es
 void main() {
   vec2 at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
-  gl_Position = vec4(at, 0.0, 1.0);
+  // At the depth of nothing.
+  gl_Position = vec4(at, -1.0, 1.0);
 }
 `;
 
-/** Reads a pixel of the picture: its color, and in `w` 1, or 0 where it is a hole; \`farness\` is its inverse depth in the buffer's code. */
+/** Of a picture whose lasting samples are drawn already: the sums of their colors where they are not behind what is nearer now. */
+export const CARRY = `#version 300 es
+precision highp float;
+uniform sampler2D lasting_sums;
+uniform sampler2D lasting_depths;
+uniform sampler2D depths;
+uniform float surface_ratio;
+${DEPTH_CODE}
+out vec4 sum;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float lasting = texelFetch(lasting_depths, at, 0).r;
+  float nearest = texelFetch(depths, at, 0).r;
+  bool is_shown = lasting == nearest || lasting > 0.0 && inverse_depth_of(lasting) >= inverse_depth_of(nearest) * surface_ratio;
+  sum = is_shown ? texelFetch(lasting_sums, at, 0) : vec4(0.0);
+}
+`;
+
+/** What is known of a surface in a level of filled holes: its color, and in `w` how near it is, or 0 where nothing is. */
 const READ_PICTURE = `
 uniform sampler2D sums;
 uniform sampler2D depths;
-const float LEAST_WEIGHT = 1.0 / 65536.0;
 
-vec4 read_picture(ivec2 at, out float nearness) {
+vec4 read_finer(ivec2 at) {
   vec4 sum = texelFetch(sums, at, 0);
   float code = texelFetch(depths, at, 0).r;
-  nearness = code < 0.5 ? 4.0 * code - 1.0 : 2.0 * code - 1.0;
-  return sum.w > LEAST_WEIGHT ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
+  return sum.w > 0.0 ? vec4(sum.rgb / sum.w, (code < 0.5 ? 4.0 * code - 1.0 : 2.0 * code - 1.0) + 1.0 / 1024.0) : vec4(0.0);
+}
+`;
+
+const READ_LEVEL = `
+uniform sampler2D level;
+
+vec4 read_finer(ivec2 at) {
+  return texelFetch(level, at, 0);
 }
 `;
 
 const pull = (read) => `#version 300 es
 precision highp float;
-layout(location = 0) out vec4 pulled;
-layout(location = 1) out vec4 pulled_nearness;
-${read}
+out vec4 pulled;
 uniform ivec2 last;
+${read}
+/** One where there is a surface as far as the farthest. */
+float part_of(float near, float limit) {
+  return near > 0.0 && near <= limit ? 1.0 : 0.0;
+}
 
 void main() {
   ivec2 first = 2 * ivec2(gl_FragCoord.xy);
-  vec4 colors[4];
-  float nearness[4];
-  float farthest = 2.0;
-  for (int nth = 0; nth < 4; nth++) {
-    ivec2 at = first + ivec2(nth & 1, nth >> 1);
-    colors[nth] = read_picture(min(at, last), nearness[nth]);
-    if (colors[nth].w > 0.0) farthest = min(farthest, nearness[nth]);
-  }
-  vec4 sum = vec4(0.0);
-  float near = 0.0;
-  for (int nth = 0; nth < 4; nth++) {
-    if (colors[nth].w > 0.0 && nearness[nth] <= farthest * 1.1 + 1e-4) {
-      sum += colors[nth];
-      near += nearness[nth];
-    }
-  }
-  pulled = sum.w > 0.0 ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
-  pulled_nearness = vec4(sum.w > 0.0 ? near / sum.w : 0.0);
+  ivec2 next = min(first + 1, last);
+  vec4 a = read_finer(first);
+  vec4 b = read_finer(ivec2(next.x, first.y));
+  vec4 c = read_finer(ivec2(first.x, next.y));
+  vec4 d = read_finer(next);
+  vec4 near = vec4(a.w, b.w, c.w, d.w);
+  vec4 filled = mix(near, vec4(2.0), equal(near, vec4(0.0)));
+  float limit = min(min(filled.x, filled.y), min(filled.z, filled.w)) * 1.1;
+  vec4 sum = a * part_of(a.w, limit) + b * part_of(b.w, limit) + c * part_of(c.w, limit) + d * part_of(d.w, limit);
+  float count = part_of(a.w, limit) + part_of(b.w, limit) + part_of(c.w, limit) + part_of(d.w, limit);
+  pulled = count > 0.0 ? sum / count : vec4(0.0);
 }
 `;
 
-/** From the picture to the first coarser level, and from a level to the next. */
+/** From the picture to the first coarser level, and from a level to the next: the farthest surface around. */
 export const PULL_PICTURE = pull(READ_PICTURE);
-export const PULL_LEVEL = pull(`
-uniform sampler2D colors_of_level;
-uniform sampler2D nearness_of_level;
-vec4 read_picture(ivec2 at, out float nearness) {
-  nearness = texelFetch(nearness_of_level, at, 0).r;
-  return texelFetch(colors_of_level, at, 0);
-}
-`);
+export const PULL_LEVEL = pull(READ_LEVEL);
 
 /** A level between its pixels, without those that are empty. */
 const READ_COARSER = `
-uniform sampler2D coarser_colors;
-uniform sampler2D coarser_nearness;
+uniform sampler2D coarser;
 
-vec4 read_coarser(vec2 at, out float nearness) {
-  ivec2 last = textureSize(coarser_colors, 0) - 1;
+vec4 read_coarser(vec2 at) {
+  ivec2 last = textureSize(coarser, 0) - 1;
   vec2 place = at * 0.5 - 0.5;
   ivec2 first = ivec2(floor(place));
   vec2 share = place - vec2(first);
   vec4 sum = vec4(0.0);
-  nearness = 0.0;
+  float count = 0.0;
   for (int nth = 0; nth < 4; nth++) {
     ivec2 step = ivec2(nth & 1, nth >> 1);
-    ivec2 from = clamp(first + step, ivec2(0), last);
-    vec2 part = mix(1.0 - share, share, vec2(step));
-    vec4 color = texelFetch(coarser_colors, from, 0) * part.x * part.y;
-    sum += color;
-    nearness += texelFetch(coarser_nearness, from, 0).r * color.w;
+    vec2 parts = mix(1.0 - share, share, vec2(step));
+    vec4 color = texelFetch(coarser, clamp(first + step, ivec2(0), last), 0);
+    float part = color.w > 0.0 ? parts.x * parts.y : 0.0;
+    sum += color * part;
+    count += part;
   }
-  nearness = sum.w > 0.0 ? nearness / sum.w : 0.0;
-  return sum.w > 0.0 ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
+  return count > 0.0 ? sum / count : vec4(0.0);
 }
 `;
 
 export const PUSH_LEVEL = `#version 300 es
 precision highp float;
-layout(location = 0) out vec4 pushed;
-layout(location = 1) out vec4 pushed_nearness;
-uniform sampler2D colors_of_level;
-uniform sampler2D nearness_of_level;
+out vec4 pushed;
+uniform sampler2D level;
 ${READ_COARSER}
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  pushed = texelFetch(colors_of_level, at, 0);
-  float nearness = texelFetch(nearness_of_level, at, 0).r;
-  if (pushed.w == 0.0) pushed = read_coarser(gl_FragCoord.xy, nearness);
-  pushed_nearness = vec4(nearness);
+  pushed = texelFetch(level, ivec2(gl_FragCoord.xy), 0);
+  if (pushed.w == 0.0) pushed = read_coarser(gl_FragCoord.xy);
 }
 `;
 
-export const FINISH = `#version 300 es
+const ENCODE = `
+vec3 encoded(vec3 linear) {
+  linear = clamp(linear, 0.0, 1.0);
+  return mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));
+}
+`;
+
+export const SHOW = `#version 300 es
+precision highp float;
+uniform sampler2D sums;
+out vec4 shown;
+${ENCODE}
+void main() {
+  vec4 sum = texelFetch(sums, ivec2(gl_FragCoord.xy), 0);
+  shown = vec4(encoded(sum.rgb / max(sum.w, 1e-9)), 1.0);
+}
+`;
+
+/** Drawn where there is a hole: the surfaces around where they enclose it, else the sky, if there is one. */
+export const FILL = `#version 300 es
 precision highp float;
 out vec4 shown;
-uniform float rows;
 uniform vec3 sky_corner, sky_across, sky_down;
 uniform bool has_sky;
 uniform sampler2D sky;
-${READ_PICTURE}
+uniform sampler2D level;
 ${READ_COARSER}
+${ENCODE}
 const float PI = 3.14159265358979;
+const int STEPS = 8;
+const int FAR[8] = int[8](1, 2, 3, 4, 6, 8, 11, 14);
+const float ENCLOSING = 6.0;
+// What is not nearer is at infinity.
+const float SKY = 1.1 / 1024.0;
 
 vec3 decoded(vec3 encoded) {
   return mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
@@ -306,17 +340,42 @@ vec3 sky_color(vec3 direction) {
   return decoded(textureLod(sky, place, 0.0).rgb);
 }
 
-void main() {
-  vec2 at = vec2(gl_FragCoord.x, rows - gl_FragCoord.y);
-  float nearness;
-  vec4 color = read_picture(ivec2(at), nearness);
-  if (color.w == 0.0) {
-    color = read_coarser(at, nearness);
-    if (has_sky && (color.w == 0.0 || nearness < 1e-4)) {
-      color.rgb = sky_color(normalize(sky_corner + sky_across * at.x + sky_down * at.y));
+/** In how many of eight directions a surface is the first that is seen, in a picture half as large. */
+float enclosing() {
+  ivec2 last = textureSize(level, 0) - 1;
+  float count = 0.0;
+  for (int direction = 0; direction < 9; direction++) {
+    ivec2 step = ivec2(direction % 3, direction / 3) - 1;
+    if (step == ivec2(0)) continue;
+    for (int nth = 0; nth < STEPS; nth++) {
+      ivec2 at = ivec2(gl_FragCoord.xy) / 2 + step * FAR[nth];
+      if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) break;
+      float near = texelFetch(level, at, 0).w;
+      if (near == 0.0) continue;
+      count += near > SKY ? 1.0 : 0.0;
+      break;
     }
   }
-  vec3 linear = clamp(color.rgb, 0.0, 1.0);
-  shown = vec4(mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308))), 1.0);
+  return count;
+}
+
+void main() {
+  vec4 around = read_coarser(gl_FragCoord.xy);
+  vec3 color = around.rgb;
+  if (has_sky && (around.w <= SKY || enclosing() < ENCLOSING)) {
+    color = sky_color(normalize(sky_corner + sky_across * gl_FragCoord.x + sky_down * gl_FragCoord.y));
+  }
+  shown = vec4(encoded(color), 1.0);
+}
+`;
+
+/** Onto the screen, whose rows go upward. */
+export const TURN_OVER = `#version 300 es
+precision highp float;
+out vec4 shown;
+uniform sampler2D picture;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  shown = texelFetch(picture, ivec2(at.x, textureSize(picture, 0).y - 1 - at.y), 0);
 }
 `;

@@ -50,7 +50,13 @@ fn script() -> String {
     let mut script = String::from("\"use strict\";\n(() => {\n");
     for (name, module) in MODULES {
         script += &format!("\n// {name}\n");
-        for line in module.lines().filter(|line| !line.starts_with("import ")) {
+        let mut is_import = false;
+        for line in module.lines() {
+            is_import |= line.starts_with("import ");
+            if is_import {
+                is_import = !line.ends_with("\";");
+                continue;
+            }
             script += line.strip_prefix("export ").unwrap_or(line);
             script.push('\n');
         }
