@@ -16,6 +16,12 @@ const MOST_LEVELS = 9;
 /** Samples of spans of at least this share of all frames are drawn once while the view is still. */
 const LASTING = 0.25;
 
+/** The depth of the sky in the buffer. */
+const SKY_DEPTH = 0.5;
+
+/** In the open, at least this share of what cameras saw is sky: where nothing is known there, the sky is. */
+const OPEN = 0.2;
+
 /** A reason, in words for people, for which nothing can be drawn. */
 export class CannotDraw extends Error {}
 
@@ -240,10 +246,15 @@ export class Renderer {
     fill.use();
     bind(gl, fill, { coarser: (targets.pushed[0] ?? targets.pulled[0]).color, level: targets.pulled[0].color, sky: this.sky });
     gl.uniform1i(fill.uniform("has_sky"), this.sky ? 1 : 0);
+    gl.uniform1i(fill.uniform("is_open"), this.sky && this.scene.sky.share >= OPEN ? 1 : 0);
     gl.uniform3fv(fill.uniform("sky_corner"), c.map((part, i) => part - a[i] * lens[4] / lens[2] - b[i] * lens[5] / lens[3]));
     gl.uniform3fv(fill.uniform("sky_across"), a.map((part) => part / lens[2]));
     gl.uniform3fv(fill.uniform("sky_down"), b.map((part) => part / lens[3]));
-    this.over(targets.shown, this.size);
+    for (const [isSky, depth] of [[0, 0], [1, SKY_DEPTH]]) {
+      gl.uniform1i(fill.uniform("is_sky"), isSky);
+      gl.uniform1f(fill.uniform("depth"), depth);
+      this.over(targets.shown, this.size);
+    }
     gl.disable(gl.DEPTH_TEST);
     gl.depthMask(true);
     turnOver.use();

@@ -138,6 +138,7 @@ const float SCREEN_VARIANCE = 0.1;
 const float KERNEL_END = 6.0;
 const float MAX_REACH = 64.0;
 const float BESIDE_EDGE = 0.5;
+const float WEIGHT = 8.0;
 
 vec3 direction(vec3 image) {
   return vec3((image.xy - lens.zw * image.z) / lens.xy, image.z);
@@ -158,7 +159,7 @@ void main() {
   float trust = max(cosine, 0.01) * (color_flags.a * 255.0 > 1.5 ? BESIDE_EDGE : 1.0);
   vec3 encoded = color_flags.rgb;
   vec3 linear = mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
-  weighted = vec4(linear, 1.0) * (trust / area);
+  weighted = vec4(linear, 1.0) * (WEIGHT * trust / area);
   place(f, min(sqrt(KERNEL_END * max(xx, yy)), limit));
 }
 `;
@@ -181,16 +182,17 @@ void main() {
   float depth = plane.x + dot(plane.yz, offset);
   // Neither what is behind the surface, nor a nearer sample whose kernel only touches the edge of the pixel.
   if (depth < nearest * surface_ratio || depth * surface_ratio > nearest) discard;
-  sum = weighted * (share * share);
+  // Weights that are too small for half floats would turn colors white.
+  sum = weighted * max(share * share, 0.004);
 }
 `;
 
-/** One triangle over the whole picture. */
+/** One triangle over the whole picture, at a depth in the buffer. */
 export const WHOLE_VERTEX = `#version 300 es
+uniform float depth;
 void main() {
   vec2 at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
-  // At the depth of nothing.
-  gl_Position = vec4(at, -1.0, 1.0);
+  gl_Position = vec4(at, depth * 2.0 - 1.0, 1.0);
 }
 `;
 
@@ -213,6 +215,11 @@ void main() {
 `;
 
 /** What is known of a surface in a level of filled holes: its color, and in `w` how near it is, or 0 where nothing is. */
+const SKY_CODE = `
+// What is not nearer is at infinity.
+const float SKY = 1.1 / 1024.0;
+`;
+
 const READ_PICTURE = `
 uniform sampler2D sums;
 uniform sampler2D depths;
@@ -237,9 +244,11 @@ precision highp float;
 out vec4 pulled;
 uniform ivec2 last;
 ${read}
-/** One where there is a surface as far as the farthest. */
+${SKY_CODE}
+/** One where there is a surface as far as the farthest; where there is none, one for the sky. */
 float part_of(float near, float limit) {
-  return near > 0.0 && near <= limit ? 1.0 : 0.0;
+  bool is_of_kind = limit > SKY ? near > SKY : near > 0.0;
+  return is_of_kind && near <= limit ? 1.0 : 0.0;
 }
 
 void main() {
@@ -250,8 +259,9 @@ void main() {
   vec4 c = read_finer(ivec2(first.x, next.y));
   vec4 d = read_finer(next);
   vec4 near = vec4(a.w, b.w, c.w, d.w);
-  vec4 filled = mix(near, vec4(2.0), equal(near, vec4(0.0)));
-  float limit = min(min(filled.x, filled.y), min(filled.z, filled.w)) * 1.1;
+  vec4 surfaces = mix(near, vec4(2.0), lessThanEqual(near, vec4(SKY)));
+  float farthest = min(min(surfaces.x, surfaces.y), min(surfaces.z, surfaces.w));
+  float limit = farthest < 2.0 ? farthest * 1.1 : SKY;
   vec4 sum = a * part_of(a.w, limit) + b * part_of(b.w, limit) + c * part_of(c.w, limit) + d * part_of(d.w, limit);
   float count = part_of(a.w, limit) + part_of(b.w, limit) + part_of(c.w, limit) + part_of(d.w, limit);
   pulled = count > 0.0 ? sum / count : vec4(0.0);
@@ -314,23 +324,24 @@ void main() {
 }
 `;
 
-/** Drawn where there is a hole: the surfaces around where they enclose it, else the sky, if there is one. */
+/** Drawn where there is a hole, or the sky: the surfaces around where they enclose it, else the sky, if there is one. */
 export const FILL = `#version 300 es
 precision highp float;
 out vec4 shown;
 uniform vec3 sky_corner, sky_across, sky_down;
-uniform bool has_sky;
+uniform bool has_sky, is_open, is_sky;
 uniform sampler2D sky;
 uniform sampler2D level;
 ${READ_COARSER}
 ${ENCODE}
 const float PI = 3.14159265358979;
-const int STEPS = 8;
-const int FAR[8] = int[8](1, 2, 3, 4, 6, 8, 11, 14);
-const float ENCLOSING = 6.0;
-// What is not nearer is at infinity.
-const float SKY = 1.1 / 1024.0;
-
+const int STEPS = 12;
+const int FAR[12] = int[12](1, 2, 3, 4, 6, 8, 11, 15, 21, 29, 40, 56);
+// A hole is enclosed by surfaces that it sees in all of eight directions; a speck of the sky by near ones, in nearly all.
+const float ENCLOSED = 8.0;
+const float ENCLOSED_SKY = 7.0;
+const int CLOSE = 4;
+${SKY_CODE}
 vec3 decoded(vec3 encoded) {
   return mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
 }
@@ -340,10 +351,10 @@ vec3 sky_color(vec3 direction) {
   return decoded(textureLod(sky, place, 0.0).rgb);
 }
 
-/** In how many of eight directions a surface is the first that is seen, in a picture half as large. */
-float enclosing() {
+/** In how many of eight directions a surface is the first that is seen, in a picture half as large: near by, and anywhere; and the sky. */
+vec3 seen_around() {
   ivec2 last = textureSize(level, 0) - 1;
-  float count = 0.0;
+  vec3 count = vec3(0.0);
   for (int direction = 0; direction < 9; direction++) {
     ivec2 step = ivec2(direction % 3, direction / 3) - 1;
     if (step == ivec2(0)) continue;
@@ -352,7 +363,7 @@ float enclosing() {
       if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) break;
       float near = texelFetch(level, at, 0).w;
       if (near == 0.0) continue;
-      count += near > SKY ? 1.0 : 0.0;
+      count += near > SKY ? vec3(nth < CLOSE ? 1.0 : 0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
       break;
     }
   }
@@ -362,7 +373,11 @@ float enclosing() {
 void main() {
   vec4 around = read_coarser(gl_FragCoord.xy);
   vec3 color = around.rgb;
-  if (has_sky && (around.w <= SKY || enclosing() < ENCLOSING)) {
+  vec3 seen = seen_around();
+  // A speck of the sky amid surfaces is a gap between samples.
+  if (is_sky && (seen.x < ENCLOSED_SKY || around.w <= SKY)) discard;
+  bool is_enclosed = is_sky || seen.y >= ENCLOSED || !is_open && seen.z == 0.0;
+  if (has_sky && (around.w <= SKY || !is_enclosed)) {
     color = sky_color(normalize(sky_corner + sky_across * gl_FragCoord.x + sky_down * gl_FragCoord.y));
   }
   shown = vec4(encoded(color), 1.0);

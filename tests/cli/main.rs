@@ -14,6 +14,8 @@ mod bench_command;
 mod commands;
 mod export_command;
 mod gpu_command;
+mod page_command;
+mod page_reader;
 mod parts;
 mod preprocess_command;
 mod preprocess_parts;

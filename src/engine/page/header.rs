@@ -58,6 +58,8 @@ struct PathHeader {
 /// 8-bit sRGB by direction: rows from straight up along z to straight down, columns by the angle about z from −x on.
 #[derive(Serialize)]
 struct SkyHeader {
+    /// Of the samples at the first frame.
+    share: f32,
     rows: usize,
     /// Each byte less the one three before it, raw deflate, base64.
     colors: String,
@@ -95,7 +97,11 @@ pub(super) fn of(
     let sky = sky.map(|sky| {
         let residuals: Vec<u8> =
             (0..sky.len()).map(|at| sky[at].wrapping_sub(if at < 3 { 0 } else { sky[at - 3] })).collect();
-        Ok(SkyHeader { rows: SKY_ROWS, colors: STANDARD.encode(deflated(&residuals, BEST, &set.name)?) })
+        Ok(SkyHeader {
+            share: sky_share(set),
+            rows: SKY_ROWS,
+            colors: STANDARD.encode(deflated(&residuals, BEST, &set.name)?),
+        })
     });
     Ok(Header {
         title: options.title.clone().unwrap_or_else(|| set.name.clone()),
@@ -124,6 +130,13 @@ pub(super) fn of(
         sky: sky.transpose()?,
         chunks: packed.chunks.iter().map(|chunk| chunk.images.clone()).collect(),
     })
+}
+
+/// The share of samples that are at infinity at the first frame.
+fn sky_share(set: &SampleSet) -> f32 {
+    let depths: Vec<f32> = set.images_at(0).flat_map(|image| image.inverse_depths()).collect();
+    let far = depths.iter().filter(|depth| **depth == 0.0).count();
+    far as f32 / depths.len().max(1) as f32
 }
 
 /// What the cameras look at, in world space.
