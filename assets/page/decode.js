@@ -1,6 +1,6 @@
 // Samples as they are packed, and as the renderer takes them.
 //
-// A chunk is raw deflate of: sixteen lengths of streams (u32, little-endian), then the streams. Images follow one another in each.
+// A chunk is gzip of: sixteen lengths of streams (u32, little-endian), then the streams. Images follow one another in each.
 //
 //   for each tile of 16×16 pixels, row-major:
 //     PLACES    tiles skipped since the last one, as a variable-length number (seven bits a byte, lowest first)
@@ -39,9 +39,9 @@ export function bytesOfBase64(text) {
   return bytes;
 }
 
-/** Decompresses raw deflate. */
+/** Decompresses gzip, and checks its sum. */
 export async function inflate(bytes) {
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 

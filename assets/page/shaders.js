@@ -35,7 +35,11 @@ struct Footprint {
 
 const float EDGE_FOOTPRINTS = 8.0;
 const float MAX_STRETCH = 1.5;
-const float CORE_REACH = 0.525;
+
+/** How far a footprint reaches from its sample, in pixels of its camera: where they are magnified, over the gaps that pruning left. */
+float core_reach(mat2 jacobian) {
+  return 0.525 + 0.225 * smoothstep(1.2, 4.0, abs(determinant(jacobian)));
+}
 
 Footprint footprint() {
   Footprint f;
@@ -58,7 +62,7 @@ Footprint footprint() {
   f.plane = vec3(w, by_picture);
   f.jacobian = j;
   f.reciprocal = r;
-  f.deviation = CORE_REACH * (abs(by_camera.x) + abs(by_camera.y));
+  f.deviation = core_reach(j) * (abs(by_camera.x) + abs(by_camera.y));
   return f;
 }
 
@@ -92,7 +96,7 @@ ${FOOTPRINT}
 flat out vec2 center;
 flat out vec4 inverse;
 flat out vec4 plane;
-flat out float doubtful;
+flat out vec2 doubtful_reach;
 
 void main() {
   Footprint f = footprint();
@@ -102,8 +106,8 @@ void main() {
   center = f.center;
   inverse = vec4(j[1][1], -j[1][0], -j[0][1], j[0][0]) * i;
   plane = vec4(f.plane, f.deviation);
-  doubtful = mod(floor(color_flags.a * 255.0 + 0.5), 2.0);
-  vec2 reach = CORE_REACH * (abs(j[0]) + abs(j[1]));
+  doubtful_reach = vec2(mod(floor(color_flags.a * 255.0 + 0.5), 2.0), core_reach(j));
+  vec2 reach = doubtful_reach.y * (abs(j[0]) + abs(j[1]));
   place(f, max(0.5, min(max(reach.x, reach.y), MAX_STRETCH * focal_ratio * f.reciprocal)));
 }
 `;
@@ -113,15 +117,15 @@ precision highp float;
 flat in vec2 center;
 flat in vec4 inverse;
 flat in vec4 plane;
-flat in float doubtful;
+flat in vec2 doubtful_reach;
 ${DEPTH_CODE}
 void main() {
   vec2 offset = gl_FragCoord.xy - center;
   vec2 camera = abs(vec2(dot(inverse.xy, offset), dot(inverse.zw, offset)));
   vec2 pixels = abs(offset);
-  if (max(camera.x, camera.y) > 0.525 && max(pixels.x, pixels.y) > 0.5) discard;
+  if (max(camera.x, camera.y) > doubtful_reach.y && max(pixels.x, pixels.y) > 0.5) discard;
   float deviation = clamp(dot(plane.yz, offset), -plane.w, plane.w);
-  gl_FragDepth = code_of(max(plane.x + deviation, 0.0), doubtful > 0.5);
+  gl_FragDepth = code_of(max(plane.x + deviation, 0.0), doubtful_reach.x > 0.5);
 }
 `;
 

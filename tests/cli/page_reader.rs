@@ -64,10 +64,11 @@ pub(crate) fn images(page: &str) -> Vec<ReadImage> {
     all
 }
 
-/// Raw deflate, of which the length is not known.
+/// The content of gzip, which ends with its length.
 fn inflated(bytes: &[u8]) -> Vec<u8> {
-    let mut room = vec![0; bytes.len() * 1100 + 65536];
-    let length = libdeflater::Decompressor::new().deflate_decompress(bytes, &mut room).unwrap();
+    let length = u32::from_le_bytes(*bytes.last_chunk().unwrap()) as usize;
+    let mut room = vec![0; length];
+    let length = libdeflater::Decompressor::new().gzip_decompress(bytes, &mut room).unwrap();
     room.truncate(length);
     room
 }

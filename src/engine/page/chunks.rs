@@ -39,7 +39,7 @@ pub(super) struct ImageHeader {
 /// Images whose streams are compressed together.
 pub(super) struct Chunk {
     pub(super) images: Vec<ImageHeader>,
-    /// Raw deflate of `for each stream: u32 length, little-endian; for each stream: its bytes`.
+    /// Gzip of `for each stream: u32 length, little-endian; for each stream: its bytes`.
     pub(super) bytes: Vec<u8>,
 }
 
@@ -107,15 +107,15 @@ fn chunk(set: &SampleSet, images: &[&LeveledImage], shifts: &[u32], level: i32) 
     }
     let lengths = streams.0.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes());
     let raw: Vec<u8> = lengths.chain(streams.0.iter().flatten().copied()).collect();
-    Ok(Chunk { images: headers, bytes: deflated(&raw, level, &set.name)? })
+    Ok(Chunk { images: headers, bytes: gzipped(&raw, level, &set.name)? })
 }
 
-/// Raw deflate, without header and checksum.
-pub(super) fn deflated(raw: &[u8], level: i32, name: &str) -> Result<Vec<u8>> {
+/// Deflate with a checksum, as browsers read it.
+pub(super) fn gzipped(raw: &[u8], level: i32, name: &str) -> Result<Vec<u8>> {
     let failed = || Error::invalid(name, "its samples cannot be compressed");
     let mut compressor = Compressor::new(CompressionLvl::new(level).map_err(|_| failed())?);
-    let mut bytes = vec![0; compressor.deflate_compress_bound(raw.len())];
-    let length = compressor.deflate_compress(raw, &mut bytes).map_err(|_| failed())?;
+    let mut bytes = vec![0; compressor.gzip_compress_bound(raw.len())];
+    let length = compressor.gzip_compress(raw, &mut bytes).map_err(|_| failed())?;
     bytes.truncate(length);
     Ok(bytes)
 }

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use serde::Serialize;
 
 use super::PageOptions;
-use super::chunks::{BEST, ImageHeader, Packed, deflated};
+use super::chunks::{BEST, ImageHeader, Packed, gzipped};
 use crate::capture::{Intrinsics, pivot};
 use crate::color::srgb8_from_linear;
 use crate::error::Result;
@@ -61,7 +61,7 @@ struct SkyHeader {
     /// Of the samples at the first frame.
     share: f32,
     rows: usize,
-    /// Each byte less the one three before it, raw deflate, base64.
+    /// Each byte less the one three before it, gzip, base64.
     colors: String,
 }
 
@@ -100,7 +100,7 @@ pub(super) fn of(
         Ok(SkyHeader {
             share: sky_share(set),
             rows: SKY_ROWS,
-            colors: STANDARD.encode(deflated(&residuals, BEST, &set.name)?),
+            colors: STANDARD.encode(gzipped(&residuals, BEST, &set.name)?),
         })
     });
     Ok(Header {

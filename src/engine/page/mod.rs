@@ -1,13 +1,13 @@
 //! One HTML file that plays a store in any browser: `assets/page/` with the kept samples packed into it.
 //!
 //! ```text
-//! SampleSet ─ budget ─▶ images, some coarser ─ chunks ─▶ streams of bytes ─ deflate ─▶ base64 ─ html ─▶ scene.html
+//! SampleSet ─ budget ─▶ images, some coarser ─ chunks ─▶ streams of bytes ─ gzip ─▶ base64 ─ html ─▶ scene.html
 //!                                                          image_code
 //! ```
 //!
 //! A sample is stored once, with the span that it holds for: its pixel, its inverse depth and its color. Position and footprint follow
 //! from these in the page, as they do in the renderer. Inverse depth errs by as much as the store grants; color is 8-bit sRGB. What
-//! browsers decompress by themselves is deflate, which knows no numbers: they are predicted from their neighbors, and what is left of
+//! browsers decompress by themselves is gzip, which knows no numbers: they are predicted from their neighbors, and what is left of
 //! like kind is put side by side. `assets/page/decode.js` is the reader, and says the bytes.
 
 mod budget;
