@@ -78,7 +78,7 @@ class Player {
     choice.addEventListener("change", () => choice.value !== "" && this.goToCamera(Number(choice.value)));
     for (const text of scene.paragraphs) element("text").append(Object.assign(document.createElement("p"), { textContent: text }));
     element("story").hidden = scene.paragraphs.length === 0;
-    element("story").open = scene.paragraphs.length > 0 && innerWidth > 720;
+    element("story").open = innerWidth > 720 && innerHeight > 560;
     this.canvas.setAttribute("aria-label", scene.title);
     if (!root.requestFullscreen) element("full").hidden = true;
     this.showTime();

@@ -19,7 +19,7 @@ const LASTING = 0.25;
 /** The depth of the sky in the buffer. */
 const SKY_DEPTH = 0.5;
 
-/** In the open, at least this share of what cameras saw is sky: where nothing is known there, the sky is. */
+/** In the open, at least this share of what cameras saw is sky: where nothing is known, there is sky. */
 const OPEN = 0.2;
 
 /** A reason, in words for people, for which nothing can be drawn. */
@@ -101,8 +101,7 @@ export class Renderer {
 
   /**
    * Draws a frame, by its index, from a pose through a lens, whose size is that of the picture. Where only time passes, as `isStill` says,
-   * samples that last are drawn once, and those that come and go over them. Of 2×2 samples one
-   * is drawn if `coarser` is 1, of 4×4 if it is 2.
+   * samples that last are drawn once, and those that come and go over them. Of 2×2 samples one is drawn if `coarser` is 1, of 4×4 if it is 2.
    */
   draw(frame, pose, lens, isStill = false, coarser = 0) {
     this.coarser = coarser;

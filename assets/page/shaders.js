@@ -380,7 +380,7 @@ void main() {
   vec3 seen = seen_around();
   // A speck of the sky amid surfaces is a gap between samples.
   if (is_sky && (seen.x < ENCLOSED_SKY || around.w <= SKY)) discard;
-  bool is_enclosed = is_sky || seen.y >= ENCLOSED || !is_open && seen.z == 0.0;
+  bool is_enclosed = is_sky || seen.y >= ENCLOSED || !is_open && seen.z <= seen.y;
   if (has_sky && (around.w <= SKY || !is_enclosed)) {
     color = sky_color(normalize(sky_corner + sky_across * gl_FragCoord.x + sky_down * gl_FragCoord.y));
   }
