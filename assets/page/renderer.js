@@ -3,8 +3,8 @@
 import { axis, place, subtract, turnedBack } from "./math.js";
 import { SAMPLE_BYTES } from "./decode.js";
 import {
-  BLEND_FRAGMENT, BLEND_VERTEX, CARRY, FILL, PULL_LEVEL, PULL_PICTURE, PUSH_LEVEL, SHOW, SURFACE_FRAGMENT, SURFACE_VERTEX, TURN_OVER,
-  WHOLE_VERTEX,
+  BLEND_FRAGMENT, BLEND_VERTEX, CARRY, FILL, NEAREST_FRAGMENT, PULL_LEVEL, PULL_PICTURE, PUSH_LEVEL, SHOW, SURFACE_FRAGMENT, SURFACE_VERTEX,
+  TURN_OVER, WHOLE_VERTEX,
 } from "./shaders.js";
 
 /** Footprints whose centers lie this far outside the picture are drawn too, pixels. */
@@ -39,6 +39,7 @@ export class Renderer {
     this.ranges = [];
     this.programs = {
       surface: new Stage(gl, SURFACE_VERTEX, SURFACE_FRAGMENT),
+      nearest: new Stage(gl, SURFACE_VERTEX, NEAREST_FRAGMENT),
       blend: new Stage(gl, BLEND_VERTEX, BLEND_FRAGMENT),
       pullPicture: new Stage(gl, WHOLE_VERTEX, PULL_PICTURE),
       pullLevel: new Stage(gl, WHOLE_VERTEX, PULL_LEVEL),
@@ -113,39 +114,45 @@ export class Renderer {
     if (isStill) {
       const lasts = (range) => range.end - range.start >= this.scene.frames.length * LASTING;
       const key = [coarser, ...pose, ...lens, ...alive.filter(lasts).map((range) => range.first)].join();
-      if (key !== targets.lastingKey) {
-        this.drawSurface(targets.lasting, alive.filter(lasts), pose, lens);
-        this.drawBlend(targets.lasting, alive.filter(lasts), pose, lens);
-        targets.lastingKey = key;
-      }
-      const fleeting = alive.filter((range) => !lasts(range));
-      this.drawSurface(targets.whole, fleeting, pose, lens, targets.lasting);
-      this.drawBlend(targets.whole, fleeting, pose, lens, targets.lasting);
+      if (key !== targets.lastingKey) this.drawPicture(targets.lasting, alive.filter(lasts), pose, lens);
+      targets.lastingKey = key;
+      this.drawPicture(targets.whole, alive.filter((range) => !lasts(range)), pose, lens, targets.lasting);
     } else {
-      this.drawSurface(targets.whole, alive, pose, lens);
-      this.drawBlend(targets.whole, alive, pose, lens);
+      this.drawPicture(targets.whole, alive, pose, lens);
     }
     this.fillLevels();
     this.finish(pose, lens);
   }
 
-  /** The nearest depth in each pixel; over that of a picture `before`, if one is given. */
-  drawSurface(target, alive, pose, lens, before) {
+  /** Depths and sums of colors; over those of a picture `before`, if one is given. */
+  drawPicture(target, alive, pose, lens, before) {
+    if (this.coarser > 0) {
+      this.drawSurface(target.nearest, this.programs.nearest, alive, pose, lens, before?.nearest);
+    } else {
+      this.drawSurface(target.surface, this.programs.surface, alive, pose, lens, before?.surface);
+      this.drawBlend(target, alive, pose, lens, before);
+    }
+  }
+
+  /** The nearest depth in each pixel, and by the stage `nearest` the color there; over that of a picture `before`, if one is given. */
+  drawSurface(framebuffer, stage, alive, pose, lens, before) {
     const gl = this.gl;
     const [width, height] = this.size;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target.surface);
+    const planes = gl.DEPTH_BUFFER_BIT | (stage === this.programs.nearest ? gl.COLOR_BUFFER_BIT : 0);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.viewport(-GUARD, -GUARD, width + 2 * GUARD, height + 2 * GUARD);
     gl.depthMask(true);
     if (before) {
-      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, before.surface);
-      gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.DEPTH_BUFFER_BIT, gl.NEAREST);
+      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, before);
+      gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, planes, gl.NEAREST);
     } else {
       gl.clearDepth(0);
-      gl.clear(gl.DEPTH_BUFFER_BIT);
+      gl.clearColor(0, 0, 0, 0);
+      gl.clear(planes);
     }
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.GREATER);
-    this.drawSamples(this.programs.surface, alive, pose, lens);
+    this.drawSamples(stage, alive, pose, lens);
     gl.disable(gl.DEPTH_TEST);
   }
 
@@ -308,7 +315,8 @@ export class Renderer {
     [gl.canvas.width, gl.canvas.height] = this.size;
     const picture = () => {
       const [depths, sums] = [this.texture(gl.DEPTH_COMPONENT32F, this.size), this.texture(gl.RGBA16F, this.size)];
-      return { depths, sums, surface: this.framebuffer(null, depths), blended: this.framebuffer(sums, null) };
+      const [surface, blended, nearest] = [this.framebuffer(null, depths), this.framebuffer(sums, null), this.framebuffer(sums, depths)];
+      return { depths, sums, surface, blended, nearest };
     };
     const level = (size) => {
       const color = this.texture(gl.RGBA16F, size);

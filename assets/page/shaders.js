@@ -91,13 +91,21 @@ float inverse_depth_of(float code) {
 }
 `;
 
+/** Linear colors from sRGB. */
+const DECODE = `
+vec3 decoded(vec3 encoded) {
+  return mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
+}
+`;
+
 export const SURFACE_VERTEX = `#version 300 es
 ${FOOTPRINT}
 flat out vec2 center;
 flat out vec4 inverse;
 flat out vec4 plane;
 flat out vec2 doubtful_reach;
-
+flat out vec3 color;
+${DECODE}
 void main() {
   Footprint f = footprint();
   mat2 j = f.jacobian;
@@ -106,18 +114,20 @@ void main() {
   center = f.center;
   inverse = vec4(j[1][1], -j[1][0], -j[0][1], j[0][0]) * i;
   plane = vec4(f.plane, f.deviation);
+  color = decoded(color_flags.rgb);
   doubtful_reach = vec2(mod(floor(color_flags.a * 255.0 + 0.5), 2.0), core_reach(j));
   vec2 reach = doubtful_reach.y * (abs(j[0]) + abs(j[1]));
   place(f, max(0.5, min(max(reach.x, reach.y), MAX_STRETCH * focal_ratio * f.reciprocal)));
 }
 `;
 
-export const SURFACE_FRAGMENT = `#version 300 es
+const surface = (hasColor) => `#version 300 es
 precision highp float;
 flat in vec2 center;
 flat in vec4 inverse;
 flat in vec4 plane;
 flat in vec2 doubtful_reach;
+${hasColor ? "flat in vec3 color; out vec4 sum;" : ""}
 ${DEPTH_CODE}
 void main() {
   vec2 offset = gl_FragCoord.xy - center;
@@ -126,8 +136,13 @@ void main() {
   if (max(camera.x, camera.y) > doubtful_reach.y && max(pixels.x, pixels.y) > 0.5) discard;
   float deviation = clamp(dot(plane.yz, offset), -plane.w, plane.w);
   gl_FragDepth = code_of(max(plane.x + deviation, 0.0), doubtful_reach.x > 0.5);
+  ${hasColor ? "sum = vec4(color, 1.0);" : ""}
 }
 `;
+
+/** Depth alone; and with the color of the nearest sample, where coarse pictures are not blended. */
+export const SURFACE_FRAGMENT = surface(false);
+export const NEAREST_FRAGMENT = surface(true);
 
 export const BLEND_VERTEX = `#version 300 es
 ${FOOTPRINT}
@@ -144,6 +159,7 @@ const float MAX_REACH = 64.0;
 const float BESIDE_EDGE = 0.5;
 const float WEIGHT = 8.0;
 
+${DECODE}
 vec3 direction(vec3 image) {
   return vec3((image.xy - lens.zw * image.z) / lens.xy, image.z);
 }
@@ -161,9 +177,7 @@ void main() {
   float limit = min(1.5 + 2.0 * MAX_STRETCH * focal_ratio * f.reciprocal, MAX_REACH);
   float cosine = dot(normalize(direction(f.ray)), normalize(direction(vec3(f.center, 1.0))));
   float trust = max(cosine, 0.01) * (color_flags.a * 255.0 > 1.5 ? BESIDE_EDGE : 1.0);
-  vec3 encoded = color_flags.rgb;
-  vec3 linear = mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
-  weighted = vec4(linear, 1.0) * (WEIGHT * trust / area);
+  weighted = vec4(decoded(color_flags.rgb), 1.0) * (WEIGHT * trust / area);
   place(f, min(sqrt(KERNEL_END * max(xx, yy)), limit));
 }
 `;
@@ -346,10 +360,7 @@ const float ENCLOSED = 8.0;
 const float ENCLOSED_SKY = 7.0;
 const int CLOSE = 4;
 ${SKY_CODE}
-vec3 decoded(vec3 encoded) {
-  return mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
-}
-
+${DECODE}
 vec3 sky_color(vec3 direction) {
   vec2 place = vec2(atan(direction.y, direction.x) / (2.0 * PI) + 0.5, acos(clamp(direction.z, -1.0, 1.0)) / PI);
   return decoded(textureLod(sky, place, 0.0).rgb);
