@@ -8,11 +8,13 @@ import { fragmentOf, readFragment } from "./address.js";
 import { Controls, pointOf } from "./controls.js";
 
 /** The finest and the coarsest picture while it moves, in pixels per recorded pixel along each side; finer where the device is fast. */
-const [FINEST, COARSEST] = [2, 0.35];
+const [FINEST, COARSEST] = [2, 0.45];
 /** Pictures with fewer pixels per recorded pixel are drawn from a quarter, and from a sixteenth, of the samples. */
-const FEWER_SAMPLES = [0.75, 0.45];
+const FEWER_SAMPLES = [0.8, 0.55];
+/** While time alone passes, lasting samples are not drawn again, and pictures are finer by this factor. */
+const FINER_STILL = 1.6;
 /** Milliseconds between pictures above which they get coarser, and below which finer. */
-const [SLOW, FAST] = [45, 22];
+const [SLOW, FAST] = [100, 24];
 /** A view rests after this many milliseconds. */
 const REST = 200;
 
@@ -234,10 +236,12 @@ class Player {
     if (this.controls.isFlying()) this.controls.fly(passed / 1000);
     if (this.isPlaying) this.passTime(passed / 1000);
     if (this.follows) this.followPath();
-    const moves = this.isPlaying || this.controls.isFlying() || this.controls.isDragging() || performance.now() - this.movedAt < REST;
-    if (moves && passed > 0) this.adapt(passed);
     const isFirst = this.pictures === 0;
-    const isShown = this.show(moves || isFirst ? this.finest : FINEST);
+    const isMoved = this.follows || this.controls.isFlying() || this.controls.isDragging() || performance.now() - this.movedAt < REST;
+    const moves = this.isPlaying || isMoved;
+    if (moves && passed > 0) this.adapt(passed);
+    const inTime = Math.min(this.finest * FINER_STILL, FINEST);
+    const isShown = this.show(isMoved || isFirst ? this.finest : moves ? inTime : FINEST);
     if (moves || isFirst || !isShown && this.isLoading) {
       requestAnimationFrame((later) => this.tick(later));
       return;
@@ -267,12 +271,13 @@ class Player {
 
   /** Coarser pictures where the device is slow, finer ones where it is fast. */
   adapt(milliseconds) {
-    this.pace = 0.7 * (this.pace ?? 30) + 0.3 * Math.min(milliseconds, 400);
+    this.pace = 0.7 * (this.pace ?? 50) + 0.3 * Math.min(milliseconds, 400);
     if (this.pace > SLOW && this.finest > COARSEST) {
       this.finest = Math.max(this.finest * Math.max(Math.sqrt(SLOW / this.pace), 0.6), COARSEST);
-      this.pace = 30;
+      this.pace = 50;
     } else if (this.pace < FAST && this.finest < FINEST) {
-      this.finest = Math.min(this.finest * 1.05, FINEST);
+      this.finest = Math.min(this.finest * 1.25, FINEST);
+      this.pace = 50;
     }
   }
 
