@@ -16,8 +16,8 @@ use crate::store::depth_shift;
 /// Samples that a chunk has about: fewer compress worse, more keep the first picture waiting.
 const CHUNK_SAMPLES: usize = 150_000;
 
-/// The best that there is, and slow.
-pub(super) const BEST: i32 = 12;
+/// The best compression that there is: a page is written once, and read often.
+const BEST: i32 = 12;
 
 /// What the header says of an image.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
@@ -51,7 +51,7 @@ pub(super) struct Packed {
 }
 
 /// Packs images. Those of the first frame come first.
-pub(super) fn pack(set: &SampleSet, images: &[LeveledImage], level: i32, job: &Job) -> Result<Packed> {
+pub(super) fn pack(set: &SampleSet, images: &[LeveledImage], job: &Job) -> Result<Packed> {
     let mut order: Vec<&LeveledImage> = images.iter().collect();
     order.sort_by_key(|image| {
         let span = image.samples.span;
@@ -66,7 +66,7 @@ pub(super) fn pack(set: &SampleSet, images: &[LeveledImage], level: i32, job: &J
         .into_par_iter()
         .map(|range| {
             job.check()?;
-            let chunk = chunk(set, &order[range], &shifts, level)?;
+            let chunk = chunk(set, &order[range], &shifts)?;
             job.advance(1);
             Ok(chunk)
         })
@@ -87,7 +87,7 @@ fn chunk_ranges(order: &[&LeveledImage]) -> Vec<Range<usize>> {
     ranges
 }
 
-fn chunk(set: &SampleSet, images: &[&LeveledImage], shifts: &[u32], level: i32) -> Result<Chunk> {
+fn chunk(set: &SampleSet, images: &[&LeveledImage], shifts: &[u32]) -> Result<Chunk> {
     let mut streams = Streams::default();
     let mut headers = Vec::with_capacity(images.len());
     for LeveledImage { samples, level } in images {
@@ -107,13 +107,13 @@ fn chunk(set: &SampleSet, images: &[&LeveledImage], shifts: &[u32], level: i32) 
     }
     let lengths = streams.0.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes());
     let raw: Vec<u8> = lengths.chain(streams.0.iter().flatten().copied()).collect();
-    Ok(Chunk { images: headers, bytes: gzipped(&raw, level, &set.name)? })
+    Ok(Chunk { images: headers, bytes: gzipped(&raw, &set.name)? })
 }
 
 /// Deflate with a checksum, as browsers read it.
-pub(super) fn gzipped(raw: &[u8], level: i32, name: &str) -> Result<Vec<u8>> {
+pub(super) fn gzipped(raw: &[u8], name: &str) -> Result<Vec<u8>> {
     let failed = || Error::invalid(name, "its samples cannot be compressed");
-    let mut compressor = Compressor::new(CompressionLvl::new(level).map_err(|_| failed())?);
+    let mut compressor = Compressor::new(CompressionLvl::new(BEST).map_err(|_| failed())?);
     let mut bytes = vec![0; compressor.gzip_compress_bound(raw.len())];
     let length = compressor.gzip_compress(raw, &mut bytes).map_err(|_| failed())?;
     bytes.truncate(length);

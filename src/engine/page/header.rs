@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use serde::Serialize;
 
 use super::PageOptions;
-use super::chunks::{BEST, ImageHeader, Packed, gzipped};
+use super::chunks::{ImageHeader, Packed, gzipped};
 use crate::capture::{Intrinsics, pivot};
 use crate::color::srgb8_from_linear;
 use crate::error::Result;
@@ -100,7 +100,7 @@ pub(super) fn of(
         Ok(SkyHeader {
             share: sky_share(set),
             rows: SKY_ROWS,
-            colors: STANDARD.encode(gzipped(&residuals, BEST, &set.name)?),
+            colors: STANDARD.encode(gzipped(&residuals, &set.name)?),
         })
     });
     Ok(Header {

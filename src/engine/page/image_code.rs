@@ -96,13 +96,20 @@ pub(super) fn encode(streams: &mut Streams, image: &SampleImage, columns: usize,
     let colors: Vec<[u8; 3]> =
         image.color.iter().map(|color| color.map(|channel| srgb8_from_linear(channel.to_f32()))).collect();
     let depths: Vec<i32> = image.inverse_depths().iter().map(|depth| quantized(*depth, shift)).collect();
+    let numbers = Numbers { depths: &depths, colors: &colors };
     let errors = (0..PREDICTORS).map(|predictor| {
         let mut tried = Streams::default();
-        encode_with(&mut tried, image, columns, (&depths, &colors), predictor)
+        encode_with(&mut tried, image, columns, &numbers, predictor)
     });
     let best = errors.enumerate().min_by_key(|(_, error)| *error).map_or(0, |(predictor, _)| predictor as u8);
-    encode_with(streams, image, columns, (&depths, &colors), best);
+    encode_with(streams, image, columns, &numbers, best);
     best
+}
+
+/// What is coded of each sample of an image, in storage order.
+struct Numbers<'a> {
+    depths: &'a [i32],
+    colors: &'a [[u8; 3]],
 }
 
 /// Inverse depth, in units of its lowest bit that is kept.
@@ -117,10 +124,10 @@ fn encode_with(
     streams: &mut Streams,
     image: &SampleImage,
     columns: usize,
-    planes: (&[i32], &[[u8; 3]]),
+    numbers: &Numbers<'_>,
     predictor: u8,
 ) -> u64 {
-    let (depths, colors) = planes;
+    let Numbers { depths, colors } = *numbers;
     let mut plane = Plane::of(image);
     let (mut next_place, mut depth_before, mut color_before, mut error) = (0, 0, [0; 3], 0);
     for (index, tile) in image.tiles.iter().enumerate() {

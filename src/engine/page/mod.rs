@@ -99,27 +99,27 @@ struct PageText {
     samples: u64,
 }
 
-/// Halvings of the tolerated loss by which the largest page within a budget is searched for.
+/// Halvings by which the largest page within a budget is searched for.
 const SEARCH_STEPS: usize = 7;
 
 fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageText> {
     let sky = header::sky_of(set)?;
-    let written = |images: &[budget::LeveledImage], level: i32| -> Result<PageText> {
-        let packed = chunks::pack(set, images, level, job)?;
+    let written = |images: &[budget::LeveledImage]| -> Result<PageText> {
+        let packed = chunks::pack(set, images, job)?;
         let html =
             html::page(&header::of(set, options, sky.as_deref(), &packed)?, options, &packed, &set.name)?;
         Ok(PageText { html, samples: images.iter().map(|image| image.samples.len() as u64).sum() })
     };
     let whole: Vec<_> =
         set.images.iter().map(|image| budget::LeveledImage::fine(Arc::clone(image))).collect();
-    let Some(most) = options.at_most else { return written(&whole, chunks::BEST) };
-    let finest = written(&whole, chunks::BEST)?;
+    let Some(most) = options.at_most else { return written(&whole) };
+    let finest = written(&whole)?;
     if finest.html.len() as u64 <= most {
         return Ok(finest);
     }
     let coarsening = Coarsening::new(set, job)?;
     let (mut too_large, mut fits) = (0, coarsening.steps());
-    let coarsest = written(&coarsening.images(fits), chunks::BEST)?;
+    let coarsest = written(&coarsening.images(fits))?;
     if coarsest.html.len() as u64 > most {
         let what = format!(
             "is not written: at its coarsest the page takes {} bytes, more than the {most} that it may",
@@ -133,7 +133,7 @@ fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageText> {
         if middle == too_large {
             break;
         }
-        let tried = written(&coarsening.images(middle), chunks::BEST)?;
+        let tried = written(&coarsening.images(middle))?;
         if tried.html.len() as u64 <= most {
             (fits, best) = (middle, tried);
         } else {
