@@ -11,8 +11,24 @@ import { place, poseFrom, quaternionOf } from "./math.js";
 /** As many digits as tell a picture from the next. */
 const short = (number) => String(Number(number.toPrecision(9)));
 
+/** The numbers of poses that were read or written, as text: an address that is opened again stays the same. */
+const written = new WeakMap();
+
+const read = (numbers) => {
+  const size = Math.hypot(...numbers.slice(3, 7));
+  return size > 0.5 ? poseFrom(numbers.slice(3, 7).map((part) => part / size), numbers.slice(0, 3)) : null;
+};
+
+/** Rounds the pose of a view to what its address says, so that the address shows the very same picture. */
+export function roundView(view) {
+  if (written.has(view.pose)) return;
+  const text = [...place(view.pose), ...quaternionOf(view.pose)].map(short);
+  view.pose = read(text.map(Number)) ?? view.pose;
+  written.set(view.pose, text);
+}
+
 export function fragmentOf(view, scene, frameNumber, isBare) {
-  const numbers = [...place(view.pose), ...quaternionOf(view.pose), view.pivotDistance].map(short);
+  const numbers = [...written.get(view.pose) ?? [...place(view.pose), ...quaternionOf(view.pose)].map(short), short(view.pivotDistance)];
   const isUsual = view.lens.every((part, nth) => part === scene.cameras[0].lens[nth]);
   const lens = isUsual ? "" : `&lens=${view.lens.map(short).join(",")}`;
   return `#view=${numbers.join(",")}&frame=${frameNumber}${lens}${isBare ? "&bare" : ""}`;
@@ -30,9 +46,10 @@ export function readFragment(fragment, scene) {
   const camera = scene.cameras.find((one) => one.name === fields.get("camera"));
   if (camera) [found.pose, found.lens] = [camera.world_from_camera, camera.lens];
   const view = numbersOf(fields.get("view"), 8);
-  const size = view ? Math.hypot(...view.slice(3, 7)) : 0;
-  if (size > 0.5 && view[7] > 0) {
-    found.pose = poseFrom(view.slice(3, 7).map((part) => part / size), view.slice(0, 3));
+  const pose = view && view[7] > 0 ? read(view) : null;
+  if (pose) {
+    found.pose = pose;
+    written.set(pose, fields.get("view").split(",").slice(0, 7));
     found.pivotDistance = view[7];
     found.lens = scene.cameras[0].lens;
   }

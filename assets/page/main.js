@@ -4,7 +4,7 @@ import { between } from "./math.js";
 import { bytesOfBase64, decodeChunk, inflate, skyColors } from "./decode.js";
 import { CannotDraw, Renderer } from "./renderer.js";
 import { homeDistance, View } from "./view.js";
-import { fragmentOf, readFragment } from "./address.js";
+import { fragmentOf, readFragment, roundView } from "./address.js";
 import { Controls, pointOf } from "./controls.js";
 
 /** The finest and the coarsest picture while it moves, in pixels per recorded pixel along each side; finer where the device is fast. */
@@ -240,6 +240,7 @@ class Player {
     const isMoved = this.follows || this.controls.isFlying() || this.controls.isDragging() || performance.now() - this.movedAt < REST;
     const moves = this.isPlaying || isMoved;
     if (moves && passed > 0) this.adapt(passed);
+    if (!moves && !isFirst) roundView(this.view);
     const inTime = Math.min(this.finest * FINER_STILL, FINEST);
     const isShown = this.show(isMoved || isFirst ? this.finest : moves ? inTime : FINEST);
     if (moves || isFirst || !isShown && this.isLoading) {

@@ -5,8 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 use glam::{DAffine3, DVec3};
 use serde::Serialize;
 
-use super::PageOptions;
 use super::chunks::{ImageHeader, Packed, gzipped};
+use super::options::PageOptions;
 use crate::capture::{Intrinsics, pivot};
 use crate::color::srgb8_from_linear;
 use crate::error::Result;
