@@ -168,11 +168,12 @@ impl Browser {
     /// Presses and releases a key, by its name and its place on the keyboard.
     pub(crate) fn press(&mut self, key: &str, code: &str) {
         let text = if key.chars().count() == 1 { key } else { "" };
-        self.call(
-            "Input.dispatchKeyEvent",
-            json!({ "type": "keyDown", "key": key, "code": code, "text": text }),
-        );
-        self.call("Input.dispatchKeyEvent", json!({ "type": "keyUp", "key": key, "code": code }));
+        // What the browser itself answers to goes by this number.
+        let number = if key == "Escape" { 27 } else { 0 };
+        for (kind, text) in [("keyDown", text), ("keyUp", "")] {
+            let event = json!({ "type": kind, "key": key, "code": code, "text": text, "windowsVirtualKeyCode": number });
+            self.call("Input.dispatchKeyEvent", event);
+        }
     }
 }
 
