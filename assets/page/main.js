@@ -11,8 +11,6 @@ import { Controls, pointOf } from "./controls.js";
 const [FINEST, COARSEST] = [2, 0.45];
 /** Pictures with fewer pixels per recorded pixel are drawn from a quarter, and from a sixteenth, of the samples. */
 const FEWER_SAMPLES = [0.8, 0.55];
-/** While time alone passes, lasting samples are not drawn again, and pictures are finer by this factor. */
-const FINER_STILL = 1.6;
 /** Milliseconds between pictures above which they get coarser, and below which finer. */
 const [SLOW, FAST] = [100, 24];
 /** A view rests after this many milliseconds. */
@@ -237,12 +235,10 @@ class Player {
     if (this.isPlaying) this.passTime(passed / 1000);
     if (this.follows) this.followPath();
     const isFirst = this.pictures === 0;
-    const isMoved = this.follows || this.controls.isFlying() || this.controls.isDragging() || performance.now() - this.movedAt < REST;
-    const moves = this.isPlaying || isMoved;
+    const moves = this.isPlaying || this.controls.isFlying() || this.controls.isDragging() || performance.now() - this.movedAt < REST;
     if (moves && passed > 0) this.adapt(passed);
     if (!moves && !isFirst) roundView(this.view);
-    const inTime = Math.min(this.finest * FINER_STILL, FINEST);
-    const isShown = this.show(isMoved || isFirst ? this.finest : moves ? inTime : FINEST);
+    const isShown = this.show(moves || isFirst ? this.finest : FINEST);
     if (moves || isFirst || !isShown && this.isLoading) {
       requestAnimationFrame((later) => this.tick(later));
       return;
