@@ -9,7 +9,7 @@ need_rust
 need_packages gcc libc6-dev \
     libvulkan1 mesa-vulkan-drivers libegl1 \
     xvfb libxcursor1 libxi6 libxkbcommon-x11-0 xdotool imagemagick \
-    python3-venv || exit 1
+    python3-venv chromium || exit 1
 
 step() { printf '\n== %s\n' "$*"; }
 
@@ -32,4 +32,4 @@ python3 -m venv target/python
 target/python/bin/pip install --quiet --disable-pip-version-check "numpy>=1.24" "pytest>=8" "OpenEXR>=3.3"
 export OVERLOOK_PYTHON="$PWD/target/python/bin/python"
 # All that a test may lack was installed above: where it is missing after all, what it tests must not go untested.
-OVERLOOK_REQUIRE_GPU=1 OVERLOOK_REQUIRE_WINDOW=1 OVERLOOK_REQUIRE_PYTHON=1 cargo test --locked --workspace --no-fail-fast
+OVERLOOK_REQUIRE_GPU=1 OVERLOOK_REQUIRE_WINDOW=1 OVERLOOK_REQUIRE_PYTHON=1 OVERLOOK_REQUIRE_BROWSER=1 cargo test --locked --workspace --no-fail-fast

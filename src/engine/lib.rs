@@ -19,6 +19,7 @@
 //! | explanation | [`preprocess::inspect`] | gives for each pixel the rule that kept or dropped it |
 //! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |
 //! | rendering | [`render`] | paints foreground over background into any vantage |
+//! | sharing | [`page`] | packs a store into one HTML file that plays in a browser |
 //!
 //! The crate `overlook-lab` measures how close to the truth that comes and what it costs; `overlook` is the command line and the window
 //! over these same calls, and `overlook-python` the module for notebooks.
@@ -46,6 +47,7 @@ pub mod error;
 pub mod grid;
 pub mod job;
 pub mod median;
+pub mod page;
 pub mod part;
 pub mod plural;
 pub mod preprocess;

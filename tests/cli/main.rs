@@ -15,6 +15,8 @@ mod commands;
 mod export_command;
 mod film_paths;
 mod gpu_command;
+mod page_command;
+mod page_reader;
 mod parts;
 mod preprocess_command;
 mod preprocess_parts;

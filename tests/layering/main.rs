@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use imports::Imports;
 
 /// Modules from the bottom up, each after its crate. A module may use those before it and itself.
-const LAYERS: [&[&str]; 11] = [
+const LAYERS: [&[&str]; 12] = [
     &[
         "engine/color",
         "engine/cover",
@@ -32,6 +32,7 @@ const LAYERS: [&[&str]; 11] = [
     &["engine/samples", "engine/demo"],
     &["engine/store", "engine/preprocess"],
     &["engine/render"],
+    &["engine/page"],
     &["engine/lib"],
     &["lab"],
     &["desk/cli", "desk/app", "python"],

@@ -16,7 +16,8 @@ use rayon::prelude::*;
 use super::geometry::rays_in_world;
 use super::input::{DenseTile, FrameSamples};
 use crate::capture::Camera;
-use crate::samples::TILE;
+use crate::error::Result;
+use crate::samples::{SampleSet, TILE};
 
 /// Cells along each side of the finest grid: some two degrees each.
 const FINEST: usize = 64;
@@ -108,6 +109,16 @@ impl Environment {
     pub(crate) fn color(&self, direction: Vec3) -> [f32; 3] {
         interpolated(&self.cells, FINEST, direction)
     }
+}
+
+/// Linear Rec.709 at infinity in some directions of length 1 at a frame of a set; `None` where none of its samples counts.
+///
+/// # Errors
+/// As [`FrameSamples::at`].
+pub(crate) fn sky_map(set: &SampleSet, frame: usize, directions: &[Vec3]) -> Result<Option<Vec<[f32; 3]>>> {
+    let samples = FrameSamples::at(set, frame)?;
+    let environment = Environment::new(&SkySums::new(&samples, 0..samples.tile_count(), None));
+    Ok(environment.map(|sky| directions.iter().map(|direction| sky.color(*direction)).collect()))
 }
 
 /// World-space directions of a camera's pixels.

@@ -37,6 +37,7 @@ mod vantage;
 
 pub use carried_picture::{CarriedPicture, PictureCarrier, ScreenColor, ScreenPicture};
 pub use cpu::CpuRenderer;
+pub(crate) use environment::sky_map;
 pub use painter::Painter;
 pub use renderer::{Renderer, WindowPicture};
 pub use stage_times::StageTimes;

@@ -23,6 +23,7 @@ use crate::samples::{SampleImage, SampleSet};
 use crate::settings::StoreSettings;
 
 use file::{Extras, Store, StoreInfo, write_with};
+pub(crate) use image::depth_shift;
 
 /// Writes an open store again, as this Overlook writes it, with what it carries beside the samples; `storage` says how, if it is
 /// not to be as before. Gives its size in bytes. `path` may be the store's own.

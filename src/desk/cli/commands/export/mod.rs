@@ -1,6 +1,7 @@
 //! `overlook export`: what a store holds, in forms that other programs read.
 
 mod miv;
+mod page;
 mod path;
 mod pictures;
 mod ply;
@@ -29,6 +30,8 @@ enum ExportKind {
     Video(video::VideoArgs),
     /// A capture as MPEG immersive video, which TMIV and RVS read: cameras as JSON, texture and depth as raw video.
     Miv(miv::MivArgs),
+    /// One HTML file that plays the scene from any viewpoint, in any browser and offline.
+    Page(page::PageArgs),
     /// The store again, with another precision or coding.
     Store(store::StoreArgs),
 }
@@ -40,6 +43,7 @@ impl ExportArgs {
             ExportKind::Pictures(args) => args.run(),
             ExportKind::Video(args) => args.run(),
             ExportKind::Miv(args) => args.run(),
+            ExportKind::Page(args) => args.run(),
             ExportKind::Store(args) => args.run(),
         }
     }

@@ -22,7 +22,7 @@ pub(crate) struct VideoArgs {
     fps: f64,
 }
 
-fn frames_per_second(text: &str) -> Result<f64, String> {
+pub(super) fn frames_per_second(text: &str) -> Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if (0.1..=1000.0).contains(&number) { Ok(number) } else { Err("must be between 0.1 and 1000".to_owned()) }
 }

@@ -1,0 +1,20 @@
+//! The page that plays a scene in a browser, as texts.
+//!
+//! The files beside this one are plain HTML, CSS and JavaScript: the engine joins them with the samples of a store (`page/html.rs`).
+//! `template.html` has a comment where each of the others goes, and `decode.js` says how samples are packed.
+
+/// The markup, with a comment in place of everything else.
+pub const TEMPLATE: &str = include_str!("template.html");
+/// How it looks.
+pub const STYLE: &str = include_str!("style.css");
+/// The modules of the script by their names, each after those that it imports.
+pub const MODULES: [(&str, &str); 8] = [
+    ("math.js", include_str!("math.js")),
+    ("decode.js", include_str!("decode.js")),
+    ("shaders.js", include_str!("shaders.js")),
+    ("renderer.js", include_str!("renderer.js")),
+    ("view.js", include_str!("view.js")),
+    ("address.js", include_str!("address.js")),
+    ("controls.js", include_str!("controls.js")),
+    ("main.js", include_str!("main.js")),
+];

@@ -1,0 +1,99 @@
+//! `overlook export page`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::path::{self, Stops};
+use crate::cli::input;
+use crate::cli::output::{self, CommandError};
+use overlook_engine::error::Result;
+use overlook_engine::page::{self, PageOptions, PagePath};
+use overlook_engine::store::file::StoreInfo;
+
+#[derive(Debug, Args)]
+pub(crate) struct PageArgs {
+    /// The store.
+    store: PathBuf,
+    /// The page, as in scene.html.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// The title [default: the name of the capture].
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// A text about the scene; empty lines part its paragraphs.
+    #[arg(long, value_name = "TEXT")]
+    text: Option<String>,
+    /// A camera path that the page can follow: a manifest of views, as export video takes it.
+    #[arg(long, value_name = "TRANSFORMS")]
+    path: Option<PathBuf>,
+    /// Frames a second.
+    #[arg(long, default_value_t = 24.0, value_parser = super::video::frames_per_second)]
+    fps: f64,
+    /// Most bytes of the page, as in 3000000, 500k or 3M: what shows least is made coarser until it fits.
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    at_most: Option<u64>,
+}
+
+/// A number of bytes, with k for a thousand or M for a million behind it.
+fn bytes(text: &str) -> Result<u64, String> {
+    let (number, unit) = match text.strip_suffix(['k', 'K']) {
+        Some(number) => (number, 1e3),
+        None => text.strip_suffix('M').map_or((text, 1.0), |number| (number, 1e6)),
+    };
+    match number.parse::<f64>() {
+        Ok(number) if number > 0.0 && number * unit < 1e15 => Ok((number * unit) as u64),
+        _ => Err("must be a number of bytes, as in 3000000, 500k or 3M".to_owned()),
+    }
+}
+
+impl PageArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        output::check_file(&self.out, "scene.html")?;
+        output::refuse_input(&self.store, &self.out)?;
+        output::refuse_store(&self.out)?;
+        if let Some(path) = &self.path {
+            output::refuse_view_files(path, &self.out)?;
+        }
+        let playback = input::open_store(&self.store)?;
+        let options = PageOptions {
+            path: self.path.as_ref().map(|path| page_path(path, playback.store().info())).transpose()?,
+            title: self.title,
+            text: self.text,
+            frames_per_second: self.fps,
+            at_most: self.at_most,
+        };
+        let written = output::watched(|job| page::write(&self.out, playback.store(), &options, job))?;
+        output::warn(&playback.store().damage());
+        let of_store = match written.samples_of_store {
+            all if all == written.samples => String::new(),
+            all => format!(" in place of {}", output::count(all)),
+        };
+        output::print(&format!(
+            "Wrote {}, {}{of_store}, to {}\nNext: open it in a browser",
+            output::bytes(written.bytes),
+            output::count_of(written.samples, "sample"),
+            self.out.display()
+        ))
+    }
+}
+
+fn page_path(manifest: &std::path::Path, store: &StoreInfo) -> Result<PagePath> {
+    let Stops { vantages, .. } = path::along(manifest, store)?;
+    Ok(PagePath {
+        first_frame: vantages[0].frame,
+        lens: vantages[0].camera.intrinsics,
+        poses: vantages.into_iter().map(|vantage| vantage.camera.world_from_camera).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bytes;
+
+    #[test]
+    fn bytes_are_given_plain_in_thousands_and_in_millions() {
+        assert_eq!(["3000", "500k", "1.5M"].map(bytes), [3000, 500_000, 1_500_000].map(Ok));
+        assert!(["", "k", "-1", "0", "1G", "nan"].iter().all(|text| bytes(text).is_err()));
+    }
+}

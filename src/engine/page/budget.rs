@@ -1,0 +1,216 @@
+//! A page within a budget of bytes: samples are merged where the least is lost for every one that is saved.
+//!
+//! The unit is the square of 2×2 tiles, which becomes one tile of half the resolution, as often as [`LEVELS`] allows. What merging it
+//! loses is the squared difference between each sample's color and that of the sample it goes into, for as many frames as the image is
+//! seen: even surfaces and short spans go first. Squares are merged in the order of that loss, so that a budget is met by one number:
+//! how many of them are.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::color::steps_from_linear;
+use crate::error::Result;
+use crate::job::Job;
+use crate::samples::{SampleImage, SampleSet, SampleTile, TILE, TileMask};
+
+/// Times that samples may be merged: then one stands for 8×8.
+pub(super) const LEVELS: usize = 3;
+
+/// Samples of an image, merged `level` times.
+#[derive(Clone, Debug)]
+pub(super) struct LeveledImage {
+    pub(super) samples: Arc<SampleImage>,
+    pub(super) level: usize,
+}
+
+impl LeveledImage {
+    /// As the store has it.
+    pub(super) fn fine(samples: Arc<SampleImage>) -> Self {
+        Self { samples, level: 0 }
+    }
+}
+
+/// Row and column of a tile.
+type Place = (u16, u16);
+
+/// An image at every level, and which step merges each tile of a level: it is in the page while fewer steps are taken.
+struct Pyramid {
+    levels: Vec<Arc<SampleImage>>,
+    merged_at: Vec<BTreeMap<Place, usize>>,
+}
+
+/// A square of tiles that may be merged.
+struct Candidate {
+    image: usize,
+    level: usize,
+    square: Place,
+    loss: f64,
+}
+
+/// Every image at every level, and the order in which squares are merged.
+pub(super) struct Coarsening {
+    pyramids: Vec<Pyramid>,
+    steps: usize,
+}
+
+impl Coarsening {
+    /// Of the images of a set.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub(super) fn new(set: &SampleSet, job: &Job) -> Result<Self> {
+        job.start("Measuring what coarser samples lose", set.images.len());
+        let prepared: Result<Vec<_>> = set
+            .images
+            .par_iter()
+            .enumerate()
+            .map(|(index, image)| {
+                job.check()?;
+                let intrinsics = &set.cameras[image.camera as usize].intrinsics;
+                let focal_px = (intrinsics.fx * intrinsics.fy).sqrt() as f32;
+                let levels = levels(image, focal_px);
+                let candidates = candidates(&levels, index);
+                job.advance(1);
+                Ok((Pyramid { levels, merged_at: vec![BTreeMap::new(); LEVELS] }, candidates))
+            })
+            .collect();
+        let (mut pyramids, candidates): (Vec<_>, Vec<_>) = prepared?.into_iter().unzip();
+        let mut candidates: Vec<Candidate> = candidates.into_iter().flatten().collect();
+        candidates.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+        let steps = candidates.len();
+        for (step, candidate) in candidates.into_iter().enumerate() {
+            pyramids[candidate.image].merged_at[candidate.level].insert(candidate.square, step);
+        }
+        Ok(Self { pyramids, steps })
+    }
+
+    /// How many squares there are.
+    pub(super) fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// The images after the first `steps` squares are merged.
+    pub(super) fn images(&self, steps: usize) -> Vec<LeveledImage> {
+        let parts = self.pyramids.iter().flat_map(|pyramid| {
+            (0..=LEVELS).map(move |level| {
+                let is_merged = |level: usize, (y, x): Place| {
+                    let step = pyramid.merged_at.get(level).and_then(|steps| steps.get(&(y / 2, x / 2)));
+                    step.is_some_and(|step| *step < steps)
+                };
+                // A tile is in the page if the square that it was made of is merged, and its own square is not.
+                let samples = with_tiles(&pyramid.levels[level], |tile| {
+                    let place = (tile.tile_y, tile.tile_x);
+                    let is_made = level == 0 || is_merged(level - 1, (2 * place.0, 2 * place.1));
+                    is_made && !is_merged(level, place)
+                });
+                LeveledImage { samples: Arc::new(samples), level }
+            })
+        });
+        parts.filter(|part| !part.samples.is_empty()).collect()
+    }
+}
+
+/// An image and its halvings.
+fn levels(image: &Arc<SampleImage>, focal_px: f32) -> Vec<Arc<SampleImage>> {
+    let mut levels = vec![image.clone()];
+    for level in 0..LEVELS {
+        let half = levels[level].halved(focal_px / (1 << level) as f32);
+        levels.push(Arc::new(half));
+    }
+    levels
+}
+
+/// The squares of an image. A square of a coarser level loses at least as much as those that it is made of: it comes after them.
+fn candidates(levels: &[Arc<SampleImage>], image: usize) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    let mut before: BTreeMap<Place, f64> = BTreeMap::new();
+    for level in 0..LEVELS {
+        let (fine, coarse) = (&levels[level], &levels[level + 1]);
+        let frames = fine.span.len() as f64;
+        let losses = squared_differences(fine, coarse);
+        let counts = counts_by_square(fine);
+        let merged: BTreeMap<Place, usize> =
+            coarse.tiles.iter().map(|tile| ((tile.tile_y, tile.tile_x), tile.count())).collect();
+        let mut own = BTreeMap::new();
+        for (square, count) in counts {
+            let saved = count.saturating_sub(merged.get(&square).copied().unwrap_or(0)).max(1);
+            let loss = frames * losses.get(&square).copied().unwrap_or(0.0) / saved as f64;
+            let children =
+                (0..4).filter_map(|child| before.get(&(2 * square.0 + child / 2, 2 * square.1 + child % 2)));
+            let loss = children.fold(loss, |loss, child| loss.max(*child)).next_up();
+            own.insert(square, loss);
+            all.push(Candidate { image, level, square, loss });
+        }
+        before = own;
+    }
+    all
+}
+
+fn counts_by_square(image: &SampleImage) -> BTreeMap<Place, usize> {
+    let mut counts = BTreeMap::new();
+    for tile in &image.tiles {
+        *counts.entry((tile.tile_y / 2, tile.tile_x / 2)).or_default() += tile.count();
+    }
+    counts
+}
+
+/// For each square, the sum over its samples of the squared difference to the coarser sample, in 8-bit steps.
+fn squared_differences(fine: &SampleImage, coarse: &SampleImage) -> BTreeMap<Place, f64> {
+    let by_pixel: BTreeMap<(usize, usize), usize> =
+        coarse.samples().map(|sample| ((sample.y, sample.x), sample.index)).collect();
+    let mut sums: BTreeMap<Place, f64> = BTreeMap::new();
+    for sample in fine.samples() {
+        let Some(&merged) = by_pixel.get(&(sample.y / 2, sample.x / 2)) else { continue };
+        let (own, other) = (fine.color[sample.index], coarse.color[merged]);
+        let square = (0..3)
+            .map(|channel| f64::from(steps_from_linear(own[channel]) - steps_from_linear(other[channel])))
+            .map(|step| step * step)
+            .sum::<f64>();
+        let side = 2 * TILE;
+        *sums.entry(((sample.y / side) as u16, (sample.x / side) as u16)).or_default() += square;
+    }
+    sums
+}
+
+/// An image of some of the tiles of another.
+fn with_tiles(image: &SampleImage, is_wanted: impl Fn(&SampleTile) -> bool) -> SampleImage {
+    let mut part = image.without_samples();
+    part.normal = None;
+    for (index, tile) in image.tiles.iter().enumerate().filter(|(_, tile)| is_wanted(tile)) {
+        if let Some(rows) = image.doubtful_rows(index) {
+            part.doubtful.push(TileMask { tile: part.tiles.len() as u32, rows: *rows });
+        }
+        let samples = tile.first as usize..tile.first as usize + tile.count();
+        part.tiles.push(SampleTile { first: part.color.len() as u32, ..*tile });
+        part.depth.push_packed(&image.depth.tile(index, tile.first, tile.count()));
+        part.color.extend_from_slice(&image.color[samples]);
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::preprocess::preprocess;
+    use crate::settings::Settings;
+
+    #[test]
+    fn merged_squares_replace_their_samples_level_by_level_until_the_coarsest_is_left() {
+        let demo = Demo::new(&DemoSpec::new("orrery").size((96, 72)).frames(2)).unwrap();
+        let settings = Settings::default();
+        let set = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        let coarsening = Coarsening::new(&set, &Job::new()).unwrap();
+        let count = |steps: usize| {
+            coarsening.images(steps).iter().map(|image| image.samples.len() as u64).sum::<u64>()
+        };
+        assert_eq!(count(0), set.sample_count());
+        let steps = coarsening.steps();
+        let counts: Vec<u64> = (0..=8).map(|eighth| count(steps * eighth / 8)).collect();
+        assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
+        assert!(counts[8] * 20 < counts[0], "{counts:?}");
+        assert!(coarsening.images(steps).iter().all(|image| image.level == LEVELS));
+    }
+}

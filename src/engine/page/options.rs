@@ -1,0 +1,31 @@
+//! What a page is made with.
+
+use glam::DAffine3;
+
+use crate::capture::Intrinsics;
+
+/// The saved camera path of a page: a pose for each frame of a run of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PagePath {
+    /// Index of the frame of the first pose.
+    pub first_frame: usize,
+    /// Camera space to world space, frame by frame.
+    pub poses: Vec<DAffine3>,
+    /// The lens along the whole path.
+    pub lens: Intrinsics,
+}
+
+/// What a page says beside the scene, and how large it may be.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PageOptions {
+    /// The title; the name of the capture if there is none.
+    pub title: Option<String>,
+    /// A text of the author, plain; empty lines part its paragraphs.
+    pub text: Option<String>,
+    /// Frames a second; not positive: 24.
+    pub frames_per_second: f64,
+    /// The camera path.
+    pub path: Option<PagePath>,
+    /// Most bytes of the file; what costs least is made coarser until it fits.
+    pub at_most: Option<u64>,
+}
