@@ -22,7 +22,9 @@ fn harm(seeds: std::ops::Range<u64>) -> Vec<String> {
         if found.alignment.is_none() {
             assert_eq!(found.capture.cameras, capture.cameras);
         }
-        found.alignment.map(|alignment| format!("scene {seed}: {:?}", alignment.sentences()))
+        found
+            .alignment
+            .map(|alignment| format!("scene {seed}: {:?} {:?}", alignment.sentences(), alignment.refusals()))
     };
     seeds.filter_map(of_seed).collect()
 }
@@ -50,6 +52,10 @@ struct Stated {
 
 fn pose_planted(seed: u64) -> Vec<Stated> {
     let scene = ExactScene::random(seed, seed % 2 == 1);
+    // Of two cameras nobody knows which one is wrong.
+    if scene.cameras.len() < 3 {
+        return Vec::new();
+    }
     let mut draws = Draws(seed ^ 0x5bd1_e995);
     let wrong = draws.below(scene.cameras.len() as u64) as usize;
     let (degrees, distance) = (between(&mut draws, 0.1, 1.5), between(&mut draws, 0.0, 0.05));
@@ -86,20 +92,27 @@ fn exposure_planted(seed: u64) -> Vec<Stated> {
     let mut scene = ExactScene::random(seed, seed % 2 == 1);
     let mut draws = Draws(seed ^ 0x5bd1_e995);
     scene.stops = scene.cameras.iter().map(|_| between(&mut draws, -0.3, 0.3)).collect();
-    let mean = scene.stops.iter().sum::<f64>() / scene.stops.len() as f64;
     let found = aligned(&scene.record(scene.cameras.clone()));
-    let cameras = found.alignment.map_or_else(Vec::new, |alignment| alignment.cameras);
+    let (cameras, pairs) =
+        found.alignment.map_or_else(Default::default, |found| (found.cameras, found.pairs));
     let mut stated = Vec::new();
     for (index, camera) in cameras.iter().enumerate() {
         let what = |what: &str| format!("{what} of camera {index} of {}, scene {seed}", cameras.len());
         if let Some(pose) = &camera.pose {
             stated.push(Stated { what: what("angle"), off: pose.degrees, standard_error: pose.degrees_se });
         }
-        if let Some(exposure) = &camera.exposure {
-            for channel in 0..3 {
-                let off = exposure.stops[channel] + scene.stops[index] - mean;
-                stated.push(Stated { what: what("stops"), off, standard_error: exposure.stops_se[channel] });
-            }
+    }
+    // Only ratios are known, of cameras that see the same.
+    for pair in pairs {
+        let of = |index: usize| cameras[index].exposure.map(|found| (found, scene.stops[index]));
+        let (Some((own, own_stops)), Some((other, other_stops))) = (of(pair.source), of(pair.target)) else {
+            continue;
+        };
+        for channel in 0..3 {
+            let off = own.stops[channel] - other.stops[channel] + own_stops - other_stops;
+            let standard_error = own.stops_se[channel].hypot(other.stops_se[channel]);
+            let what = format!("stops of cameras {} and {}, scene {seed}", pair.source, pair.target);
+            stated.push(Stated { what, off, standard_error });
         }
     }
     stated
@@ -157,31 +170,35 @@ fn all_planted(seeds: std::ops::Range<u64>) -> Vec<Vec<Stated>> {
     seeds.map(|seed| planted[seed as usize / 2 % 3](seed)).collect()
 }
 
-/// Whether the truth of all that is stated about a scene lies within three standard errors.
-fn holds(stated: &[Stated]) -> bool {
-    stated.iter().all(|stated| stated.off.abs() <= 3.0 * stated.standard_error)
+impl Stated {
+    /// Whether the truth lies within three standard errors.
+    fn holds(&self) -> bool {
+        self.off.abs() <= 3.0 * self.standard_error
+    }
 }
 
 #[test]
-fn the_truth_of_planted_errors_lies_within_three_standard_errors() {
+fn the_truth_of_planted_errors_lies_within_three_standard_errors_but_for_one_in_twenty() {
     let all = all_planted(0..18);
     let found = all.iter().filter(|stated| !stated.is_empty()).count();
     assert!(found >= 9, "corrections of {found} of {} scenes", all.len());
-    for stated in &all {
-        assert!(holds(stated), "{stated:#?}");
-    }
+    let wrong: Vec<&Stated> = all.iter().flatten().filter(|stated| !stated.holds()).collect();
+    let count = all.iter().flatten().count();
+    assert!(20 * wrong.len() <= count, "{} of {count}: {wrong:#?}", wrong.len());
 }
 
 #[test]
 #[ignore = "takes a minute"]
-fn the_truth_of_two_hundred_planted_errors_lies_within_three_standard_errors() {
+fn the_truth_of_two_hundred_planted_errors_lies_within_three_standard_errors_but_for_two_in_a_hundred() {
     let all = all_planted(0..200);
-    let found = all.iter().filter(|stated| !stated.is_empty()).count();
-    let wrong: Vec<&Vec<Stated>> = all.iter().filter(|stated| !holds(stated)).collect();
-    for stated in wrong.iter().flat_map(|stated| stated.iter()) {
+    let stated: Vec<&Stated> = all.iter().flatten().collect();
+    let wrong: Vec<&&Stated> = stated.iter().filter(|stated| !stated.holds()).collect();
+    for stated in &wrong {
         let sigmas = stated.off / stated.standard_error;
         println!("{sigmas:8.1} {:9.4} ± {:.4} {}", stated.off, stated.standard_error, stated.what);
     }
-    println!("corrections of {found} scenes, {} of them off", wrong.len());
-    assert!(wrong.len() <= 2, "{} of {found}", wrong.len());
+    let scenes = all.iter().filter(|stated| !stated.is_empty()).count();
+    let scenes_wrong = all.iter().filter(|stated| stated.iter().any(|stated| !stated.holds())).count();
+    println!("{} of {} statements off, in {scenes_wrong} of {scenes} scenes", wrong.len(), stated.len());
+    assert!(50 * wrong.len() <= stated.len(), "{} of {}", wrong.len(), stated.len());
 }

@@ -56,8 +56,8 @@ fn parts_share_the_one_correction_of_the_rig() {
     let mut moved: serde_json::Value = serde_json::from_slice(&std::fs::read(&manifest).unwrap()).unwrap();
     let first = moved["frames"][0]["camera"].clone();
     for frame in moved["frames"].as_array_mut().unwrap().iter_mut().filter(|frame| frame["camera"] == first) {
-        let x = &mut frame["transform_matrix"][0][3];
-        *x = (x.as_f64().unwrap() + 0.05).into();
+        let y = &mut frame["transform_matrix"][1][3];
+        *y = (y.as_f64().unwrap() + 0.05).into();
     }
     std::fs::write(&manifest, moved.to_string()).unwrap();
     let align = ["--set", "align.poses=auto", "--set", "align.exposure=auto"];

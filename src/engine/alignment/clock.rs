@@ -16,6 +16,7 @@ use super::reference_view::{LEVELS, ReferenceView, still_pixels};
 use super::residuals::PairOfViews;
 use super::solver::{Problem, TUKEY, loss};
 use super::surface_samples::{SurfaceSample, surface_samples};
+use super::tangent_plane::SurfaceBend;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::grid::Grid;
@@ -203,7 +204,13 @@ impl Moment {
             let (x, y) = (sample.pixel.x as usize, sample.pixel.y as usize);
             still.iter().any(|still| !still[(x, y)])
         };
-        let moving = surface_samples(&views[own], SAMPLES).into_iter().filter(moves).collect();
+        // A surface that moves by several pixels is compared with the plane through its pixels: distances from it change most evenly.
+        let flat = |sample: SurfaceSample| SurfaceSample {
+            inverse_depth: sample.inverse_depth + sample.bend.mean,
+            bend: SurfaceBend::default(),
+            ..sample
+        };
+        let moving = surface_samples(&views[own], SAMPLES).into_iter().filter(moves).map(flat).collect();
         Ok(Self { views, own, moving })
     }
 
@@ -212,7 +219,10 @@ impl Moment {
         let pairs: Vec<PairOfViews<'_>> = target
             .views
             .iter()
-            .map(|view| PairOfViews::new([source, view], gains, problem.scale, false))
+            .map(|view| {
+                let poses = [source, view].map(|view| view.camera.world_from_camera);
+                PairOfViews::new([source, view], poses, gains, problem.scale, false)
+            })
             .collect();
         let track = |sample: &SurfaceSample| {
             let seen = |pair: &PairOfViews<'_>| {

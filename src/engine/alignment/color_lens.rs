@@ -111,8 +111,8 @@ pub(crate) struct Sensing {
 pub(crate) struct Matches<'a> {
     pub(crate) views: [&'a ReferenceView; 2],
     pub(crate) points: Vec<[DVec3; 2]>,
-    /// For each of them, how many resolutions, the finest first, show nothing but its surface around it in both cameras.
-    pub(crate) pure_levels: Vec<usize>,
+    /// For each of them, how many resolutions, the finest first, tell of it in both cameras: what is around it does not spoil them.
+    pub(crate) levels: Vec<usize>,
 }
 
 /// The difference of standardized brightness at one match, and its derivatives.
@@ -131,11 +131,11 @@ impl Matches<'_> {
         self.looked_at(sensing).count()
     }
 
-    /// The matches that are looked at, with their indices: where one surface is all that is seen at this resolution.
+    /// The matches that are looked at, with their indices.
     fn looked_at(&self, sensing: &Sensing) -> impl Iterator<Item = (usize, &[DVec3; 2])> {
         let level = sensing.level;
-        let pure = self.points.iter().enumerate().filter(move |(index, _)| level < self.pure_levels[*index]);
-        pure.step_by(sensing.stride)
+        let seen = self.points.iter().enumerate().filter(move |(index, _)| level < self.levels[*index]);
+        seen.step_by(sensing.stride)
     }
 
     /// The differences at all matches that both color pictures show.

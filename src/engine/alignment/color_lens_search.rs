@@ -7,11 +7,12 @@
 
 use rayon::prelude::*;
 
-use super::color_lens::{BrightnessDifference, ColorLens, Matches, Sensing, UNKNOWNS};
-use super::color_lens_matches::matches;
+use super::color_lens::{ColorLens, Matches, Sensing, UNKNOWNS};
+use super::color_lens_matches::{common, matches};
 use super::color_lens_shares::{LensEquations, shares};
 use super::judge::Judgment;
 use super::normal_equations::NormalEquations;
+use super::plausibility;
 use super::solver::{Problem, loss};
 use crate::capture::Intrinsics;
 use crate::error::Result;
@@ -45,13 +46,16 @@ const SETTLED_PX: f64 = 0.3;
 /// agree under it as renderers' do. A lens that is 2 % off moves three times as far and agrees half as well, on every texture tried.
 const RIGHT_PX: [f64; 2] = [0.08, 0.15];
 const RIGHT_LOSS: f64 = 0.06;
+/// Standard error that all pairs have in common, so that their spread does not show it: how far colors may be moved by what lies beside
+/// edges, and by interpolation, pixels.
+const COMMON_ERROR_PX: f64 = 0.2;
 /// Width of the loss that judges: the spread of standardized brightness within one surface, whatever the lens.
 const JUDGED_SIGMA: f64 = 0.3;
 /// A better start has a loss that is lower by this share.
 const BETTER_START: f64 = 0.03;
 /// A model pays where the loss of the judging pairs falls by this many standard errors, and by this share. Pairs come in both
 /// directions: half of them are independent.
-const STANDARD_ERRORS: f64 = 2.0;
+const STANDARD_ERRORS: f64 = 3.0;
 const LEAST_FALL: f64 = 0.005;
 /// The final lens pays where the loss of the judging pairs is lower than under the claimed lens by this share. A smaller fall may
 /// come from wrong poses, which a lens can make up for in part.
@@ -75,11 +79,19 @@ pub(crate) struct LensCorrection {
     pub(crate) judgment: Judgment,
 }
 
-/// The color lenses that pay, one for every lens that enough cameras claim; and what is said of those that no sensor has.
+/// The color lenses that pay, one for every lens that enough cameras claim.
+#[derive(Default)]
+pub(crate) struct FoundLenses {
+    pub(crate) kept: Vec<LensCorrection>,
+    /// Those that no device has.
+    pub(crate) refused: Vec<LensCorrection>,
+}
+
+/// Looks for the color lens of every lens that is claimed.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<(Vec<LensCorrection>, Vec<String>)> {
+pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<FoundLenses> {
     let mut claimed: Vec<Intrinsics> = Vec::new();
     for view in &problem.views {
         if !claimed.contains(&view.camera.intrinsics) {
@@ -93,8 +105,10 @@ pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<(Vec<Len
         }
     }
     let distance = 1.0 / problem.scale.inverse_depth;
-    let (kept, refused): (Vec<_>, Vec<_>) = found.into_iter().partition(|lens| lens.is_plausible(distance));
-    Ok((kept, refused.iter().map(LensCorrection::refusal).collect()))
+    let is_plausible =
+        |lens: &LensCorrection| plausibility::is_of_one_device(&lens.found.unknowns(&lens.claimed, distance));
+    let (kept, refused) = found.into_iter().partition(is_plausible);
+    Ok(FoundLenses { kept, refused })
 }
 
 /// All pairs of cameras that claim one lens.
@@ -118,16 +132,15 @@ impl<'a> LensSearch<'a> {
         let judges: Vec<usize> = cameras.into_iter().skip(1).step_by(JUDGES).collect();
         let pairs = problem.pairs.par_iter().map(|pair| {
             let is_shared = pair.iter().all(|camera| problem.views[*camera].camera.intrinsics == claimed);
-            let matches = is_shared.then(|| matches(problem, *pair))?;
-            Some((pair.iter().any(|camera| judges.contains(camera)), matches))
+            let judge = pair.iter().any(|camera| judges.contains(camera));
+            let matches = is_shared.then(|| matches(problem, *pair, judge))?;
+            Some((judge, matches))
         });
         let pairs: Vec<_> = pairs.collect();
         let (judging, fitting): (Vec<_>, Vec<_>) = pairs
             .into_iter()
             .flatten()
-            .filter(|(_, pair)| {
-                pair.pure_levels.iter().filter(|levels| **levels > 0).count() >= LEAST_MATCHES
-            })
+            .filter(|(_, pair)| pair.levels.iter().filter(|levels| **levels > 0).count() >= LEAST_MATCHES)
             .partition(|pair| pair.0);
         let [fitting, judging] =
             [fitting, judging].map(|pairs| pairs.into_iter().map(|(_, pair)| pair).collect::<Vec<_>>());
@@ -140,8 +153,8 @@ impl<'a> LensSearch<'a> {
     }
 
     fn sensing(&self, level: usize) -> Sensing {
-        let pure = |pair: &Matches| pair.pure_levels.iter().filter(|levels| level < **levels).count();
-        let all: usize = self.fitting.iter().map(pure).sum();
+        let seen = |pair: &Matches| pair.levels.iter().filter(|levels| level < **levels).count();
+        let all: usize = self.fitting.iter().map(seen).sum();
         let most = if level == COARSEST { MOST_COARSE_MATCHES } else { MOST_MATCHES };
         Sensing {
             level,
@@ -324,7 +337,7 @@ impl<'a> LensSearch<'a> {
         let units = in_units.into_iter().chain([self.claimed.fx; 2]);
         // Both directions of a pair hold the same information.
         for (error, unit) in errors.iter_mut().zip(units) {
-            *error = (2.0 * *error).sqrt() * unit;
+            *error = (2.0 * *error).sqrt().hypot(COMMON_ERROR_PX / self.claimed.fx) * unit;
         }
         errors
     }
@@ -367,19 +380,6 @@ fn pays(judgment: &Judgment) -> bool {
     judgment.samples >= 2
         && fall > STANDARD_ERRORS * judgment.standard_error
         && fall > LEAST_FALL * judgment.before
-}
-
-/// The values of differences at the same matches, which are in order.
-fn common(before: &[BrightnessDifference], after: &[BrightnessDifference]) -> Vec<[f64; 2]> {
-    let mut after = after.iter().peekable();
-    let mut both = Vec::with_capacity(before.len());
-    for own in before {
-        while after.next_if(|other| other.match_index < own.match_index).is_some() {}
-        if let Some(other) = after.next_if(|other| other.match_index == own.match_index) {
-            both.push([own.value, other.value]);
-        }
-    }
-    both
 }
 
 /// The values of free unknowns among all of them.

@@ -17,8 +17,8 @@ use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// Half the side of the square whose mean color is compared, pixels.
 const RADIUS: usize = 2;
-/// Resolutions that show nothing but one surface where the square does.
-const PURE_LEVELS: usize = 1;
+/// Resolutions that show nothing without depth where the square does.
+const MEASURED_LEVELS: usize = 1;
 /// Linear colors below the first are too dark for a ratio; those above the second may be cut off.
 const USABLE: [f32; 2] = [0.004, 0.85];
 /// A pair with fewer samples gives no ratio.
@@ -190,14 +190,14 @@ fn color_pairs(
     colors.collect()
 }
 
-/// Logarithms of a mean color; `None` near the border and the end of a surface, and where it is too dark or too bright for a ratio.
+/// Logarithms of a mean color; `None` near the border and what has no depth, and where it is too dark or too bright for a ratio.
 type LogColor = Option<[f64; 3]>;
 
 fn mean_log_color(view: &ReferenceView, image: DVec2) -> LogColor {
     let color = &view.frame.color;
     let (width, height) = color.size();
     let (x, y) = (image.x as usize, image.y as usize);
-    if view.pure_levels_at(image) < PURE_LEVELS
+    if view.measured_levels_at(image) < MEASURED_LEVELS
         || x < RADIUS
         || y < RADIUS
         || x + RADIUS >= width

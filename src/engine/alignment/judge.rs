@@ -14,22 +14,25 @@ pub(crate) struct Judgment {
     pub(crate) standard_error: f64,
     /// Samples that judged.
     pub(crate) samples: usize,
-    /// Whether pictures alone agree better by as much; true where nothing else judged.
-    pub(crate) pictures_pay: bool,
 }
 
 /// A correction pays where the loss falls by more than this many standard errors, and by this share.
 const STANDARD_ERRORS: f64 = 2.0;
+/// The same of poses: of all corrections surfaces that are noisy or bent come nearest to asking for one that is none.
+const STANDARD_ERRORS_OF_POSES: f64 = 2.5;
 const LEAST_FALL: f64 = 0.01;
 /// Fewer samples judge nothing.
 const LEAST_SAMPLES: usize = 50;
 
 impl Judgment {
     pub(crate) fn pays(&self) -> bool {
+        self.pays_by(STANDARD_ERRORS)
+    }
+
+    fn pays_by(&self, standard_errors: f64) -> bool {
         let fall = self.before - self.after;
-        self.pictures_pay
-            && self.samples >= LEAST_SAMPLES
-            && fall > STANDARD_ERRORS * self.standard_error
+        self.samples >= LEAST_SAMPLES
+            && fall > standard_errors * self.standard_error
             && fall > LEAST_FALL * self.before
     }
 
@@ -51,40 +54,62 @@ impl Judgment {
         let count = away.iter().flatten().count() as f64;
         let square: f64 = away.iter().flatten().map(|away: &f64| away * away).sum();
         let standard_error = (square * count / (count - 1.0).max(1.0)).sqrt() / n;
-        Self { before, after, standard_error, samples: losses.len(), pictures_pay: true }
+        Self { before, after, standard_error, samples: losses.len() }
     }
 
-    /// Of one camera's pose beside `then`, all others being corrected.
-    pub(crate) fn of_pose(problem: &Problem, weighing: &Weighing, camera: usize, then: DAffine3) -> Self {
-        let mut uncorrected = problem.views[camera].clone();
-        uncorrected.camera.world_from_camera = then;
-        let (mut losses, mut pictures) = (Vec::new(), Vec::new());
-        let pairs = problem.pairs.iter().zip(&weighing.pairs);
-        for (pair, weighed) in pairs.filter(|(pair, _)| pair.contains(&camera)) {
-            let now = problem.pair(*pair);
-            let views = pair.map(|index| if index == camera { &uncorrected } else { &problem.views[index] });
-            let gains = pair.map(|index| problem.log_gains[index]);
-            let before = super::residuals::PairOfViews::new(views, gains, problem.scale, problem.color_alone);
+    fn reversed(self) -> Self {
+        Self { before: self.after, after: self.before, ..self }
+    }
+}
+
+/// How poses judge beside others.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PoseJudgment {
+    /// By distances and pictures together.
+    pub(crate) all: Judgment,
+    distances: Judgment,
+}
+
+impl PoseJudgment {
+    /// Of the poses as they are beside `then`, one for each camera, by the pairs that count.
+    pub(crate) fn new(
+        problem: &Problem,
+        weighing: &Weighing,
+        then: &[DAffine3],
+        counts: impl Fn(&[usize; 2]) -> bool,
+    ) -> Self {
+        let (mut all, mut distances) = (Vec::new(), Vec::new());
+        for (pair, weighed) in problem.pairs.iter().zip(&weighing.pairs).filter(|(pair, _)| counts(pair)) {
+            let views = [problem.pair_at(*pair, pair.map(|camera| then[camera])), problem.pair(*pair)];
             for sample in problem.samples[pair[0]].iter().filter(|sample| sample.judges) {
-                // A sample that no camera sees either way does not count.
-                let [before, after] = [&before, &now].map(|views| {
+                let terms = views.each_ref().map(|views| {
                     let terms = views.terms(sample, weighing.level, f64::INFINITY);
                     terms.map_or([None; 2], |terms| [terms.distance, terms.color])
                 });
                 // What is not seen either way does not count.
                 let [distance, color] = [0, 1].map(|kind| {
-                    let terms = [before[kind]?, after[kind]?];
-                    Some(terms.map(|term| loss(term.residual, weighed.sigmas[kind])))
+                    let of_kind = [terms[0][kind]?, terms[1][kind]?];
+                    Some(of_kind.map(|term| loss(term.residual, weighed.sigmas[kind])))
                 });
-                pictures.extend(color.map(|loss| (sample.region, loss)));
-                let both = distance.into_iter().chain(color);
-                let sum = both.reduce(|a, b| [a[0] + b[0], a[1] + b[1]]);
-                losses.extend(sum.map(|loss| (sample.region, loss)));
+                distances.extend(distance.map(|loss| (sample.region, loss)));
+                let sum = distance.into_iter().chain(color).reduce(|a, b| [a[0] + b[0], a[1] + b[1]]);
+                all.extend(sum.map(|loss| (sample.region, loss)));
             }
         }
-        // Distances alone may agree better for the bias of planes through curved or noisy surfaces.
-        let pictures_pay = Self::of_regions(&pictures, problem.regions).pays();
-        Self { pictures_pay, ..Self::of_regions(&losses, problem.regions) }
+        let [all, distances] = [all, distances].map(|losses| Judgment::of_regions(&losses, problem.regions));
+        Self { all, distances }
+    }
+
+    /// Whether cameras agree better, about where surfaces are as well: where pictures alone do, something other than poses is wrong. Of
+    /// cameras without depth pictures are all there is.
+    pub(crate) fn pays(&self) -> bool {
+        let pays = |judgment: &Judgment| judgment.pays_by(STANDARD_ERRORS_OF_POSES);
+        pays(&self.all) && (self.distances.samples < LEAST_SAMPLES || pays(&self.distances))
+    }
+
+    /// The other poses beside these.
+    pub(crate) fn reversed(self) -> Self {
+        Self { all: self.all.reversed(), distances: self.distances.reversed() }
     }
 }
 

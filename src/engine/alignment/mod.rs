@@ -24,11 +24,13 @@ mod color_lens_search;
 mod color_lens_shares;
 mod corrected_frames;
 mod exposure;
+mod fewest_moves;
 mod grouped;
 mod groups;
 mod judge;
 mod normal_equations;
 mod overlaps;
+mod pair_medians;
 mod plausibility;
 mod poses;
 mod reference_view;
@@ -40,6 +42,7 @@ mod shifted_frames;
 mod solver;
 mod surface_extent;
 mod surface_samples;
+mod tangent_plane;
 mod together;
 mod view_alignment;
 
@@ -55,7 +58,7 @@ use crate::capture::{Capture, conventions};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
-use color_lens_search::{LEAST_CAMERAS, LensCorrection};
+use color_lens_search::{FoundLenses, LEAST_CAMERAS, LensCorrection};
 use grouped::aligned_in_groups;
 use report::FoundCorrections;
 use solver::Problem;
@@ -78,13 +81,14 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         return Ok(Aligned::unchanged(capture));
     }
     job.start("Aligning cameras", 1);
-    let (lenses, refused, looked) = if settings.lens == Correction::Auto {
+    let (found, looked) = if settings.lens == Correction::Auto {
         let looked = LookedAt::new(capture, job)?;
-        let (lenses, refused) = color_lens_search::find_color_lenses(&looked.problem, job)?;
-        (lenses, refused, Some(looked))
+        (color_lens_search::find_color_lenses(&looked.problem, job)?, Some(looked))
     } else {
-        (Vec::new(), Vec::new(), None)
+        (FoundLenses::default(), None)
     };
+    let FoundLenses { kept: lenses, refused } = found;
+    let refused = refused.iter().map(|lens| AlignedLens::new(lens).refusal()).collect();
     let seen = CaptureCorrection::of_lenses(&lenses).seen_through_lenses(capture);
     let is_lens_alone = AlignSettings { lens: Correction::Off, ..settings.clone() } == AlignSettings::OFF;
     let found = if is_lens_alone {

@@ -3,18 +3,18 @@
 use glam::{DAffine3, DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::judge::Judgment;
+use super::judge::{Judgment, PoseJudgment};
 use super::normal_equations::eigen;
 use super::plausibility;
 use super::regions::RegionShares;
 use super::residuals::{GAIN, UNKNOWNS};
 use super::solver::{Problem, SolverStage, Weighing, make_rigid, moved};
-use crate::capture::Camera;
+use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
 
 /// From errors of tens of footprints to hundredths.
-const STAGES: [SolverStage; 5] = [
+pub(super) const STAGES: [SolverStage; 5] = [
     SolverStage { gate: 60.0, level: 3, steps: 4 },
     SolverStage { gate: 30.0, level: 3, steps: 5 },
     SolverStage { gate: 15.0, level: 2, steps: 5 },
@@ -34,6 +34,10 @@ const LEAST_MOVE: f64 = 0.05;
 /// All poses stay if none would move samples by more than this, in footprints. Point-sampled texture makes colors agree better by
 /// as much in an exact rig.
 const LEAST_WORST_MOVE: f64 = 0.25;
+
+/// Standard error that all regions have in common, so that their spread does not show it, in footprints: interpolation between pixels,
+/// and rounding of pictures.
+const COMMON_ERROR: f64 = 0.05;
 
 /// What was found of one camera's pose.
 #[derive(Clone, Debug)]
@@ -91,7 +95,7 @@ impl Problem {
 
 /// Turns and shifts all cameras together so that most of them stay where they were: the poses are known only relative to each
 /// other.
-pub(crate) fn hold_most(problem: &mut Problem, original: &[Camera]) {
+pub(crate) fn hold_most(problem: &mut Problem, claimed: &[DAffine3]) {
     const ROUNDS: usize = 20;
     for _ in 0..ROUNDS {
         let offs: Vec<(DVec3, DVec3, f64)> = problem
@@ -99,7 +103,7 @@ pub(crate) fn hold_most(problem: &mut Problem, original: &[Camera]) {
             .iter()
             .enumerate()
             .map(|(index, view)| {
-                let (now, then) = (view.camera.world_from_camera, original[index].world_from_camera);
+                let (now, then) = (view.camera.world_from_camera, claimed[index]);
                 let turn = DQuat::from_mat3(&(then.matrix3 * now.matrix3.transpose())).to_scaled_axis();
                 let off = problem.displacement(index, &now, &then);
                 (turn, then.translation - now.translation, 1.0 / off.max(0.05))
@@ -129,62 +133,82 @@ const WEAK: f64 = 0.7;
 
 /// Finds poses. Those that do not pay are as they were, bit for bit.
 pub(crate) fn align_poses(problem: &mut Problem, job: &Job) -> Result<Vec<PoseCorrection>> {
-    let original: Vec<Camera> = problem.views.iter().map(|view| view.camera.clone()).collect();
-    let none = |problem: &Problem| vec![PoseCorrection::none(); problem.views.len()];
+    let claimed = problem.poses();
+    let may_move = problem.is_free.clone();
     if problem.pairs.is_empty() || problem.is_settled() {
-        return Ok(none(problem));
+        return Ok(vec![PoseCorrection::none(); claimed.len()]);
     }
     let before = (problem.log_gains.clone(), problem.moved.clone());
     let weighing = problem.solve(job)?;
-    // Cameras that stay hold the others.
-    if problem.is_free.iter().all(|is_free| *is_free) {
-        hold_most(problem, &original);
-    }
-    let Some(factor) = problem.equations(&weighing).factor() else {
-        problem.views.iter_mut().zip(original).for_each(|(view, camera)| view.camera = camera);
-        (problem.log_gains, problem.moved) = before;
-        return Ok(none(problem));
-    };
-    let terms = problem.terms_per_sample(&weighing);
-    let regions = RegionShares::new(problem, &weighing);
-    let judged = (0..problem.views.len()).into_par_iter().map(|camera| {
-        let now = problem.views[camera].camera.world_from_camera;
-        let then = original[camera].world_from_camera;
-        let block = factor.inverse_block::<GAIN>(camera * UNKNOWNS);
-        let weakest = eigen(block).iter().map(|(value, _)| value.max(0.0)).fold(0.0, f64::max);
-        let inflated = terms.sqrt();
-        let errors = regions.pose_errors(&factor, camera);
-        let largest = |start: usize| errors[start..start + 3].iter().copied().fold(0.0, f64::max);
-        let footprints = problem.displacement(camera, &now, &then);
-        let judgment = Judgment::of_pose(problem, &weighing, camera, then);
-        let is_known = weakest.sqrt() * inflated < WEAK.max(0.3 * footprints);
-        let is_wanted = judgment.pays() && footprints > LEAST_MOVE;
-        let is_plausible = plausibility::is_of_a_rig(&(then.inverse() * now), problem.scale.inverse_depth);
-        PoseCorrection {
-            kept: is_wanted && is_known && is_plausible,
-            is_weak: is_wanted && !is_known,
-            is_implausible: is_wanted && is_known && !is_plausible,
-            footprints,
-            standard_errors: [
-                largest(0) / problem.scale.focal,
-                largest(3) / (problem.scale.focal * problem.scale.inverse_depth),
-            ],
-            judgment,
+    let are_all_free = may_move.iter().all(|may_move| *may_move);
+    let everyone = |_: &[usize; 2]| true;
+    let corrections = if PoseJudgment::new(problem, &weighing, &claimed, everyone).pays() {
+        // Cameras that stay hold the others.
+        if are_all_free {
+            hold_most(problem, &claimed);
         }
-    });
-    let mut corrections: Vec<PoseCorrection> = judged.collect();
+        let weighing = problem.move_fewest(&weighing, &claimed, job)?;
+        problem.judged_poses(&weighing, &claimed)
+    } else {
+        None
+    };
+    problem.is_free = may_move;
+    let Some(mut corrections) = corrections else {
+        problem.put_back(&claimed, |_| true);
+        (problem.log_gains, problem.moved) = before;
+        return Ok(vec![PoseCorrection::none(); claimed.len()]);
+    };
     let kept = corrections.iter().filter(|correction| correction.kept);
     if kept.fold(0.0, |most: f64, correction| most.max(correction.footprints)) < LEAST_WORST_MOVE {
         for correction in &mut corrections {
             correction.kept = false;
         }
     }
-    for (camera, correction) in corrections.iter().enumerate() {
-        if !correction.kept {
-            problem.views[camera].camera = original[camera].clone();
-        }
-    }
+    problem.put_back(&claimed, |camera| !corrections[camera].kept);
     Ok(corrections)
+}
+
+impl Problem {
+    /// Each camera's pose beside the claimed one; `None` where the poses are not determined.
+    fn judged_poses(&self, weighing: &Weighing, claimed: &[DAffine3]) -> Option<Vec<PoseCorrection>> {
+        let factor = self.equations(weighing).factor()?;
+        let inflated = self.terms_per_sample(weighing).sqrt();
+        let regions = RegionShares::new(self, weighing);
+        let now = self.poses();
+        let judged = (0..claimed.len()).into_par_iter().map(|camera| {
+            if now[camera] == claimed[camera] {
+                return PoseCorrection::none();
+            }
+            let block = factor.inverse_block::<GAIN>(camera * UNKNOWNS);
+            let weakest = eigen(block).iter().map(|(value, _)| value.max(0.0)).fold(0.0, f64::max);
+            let errors = regions.pose_errors(&factor, camera);
+            let largest = |start: usize| {
+                errors[start..start + 3].iter().copied().fold(0.0, f64::max).hypot(COMMON_ERROR)
+            };
+            let footprints = self.displacement(camera, &now[camera], &claimed[camera]);
+            // Beside all others as they are now, and beside the rig as it is claimed.
+            let mut but_one = now.clone();
+            but_one[camera] = claimed[camera];
+            let [alone, in_all] = [&but_one[..], claimed]
+                .map(|then| PoseJudgment::new(self, weighing, then, |pair| pair.contains(&camera)));
+            let is_known = weakest.sqrt() * inflated < WEAK.max(0.3 * footprints);
+            let is_wanted = alone.pays() && in_all.pays() && footprints > LEAST_MOVE;
+            let change = claimed[camera].inverse() * now[camera];
+            let is_plausible = plausibility::is_of_a_rig(&change, self.scale.inverse_depth);
+            PoseCorrection {
+                kept: is_wanted && is_known && is_plausible,
+                is_weak: is_wanted && !is_known,
+                is_implausible: is_wanted && is_known && !is_plausible,
+                footprints,
+                standard_errors: [
+                    largest(0) / self.scale.focal,
+                    largest(3) / (self.scale.focal * self.scale.inverse_depth),
+                ],
+                judgment: in_all.all,
+            }
+        });
+        Some(judged.collect())
+    }
 }
 
 impl PoseCorrection {
@@ -198,4 +222,16 @@ impl PoseCorrection {
             judgment: Judgment::default(),
         }
     }
+}
+
+/// The poses that were found but are farther off than those of rigs, a sentence each.
+pub(super) fn refusals(capture: &Capture, poses: &[PoseCorrection]) -> Vec<String> {
+    let refused = capture.cameras.iter().zip(poses).filter(|(_, pose)| pose.is_implausible);
+    let sentence = |(camera, pose): (&Camera, &PoseCorrection)| {
+        format!(
+            "{}: pose left as it is: it would be {:.0} footprints off, more than rigs are; check how poses and depth are read",
+            camera.name, pose.footprints
+        )
+    };
+    refused.map(sentence).collect()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::surface_extent::pure_levels;
+use super::surface_extent::{measured_levels, pure_levels};
 use crate::capture::{Camera, Capture, Frame};
 use crate::error::Result;
 use crate::grid::Grid;
@@ -13,6 +13,10 @@ use crate::job::Job;
 
 /// Resolutions of the brightness: each half as fine as the one before.
 pub(crate) const LEVELS: usize = 4;
+
+/// Pixels between a pixel and the end of its surface from which on a resolution shows nothing else: an interpolated value reaches one
+/// and a half of its pixels far, and one more pixel may be mixed.
+const LEAST_DISTANCES: [u8; LEVELS] = [3, 5, 8, 14];
 
 /// A pixel that differs by more between two frames moves: relative inverse depth, and brightness.
 const STILL_DEPTH_RELATIVE: f32 = 0.02;
@@ -33,6 +37,8 @@ pub(crate) struct ReferenceView {
     pub(crate) brightness: Vec<Grid<f32>>,
     /// Per pixel the number of resolutions, the finest first, that show nothing but its surface around it.
     pub(crate) pure_levels: Grid<u8>,
+    /// The same of resolutions that show nothing but surfaces with depth.
+    measured_levels: Grid<u8>,
     /// Pixels that are as they are in another frame; `None` where there is only one frame.
     pub(crate) is_still: Option<Grid<bool>>,
 }
@@ -48,8 +54,9 @@ impl ReferenceView {
             let coarser = halved(&levels[levels.len() - 1]);
             levels.push(coarser);
         }
-        let pure_levels = pure_levels(&frame.inverse_depth);
-        Self { camera, frame, brightness: levels, pure_levels, is_still }
+        let pure_levels = pure_levels(&frame.inverse_depth, &LEAST_DISTANCES);
+        let measured_levels = measured_levels(&frame.inverse_depth, &LEAST_DISTANCES);
+        Self { camera, frame, brightness: levels, pure_levels, measured_levels, is_still }
     }
 
     /// All views of a capture at its first frame. The frame in the middle shows what moves.
@@ -74,9 +81,12 @@ impl ReferenceView {
 
     /// How many resolutions, the finest first, show nothing but one surface around an image position; 0 outside of the picture.
     pub(crate) fn pure_levels_at(&self, image: DVec2) -> usize {
-        let is_inside = image.x >= 0.0 && image.y >= 0.0;
-        let levels = self.pure_levels.get(image.x as usize, image.y as usize).filter(|_| is_inside);
-        levels.map_or(0, |levels| usize::from(*levels))
+        levels_at(&self.pure_levels, image)
+    }
+
+    /// The same of resolutions that show nothing but surfaces with depth.
+    pub(crate) fn measured_levels_at(&self, image: DVec2) -> usize {
+        levels_at(&self.measured_levels, image)
     }
 
     /// The pixel at an image position, and its inverse depth; `None` where it has none, at an edge of depth, near the border of the
@@ -161,4 +171,10 @@ fn halved(picture: &Grid<f32>) -> Grid<f32> {
             + picture[(x, y + below)]
             + picture[(x + right, y + below)])
     })
+}
+
+fn levels_at(levels: &Grid<u8>, image: DVec2) -> usize {
+    let is_inside = image.x >= 0.0 && image.y >= 0.0;
+    let levels = levels.get(image.x as usize, image.y as usize).filter(|_| is_inside);
+    levels.map_or(0, |levels| usize::from(*levels))
 }

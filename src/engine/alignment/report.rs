@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use glam::{DAffine3, DQuat};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::camera_correction::{CameraCorrection, CameraCorrections};
@@ -11,13 +10,11 @@ use super::clock::ClockCorrection;
 use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;
 use super::exposure::{GainCorrection, kept_gain};
-use super::plausibility::refusals;
-use super::poses::{PoseCorrection, WIDE_LOOK};
+use super::poses::{self, PoseCorrection};
 use super::registered_frames::color_camera;
 use super::solver::Problem;
 use crate::capture::conventions::Finding;
 use crate::capture::{Camera, Capture, Intrinsics};
-use crate::median::median;
 
 /// What was wrong with a capture, and how much better cameras agree without it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -217,7 +214,7 @@ impl Alignment {
             lenses: lenses.iter().map(AlignedLens::new).collect(),
             pairs: pairs.collect(),
             corrections: camera_corrections(capture, problem, gains),
-            refused: refusals(capture, poses),
+            refused: poses::refusals(capture, poses),
             misread: None,
         }
     }
@@ -332,6 +329,14 @@ impl AlignedLens {
         color_camera(depth, &lens)
     }
 
+    /// That no device has this lens, so that it is not corrected.
+    pub(super) fn refusal(&self) -> String {
+        format!(
+            "color lens left as it is: a focal length of {:.0} px where {:.0} px is claimed, {:.3} from the depth lens, is farther off than two sensors of one device are; check how poses and depth are read",
+            self.color.fx, self.claimed.fx, self.distance
+        )
+    }
+
     /// What was found.
     #[must_use]
     pub fn sentence(&self) -> String {
@@ -380,35 +385,5 @@ impl AlignedCamera {
             parts.push("pose left as it is: what the cameras see does not tell it".to_owned());
         }
         (!parts.is_empty()).then(|| format!("{}: {}", self.name, parts.join("; ")))
-    }
-}
-
-impl Problem {
-    /// The median distance (footprints) and difference of brightness of each pair. The gate is wider than the solver's, in which all
-    /// pairs that are far apart would look the same. A pair without a sample in sight has the gate as its distance, and 0 as its
-    /// difference of brightness.
-    pub(super) fn pair_medians(&self) -> Vec<[f64; 2]> {
-        let of_pair = |pair: &[usize; 2]| {
-            let [mut distances, mut brightness] = self.magnitudes(*pair, &WIDE_LOOK, 1);
-            [median(&mut distances).unwrap_or(WIDE_LOOK.gate), median(&mut brightness).unwrap_or_default()]
-        };
-        self.pairs.par_iter().map(of_pair).collect()
-    }
-
-    /// The same with the cameras that the capture claims, and without gains.
-    pub(super) fn pair_medians_as_claimed(&mut self, claimed: &[Camera]) -> Vec<[f64; 2]> {
-        let mut cameras = claimed.to_vec();
-        let mut gains = vec![0.0; claimed.len()];
-        self.swap(&mut cameras, &mut gains);
-        let medians = self.pair_medians();
-        self.swap(&mut cameras, &mut gains);
-        medians
-    }
-
-    fn swap(&mut self, cameras: &mut [Camera], gains: &mut Vec<f64>) {
-        for (view, camera) in self.views.iter_mut().zip(cameras) {
-            std::mem::swap(&mut view.camera, camera);
-        }
-        std::mem::swap(&mut self.log_gains, gains);
     }
 }

@@ -63,11 +63,12 @@ const NEARNESS: [f64; 2] = [0.2, 2.0];
 impl<'a> PairOfViews<'a> {
     pub(crate) fn new(
         [source, target]: [&'a ReferenceView; 2],
+        world_from_cameras: [DAffine3; 2],
         log_gains: [f64; 2],
         scale: ProblemScale,
         color_alone: bool,
     ) -> Self {
-        let target_from_source = target.camera.camera_from_world() * source.camera.world_from_camera;
+        let target_from_source = world_from_cameras[1].inverse() * world_from_cameras[0];
         let source_lens = source.camera.intrinsics;
         // Only the ratio of both gains counts: else all gains would go to zero, where nothing disagrees.
         let louder = log_gains[1] - log_gains[0];
@@ -114,12 +115,23 @@ impl<'a> PairOfViews<'a> {
         let nearness = (sample.inverse_depth / self.scale.inverse_depth).clamp(NEARNESS[0], NEARNESS[1]);
         let unit = self.scale.focal * sample.inverse_depth * nearness;
         let in_source = self.target_from_source.inverse().transform_point3(found);
-        let residual = sample.normal_in_camera.dot(in_source - point) * unit;
+        let touched = self.on_surface(sample, point, in_source).unwrap_or(point);
+        let residual = sample.normal_in_camera.dot(in_source - touched) * unit;
         let (n, m) = (sample.normal_in_camera * unit, normal * unit);
         let mut term = Term { residual, source: [0.0; UNKNOWNS], target: [0.0; UNKNOWNS] };
         self.set_pose(&mut term.source, -point.cross(n), -n);
         self.set_pose(&mut term.target, found.cross(m), m);
         Some(term)
+    }
+
+    /// Where the source sees the sample's surface when it looks at `in_source`: that bends away from the plane at `point`. `None` where
+    /// it sees none.
+    fn on_surface(&self, sample: &SurfaceSample, point: DVec3, in_source: DVec3) -> Option<DVec3> {
+        let image = self.source_lens.project(in_source)?;
+        let ray = in_source / in_source.z;
+        let normal = sample.normal_in_camera;
+        let inverse_depth = normal.dot(ray) / normal.dot(point) + sample.bend.at(image - sample.pixel);
+        (inverse_depth > 0.0).then(|| ray / inverse_depth)
     }
 
     /// The difference of brightness between a sample and `image`; `point` is in the source, `there` is the same in the target.

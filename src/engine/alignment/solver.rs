@@ -122,9 +122,28 @@ pub(crate) fn loss(residual: f64, sigma: f64) -> f64 {
 }
 
 impl Problem {
-    pub(crate) fn pair(&self, [source, target]: [usize; 2]) -> PairOfViews<'_> {
-        let gains = [self.log_gains[source], self.log_gains[target]];
-        PairOfViews::new([&self.views[source], &self.views[target]], gains, self.scale, self.color_alone)
+    pub(crate) fn pair(&self, pair: [usize; 2]) -> PairOfViews<'_> {
+        self.pair_at(pair, pair.map(|camera| self.views[camera].camera.world_from_camera))
+    }
+
+    /// A pair with other poses.
+    pub(crate) fn pair_at(&self, pair: [usize; 2], world_from_cameras: [DAffine3; 2]) -> PairOfViews<'_> {
+        let gains = pair.map(|camera| self.log_gains[camera]);
+        let views = pair.map(|camera| &self.views[camera]);
+        PairOfViews::new(views, world_from_cameras, gains, self.scale, self.color_alone)
+    }
+
+    /// The poses of all cameras.
+    pub(crate) fn poses(&self) -> Vec<DAffine3> {
+        self.views.iter().map(|view| view.camera.world_from_camera).collect()
+    }
+
+    /// Puts cameras where they claim to be.
+    pub(crate) fn put_back(&mut self, claimed: &[DAffine3], is_put_back: impl Fn(usize) -> bool) {
+        for camera in (0..self.views.len()).filter(|camera| is_put_back(*camera)) {
+            self.views[camera].camera.world_from_camera = claimed[camera];
+            self.moved[camera] = [0.0; 6];
+        }
     }
 
     /// Magnitudes of a pair's distances (footprints) and differences of brightness, of every `step`-th sample that is seen.

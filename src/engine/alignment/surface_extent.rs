@@ -4,13 +4,9 @@
 //! lies behind moves with the viewpoint: it tells neither a pose nor a lens nor an exposure. Source: the chessboard distance transform
 //! (A. Rosenfeld and J. L. Pfaltz, *Distance Functions on Digital Pictures*, 1968).
 
-use super::reference_view::LEVELS;
 use crate::grid::Grid;
 use crate::median::median_f32;
 
-/// Pixels between a pixel and the end of its surface from which on a resolution shows nothing else: an interpolated value reaches one
-/// and a half of its pixels far, and one more pixel may be mixed.
-const LEAST_DISTANCES: [u8; LEVELS] = [3, 5, 8, 14];
 /// A surface ends where inverse depth differs from a neighbor's by more, relative, or by this many times the median difference: noise.
 const EDGE_RELATIVE: f32 = 0.03;
 const EDGE_MEDIANS: f32 = 8.0;
@@ -19,11 +15,20 @@ const MOST_HOLE: usize = 3;
 /// Neighbors that are looked at for the median difference.
 const PROBES: usize = 4096;
 
-/// For each pixel the number of resolutions, the finest first, that show nothing but its surface around it; 0 without depth.
-pub(super) fn pure_levels(inverse_depth: &Grid<f32>) -> Grid<u8> {
-    let limit = edge_limit(inverse_depth);
+/// For each pixel the number of resolutions, the finest first, that show nothing but its surface around it; 0 without depth. From the
+/// least distances on, in pixels, between a pixel and the end of its surface each of them does.
+pub(super) fn pure_levels(inverse_depth: &Grid<f32>, least_distances: &[u8]) -> Grid<u8> {
+    levels(inverse_depth, least_distances, edge_limit(inverse_depth))
+}
+
+/// The same of resolutions that show nothing but surfaces with depth, be it several.
+pub(super) fn measured_levels(inverse_depth: &Grid<f32>, least_distances: &[u8]) -> Grid<u8> {
+    levels(inverse_depth, least_distances, f32::INFINITY)
+}
+
+fn levels(inverse_depth: &Grid<f32>, least_distances: &[u8], limit: f32) -> Grid<u8> {
     let distances = distances(&ends(inverse_depth, limit));
-    let of_distance = |distance: u8| LEAST_DISTANCES.iter().take_while(|least| distance >= **least).count();
+    let of_distance = |distance: u8| least_distances.iter().take_while(|least| distance >= **least).count();
     let pixels = distances.as_slice().iter().zip(inverse_depth.as_slice());
     let levels = pixels.map(|(distance, depth)| if *depth > 0.0 { of_distance(*distance) as u8 } else { 0 });
     Grid::from_vec(inverse_depth.width(), inverse_depth.height(), levels.collect())
@@ -50,7 +55,9 @@ fn ends(inverse_depth: &Grid<f32>, limit: f32) -> Grid<bool> {
     let lines: Vec<Line> = rows.chain(columns).collect();
     let mut values = inverse_depth.as_slice().to_vec();
     // Rows first: what is filled there serves the columns, so that depth of a coarser lattice leaves no holes.
-    lines.iter().for_each(|line| line.fill_holes(&mut values, limit));
+    for line in &lines {
+        line.fill_holes(&mut values, limit);
+    }
     let mut ends: Vec<bool> = values.iter().map(|value| *value <= 0.0).collect();
     for Line { start, step, count } in lines {
         for nth in 1..count {
@@ -147,7 +154,7 @@ mod tests {
     #[test]
     fn coarse_pictures_show_a_surface_alone_only_far_from_its_end_and_holes_are_no_end() {
         for beside in [INVALID_INVERSE_DEPTH, 0.0, 0.3] {
-            let levels = pure_levels(&half(beside));
+            let levels = pure_levels(&half(beside), &[3, 5, 8, 14]);
             assert_eq!(levels[(10, 16)], 4, "beside {beside}");
             assert_eq!([levels[(13, 8)], levels[(14, 8)]], [0, 4], "beside {beside}");
             let seen = [31, 28, 26, 23, 17].map(|x| levels[(x, 16)]);

@@ -9,7 +9,6 @@ use super::color_lens_search::LensCorrection;
 use super::corrected_frames::FrameCorrection;
 use super::exposure::{self, kept_gain};
 use super::overlaps::overlapping_pairs;
-use super::plausibility::refusals;
 use super::poses;
 use super::reference_view::ReferenceView;
 use super::regions::set_regions;
@@ -81,7 +80,7 @@ pub(super) fn aligned_beside_lenses(
         || gains.iter().any(|gain| gain.kept)
         || clocks.iter().any(ClockCorrection::shows);
     if !is_kept {
-        let refused = refusals(seen, &poses);
+        let refused = poses::refusals(seen, &poses);
         return Ok((!refused.is_empty()).then(|| Aligned::refused(seen, Alignment::refused(refused))));
     }
     let before = problem.pair_medians_as_claimed(&seen.cameras);
