@@ -286,7 +286,7 @@ fn a_picture_of_another_type_is_refused_with_what_to_do() {
         folder.put("right/0001.webp", b"");
         entries[3]["file_path"] = "right/0001.webp".into();
     });
-    assert_names(&error, &["right/0001.webp", "EXR, PNG or JPEG"]);
+    assert_names(&error, &["right/0001.webp", "EXR, PNG, TIFF or JPEG"]);
 }
 
 const PLACE: &str = "cam0/0003.exr (camera 'cam0', frame 3)";

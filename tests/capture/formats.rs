@@ -216,10 +216,13 @@ fn a_camera_into_whose_view_nothing_has_come_yet_has_a_frame_without_samples() {
     let layer =
         |depth: f32| vec![("A", flat(0.0)), channel("B"), channel("G"), channel("R"), ("Z", flat(depth))];
     folder.put("empty.exr", &picture(&[("", layer(1e10))]));
-    let capture = folder.open(json!({}), &[entry("empty.exr", "a", 0)]).unwrap();
+    folder.put("later.exr", &plain(flat(2.0)));
+    let entries = [entry("empty.exr", "a", 0), entry("later.exr", "a", 1)];
+    let capture = folder.open(json!({}), &entries).unwrap();
     assert_eq!(capture.frame(0, 0).unwrap().invalid_pixels(), PIXELS);
     let done = preprocess(&capture, &Settings::default(), &Job::new()).unwrap();
-    assert!(done.samples.images.iter().all(|image| image.is_empty()));
+    let is_of_both = |image: &&std::sync::Arc<overlook_engine::samples::SampleImage>| image.span.contains(0);
+    assert!(done.samples.images.iter().filter(is_of_both).all(|image| image.is_empty()));
 }
 
 #[test]
@@ -353,8 +356,10 @@ fn a_frame_of_which_a_sensor_measured_nothing_has_no_samples() {
     depth.save(folder.path("depth.png")).unwrap();
     let mut apart = entry("color.exr", "a", 0);
     apart["depth_file_path"] = "depth.png".into();
-    let capture = folder.open(json!({}), &[apart]).unwrap();
+    folder.put("later.exr", &plain(flat(2.0)));
+    let capture = folder.open(json!({}), &[apart, entry("later.exr", "a", 1)]).unwrap();
     assert_eq!(capture.frame(0, 0).unwrap().invalid_pixels(), PIXELS);
+    assert_eq!(capture.frame(0, 1).unwrap().invalid_pixels(), 0);
 }
 
 #[test]

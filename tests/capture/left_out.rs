@@ -10,7 +10,7 @@ use overlook_engine::settings::Settings;
 use serde_json::{Value, json};
 
 /// Opens four views of one moment that name neither camera nor time, after `change` spoiled them.
-fn recording(change: impl FnOnce(&Folder, &mut Vec<Value>)) -> Result<Capture> {
+fn recording(change: impl FnOnce(&Folder, &mut Vec<Value>)) -> (Folder, Result<Capture>) {
     let folder = Folder::new();
     let mut entries: Vec<Value> = Vec::new();
     for (index, name) in ["a.exr", "b.exr", "c.exr", "late.exr"].iter().enumerate() {
@@ -22,11 +22,12 @@ fn recording(change: impl FnOnce(&Folder, &mut Vec<Value>)) -> Result<Capture> {
         entries.push(view);
     }
     change(&folder, &mut entries);
-    folder.open(json!({}), &entries)
+    let opened = folder.open(json!({}), &entries);
+    (folder, opened)
 }
 
 /// Checks that three views are left, and that a warning counts and names the fourth.
-fn assert_left_out(opened: Result<Capture>, why: &str) {
+fn assert_left_out((_folder, opened): (Folder, Result<Capture>), why: &str) {
     let capture = opened.unwrap();
     assert_eq!((capture.cameras.len(), capture.frame_count()), (3, 1));
     let said = capture.warnings.join("\n");
@@ -94,14 +95,14 @@ fn where_no_picture_can_be_used_the_first_fault_is_the_refusal() {
             entry["transform_matrix"] = json!([[1, 0, 0, 0]]);
         }
     };
-    let refused = recording(all).map(drop).unwrap_err().to_string();
+    let refused = recording(all).1.map(drop).unwrap_err().to_string();
     assert!(refused.contains("frames[0] (a.exr)") && refused.contains("is not 4×4"), "{refused}");
     let none = |folder: &Folder, _: &mut Vec<Value>| {
         for name in ["a", "b", "c", "late"] {
             std::fs::remove_file(folder.path(&format!("{name}.exr"))).unwrap();
         }
     };
-    let refused = recording(none).map(drop).unwrap_err().to_string();
+    let refused = recording(none).1.map(drop).unwrap_err().to_string();
     assert!(refused.contains("a.exr") && refused.contains("missing"), "{refused}");
 }
 

@@ -130,8 +130,7 @@ fn negative_depth_is_refused_whatever_stands_for_nothing_hit() {
         let mut depth = vec![-2.0; PIXELS];
         depth[..PIXELS / 2].fill(background);
         folder.put("a.exr", &plain(FlatSamples::F32(depth)));
-        let capture = folder.open(json!({}), &[entry("a.exr", "a", 0)]).unwrap();
-        let refused = capture.frame(0, 0).map(drop).unwrap_err().to_string();
+        let refused = refusal(folder.open(json!({}), &[entry("a.exr", "a", 0)]));
         assert!(refused.contains("negative"), "{refused}");
     }
     let folder = Folder::new();

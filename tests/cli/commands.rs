@@ -223,23 +223,27 @@ fn filling_is_the_default_and_keeps_the_mask(here: &Path, views: &str, filled: &
         assert_eq!(filled["mean"][key], plain["mean"][key]);
     }
     assert!(filled["mean"]["psnr_all_db"].as_f64() > plain["mean"]["psnr_all_db"].as_f64());
-    // EXR keeps saying what was sampled; PNG shows what there is to see.
+    // Alpha is of what there is to see, in both formats; OpenEXR says beside it what was sampled.
     let name = filled["views"][0]["file_path"].as_str().unwrap();
     let alpha_is_one = |folder: &str| {
         let png = image::open(here.join(folder).join(name).with_extension("png")).unwrap().to_rgba8();
         png.pixels().all(|pixel| pixel.0[3] == 255)
     };
     assert!(alpha_is_one("pictures") && !alpha_is_one("unfilled"));
-    let picture = exr::prelude::read_first_rgba_layer_from_file(
-        here.join("pictures").join(name),
-        |size, _| (size, 0, 0),
-        |(_, holes, dark_holes), _, (r, g, b, alpha): (f32, f32, f32, f32)| {
-            *holes += usize::from(alpha == 0.0);
-            *dark_holes += usize::from(alpha == 0.0 && r + g + b == 0.0);
-        },
-    );
-    let (size, holes, dark_holes) = picture.unwrap().layer_data.channel_data.pixels;
-    assert!(holes > size.area() / 50 && dark_holes == 0, "{holes} holes, {dark_holes} of them dark");
+    let channel = |folder: &str, name_of_channel: &str| -> Vec<f32> {
+        let file = exr::prelude::read_first_flat_layer_from_file(here.join(folder).join(name)).unwrap();
+        let channels = file.layer_data.channel_data.list;
+        let found = channels.iter().find(|channel| channel.name == *name_of_channel).unwrap();
+        found.sample_data.values_as_f32().collect()
+    };
+    let holes =
+        |folder: &str, name: &str| channel(folder, name).iter().filter(|share| **share == 0.0).count();
+    assert_eq!((holes("pictures", "A"), holes("unfilled", "A")), (0, holes("unfilled", "sampled.V")));
+    let pixels = channel("pictures", "A").len();
+    assert!(holes("pictures", "sampled.V") > pixels / 50);
+    let [red, green, blue, sampled] = ["R", "G", "B", "sampled.V"].map(|name| channel("pictures", name));
+    let is_dark = |at: &usize| sampled[*at] == 0.0 && red[*at] + green[*at] + blue[*at] == 0.0;
+    assert_eq!((0..pixels).filter(is_dark).count(), 0, "filled pixels are dark");
 }
 
 #[test]

@@ -1,10 +1,10 @@
-//! Headless Chromium, driven over a pair of pipes by its own protocol (Chrome DevTools Protocol), without any library of its own.
+//! Headless Chromium, driven over a pair of pipes by its own protocol (Chrome `DevTools` Protocol), without any library of its own.
 
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
 use base64::Engine as _;
@@ -88,6 +88,7 @@ impl Browser {
     }
 
     /// Calls a method and gives its result.
+    #[expect(clippy::needless_pass_by_value, reason = "callers write the parameters where they call")]
     pub(crate) fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.next += 1;
         let mut message = json!({ "id": self.next, "method": method, "params": parameters });
@@ -186,8 +187,10 @@ impl Drop for Browser {
 
 /// The messages of a pipe, each ended by a zero.
 fn listen(mut pipe: File) -> Receiver<Value> {
-    let (sender, receiver) = channel();
-    std::thread::spawn(move || {
+    /// Messages that may wait; the pipe holds the others back.
+    const WAITING: usize = 1 << 16;
+    let (sender, receiver) = sync_channel(WAITING);
+    let listen = move || {
         let (mut waiting, mut piece) = (Vec::new(), vec![0; 1 << 16]);
         while let Ok(count @ 1..) = pipe.read(&mut piece) {
             waiting.extend_from_slice(&piece[..count]);
@@ -199,6 +202,7 @@ fn listen(mut pipe: File) -> Receiver<Value> {
                 }
             }
         }
-    });
+    };
+    std::thread::Builder::new().name("browser messages".to_owned()).spawn(listen).unwrap();
     receiver
 }

@@ -49,7 +49,7 @@ fn push_chunks(html: &mut String, packed: &Packed) {
 fn script() -> String {
     let mut script = String::from("\"use strict\";\n(() => {\n");
     for (name, module) in MODULES {
-        script += &format!("\n// {name}\n");
+        script.extend(["\n// ", name, "\n"]);
         let mut is_import = false;
         for line in module.lines() {
             is_import |= line.starts_with("import ");
@@ -89,6 +89,8 @@ mod tests {
                 .lines()
                 .map(|line| line.strip_prefix("export ").unwrap_or(line))
                 .filter_map(|line| words.iter().find_map(|word| line.strip_prefix(word)))
+                // Constants of shaders have a type before their name, and what is taken apart has none.
+                .filter(|rest| !["float ", "int ", "{"].iter().any(|start| rest.starts_with(start)))
                 .map(|rest| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
                 .collect();
             declared

@@ -23,6 +23,7 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::job::Job;
+use crate::plural::counted;
 use crate::samples::SampleSet;
 use crate::store::file::Store;
 use crate::whole_file;
@@ -96,8 +97,8 @@ fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageText> {
     let coarsest = written(&coarsening.images(fits))?;
     if coarsest.html.len() as u64 > most {
         let what = format!(
-            "is not written: at its coarsest the page takes {} bytes, more than the {most} that it may",
-            coarsest.html.len()
+            "is not written: at its coarsest the page takes {}, more than the {most} that it may",
+            counted(coarsest.html.len() as u64, "byte")
         );
         return Err(Error::invalid(&set.name, what));
     }

@@ -211,7 +211,7 @@ impl Info {
             for line in reading.lines() {
                 let _ = writeln!(text, "  {line}");
             }
-            if let Some(share) = transparent {
+            if let Some(share) = transparent.filter(|share| *share > 0.0) {
                 let share = 100.0 * share;
                 let _ = writeln!(
                     text,

@@ -109,11 +109,11 @@ impl ColorTag {
         if info.srgb.is_some() {
             return Ok(None);
         }
-        let primaries = info.source_chromaticities.map_or(Primaries::Rec709, |known| {
+        let primaries = info.chromaticities().map_or(Primaries::Rec709, |known| {
             let places = [known.red, known.green, known.blue, known.white];
             Primaries::of(places.map(|(x, y)| [x.into_value(), y.into_value()]))
         });
-        let gamma = info.source_gamma.map(png::ScaledFloat::into_value);
+        let gamma = info.gamma().map(png::ScaledFloat::into_value);
         let gamma = gamma.filter(|gamma| !SRGB_GAMMA.contains(gamma) && (0.05..=20.0).contains(gamma));
         let curve = gamma.map(|gamma| ToneReprCurve::Parametric(vec![1.0 / gamma]));
         let own = ColorProfile::new_srgb().red_trc;

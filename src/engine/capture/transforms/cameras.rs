@@ -170,8 +170,8 @@ impl CameraFiles {
         }
         let frame_numbers = left_out.by_files(&order, &mut by_camera)?;
         warnings.extend(left_out.lines());
-        let mut recording =
-            Self { cameras: Vec::new(), frame_numbers, is_ranked, entries: Vec::new(), warnings };
+        let (cameras, entries) = (Vec::new(), Vec::new());
+        let mut recording = Self { cameras, frame_numbers, is_ranked, entries, warnings };
         let mut unreadable = Vec::new();
         for name in &order {
             let frames = by_camera.remove(name).unwrap_or_default();
@@ -199,14 +199,10 @@ impl CameraFiles {
             Skipped::note(&mut skipped, UNREADABLE, error.to_string());
         }
         self.warnings.extend(skipped.iter().map(Skipped::line));
-        match errors.into_iter().next() {
-            Some(error) if self.cameras.is_empty() => Err(error),
-            _ => Ok(()),
-        }
+        errors.into_iter().next().filter(|_| self.cameras.is_empty()).map_or(Ok(()), Err)
     }
 
-    /// What the headers of each camera's first picture tell. Of cameras of one picture, those are left out whose picture cannot be
-    /// read.
+    /// What the headers of each camera's first picture tell. A camera whose only picture cannot be read is left out.
     ///
     /// # Errors
     /// Whatever makes a picture unreadable: no color, no depth, another size.

@@ -18,7 +18,8 @@ impl SimilarNames {
     /// machine means the file in `folder` that has the longest end of it as its own.
     pub(super) fn file(&self, folder: &Path, path: &Path) -> Option<PathBuf> {
         self.similar(path).or_else(|| {
-            let parts = foreign_parts(path)?;
+            // What was joined to the folder is no path of another machine, but for a name of Windows.
+            let parts = foreign_parts(path.strip_prefix(folder).unwrap_or(path))?;
             let ends = (1..parts.len()).map(|from| parts[from..].iter().collect::<PathBuf>());
             ends.map(|end| folder.join(end)).find_map(|place| self.similar(&place))
         })

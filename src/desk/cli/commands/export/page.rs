@@ -79,7 +79,7 @@ impl PageArgs {
 }
 
 fn page_path(manifest: &std::path::Path, store: &StoreInfo) -> Result<PagePath> {
-    let Stops { vantages, .. } = path::along(manifest, store)?;
+    let Stops { vantages, .. } = path::along(manifest, store, path::Pace::default())?;
     Ok(PagePath {
         first_frame: vantages[0].frame,
         lens: vantages[0].camera.intrinsics,
