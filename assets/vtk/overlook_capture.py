@@ -1,0 +1,727 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""VTK and PyVista: records a scene over its time steps as a capture that Overlook opens.
+
+    from overlook_capture import record
+    record(plotter, "FOLDER", cameras="ring:6", frames=20, size=(640, 480), step=lambda frame: move(frame))
+
+    python overlook_capture.py SCENE.pvd --out FOLDER --cameras 6 --color-by pressure
+
+The first takes a `pyvista.Plotter`, a `vtkRenderWindow` or a `vtkRenderer`; `step(frame)` changes it before each frame. The second takes
+what PyVista reads; several files are time steps. Neither needs a display. Written are
+
+    FOLDER/transforms.json, FOLDER/CAMERA/0000.exr ...       color, planar depth and world-space normals
+    FOLDER/novel/transforms.json, FOLDER/novel/CAMERA/...    the same of true views (`truth`), which Overlook measures its accuracy against
+
+Color is linear, with the window's own multisampling. Depth and normals are drawn in a pass of their own without it: they are those at the
+center of each pixel. Lights that follow the camera would color a surface otherwise from each camera: while recording, lights that stand in
+the scene take their place (`lights="as_set"` keeps them). Left out is what turns with the camera or lies on the picture: texts, scalar bars,
+axes. What is translucent and volumes have no depth of their own: their color counts as that of what is behind them.
+
+Recording may be stopped and started again: pictures that are there are kept, and the manifest is written when all are.
+"""
+
+import argparse
+import contextlib
+import json
+import math
+import os
+import re
+import struct
+import sys
+import time
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+
+MISS = 1e10
+"""The depth of a pixel where nothing is."""
+TURNS_WITH_THE_CAMERA = ("Follower", "CubeAxes", "AxisActor", "AxesActor", "BillboardText", "GridAxes")
+# What VTK calls normalVCVSOutput is the normal in camera space. It is folded into an octahedron, whose two coordinates take 12 bits each.
+NORMAL_AS_COLOR = """//VTK::Picking::Impl
+  {
+    vec3 unit = normalize(normalVCVSOutput);
+    unit /= abs(unit.x) + abs(unit.y) + abs(unit.z);
+    vec2 side = vec2(unit.x >= 0.0 ? 1.0 : -1.0, unit.y >= 0.0 ? 1.0 : -1.0);
+    vec2 place = unit.z >= 0.0 ? unit.xy : (1.0 - abs(unit.yx)) * side;
+    vec2 level = floor((place * 0.5 + 0.5) * 4095.0 + 0.5);
+    gl_FragData[0] = vec4(floor(level.x / 16.0), mod(level.x, 16.0) * 16.0 + floor(level.y / 256.0), mod(level.y, 256.0), 255.0) / 255.0;
+  }
+"""
+
+
+class CaptureError(ValueError):
+    """What keeps a capture from being recorded, in one line."""
+
+
+@dataclass
+class Viewpoint:
+    """A perspective camera; positions in the scene's units, `view_angle` from top to bottom in degrees, as in VTK."""
+
+    name: str
+    position: tuple
+    focal_point: tuple
+    up: tuple = (0.0, 0.0, 1.0)
+    view_angle: float = 30.0
+
+    def pose(self):
+        """Camera to world, (4, 4): x right, y up, looking along -z."""
+        position, focal_point, up = (np.array(it, dtype=np.float64) for it in (self.position, self.focal_point, self.up))
+        back = position - focal_point
+        right = np.cross(up, back)
+        for vector, wrong in ((back, "looks at the place where it stands"), (right, "looks along its up direction")):
+            if not np.all(np.isfinite(vector)) or np.linalg.norm(vector) < 1e-9 * (1 + np.abs(position).max()):
+                raise CaptureError(f"camera '{self.name}' {wrong}")
+        back, right = back / np.linalg.norm(back), right / np.linalg.norm(right)
+        pose = np.eye(4)
+        pose[:3] = np.stack([right, np.cross(back, right), back, position], axis=1)
+        return pose
+
+    def lens(self, size):
+        """The lens of a picture of `size` (columns, rows), in pixels."""
+        if not 0 < self.view_angle < 180:
+            raise CaptureError(f"camera '{self.name}' has a view angle of {self.view_angle} degrees; it must be between 0 and 180")
+        width, height = size
+        focal = height / (2 * math.tan(math.radians(self.view_angle) / 2))
+        return {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": width / 2, "cy": height / 2}
+
+
+def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, phase=0.0):
+    """A list of Viewpoint of what is asked for: a number or "ring:6", "sphere:12", "inside:6", which are placed around `bounds` (xmin, xmax,
+    ymin ...); a list, or an object by names, of (position, focal point, up[, view angle]), of objects with these keys, or of vtkCamera.
+    `phase` turns what is placed by so many steps."""
+    if isinstance(cameras, (int, str)):
+        layout, _, number = f"ring:{cameras}".rpartition(":")
+        layout = layout.split(":")[-1]
+        if layout not in ("ring", "sphere", "inside") or not number.isdigit() or int(number) == 0:
+            raise CaptureError(f"cameras '{cameras}' are neither a number nor ring:N, sphere:N or inside:N")
+        return placed(layout, int(number), size, bounds, up, view_angle, phase)
+    named = cameras.items() if isinstance(cameras, dict) else ((None, it) for it in cameras)
+    found = []
+    for index, (name, camera) in enumerate(named):
+        if name is None:
+            name = camera.get("name") if isinstance(camera, dict) else None
+        found.append(viewpoint(name or f"camera{index + 1}", camera, size, up, view_angle))
+    if not found:
+        raise CaptureError("there is no camera")
+    return found
+
+
+def viewpoint(name, camera, size, up, view_angle):
+    """One camera in any of the forms of `viewpoints`."""
+    if hasattr(camera, "GetViewAngle"):
+        if camera.GetParallelProjection():
+            raise CaptureError(f"camera '{name}' has a parallel projection; only perspective ones can be recorded")
+        if camera.GetUseOffAxisProjection() or camera.GetUseExplicitProjectionTransformMatrix() or any(camera.GetWindowCenter()):
+            raise CaptureError(f"camera '{name}' is shifted off its axis")
+        angle = camera.GetViewAngle()
+        if camera.GetUseHorizontalViewAngle():
+            angle = math.degrees(2 * math.atan(math.tan(math.radians(angle) / 2) * size[1] / size[0]))
+        return Viewpoint(name, camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), angle)
+    if isinstance(camera, dict):
+        camera = [camera.get(key) for key in ("position", "focal_point", "up", "view_angle")]
+    values = [*camera, None, None, None, None][:4]
+    values = [values[0], values[1], up if values[2] is None else values[2], view_angle if values[3] is None else values[3]]
+    if any(it is None or np.shape(it) != (3,) for it in values[:3]):
+        raise CaptureError(f"camera '{name}' needs a position, a focal point and an up direction of three numbers each")
+    return Viewpoint(name, *(tuple(float(number) for number in it) for it in values[:3]), float(values[3]))
+
+
+def placed(layout, number, size, bounds, up, view_angle, phase):
+    """`ring`: around the scene, from above and below in turn; `sphere`: from all sides; `inside`: from the middle outward."""
+    low, high = np.array(bounds[0::2], dtype=np.float64), np.array(bounds[1::2], dtype=np.float64)
+    if not np.all(np.isfinite(low)) or np.any(high < low) or not np.any(high > low):
+        raise CaptureError("the scene shows nothing that cameras could be placed around; give its bounds, or the cameras")
+    middle, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
+    up = np.array(up, dtype=np.float64) / np.linalg.norm(up)
+    first = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    first /= np.linalg.norm(first)
+    second = np.cross(up, first)
+    steps = (np.arange(number) + 0.5) / number
+    if layout == "ring" or (layout == "inside" and number < 5):
+        turn = 2 * np.pi * (np.arange(number) + phase) / number
+        tilt = np.radians(25.0 if layout == "ring" else 0.0) * np.where(np.arange(number) % 2 == 0, 1.0, -1.0)
+        needed = 400 / number
+    else:
+        turn, tilt = np.pi * (1 + 5**0.5) * (np.arange(number) + phase), np.arcsin(1 - 2 * steps)
+        needed = 2.6 * np.degrees(np.arccos(1 - 2 / number))
+    sideways = np.cos(tilt)[:, None] * (np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second)
+    directions = sideways + np.sin(tilt)[:, None] * up
+    slope = math.tan(math.radians(view_angle) / 2)
+    distance = radius / math.sin(math.atan(slope * min(1.0, size[0] / size[1])))
+    found = []
+    for index, direction in enumerate(directions):
+        # At a pole another direction is up.
+        upward = up if abs(direction @ up) < 0.99 else first
+        name, angle = f"{layout}{index + 1}", view_angle
+        if layout == "inside":
+            # They stand across the middle, so that neighbors see a surface from two places.
+            position, target, angle = middle - 0.1 * radius * direction, middle + radius * direction, min(max(view_angle, needed), 110.0)
+        else:
+            position, target = middle + distance * direction, middle
+        found.append(Viewpoint(name, tuple(position), tuple(target), tuple(upward), angle))
+    return found
+
+
+def spheres(centers, radii, colors):
+    """A vtkActor of exact spheres, drawn ray by ray: rounder than glyphs, and for thousands of them much faster. `colors` are (n, 3), bytes
+    or from 0 to 1; radii and colors may also be one for all. With PyVista: `plotter.add_actor(spheres(...), name="atoms")`."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkRenderingCore import vtkActor
+    from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLSphereMapper
+
+    centers, colors = np.asarray(centers, dtype=np.float64).reshape(-1, 3), np.asarray(colors)
+    if colors.dtype != np.uint8:
+        colors = np.uint8(np.clip(colors, 0, 1) * 255 + 0.5)
+    radii, colors = np.broadcast_to(radii, len(centers)), np.broadcast_to(colors, centers.shape)
+    if len(centers):
+        # The mapper's bounds are those of centers: two more spheres without size lie at the corners of what all fill.
+        corners = [(centers - radii[:, None]).min(axis=0), (centers + radii[:, None]).max(axis=0)]
+        centers, radii, colors = np.vstack([centers, corners]), np.append(radii, [0, 0]), np.vstack([colors, colors[:1], colors[:1]])
+    points, cells, data, mapper, actor = vtkPoints(), vtkCellArray(), vtkPolyData(), vtkOpenGLSphereMapper(), vtkActor()
+    points.SetData(numpy_to_vtk(centers, deep=True))
+    cells.SetData(1, numpy_to_vtk(np.arange(len(centers), dtype=np.int64), deep=True))
+    data.SetPoints(points)
+    data.SetVerts(cells)
+    # The mapper reads radii of 32 bits only.
+    for array, name in ((np.float32(radii), "radius"), (colors, "color")):
+        made = numpy_to_vtk(np.ascontiguousarray(array), deep=True)
+        made.SetName(name)
+        data.GetPointData().AddArray(made)
+    data.GetPointData().SetActiveScalars("color")
+    mapper.SetInputData(data)
+    mapper.SetScaleArray("radius")
+    actor.SetMapper(mapper)
+    return actor
+
+
+def actors_of(renderer):
+    """All actors of a renderer, those in assemblies too."""
+    found = renderer.GetActors()
+    return [found.GetItemAsObject(index) for index in range(found.GetNumberOfItems())]
+
+
+def bounds_of(renderer):
+    """What the visible things of a renderer fill, (xmin, xmax, ymin, ymax, zmin, zmax); (inf, -inf ...) if there are none."""
+    low, high, volumes = np.full(3, np.inf), np.full(3, -np.inf), renderer.GetVolumes()
+    things = actors_of(renderer) + [volumes.GetItemAsObject(index) for index in range(volumes.GetNumberOfItems())]
+    for prop in things:
+        around = prop.GetBounds() if prop.GetVisibility() and not turns_with_the_camera(prop) else None
+        if around is not None and around[0] <= around[1]:
+            low, high = np.minimum(low, around[0::2]), np.maximum(high, around[1::2])
+    return tuple(np.stack([low, high], axis=1).ravel())
+
+
+def turns_with_the_camera(prop):
+    return any(part in prop.GetClassName() for part in TURNS_WITH_THE_CAMERA)
+
+
+def window_and_renderer(plotter):
+    """The window and the renderer of a pyvista.Plotter, a vtkRenderWindow or a vtkRenderer, which gets a window if it has none."""
+    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (without it VTK draws nothing)
+    from vtkmodules.vtkRenderingCore import vtkRenderWindow
+
+    if hasattr(plotter, "render_window"):
+        if plotter.render_window is None:
+            raise CaptureError("the plotter was closed; record before show(), or show(auto_close=False)")
+        window, renderer = plotter.render_window, plotter.renderer
+    elif hasattr(plotter, "GetRenderers"):
+        drawn = plotter.GetRenderers()
+        drawn = [drawn.GetItemAsObject(index) for index in range(drawn.GetNumberOfItems())]
+        drawn = [it for it in drawn if it.GetLayer() == 0] if len(drawn) > 1 else drawn
+        if len(drawn) != 1:
+            raise CaptureError(f"the window has {len(drawn)} renderers; give the renderer that is to be recorded")
+        window, renderer = plotter, drawn[0]
+    elif hasattr(plotter, "GetRenderWindow"):
+        window, renderer = plotter.GetRenderWindow(), plotter
+        if window is None:
+            window = vtkRenderWindow()
+            window.SetOffScreenRendering(True)
+            window.AddRenderer(renderer)
+    else:
+        raise CaptureError(f"a {type(plotter).__name__} is neither a pyvista.Plotter nor a vtkRenderWindow nor a vtkRenderer")
+    if not window.GetMapped():
+        window.SetOffScreenRendering(True)
+    return window, renderer
+
+
+class Stage:
+    """A window and one of its renderers, made ready for pictures, and put back afterwards."""
+
+    def __init__(self, plotter, size, lights, antialias, up, tell):
+        self.window, self.renderer = window_and_renderer(plotter)
+        self.keep_alive = plotter
+        self.size = tuple(int(side) for side in (size or self.window.GetSize()))
+        if len(self.size) != 2 or min(self.size) < 1:
+            raise CaptureError(f"the size {size} is not one of columns and rows")
+        if lights not in ("fixed", "as_set"):
+            raise CaptureError(f"lights '{lights}' are neither fixed nor as_set")
+        self.lights, self.up, self.tell = lights, up, tell
+        self.samples = self.window.GetMultiSamples() if antialias is None else int(antialias)
+        self.is_antialiased = self.samples > 1 or bool(self.renderer.GetUseFXAA()) or self.renderer.GetPass() is not None
+
+    def changed(self, stack, owner, name, *values):
+        """Calls `Set` of a property, and sets it back when `stack` is left."""
+        before = getattr(owner, f"Get{name}")()
+        stack.callback(getattr(owner, f"Set{name}"), *(before if isinstance(before, (tuple, list)) else (before,)))
+        getattr(owner, f"Set{name}")(*values)
+
+    @contextlib.contextmanager
+    def ready(self):
+        """The renderer fills the window alone, with things that stand in the scene alone."""
+        with contextlib.ExitStack() as stack:
+            window, renderer = self.window, self.renderer
+            self.changed(stack, window, "Size", *self.size)
+            others = window.GetRenderers()
+            for index in range(others.GetNumberOfItems()):
+                other = others.GetItemAsObject(index)
+                if other is not renderer:
+                    self.changed(stack, other, "Draw", False)
+            self.changed(stack, renderer, "Viewport", 0.0, 0.0, 1.0, 1.0)
+            self.changed(stack, renderer, "Layer", 0)
+            self.changed(stack, window, "MultiSamples", self.samples)
+            for name in ("GradientBackground", "TexturedBackground"):
+                if getattr(renderer, f"Get{name}")():
+                    self.tell("the background is a picture or a gradient that moves with the camera: one color takes its place")
+                    self.changed(stack, renderer, name, False)
+            props = renderer.GetViewProps()
+            for index in range(props.GetNumberOfItems()):
+                prop = props.GetItemAsObject(index)
+                if prop.GetVisibility() and (not prop.IsA("vtkProp3D") or turns_with_the_camera(prop)):
+                    self.tell(f"left out, as it lies on the picture or turns with the camera: {prop.GetClassName()}")
+                    self.changed(stack, prop, "Visibility", False)
+            self.light(stack)
+            camera = renderer.GetActiveCamera()
+            stack.callback(renderer.SetActiveCamera, camera)
+            yield
+
+    def light(self, stack):
+        """Lights that stand in the scene, in place of those that follow the camera."""
+        if self.lights == "as_set":
+            return
+        from vtkmodules.vtkRenderingCore import vtkLight, vtkRenderer
+
+        renderer, found = self.renderer, self.renderer.GetLights()
+        found = [found.GetItemAsObject(index) for index in range(found.GetNumberOfItems())]
+        following = [it for it in found if it.GetSwitch() and not it.LightTypeIsSceneLight()]
+        if found and not following:
+            return
+        self.tell("lights follow the camera: while recording, others that stand in the scene take their place")
+        for light in following:
+            self.changed(stack, light, "Switch", False)
+        self.changed(stack, renderer, "AutomaticLightCreation", False)
+        up = np.array(self.up, dtype=np.float64) / np.linalg.norm(self.up)
+        first = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+        first /= np.linalg.norm(first)
+        for turn, tilt, intensity in ((40, 50, 0.7), (160, 15, 0.45), (280, 15, 0.45), (40, -60, 0.3)):
+            turn, tilt = math.radians(turn), math.radians(tilt)
+            level = math.cos(turn) * first + math.sin(turn) * np.cross(up, first)
+            light = vtkLight()
+            light.SetLightTypeToSceneLight()
+            light.PositionalOff()
+            light.SetPosition(*(math.cos(tilt) * level + math.sin(tilt) * up))
+            light.SetFocalPoint(0, 0, 0)
+            light.SetIntensity(intensity)
+            vtkRenderer.AddLight(renderer, light)
+            stack.callback(vtkRenderer.RemoveLight, renderer, light)
+
+    @contextlib.contextmanager
+    def geometry(self, with_normals):
+        """Only what has depth is drawn, without any filter, and in the colors of its normals."""
+        with contextlib.ExitStack() as stack:
+            renderer = self.renderer
+            self.changed(stack, self.window, "MultiSamples", 0)
+            for name, value in (("UseFXAA", False), ("UseSSAO", False), ("UseDepthPeeling", False), ("Pass", None)):
+                if hasattr(renderer, f"Set{name}"):
+                    self.changed(stack, renderer, name, value)
+            hidden = [it for it in actors_of(renderer) if it.IsA("vtkSkybox")]
+            volumes = renderer.GetVolumes()
+            clear = [it for it in actors_of(renderer) if it.GetVisibility() and it.HasTranslucentPolygonalGeometry()]
+            clear += [volumes.GetItemAsObject(index) for index in range(volumes.GetNumberOfItems())]
+            if clear:
+                self.tell("volumes and what is translucent have no depth of their own: their color counts as that of what is behind them")
+            for prop in hidden + clear:
+                self.changed(stack, prop, "Visibility", False)
+            for actor in actors_of(renderer) if with_normals else ():
+                # A surface without lighting would have no normal in its shader.
+                self.changed(stack, actor.GetProperty(), "Lighting", True)
+                shader = actor.GetShaderProperty()
+                shader.AddFragmentShaderReplacement("//VTK::Picking::Impl", True, NORMAL_AS_COLOR, False)
+                stack.callback(shader.ClearFragmentShaderReplacement, "//VTK::Picking::Impl", True)
+            yield
+
+    def look(self, view):
+        """Renders from a viewpoint; planes of depth lie close around the scene."""
+        from vtkmodules.vtkRenderingCore import vtkCamera
+
+        camera = vtkCamera()
+        camera.SetPosition(*view.position)
+        camera.SetFocalPoint(*view.focal_point)
+        camera.SetViewUp(*view.up)
+        camera.SetViewAngle(view.view_angle)
+        self.renderer.SetActiveCamera(camera)
+        around = bounds_of(self.renderer)
+        if around[0] <= around[1]:
+            self.renderer.ResetCameraClippingRange(around)
+        self.window.Render()
+        if tuple(self.window.GetSize()) != self.size:
+            raise CaptureError(f"the window cannot be {self.size[0]}x{self.size[1]}: use Plotter(off_screen=True)")
+        return camera.GetClippingRange()
+
+    def bytes_of_picture(self):
+        """What is in the window, (height, width, 3), from the top."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+        width, height = self.size
+        array = vtkUnsignedCharArray()
+        self.window.GetPixelData(0, 0, width - 1, height - 1, 0, array, 0)
+        return vtk_to_numpy(array).reshape(height, width, 3)[::-1].copy()
+
+    def color(self, view):
+        self.look(view)
+        return LINEAR[self.bytes_of_picture()]
+
+    def depth(self, view):
+        """Planar z of every pixel's center, 1e10 where nothing is."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkFloatArray
+
+        near, far = self.look(view)
+        array, (width, height) = vtkFloatArray(), self.size
+        self.window.GetZbufferData(0, 0, width - 1, height - 1, array)
+        level = vtk_to_numpy(array).astype(np.float64).reshape(height, width)[::-1]
+        return np.where(level < 1.0, near * far / (far - level * (far - near)), MISS).astype(np.float32)
+
+    def normal(self, view, depth):
+        """World-space unit vectors toward the camera, zero where nothing is, of the picture that `depth` has just drawn."""
+        return normals_of(self.bytes_of_picture(), view, self.size, depth < MISS)
+
+
+def normals_of(picture, view, size, is_hit):
+    """Takes apart what NORMAL_AS_COLOR wrote."""
+    high, mixed, low = np.moveaxis(picture.astype(np.int32), -1, 0)
+    place = np.stack([high * 16 + mixed // 16, mixed % 16 * 256 + low], -1) / 4095 * 2 - 1
+    unit = np.concatenate([place, 1 - np.abs(place).sum(-1, keepdims=True)], -1)
+    fold = np.maximum(-unit[..., 2:], 0)
+    unit[..., :2] -= np.where(place >= 0, fold, -fold)
+    lens = view.lens(size)
+    x, y = np.meshgrid((np.arange(size[0]) + 0.5 - lens["cx"]) / lens["fl_x"], (lens["cy"] - np.arange(size[1]) - 0.5) / lens["fl_y"])
+    unit[unit[..., 0] * x + unit[..., 1] * y - unit[..., 2] > 0] *= -1
+    length = np.linalg.norm(unit, axis=-1, keepdims=True)
+    unit = np.where(is_hit[..., None] & (length > 0), unit / np.maximum(length, 1e-9), 0)
+    return (unit @ view.pose()[:3, :3].T).astype(np.float32)
+
+
+LINEAR = np.float32([it / 12.92 if it <= 0.04045 else ((it + 0.055) / 1.055) ** 2.4 for it in np.arange(256) / 255])
+
+
+def write_exr(path, channels):
+    """OpenEXR of channels by name, (height, width) of float16 or float32, compressed in blocks of 16 rows. It is there whole, or not at all."""
+    names = sorted(channels)
+    height, width = channels[names[0]].shape
+    kinds = b"".join(it.encode() + b"\0" + struct.pack("<iB3xii", 1 if channels[it].dtype == np.float16 else 2, 0, 1, 1) for it in names)
+    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    attributes = (
+        ("channels", "chlist", kinds + b"\0"),
+        ("compression", "compression", b"\x03"),
+        ("dataWindow", "box2i", box),
+        ("displayWindow", "box2i", box),
+        ("lineOrder", "lineOrder", b"\0"),
+        ("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        ("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
+        ("screenWindowWidth", "float", struct.pack("<f", 1)),
+    )
+    head = struct.pack("<2i", 20000630, 2)
+    for name, kind, value in attributes:
+        head += name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+    head += b"\0"
+    little = [np.ascontiguousarray(channels[it]).astype(channels[it].dtype.newbyteorder("<")) for it in names]
+    rows = np.concatenate([it.view(np.uint8).reshape(height, -1) for it in little], axis=1)
+    blocks = []
+    for first in range(0, height, 16):
+        plain = rows[first : first + 16].ravel()
+        # As the format wants it: every other byte first, then differences.
+        halves = np.concatenate([plain[0::2], plain[1::2]]).astype(np.int16)
+        halves[1:] = halves[1:] - halves[:-1] + 128
+        packed = zlib.compress(halves.astype(np.uint8).tobytes(), 4)
+        packed = packed if len(packed) < len(plain) else plain.tobytes()
+        blocks.append(struct.pack("<2i", first, len(packed)) + packed)
+    places = len(head) + 8 * len(blocks) + np.cumsum([0] + [len(it) for it in blocks[:-1]])
+    replace(path, head + places.astype("<u8").tobytes() + b"".join(blocks))
+
+
+def replace(path, content):
+    """Writes a file under another name first, so that it is never there in part."""
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path + ".part", "wb") as file:
+        file.write(content)
+    os.replace(path + ".part", path)
+
+
+def record(plotter, out, cameras=6, frames=1, size=None, step=None, *, truth=None, times=None, up=(0, 0, 1), view_angle=30.0, bounds=None,
+           lights="fixed", antialias=None, normals=True, step_jumps=False, overwrite=False):
+    """Records `plotter` (a pyvista.Plotter, vtkRenderWindow or vtkRenderer) into the folder `out`; raises CaptureError with what is wrong.
+
+    `cameras` and `truth` are as in `viewpoints`; those that are placed stand around `bounds`, or else around what the first frame shows.
+    `frames` is a number of frames, or their numbers; `times` are their times. `step(frame)` is called before each, also before those that
+    are there already, unless `step_jumps` says that it needs no earlier one. `size` is columns and rows, `antialias` the samples per pixel
+    of color (both the window's). `overwrite` records anew what is there."""
+    frames = list(range(frames)) if isinstance(frames, int) else [int(it) for it in frames]
+    times = [None] * len(frames) if times is None else [float(it) for it in times]
+    if not frames or len(times) != len(frames) or len(set(frames)) != len(frames):
+        raise CaptureError(f"{len(frames)} frames and {len(times)} times: there must be a time for each frame, and no frame twice")
+    out, progress = os.path.abspath(out), Progress()
+    stage = Stage(plotter, size, lights, antialias, up, progress.note)
+    if step is not None:
+        step(frames[0])
+    views = plan(cameras, truth, stage, bounds, view_angle)
+    roots = {root: manifest(found, frames, times, stage) for root, found in ((out, views[0]), (os.path.join(out, "novel"), views[1])) if found}
+    jobs = [(root, *it) for root, found in zip(roots, views) for it in begin(root, roots[root], found, overwrite)]
+    progress.start(len(jobs), sum(len(it["frames"]) for it in roots.values()))
+    for index, frame in enumerate(frames):
+        now = [it for it in jobs if it[1] == frame]
+        if step is not None and index > 0 and (now or not step_jumps):
+            step(frame)
+        if now:
+            normals = record_frame(stage, now, normals, progress)
+        if jobs and frame == jobs[-1][1]:
+            break
+    for root in roots:
+        os.replace(os.path.join(root, "recording.json"), os.path.join(root, "transforms.json"))
+    progress.end(out)
+
+
+def plan(cameras, truth, stage, bounds, view_angle):
+    """The recording cameras and the true views, whose names are the folders of their pictures."""
+    bounds = bounds_of(stage.renderer) if bounds is None else bounds
+    if len(bounds) != 6:
+        raise CaptureError("bounds are six numbers: xmin, xmax, ymin, ymax, zmin, zmax")
+    recorded = viewpoints(cameras, stage.size, bounds, stage.up, view_angle)
+    # True views that are placed stand halfway between recording cameras.
+    true = [] if truth is None else viewpoints(truth, stage.size, bounds, stage.up, view_angle, 0.5 * len(viewpoints(truth, stage.size, bounds)) / len(recorded) if isinstance(truth, (int, str)) else 0)
+    for found in (recorded, true):
+        for view in found:
+            view.name = re.sub(r"[^\w.-]+", "_", str(view.name)).strip("._") or "camera"
+        if len({it.name.lower() for it in found}) != len(found):
+            raise CaptureError("two cameras have the same name")
+    return recorded, true
+
+
+def manifest(views, frames, times, stage):
+    """What transforms.json will say."""
+    entries = []
+    for frame, when in zip(frames, times):
+        for view in views:
+            entry = {"camera": view.name, "frame": frame, "file_path": f"{view.name}/{frame:04d}.exr"}
+            entry.update({} if when is None else {"time": when})
+            entries.append({**entry, "transform_matrix": view.pose().tolist(), **view.lens(stage.size)})
+    return {
+        "depth_kind": "planar_z",
+        "depth_channel": "Z",
+        "depth_miss_value": MISS,
+        "normal_space": "world",
+        "antialiased_color": stage.is_antialiased,
+        "up": [float(it) for it in stage.up],
+        "frames": entries,
+    }
+
+
+def begin(root, planned, views, overwrite):
+    """Notes what is to be recorded, and returns the frames and viewpoints whose pictures are missing."""
+    if not overwrite:
+        for name in ("transforms.json", "recording.json"):
+            with contextlib.suppress(FileNotFoundError), open(os.path.join(root, name), encoding="utf-8") as file:
+                refuse_another(root, json.load(file), planned)
+    replace(os.path.join(root, "recording.json"), json.dumps(planned, indent=1).encode())
+    by_name = {it.name: it for it in views}
+    missing = []
+    for entry in planned["frames"]:
+        if overwrite or not os.path.exists(os.path.join(root, entry["file_path"])):
+            missing.append((entry["frame"], by_name[entry["camera"]], os.path.join(root, entry["file_path"])))
+    return missing
+
+
+def refuse_another(root, there, planned):
+    """Pictures of other cameras or settings must not be mixed with these."""
+    old = {it.get("file_path"): it for it in there.get("frames", [])}
+    same = all(there.get(key) == value for key, value in planned.items() if key != "frames")
+    if not same or any(old.get(it["file_path"], it) != it for it in planned["frames"]):
+        raise CaptureError(f"{root} holds pictures of other cameras or settings: choose another folder, or overwrite them")
+
+
+def record_frame(stage, jobs, normals, progress):
+    """Records the pictures of one frame; returns whether normals could be drawn."""
+    with stage.ready():
+        colors = [stage.color(view) for _, _, view, _ in jobs]
+        if normals and progress.is_first:
+            normals = has_normals(stage, jobs[0][2], progress)
+        with stage.geometry(normals):
+            for (_, _, view, path), color in zip(jobs, colors):
+                depth = stage.depth(view)
+                channels = dict(zip("RGB", np.moveaxis(color, -1, 0).astype(np.float16)), Z=depth)
+                if normals:
+                    channels.update(zip(("N.X", "N.Y", "N.Z"), np.moveaxis(stage.normal(view, depth), -1, 0).astype(np.float16)))
+                write_exr(path, channels)
+                progress.picture()
+    return normals
+
+
+def has_normals(stage, view, progress):
+    """Whether drawing normals leaves depth as it is: what VTK cannot draw in these colors would be missing."""
+    with stage.geometry(False):
+        plain = stage.depth(view)
+    with stage.geometry(True):
+        same = np.array_equal(plain, stage.depth(view))
+    if not same:
+        progress.note("something in the scene cannot be drawn with its normals: they are left out")
+    return same
+
+
+class Progress:
+    """Says on stderr how far it is."""
+
+    def __init__(self):
+        self.told, self.done, self.total, self.is_live = set(), 0, 0, sys.stderr.isatty()
+
+    def note(self, text):
+        if text not in self.told:
+            self.told.add(text)
+            print(f"note: {text}", file=sys.stderr)
+
+    @property
+    def is_first(self):
+        return self.done == 0
+
+    def start(self, missing, total):
+        self.total, self.begun = missing, time.monotonic()
+        if missing < total:
+            print(f"{total - missing} of {total} pictures are there", file=sys.stderr)
+
+    def picture(self):
+        self.done += 1
+        spent = time.monotonic() - self.begun
+        if self.is_live or self.done in (1, self.total) or self.done * 10 // self.total > (self.done - 1) * 10 // self.total:
+            left = spent / self.done * (self.total - self.done)
+            end = "\r" if self.is_live and self.done < self.total else "\n"
+            print(f"picture {self.done} of {self.total}, {left:.0f} s left   ", end=end, file=sys.stderr, flush=True)
+
+    def end(self, out):
+        print(f"recorded {out}", file=sys.stderr)
+
+
+def scene_of_files(files, options):
+    """A plotter of what PyVista reads, the times of its frames, and what steps it."""
+    import pyvista
+
+    pyvista.OFF_SCREEN = True
+    for path in files:
+        if not os.path.exists(path):
+            raise CaptureError(f"{path} does not exist")
+    try:
+        readers = [pyvista.get_reader(path) for path in files]
+    except (ValueError, OSError) as error:
+        raise CaptureError(f"PyVista does not read {files[0]}: {str(error).splitlines()[0]}") from error
+    times = getattr(readers[0], "time_values", None) if len(files) == 1 else None
+    moments = len(times) if times else len(files)
+
+    def mesh(frame):
+        reader = readers[0 if times else frame]
+        if times:
+            reader.set_active_time_point(frame)
+        read = reader.read()
+        return read.combine() if isinstance(read, pyvista.MultiBlock) else read
+
+    chosen = list(range(moments))[slice(*(int(it) if it else None for it in options.frames.split(":")))]
+    if not chosen:
+        raise CaptureError(f"--frames {options.frames} leaves none of {moments}")
+    plotter = pyvista.Plotter(off_screen=True, window_size=options.size)
+    plotter.set_background(options.background)
+    colored = {"color": options.color}
+    if options.color_by:
+        ends = [mesh(frame) for frame in (chosen[0], chosen[-1])]
+        for it in ends:
+            if options.color_by not in it.array_names:
+                raise CaptureError(f"there is no array '{options.color_by}'; there are: {', '.join(it.array_names) or 'none'}")
+        ranges = np.array([it.get_data_range(options.color_by) for it in ends])
+        limits = options.range or (float(ranges[:, 0].min()), float(ranges[:, 1].max()))
+        colored = {"scalars": options.color_by, "cmap": options.colormap, "clim": limits, "show_scalar_bar": False}
+
+    def step(frame):
+        now = mesh(frame)
+        if options.point_radius:
+            colors = pyvista.Color(options.color).float_rgb
+            if options.color_by:
+                colors = pyvista.LookupTable(cmap=options.colormap, scalar_range=limits).map_values(now.point_data[options.color_by])[:, :3]
+            plotter.add_actor(spheres(now.points, options.point_radius, colors), name="scene", reset_camera=False, render=False)
+        else:
+            plotter.add_mesh(now, name="scene", reset_camera=False, render=False, **colored)
+
+    return plotter, chosen, [times[it] for it in chosen] if times else None, step
+
+
+def numbers(count, text):
+    """Numbers with a comma or an x between them."""
+    found = [float(it) for it in re.split("[x,]", text)]
+    if len(found) != count:
+        raise ValueError
+    return found
+
+
+def add_options(parser):
+    """The options of recording, which scripts for other sources share."""
+    parser.add_argument("--out", required=True, metavar="FOLDER", help="folder of the capture")
+    parser.add_argument("--cameras", default="6", help="N or ring:N, sphere:N, inside:N, or a JSON file: a list of objects with position, focal_point, up, view_angle, name [ring:6]")
+    parser.add_argument("--truth", help="true views, in the same words: they go to FOLDER/novel")
+    parser.add_argument("--size", type=lambda text: tuple(int(it) for it in numbers(2, text)), default=(640, 480), metavar="WxH", help="columns and rows [640x480]")
+    parser.add_argument("--view-angle", type=float, default=30.0, metavar="DEGREES", help="from top to bottom [30]")
+    parser.add_argument("--up", type=lambda text: numbers(3, text), default=[0.0, 0.0, 1.0], metavar="X,Y,Z", help="[0,0,1]")
+    parser.add_argument("--bounds", type=lambda text: numbers(6, text), metavar="XMIN,XMAX,...", help="what cameras are placed around [what the first frame shows]")
+    parser.add_argument("--frames", default="::", metavar="FIRST:END:STEP", help="which time steps, as Python counts them [all]")
+    parser.add_argument("--background", default="white", help="[white]")
+    parser.add_argument("--lights", choices=("fixed", "as_set"), default="fixed", help="lights that stand in the scene, or those of the renderer [fixed]")
+    parser.add_argument("--antialias", type=int, metavar="N", help="samples per pixel of color, 0 for none [the renderer's]")
+    parser.add_argument("--no-normals", action="store_true", help="leave normals out")
+    parser.add_argument("--overwrite", action="store_true", help="record anew what is there")
+
+
+def record_by_options(options, plotter, frames, times, step):
+    """What the command line asks for. Files know every time step: none has to be read for another."""
+    def cameras(text):
+        if text is None or not text.endswith(".json"):
+            return text
+        with open(text, encoding="utf-8") as file:
+            return json.load(file)
+
+    record(plotter, options.out, cameras(options.cameras), frames, options.size, step, truth=cameras(options.truth), times=times, up=options.up,
+           view_angle=options.view_angle, bounds=options.bounds, lights=options.lights, antialias=options.antialias, normals=not options.no_normals,
+           step_jumps=True, overwrite=options.overwrite)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Record what PyVista reads as a capture that Overlook opens.")
+    parser.add_argument("scene", nargs="+", help="a .pvd series, or .vtu, .vtp, .vti, .ply ...; several are time steps")
+    add_options(parser)
+    parser.add_argument("--color-by", metavar="ARRAY", help="array whose values become colors")
+    parser.add_argument("--range", nargs=2, type=float, metavar=("LOW", "HIGH"), help="range of the colors [that of the first and the last time step]")
+    parser.add_argument("--colormap", default="viridis", help="[viridis]")
+    parser.add_argument("--color", default="lightgray", help="color without --color-by [lightgray]")
+    parser.add_argument("--point-radius", type=float, metavar="R", help="draw the points as spheres")
+    options = parser.parse_args()
+    run(lambda: record_by_options(options, *scene_of_files(options.scene, options)))
+
+
+def run(work):
+    """Ends the program with one line on what is wrong."""
+    try:
+        work()
+    except KeyboardInterrupt:
+        sys.exit("stopped; the same command goes on from here")
+    except (CaptureError, OSError, ImportError) as error:
+        sys.exit(f"error: {error}")
+
+
+if __name__ == "__main__":
+    main()
