@@ -22,6 +22,7 @@ Recording may be stopped and started again: pictures that are there are kept, an
 
 import argparse
 import contextlib
+import itertools
 import json
 import math
 import os
@@ -48,6 +49,10 @@ NORMAL_AS_COLOR = """//VTK::Picking::Impl
     gl_FragData[0] = vec4(floor(level.x / 16.0), mod(level.x, 16.0) * 16.0 + floor(level.y / 256.0), mod(level.y, 256.0), 255.0) / 255.0;
   }
 """
+
+
+# Directions and intensities along the axes of an icosahedron: mostly from above and one side. No surface gets more than 1 in sum.
+LIGHTS = (((0, 1, 1.618), 0.2), ((0, 1, -1.618), 0.46), ((1, 1.618, 0), 0.03), ((1, -1.618, 0), 0.19), ((1.618, 0, 1), 0.47), ((-1.618, 0, 1), 0.03))
 
 
 class CaptureError(ValueError):
@@ -133,10 +138,7 @@ def placed(layout, number, size, bounds, up, view_angle, phase):
     if not np.all(np.isfinite(low)) or np.any(high < low) or not np.any(high > low):
         raise CaptureError("the scene shows nothing that cameras could be placed around; give its bounds, or the cameras")
     middle, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
-    up = np.array(up, dtype=np.float64) / np.linalg.norm(up)
-    first = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
-    first /= np.linalg.norm(first)
-    second = np.cross(up, first)
+    first, second, up = upright(up)
     steps = (np.arange(number) + 0.5) / number
     if layout == "ring" or (layout == "inside" and number < 5):
         turn = 2 * np.pi * (np.arange(number) + phase) / number
@@ -148,7 +150,7 @@ def placed(layout, number, size, bounds, up, view_angle, phase):
     sideways = np.cos(tilt)[:, None] * (np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second)
     directions = sideways + np.sin(tilt)[:, None] * up
     slope = math.tan(math.radians(view_angle) / 2)
-    distance = radius / math.sin(math.atan(slope * min(1.0, size[0] / size[1])))
+    corners = np.array(list(itertools.product(*zip(low, high)))) - middle
     found = []
     for index, direction in enumerate(directions):
         # At a pole another direction is up.
@@ -158,9 +160,20 @@ def placed(layout, number, size, bounds, up, view_angle, phase):
             # They stand across the middle, so that neighbors see a surface from two places.
             position, target, angle = middle - 0.1 * radius * direction, middle + radius * direction, min(max(view_angle, needed), 110.0)
         else:
-            position, target = middle + distance * direction, middle
+            # As close as the corners of the bounds allow, with a margin.
+            right = np.cross(upward, direction) / np.linalg.norm(np.cross(upward, direction))
+            across, along = np.abs(corners @ np.stack([right * size[1] / size[0], np.cross(direction, right)], axis=1)), corners @ direction
+            position, target = middle + direction * np.max(1.06 * across.max(axis=1) / slope + along), middle
         found.append(Viewpoint(name, tuple(position), tuple(target), tuple(upward), angle))
     return found
+
+
+def upright(up):
+    """Three axes at right angles, the last one of them up."""
+    up = np.array(up, dtype=np.float64) / np.linalg.norm(up)
+    first = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    first /= np.linalg.norm(first)
+    return first, np.cross(up, first), up
 
 
 def spheres(centers, radii, colors):
@@ -312,20 +325,18 @@ class Stage:
         for light in following:
             self.changed(stack, light, "Switch", False)
         self.changed(stack, renderer, "AutomaticLightCreation", False)
-        up = np.array(self.up, dtype=np.float64) / np.linalg.norm(self.up)
-        first = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
-        first /= np.linalg.norm(first)
-        for turn, tilt, intensity in ((40, 50, 0.7), (160, 15, 0.45), (280, 15, 0.45), (40, -60, 0.3)):
-            turn, tilt = math.radians(turn), math.radians(tilt)
-            level = math.cos(turn) * first + math.sin(turn) * np.cross(up, first)
-            light = vtkLight()
-            light.SetLightTypeToSceneLight()
-            light.PositionalOff()
-            light.SetPosition(*(math.cos(tilt) * level + math.sin(tilt) * up))
-            light.SetFocalPoint(0, 0, 0)
-            light.SetIntensity(intensity)
-            vtkRenderer.AddLight(renderer, light)
-            stack.callback(vtkRenderer.RemoveLight, renderer, light)
+        basis = np.stack(upright(self.up))
+        # Each has one across from it, so that a sheet without thickness has one color, from whichever side it is seen.
+        for direction, intensity in LIGHTS:
+            for side in (1, -1):
+                light = vtkLight()
+                light.SetLightTypeToSceneLight()
+                light.PositionalOff()
+                light.SetPosition(*(side * np.array(direction) @ basis))
+                light.SetFocalPoint(0, 0, 0)
+                light.SetIntensity(intensity)
+                vtkRenderer.AddLight(renderer, light)
+                stack.callback(vtkRenderer.RemoveLight, renderer, light)
 
     @contextlib.contextmanager
     def geometry(self, with_normals):
