@@ -20,7 +20,7 @@ import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "vtk")]
-from overlook_capture import CaptureError, add_options, record, record_by_options, run, spheres
+from overlook_capture import CaptureError, add_options, chosen_frames, record, record_by_options, run, spheres
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -134,7 +134,7 @@ def main():
             pipeline = import_file(options.trajectory)
         except RuntimeError as error:
             raise CaptureError(f"OVITO does not read {options.trajectory}: {str(error).splitlines()[0]}") from error
-        frames = list(range(pipeline.num_frames))[slice(*(int(it) if it else None for it in options.frames.split(":")))]
+        frames = chosen_frames(options.frames, pipeline.num_frames)
         plotter, step = scene_of_pipeline(pipeline, options.size, options.background)
         record_by_options(options, plotter, frames, None, step)
 

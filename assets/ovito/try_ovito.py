@@ -57,13 +57,14 @@ def main():
     pipeline.compute().cell_.vis.enabled = False
     pipeline.add_to_scene()
     capture = os.path.join(folder, "capture")
-    views = [Viewpoint(f"view{index}", (6 + 32 * x, 6 + 32 * y, 6 + 32 * z), (6, 6, 6)) for index, (x, y, z) in enumerate(
-        ((0.9, 0.0, 0.43), (0.6, 0.7, 0.4), (0.0, 0.9, 0.43), (-0.6, 0.7, 0.4)))]
+    sides = np.array([[0.9, 0.0, 0.43], [0.6, 0.7, 0.4], [0.0, 0.9, 0.43], [-0.6, 0.7, 0.4]])
+    views = [Viewpoint(f"view{index}", tuple(6 + 32 * side), (6, 6, 6)) for index, side in enumerate(sides)]
     record_pipeline(pipeline, capture, {it.name: (it.position, it.focal_point, it.up, it.view_angle) for it in views}, size=SIZE)
     for frame in range(2):
         for view in views:
             look = np.subtract(view.focal_point, view.position)
-            window = Viewport(type=Viewport.Type.Perspective, camera_pos=view.position, camera_dir=look, camera_up=view.up, fov=math.radians(view.view_angle))
+            window = Viewport(type=Viewport.Type.Perspective, camera_pos=view.position, camera_dir=look, camera_up=view.up)
+            window.fov = math.radians(view.view_angle)
             picture = window.render_image(size=SIZE, frame=frame, alpha=True, renderer=TachyonRenderer(antialiasing=False))
             bits = np.frombuffer(picture.constBits(), np.uint8).reshape(SIZE[1], picture.bytesPerLine())[:, : 4 * SIZE[0]]
             theirs = bits.reshape(SIZE[1], SIZE[0], 4)[..., 3] > 127
@@ -71,7 +72,7 @@ def main():
                 ours = file.channels()["Z"].pixels < 1e9
             # OVITO's pixels lie half a pixel aside.
             apart = (ours & ~grown(theirs)).sum() + (theirs & ~grown(ours)).sum()
-            print(f"frame {frame}, {view.name}: {ours.sum()} pixels show something, {apart} of either picture are farther than a pixel from the other's")
+            print(f"frame {frame}, {view.name}: {ours.sum()} pixels show something, {apart} lie farther than a pixel from OVITO's or ours")
             assert apart <= 0.001 * ours.sum()
     info = json.loads(run(overlook, "info", capture, "--json"))
     assert not info["warnings"] and not info["conventions"]["is_warning"], info

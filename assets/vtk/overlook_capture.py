@@ -12,8 +12,8 @@ what PyVista reads; several files are time steps. Neither needs a display. Writt
     FOLDER/transforms.json, FOLDER/CAMERA/0000.exr ...       color, planar depth and world-space normals
     FOLDER/novel/transforms.json, FOLDER/novel/CAMERA/...    the same of true views (`truth`), which Overlook measures its accuracy against
 
-Color is linear, with the window's own multisampling. Depth and normals are drawn in a pass of their own without it: they are those at the
-center of each pixel. Lights that follow the camera would color a surface otherwise from each camera: while recording, lights that stand in
+Color is linear, with the window's own multisampling. Depth and normals are drawn in a pass of their own without it: they are those at
+each pixel's center. Lights that follow the camera would color a surface otherwise from each camera: while recording, lights that stand in
 the scene take their place (`lights="as_set"` keeps them). Left out is what turns with the camera or lies on the picture: texts, scalar bars,
 axes. What is translucent and volumes have no depth of their own: their color counts as that of what is behind them.
 
@@ -46,13 +46,21 @@ NORMAL_AS_COLOR = """//VTK::Picking::Impl
     vec2 side = vec2(unit.x >= 0.0 ? 1.0 : -1.0, unit.y >= 0.0 ? 1.0 : -1.0);
     vec2 place = unit.z >= 0.0 ? unit.xy : (1.0 - abs(unit.yx)) * side;
     vec2 level = floor((place * 0.5 + 0.5) * 4095.0 + 0.5);
-    gl_FragData[0] = vec4(floor(level.x / 16.0), mod(level.x, 16.0) * 16.0 + floor(level.y / 256.0), mod(level.y, 256.0), 255.0) / 255.0;
+    float mixed = mod(level.x, 16.0) * 16.0 + floor(level.y / 256.0);
+    gl_FragData[0] = vec4(floor(level.x / 16.0), mixed, mod(level.y, 256.0), 255.0) / 255.0;
   }
 """
 
 
 # Directions and intensities along the axes of an icosahedron: mostly from above and one side. No surface gets more than 1 in sum.
-LIGHTS = (((0, 1, 1.618), 0.2), ((0, 1, -1.618), 0.46), ((1, 1.618, 0), 0.03), ((1, -1.618, 0), 0.19), ((1.618, 0, 1), 0.47), ((-1.618, 0, 1), 0.03))
+LIGHTS = (
+    ((0, 1, 1.618), 0.2),
+    ((0, 1, -1.618), 0.46),
+    ((1, 1.618, 0), 0.03),
+    ((1, -1.618, 0), 0.19),
+    ((1.618, 0, 1), 0.47),
+    ((-1.618, 0, 1), 0.03),
+)
 
 
 class CaptureError(ValueError):
@@ -91,16 +99,16 @@ class Viewpoint:
         return {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": width / 2, "cy": height / 2}
 
 
-def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, phase=0.0):
+def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, turned=0.0):
     """A list of Viewpoint of what is asked for: a number or "ring:6", "sphere:12", "inside:6", which are placed around `bounds` (xmin, xmax,
-    ymin ...); a list, or an object by names, of (position, focal point, up[, view angle]), of objects with these keys, or of vtkCamera.
-    `phase` turns what is placed by so many steps."""
+    ymin ...); a list, or an object by names, of (position, focal point[, up[, view angle]]), of objects with these keys, or of vtkCamera.
+    What is placed is `turned` by a share of a full turn."""
     if isinstance(cameras, (int, str)):
-        layout, _, number = f"ring:{cameras}".rpartition(":")
-        layout = layout.split(":")[-1]
+        layout, _, number = str(cameras).rpartition(":")
+        layout = layout or "ring"
         if layout not in ("ring", "sphere", "inside") or not number.isdigit() or int(number) == 0:
             raise CaptureError(f"cameras '{cameras}' are neither a number nor ring:N, sphere:N or inside:N")
-        return placed(layout, int(number), size, bounds, up, view_angle, phase)
+        return placed(layout, int(number), size, bounds, up, view_angle, turned)
     named = cameras.items() if isinstance(cameras, dict) else ((None, it) for it in cameras)
     found = []
     for index, (name, camera) in enumerate(named):
@@ -125,28 +133,33 @@ def viewpoint(name, camera, size, up, view_angle):
         return Viewpoint(name, camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), angle)
     if isinstance(camera, dict):
         camera = [camera.get(key) for key in ("position", "focal_point", "up", "view_angle")]
-    values = [*camera, None, None, None, None][:4]
-    values = [values[0], values[1], up if values[2] is None else values[2], view_angle if values[3] is None else values[3]]
-    if any(it is None or np.shape(it) != (3,) for it in values[:3]):
+    try:
+        place, target, upward, angle = [*camera, None, None, None, None][:4]
+        places = [tuple(float(number) for number in it) for it in (place, target, up if upward is None else upward)]
+        angle = float(view_angle if angle is None else angle)
+    except (TypeError, ValueError):
+        places = [()]
+    if any(len(it) != 3 for it in places):
         raise CaptureError(f"camera '{name}' needs a position, a focal point and an up direction of three numbers each")
-    return Viewpoint(name, *(tuple(float(number) for number in it) for it in values[:3]), float(values[3]))
+    return Viewpoint(name, *places, angle)
 
 
-def placed(layout, number, size, bounds, up, view_angle, phase):
+def placed(layout, number, size, bounds, up, view_angle, turned):
     """`ring`: around the scene, from above and below in turn; `sphere`: from all sides; `inside`: from the middle outward."""
     low, high = np.array(bounds[0::2], dtype=np.float64), np.array(bounds[1::2], dtype=np.float64)
     if not np.all(np.isfinite(low)) or np.any(high < low) or not np.any(high > low):
         raise CaptureError("the scene shows nothing that cameras could be placed around; give its bounds, or the cameras")
     middle, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
     first, second, up = upright(up)
-    steps = (np.arange(number) + 0.5) / number
-    if layout == "ring" or (layout == "inside" and number < 5):
-        turn = 2 * np.pi * (np.arange(number) + phase) / number
-        tilt = np.radians(25.0 if layout == "ring" else 0.0) * np.where(np.arange(number) % 2 == 0, 1.0, -1.0)
+    count = np.arange(number)
+    if layout == "ring" or number < 5:
+        turn, tilt = count / number, np.radians(25.0 if layout == "ring" else 0.0) * np.where(count % 2 == 0, 1.0, -1.0)
         needed = 400 / number
     else:
-        turn, tilt = np.pi * (1 + 5**0.5) * (np.arange(number) + phase), np.arcsin(1 - 2 * steps)
+        # Evenly over the sphere, along a spiral.
+        turn, tilt = count * (1 + 5**0.5) / 2, np.arcsin(1 - (2 * count + 1) / number)
         needed = 2.6 * np.degrees(np.arccos(1 - 2 / number))
+    turn = 2 * np.pi * (turn + turned)
     sideways = np.cos(tilt)[:, None] * (np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second)
     directions = sideways + np.sin(tilt)[:, None] * up
     slope = math.tan(math.radians(view_angle) / 2)
@@ -155,16 +168,17 @@ def placed(layout, number, size, bounds, up, view_angle, phase):
     for index, direction in enumerate(directions):
         # At a pole another direction is up.
         upward = up if abs(direction @ up) < 0.99 else first
-        name, angle = f"{layout}{index + 1}", view_angle
         if layout == "inside":
             # They stand across the middle, so that neighbors see a surface from two places.
-            position, target, angle = middle - 0.1 * radius * direction, middle + radius * direction, min(max(view_angle, needed), 110.0)
+            position, target = middle - 0.1 * radius * direction, middle + radius * direction
+            angle = min(max(view_angle, needed), 110.0)
         else:
             # As close as the corners of the bounds allow, with a margin.
             right = np.cross(upward, direction) / np.linalg.norm(np.cross(upward, direction))
-            across, along = np.abs(corners @ np.stack([right * size[1] / size[0], np.cross(direction, right)], axis=1)), corners @ direction
-            position, target = middle + direction * np.max(1.06 * across.max(axis=1) / slope + along), middle
-        found.append(Viewpoint(name, tuple(position), tuple(target), tuple(upward), angle))
+            across = np.abs(corners @ np.stack([right * size[1] / size[0], np.cross(direction, right)], axis=1)).max(axis=1)
+            position, target = middle + direction * np.max(1.06 * across / slope + corners @ direction), middle
+            angle = view_angle
+        found.append(Viewpoint(f"{layout}{index + 1}", tuple(position), tuple(target), tuple(upward), angle))
     return found
 
 
@@ -271,6 +285,8 @@ class Stage:
             raise CaptureError(f"the size {size} is not one of columns and rows")
         if lights not in ("fixed", "as_set"):
             raise CaptureError(f"lights '{lights}' are neither fixed nor as_set")
+        if np.shape(up) != (3,) or not np.linalg.norm(up) > 0:
+            raise CaptureError(f"the up direction {up} is none")
         self.lights, self.up, self.tell = lights, up, tell
         self.samples = self.window.GetMultiSamples() if antialias is None else int(antialias)
         self.is_antialiased = self.samples > 1 or bool(self.renderer.GetUseFXAA()) or self.renderer.GetPass() is not None
@@ -472,8 +488,25 @@ def replace(path, content):
     os.replace(path + ".part", path)
 
 
-def record(plotter, out, cameras=6, frames=1, size=None, step=None, *, truth=None, times=None, up=(0, 0, 1), view_angle=30.0, bounds=None,
-           lights="fixed", antialias=None, normals=True, step_jumps=False, overwrite=False):
+def record(
+    plotter,
+    out,
+    cameras=6,
+    frames=1,
+    size=None,
+    step=None,
+    *,
+    truth=None,
+    times=None,
+    up=(0, 0, 1),
+    view_angle=30.0,
+    bounds=None,
+    lights="fixed",
+    antialias=None,
+    normals=True,
+    step_jumps=False,
+    overwrite=False,
+):
     """Records `plotter` (a pyvista.Plotter, vtkRenderWindow or vtkRenderer) into the folder `out`; raises CaptureError with what is wrong.
 
     `cameras` and `truth` are as in `viewpoints`; those that are placed stand around `bounds`, or else around what the first frame shows.
@@ -489,18 +522,19 @@ def record(plotter, out, cameras=6, frames=1, size=None, step=None, *, truth=Non
     if step is not None:
         step(frames[0])
     views = plan(cameras, truth, stage, bounds, view_angle)
-    roots = {root: manifest(found, frames, times, stage) for root, found in ((out, views[0]), (os.path.join(out, "novel"), views[1])) if found}
-    jobs = [(root, *it) for root, found in zip(roots, views) for it in begin(root, roots[root], found, overwrite)]
-    progress.start(len(jobs), sum(len(it["frames"]) for it in roots.values()))
+    roots = [(root, found) for root, found in zip((out, os.path.join(out, "novel")), views) if found]
+    jobs = [it for root, found in roots for it in begin(root, manifest(found, frames, times, stage), found, overwrite)]
+    jobs.sort(key=lambda job: frames.index(job[0]))
+    progress.start(len(jobs), len(frames) * sum(len(found) for found in views))
     for index, frame in enumerate(frames):
-        now = [it for it in jobs if it[1] == frame]
+        now = [it for it in jobs if it[0] == frame]
         if step is not None and index > 0 and (now or not step_jumps):
             step(frame)
         if now:
             normals = record_frame(stage, now, normals, progress)
-        if jobs and frame == jobs[-1][1]:
+        if not jobs or frame == jobs[-1][0]:
             break
-    for root in roots:
+    for root, _ in roots:
         os.replace(os.path.join(root, "recording.json"), os.path.join(root, "transforms.json"))
     progress.end(out)
 
@@ -512,7 +546,8 @@ def plan(cameras, truth, stage, bounds, view_angle):
         raise CaptureError("bounds are six numbers: xmin, xmax, ymin, ymax, zmin, zmax")
     recorded = viewpoints(cameras, stage.size, bounds, stage.up, view_angle)
     # True views that are placed stand halfway between recording cameras.
-    true = [] if truth is None else viewpoints(truth, stage.size, bounds, stage.up, view_angle, 0.5 * len(viewpoints(truth, stage.size, bounds)) / len(recorded) if isinstance(truth, (int, str)) else 0)
+    turned = 0.5 / len(recorded)
+    true = [] if truth is None else viewpoints(truth, stage.size, bounds, stage.up, view_angle, turned)
     for found in (recorded, true):
         for view in found:
             view.name = re.sub(r"[^\w.-]+", "_", str(view.name)).strip("._") or "camera"
@@ -566,11 +601,14 @@ def refuse_another(root, there, planned):
 def record_frame(stage, jobs, normals, progress):
     """Records the pictures of one frame; returns whether normals could be drawn."""
     with stage.ready():
-        colors = [stage.color(view) for _, _, view, _ in jobs]
-        if normals and progress.is_first:
-            normals = has_normals(stage, jobs[0][2], progress)
+        colors = [stage.color(view) for _, view, _ in jobs]
+        if normals and not can_draw_normals(stage, jobs[0][1]):
+            if progress.done > 0:
+                raise CaptureError(f"frame {jobs[0][0]} shows something that cannot be drawn with its normals: record without normals")
+            progress.note("something in the scene cannot be drawn with its normals: they are left out")
+            normals = False
         with stage.geometry(normals):
-            for (_, _, view, path), color in zip(jobs, colors):
+            for (_, view, path), color in zip(jobs, colors):
                 depth = stage.depth(view)
                 channels = dict(zip("RGB", np.moveaxis(color, -1, 0).astype(np.float16)), Z=depth)
                 if normals:
@@ -580,15 +618,12 @@ def record_frame(stage, jobs, normals, progress):
     return normals
 
 
-def has_normals(stage, view, progress):
+def can_draw_normals(stage, view):
     """Whether drawing normals leaves depth as it is: what VTK cannot draw in these colors would be missing."""
     with stage.geometry(False):
         plain = stage.depth(view)
     with stage.geometry(True):
-        same = np.array_equal(plain, stage.depth(view))
-    if not same:
-        progress.note("something in the scene cannot be drawn with its normals: they are left out")
-    return same
+        return np.array_equal(plain, stage.depth(view))
 
 
 class Progress:
@@ -601,10 +636,6 @@ class Progress:
         if text not in self.told:
             self.told.add(text)
             print(f"note: {text}", file=sys.stderr)
-
-    @property
-    def is_first(self):
-        return self.done == 0
 
     def start(self, missing, total):
         self.total, self.begun = missing, time.monotonic()
@@ -645,9 +676,7 @@ def scene_of_files(files, options):
         read = reader.read()
         return read.combine() if isinstance(read, pyvista.MultiBlock) else read
 
-    chosen = list(range(moments))[slice(*(int(it) if it else None for it in options.frames.split(":")))]
-    if not chosen:
-        raise CaptureError(f"--frames {options.frames} leaves none of {moments}")
+    chosen = chosen_frames(options.frames, moments)
     plotter = pyvista.Plotter(off_screen=True, window_size=options.size)
     plotter.set_background(options.background)
     colored = {"color": options.color}
@@ -683,19 +712,31 @@ def numbers(count, text):
 
 def add_options(parser):
     """The options of recording, which scripts for other sources share."""
-    parser.add_argument("--out", required=True, metavar="FOLDER", help="folder of the capture")
-    parser.add_argument("--cameras", default="6", help="N or ring:N, sphere:N, inside:N, or a JSON file: a list of objects with position, focal_point, up, view_angle, name [ring:6]")
-    parser.add_argument("--truth", help="true views, in the same words: they go to FOLDER/novel")
-    parser.add_argument("--size", type=lambda text: tuple(int(it) for it in numbers(2, text)), default=(640, 480), metavar="WxH", help="columns and rows [640x480]")
-    parser.add_argument("--view-angle", type=float, default=30.0, metavar="DEGREES", help="from top to bottom [30]")
-    parser.add_argument("--up", type=lambda text: numbers(3, text), default=[0.0, 0.0, 1.0], metavar="X,Y,Z", help="[0,0,1]")
-    parser.add_argument("--bounds", type=lambda text: numbers(6, text), metavar="XMIN,XMAX,...", help="what cameras are placed around [what the first frame shows]")
-    parser.add_argument("--frames", default="::", metavar="FIRST:END:STEP", help="which time steps, as Python counts them [all]")
-    parser.add_argument("--background", default="white", help="[white]")
-    parser.add_argument("--lights", choices=("fixed", "as_set"), default="fixed", help="lights that stand in the scene, or those of the renderer [fixed]")
-    parser.add_argument("--antialias", type=int, metavar="N", help="samples per pixel of color, 0 for none [the renderer's]")
-    parser.add_argument("--no-normals", action="store_true", help="leave normals out")
-    parser.add_argument("--overwrite", action="store_true", help="record anew what is there")
+    size = lambda text: tuple(int(it) for it in numbers(2, text))
+    add = parser.add_argument
+    add("--out", required=True, metavar="FOLDER", help="folder of the capture")
+    add("--cameras", default="6", help="N or ring:N, sphere:N, inside:N, or a JSON file, whose form is below [ring:6]")
+    add("--truth", metavar="CAMERAS", help="true views, in the same words: they go to FOLDER/novel")
+    add("--size", type=size, default=(640, 480), metavar="WxH", help="columns and rows [640x480]")
+    add("--view-angle", type=float, default=30.0, metavar="DEGREES", help="from top to bottom [30]")
+    add("--up", type=lambda text: numbers(3, text), default=[0.0, 0.0, 1.0], metavar="X,Y,Z", help="up direction [0,0,1]")
+    add("--bounds", type=lambda text: numbers(6, text), metavar="XMIN,XMAX,...", help="what cameras stand around [what the first frame shows]")
+    add("--frames", default="::", metavar="FIRST:END:STEP", help="which time steps, as Python counts them [all]")
+    add("--background", default="white", help="its color [white]")
+    add("--lights", choices=("fixed", "as_set"), default="fixed", help="lights that stand in the scene, or those of the renderer [fixed]")
+    add("--antialias", type=int, metavar="N", help="samples per pixel of color, 0 for none [the renderer's]")
+    add("--no-normals", action="store_true", help="leave normals out")
+    add("--overwrite", action="store_true", help="record anew what is there")
+    parser.epilog = """Cameras in a file: [{"name": "left", "position": [0, -5, 1], "focal_point": [0, 0, 0], "up": [0, 0, 1], "view_angle": 30}, ...].
+        Go on with `overlook info FOLDER`. A simulation has no noise: `overlook preprocess FOLDER --out F.ovl --set spans.noise=0`."""
+
+
+def chosen_frames(text, count):
+    """The numbers of frames that --frames leaves of `count`."""
+    found = list(range(count))[slice(*(int(it) if it else None for it in text.split(":")))]
+    if not found:
+        raise CaptureError(f"--frames {text} leaves none of {count}")
+    return found
 
 
 def record_by_options(options, plotter, frames, times, step):
@@ -706,9 +747,24 @@ def record_by_options(options, plotter, frames, times, step):
         with open(text, encoding="utf-8") as file:
             return json.load(file)
 
-    record(plotter, options.out, cameras(options.cameras), frames, options.size, step, truth=cameras(options.truth), times=times, up=options.up,
-           view_angle=options.view_angle, bounds=options.bounds, lights=options.lights, antialias=options.antialias, normals=not options.no_normals,
-           step_jumps=True, overwrite=options.overwrite)
+    record(
+        plotter,
+        options.out,
+        cameras(options.cameras),
+        frames,
+        options.size,
+        step,
+        truth=cameras(options.truth),
+        times=times,
+        up=options.up,
+        view_angle=options.view_angle,
+        bounds=options.bounds,
+        lights=options.lights,
+        antialias=options.antialias,
+        normals=not options.no_normals,
+        step_jumps=True,
+        overwrite=options.overwrite,
+    )
 
 
 def main():
@@ -730,7 +786,7 @@ def run(work):
         work()
     except KeyboardInterrupt:
         sys.exit("stopped; the same command goes on from here")
-    except (CaptureError, OSError, ImportError) as error:
+    except (ValueError, OSError, ImportError) as error:
         sys.exit(f"error: {error}")
 
 

@@ -115,7 +115,8 @@ def check_resumed(folder, plotter, step, cameras):
     record(plotter, folder, cameras, FRAMES, SIZE, step, truth={"between": BETWEEN})
     assert [open(path, "rb").read() for path in paths] == before and os.stat(paths[1]).st_mtime_ns == kept
     assert not [name for _, _, names in os.walk(folder) for name in names if name.endswith(".part") or name == "recording.json"]
-    for other, said in (({**cameras, "left": BETWEEN}, "other cameras"), ([(0, 0, 0)], "needs a position"), ("cube:6", "neither"), ([], "no camera")):
+    mistakes = (({**cameras, "left": BETWEEN}, "other cameras"), ([(0, 0, 0)], "needs a position"), ("cube:6", "neither"), ([], "no camera"))
+    for other, said in mistakes:
         try:
             record(plotter, folder, other, FRAMES, SIZE, step)
         except CaptureError as error:
