@@ -39,6 +39,7 @@ MISS = 1e10
 """The depth of a pixel where nothing is."""
 TURNS_WITH_THE_CAMERA = ("Follower", "CubeAxes", "AxisActor", "AxesActor", "BillboardText", "GridAxes")
 # What VTK calls normalVCVSOutput is the normal in camera space. It is folded into an octahedron, whose two coordinates take 12 bits each.
+# Black would be the normal that points straight away from the camera: it says that there is none.
 NORMAL_AS_COLOR = """//VTK::Picking::Impl
   {
     vec3 unit = normalize(normalVCVSOutput);
@@ -50,6 +51,7 @@ NORMAL_AS_COLOR = """//VTK::Picking::Impl
     gl_FragData[0] = vec4(floor(level.x / 16.0), mixed, mod(level.y, 256.0), 255.0) / 255.0;
   }
 """
+BLACK = "//VTK::Picking::Impl\n  gl_FragData[0] = vec4(0.0, 0.0, 0.0, 1.0);\n"
 
 
 # Directions and intensities along the axes of an icosahedron: mostly from above and one side. No surface gets more than 1 in sum.
@@ -241,6 +243,34 @@ def bounds_of(renderer):
     return tuple(np.stack([low, high], axis=1).ravel())
 
 
+def has_normals(actor):
+    """Whether VTK knows a normal wherever it draws an actor: points and lines have some only as spheres and tubes, or if they are given."""
+    from vtkmodules.vtkCommonDataModel import vtkCellTypes
+
+    look, mapper = actor.GetProperty(), actor.GetMapper()
+    if mapper is None or any(part in mapper.GetClassName() for part in ("Sphere", "Stick", "Glyph")):
+        return True
+    data = mapper.GetInputDataObject(0, 0)
+    if data is not None and data.IsA("vtkCompositeDataSet"):
+        walk, parts = data.NewIterator(), []
+        while not walk.IsDoneWithTraversal():
+            parts.append(walk.GetCurrentDataObject())
+            walk.GoToNextItem()
+    else:
+        parts = [data]
+    for part in parts:
+        if part is None or part.GetPointData().GetNormals() is not None and look.GetInterpolation() > 0:
+            continue
+        # The numbers are those of VTK's cells with one point, some points, one line, some lines.
+        kinds = vtkCellTypes()
+        part.GetCellTypes(kinds)
+        as_points = look.GetRepresentation() == 0 or kinds.IsType(1) or kinds.IsType(2)
+        as_lines = look.GetRepresentation() == 1 or kinds.IsType(3) or kinds.IsType(4)
+        if as_points and not look.GetRenderPointsAsSpheres() or as_lines and not look.GetRenderLinesAsTubes():
+            return False
+    return True
+
+
 def turns_with_the_camera(prop):
     return any(part in prop.GetClassName() for part in TURNS_WITH_THE_CAMERA)
 
@@ -374,8 +404,8 @@ class Stage:
             for actor in actors_of(renderer) if with_normals else ():
                 # A surface without lighting would have no normal in its shader.
                 self.changed(stack, actor.GetProperty(), "Lighting", True)
-                shader = actor.GetShaderProperty()
-                shader.AddFragmentShaderReplacement("//VTK::Picking::Impl", True, NORMAL_AS_COLOR, False)
+                shader, code = actor.GetShaderProperty(), NORMAL_AS_COLOR if has_normals(actor) else BLACK
+                shader.AddFragmentShaderReplacement("//VTK::Picking::Impl", True, code, False)
                 stack.callback(shader.ClearFragmentShaderReplacement, "//VTK::Picking::Impl", True)
             yield
 
@@ -428,7 +458,7 @@ class Stage:
 
 
 def normals_of(picture, view, size, is_hit):
-    """Takes apart what NORMAL_AS_COLOR wrote."""
+    """Takes apart what NORMAL_AS_COLOR and BLACK wrote."""
     high, mixed, low = np.moveaxis(picture.astype(np.int32), -1, 0)
     place = np.stack([high * 16 + mixed // 16, mixed % 16 * 256 + low], -1) / 4095 * 2 - 1
     unit = np.concatenate([place, 1 - np.abs(place).sum(-1, keepdims=True)], -1)
@@ -438,7 +468,8 @@ def normals_of(picture, view, size, is_hit):
     x, y = np.meshgrid((np.arange(size[0]) + 0.5 - lens["cx"]) / lens["fl_x"], (lens["cy"] - np.arange(size[1]) - 0.5) / lens["fl_y"])
     unit[unit[..., 0] * x + unit[..., 1] * y - unit[..., 2] > 0] *= -1
     length = np.linalg.norm(unit, axis=-1, keepdims=True)
-    unit = np.where(is_hit[..., None] & (length > 0), unit / np.maximum(length, 1e-9), 0)
+    is_known = is_hit & picture.any(axis=-1)
+    unit = np.where(is_known[..., None] & (length > 0), unit / np.maximum(length, 1e-9), 0)
     return (unit @ view.pose()[:3, :3].T).astype(np.float32)
 
 
@@ -608,8 +639,10 @@ def record_frame(stage, jobs, normals, progress):
             progress.note("something in the scene cannot be drawn with its normals: they are left out")
             normals = False
         with stage.geometry(normals):
-            for (_, view, path), color in zip(jobs, colors):
+            for (frame, view, path), color in zip(jobs, colors):
                 depth = stage.depth(view)
+                if np.all(depth == MISS):
+                    progress.note(f"camera '{view.name}' shows nothing that has depth, at frame {frame}")
                 channels = dict(zip("RGB", np.moveaxis(color, -1, 0).astype(np.float16)), Z=depth)
                 if normals:
                     channels.update(zip(("N.X", "N.Y", "N.Z"), np.moveaxis(stage.normal(view, depth), -1, 0).astype(np.float16)))
@@ -619,11 +652,19 @@ def record_frame(stage, jobs, normals, progress):
 
 
 def can_draw_normals(stage, view):
-    """Whether drawing normals leaves depth as it is: what VTK cannot draw in these colors would be missing."""
+    """Whether VTK draws normals without an error, and depth as without them: what it cannot draw in these colors would be missing."""
+    from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
+
     with stage.geometry(False):
         plain = stage.depth(view)
-    with stage.geometry(True):
-        return np.array_equal(plain, stage.depth(view))
+    before, said = vtkOutputWindow.GetInstance(), vtkStringOutputWindow()
+    vtkOutputWindow.SetInstance(said)
+    try:
+        with stage.geometry(True):
+            drawn = stage.depth(view)
+    finally:
+        vtkOutputWindow.SetInstance(before)
+    return "ERR" not in said.GetOutput().upper() and np.array_equal(plain, drawn)
 
 
 class Progress:
