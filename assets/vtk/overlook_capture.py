@@ -14,8 +14,8 @@ what PyVista reads; several files are time steps. Neither needs a display. Writt
 
 Color is linear, with the window's own multisampling. Depth and normals are drawn in a pass of their own without it: they are those at
 each pixel's center. Lights that follow the camera would color a surface otherwise from each camera: while recording, lights that stand in
-the scene take their place (`lights="as_set"` keeps them). Left out is what turns with the camera or lies on the picture: texts, scalar bars,
-axes. What is translucent and volumes have no depth of their own: their color counts as that of what is behind them.
+the scene take their place (`lights="as_set"` keeps them). Left out is what turns with the camera or lies on the picture: texts, scalar
+bars, axes. What is translucent and volumes have no depth of their own: their color counts as that of what is behind them.
 
 Recording may be stopped and started again: pictures that are there are kept, and the manifest is written when all are.
 """
@@ -102,9 +102,9 @@ class Viewpoint:
 
 
 def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, turned=0.0):
-    """A list of Viewpoint of what is asked for: a number or "ring:6", "sphere:12", "inside:6", which are placed around `bounds` (xmin, xmax,
-    ymin ...); a list, or an object by names, of (position, focal point[, up[, view angle]]), of objects with these keys, or of vtkCamera.
-    What is placed is `turned` by a share of a full turn."""
+    """A list of Viewpoint of what is asked for: a number or "ring:6", "sphere:12", "inside:6", which are placed around `bounds` (xmin,
+    xmax, ymin ...); a list, or an object by names, of (position, focal point[, up[, view angle]]), of objects with these keys, or of
+    vtkCamera. What is placed is `turned` by a share of a full turn."""
     if isinstance(cameras, (int, str)):
         layout, _, number = str(cameras).rpartition(":")
         layout = layout or "ring"
@@ -280,11 +280,7 @@ def window_and_renderer(plotter):
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (without it VTK draws nothing)
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
-    if hasattr(plotter, "render_window"):
-        if plotter.render_window is None:
-            raise CaptureError("the plotter was closed; record before show(), or show(auto_close=False)")
-        window, renderer = plotter.render_window, plotter.renderer
-    elif hasattr(plotter, "GetRenderers"):
+    if hasattr(plotter, "GetRenderers"):
         drawn = plotter.GetRenderers()
         drawn = [drawn.GetItemAsObject(index) for index in range(drawn.GetNumberOfItems())]
         drawn = [it for it in drawn if it.GetLayer() == 0] if len(drawn) > 1 else drawn
@@ -297,8 +293,12 @@ def window_and_renderer(plotter):
             window = vtkRenderWindow()
             window.SetOffScreenRendering(True)
             window.AddRenderer(renderer)
+    elif hasattr(plotter, "render_window"):
+        if plotter.render_window is None:
+            raise CaptureError("the plotter was closed; record before show(), or show(auto_close=False)")
+        window, renderer = plotter.render_window, plotter.renderer
     else:
-        raise CaptureError(f"a {type(plotter).__name__} is neither a pyvista.Plotter nor a vtkRenderWindow nor a vtkRenderer")
+        raise CaptureError(f"{type(plotter).__name__} is neither a pyvista.Plotter nor a vtkRenderWindow nor a vtkRenderer")
     if not window.GetMapped():
         window.SetOffScreenRendering(True)
     return window, renderer
@@ -477,7 +477,7 @@ LINEAR = np.float32([it / 12.92 if it <= 0.04045 else ((it + 0.055) / 1.055) ** 
 
 
 def write_exr(path, channels):
-    """OpenEXR of channels by name, (height, width) of float16 or float32, compressed in blocks of 16 rows. It is there whole, or not at all."""
+    """OpenEXR of channels by name, (height, width) of float16 or float32, in zipped blocks of 16 rows. It is there whole, or not at all."""
     names = sorted(channels)
     height, width = channels[names[0]].shape
     kinds = b"".join(it.encode() + b"\0" + struct.pack("<iB3xii", 1 if channels[it].dtype == np.float16 else 2, 0, 1, 1) for it in names)
@@ -761,15 +761,15 @@ def add_options(parser):
     add("--size", type=size, default=(640, 480), metavar="WxH", help="columns and rows [640x480]")
     add("--view-angle", type=float, default=30.0, metavar="DEGREES", help="from top to bottom [30]")
     add("--up", type=lambda text: numbers(3, text), default=[0.0, 0.0, 1.0], metavar="X,Y,Z", help="up direction [0,0,1]")
-    add("--bounds", type=lambda text: numbers(6, text), metavar="XMIN,XMAX,...", help="what cameras stand around [what the first frame shows]")
+    add("--bounds", type=lambda text: numbers(6, text), metavar="XMIN,XMAX,...", help="what cameras are placed around [the first frame]")
     add("--frames", default="::", metavar="FIRST:END:STEP", help="which time steps, as Python counts them [all]")
     add("--background", default="white", help="its color [white]")
     add("--lights", choices=("fixed", "as_set"), default="fixed", help="lights that stand in the scene, or those of the renderer [fixed]")
     add("--antialias", type=int, metavar="N", help="samples per pixel of color, 0 for none [the renderer's]")
     add("--no-normals", action="store_true", help="leave normals out")
     add("--overwrite", action="store_true", help="record anew what is there")
-    parser.epilog = """Cameras in a file: [{"name": "left", "position": [0, -5, 1], "focal_point": [0, 0, 0], "up": [0, 0, 1], "view_angle": 30}, ...].
-        Go on with `overlook info FOLDER`. A simulation has no noise: `overlook preprocess FOLDER --out F.ovl --set spans.noise=0`."""
+    parser.epilog = """Cameras in a file: [{"name": "left", "position": [0, -5, 1], "focal_point": [0, 0, 0], "up": [0, 0, 1],
+        "view_angle": 30}, ...]. Then: `overlook info FOLDER`, `overlook preprocess FOLDER --out F.ovl --set spans.noise=0`."""
 
 
 def chosen_frames(text, count):
@@ -813,7 +813,7 @@ def main():
     parser.add_argument("scene", nargs="+", help="a .pvd series, or .vtu, .vtp, .vti, .ply ...; several are time steps")
     add_options(parser)
     parser.add_argument("--color-by", metavar="ARRAY", help="array whose values become colors")
-    parser.add_argument("--range", nargs=2, type=float, metavar=("LOW", "HIGH"), help="range of the colors [that of the first and the last time step]")
+    parser.add_argument("--range", nargs=2, type=float, metavar=("LOW", "HIGH"), help="range of the colors [of the first and last frame]")
     parser.add_argument("--colormap", default="viridis", help="[viridis]")
     parser.add_argument("--color", default="lightgray", help="color without --color-by [lightgray]")
     parser.add_argument("--point-radius", type=float, metavar="R", help="draw the points as spheres")

@@ -115,7 +115,8 @@ def check_resumed(folder, plotter, step, cameras):
     record(plotter, folder, cameras, FRAMES, SIZE, step, truth={"between": BETWEEN})
     assert [open(path, "rb").read() for path in paths] == before and os.stat(paths[1]).st_mtime_ns == kept
     assert not [name for _, _, names in os.walk(folder) for name in names if name.endswith(".part") or name == "recording.json"]
-    mistakes = (({**cameras, "left": BETWEEN}, "other cameras"), ([(0, 0, 0)], "needs a position"), ("cube:6", "neither"), ([], "no camera"))
+    moved = {**cameras, "left": BETWEEN}
+    mistakes = ((moved, "other cameras"), ([(0, 0, 0)], "needs a position"), ("cube:6", "neither"), ([], "no camera"))
     for other, said in mistakes:
         try:
             record(plotter, folder, other, FRAMES, SIZE, step)
@@ -123,6 +124,25 @@ def check_resumed(folder, plotter, step, cameras):
             assert said in str(error) and "\n" not in str(error), error
         else:
             raise AssertionError(f"{other} was taken")
+
+
+def check_plain_vtk(folder):
+    """A renderer alone, without a window and a light, and the window of another."""
+    from vtkmodules.vtkFiltersSources import vtkConeSource
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkCamera, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow
+
+    cone, mapper, actor, renderer = vtkConeSource(), vtkPolyDataMapper(), vtkActor(), vtkRenderer()
+    mapper.SetInputConnection(cone.GetOutputPort())
+    actor.SetMapper(mapper)
+    renderer.AddActor(actor)
+    record(renderer, os.path.join(folder, "renderer"), 3, size=(80, 60))
+    window, camera = vtkRenderWindow(), vtkCamera()
+    window.SetOffScreenRendering(True)
+    window.AddRenderer(renderer)
+    camera.SetPosition(0, -5, 0)
+    camera.SetViewUp(0, 0, 1)
+    record(window, os.path.join(folder, "window"), [camera], size=(80, 60))
+    assert (channels(os.path.join(folder, "window", "camera1", "0000.exr"))["Z"] < 1e9).any()
 
 
 def check_command(folder):
@@ -159,6 +179,7 @@ def main():
     score_capture(overlook, folder, f"PyVista {pyvista.__version__}", FRAMES)
     check_nearest(folder)
     check_resumed(folder, plotter, step, cameras)
+    check_plain_vtk(folder)
     check_command(folder)
 
 

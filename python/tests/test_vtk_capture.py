@@ -1,0 +1,104 @@
+"""What the capture script for VTK writes, without VTK: its files and its cameras mean to the engine what they say."""
+
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import overlook
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "assets" / "vtk"))
+import overlook_capture as script
+
+SIZE = (40, 30)
+CENTER, RADIUS = np.array([0.3, -0.2, 0.1]), 0.8
+
+
+def traced(view):
+    """Planar depth and normals of a sphere at the pixels' centers, and what is seen of it."""
+    pose, lens = view.pose(), view.lens(SIZE)
+    x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
+    local = np.stack([(x - lens["cx"]) / lens["fl_x"], (lens["cy"] - y) / lens["fl_y"], -np.ones_like(x)], -1)
+    ray, away = local @ pose[:3, :3].T, pose[:3, 3] - CENTER
+    a, b = np.sum(ray * ray, -1), ray @ away
+    inside = b * b - a * (away @ away - RADIUS**2)
+    depth = np.where(inside > 0, (-b - np.sqrt(np.maximum(inside, 0))) / a, script.MISS).astype(np.float32)
+    normal = np.where(depth[..., None] < script.MISS, (away + depth[..., None] * ray) / RADIUS, 0)
+    return depth, normal.astype(np.float16)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("vtk")
+    views = script.viewpoints("ring:3", SIZE, (-1, 1, -1, 1, -1, 1))
+    stage = SimpleNamespace(size=SIZE, up=(0, 0, 1), is_antialiased=True)
+    shades = script.LINEAR[np.arange(SIZE[0] * SIZE[1]).reshape(SIZE[1], SIZE[0]) % 256].astype(np.float16)
+    for view in views:
+        depth, normal = traced(view)
+        channels = {"R": shades, "G": shades.T.reshape(shades.shape), "B": shades[::-1], "Z": depth}
+        channels.update(zip(("N.X", "N.Y", "N.Z"), np.moveaxis(normal, -1, 0)))
+        script.write_exr(str(folder / view.name / "0007.exr"), channels)
+    planned = script.manifest(views, [7], [0.25], stage)
+    (folder / "transforms.json").write_text(json.dumps(planned))
+    return folder, views, planned, shades
+
+
+def test_pictures_are_read_to_the_last_bit_and_cameras_as_they_stand(recorded):
+    folder, views, _, shades = recorded
+    capture = overlook.open(folder)
+    assert (capture.warnings, capture.frame_numbers) == ([], [7])
+    for camera, view in zip(capture.cameras, views):
+        frame, (depth, normal) = capture.frame(camera.name), traced(view)
+        np.testing.assert_array_equal(frame.color[..., 0], shades.astype(np.float32))
+        np.testing.assert_array_equal(frame.color[..., 2], shades[::-1].astype(np.float32))
+        hit = depth < script.MISS
+        assert 0.1 < hit.mean() < 0.9
+        np.testing.assert_allclose(frame.depth[hit], depth[hit], rtol=1e-6)
+        assert np.all(np.isinf(frame.depth[~hit]))
+        np.testing.assert_allclose(frame.normal_in_world[hit], normal[hit], atol=2e-3)
+        # The points of every camera lie on one sphere: poses and lenses are those that they were traced with.
+        x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
+        lens = camera.lens
+        local = np.stack([(x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy, np.ones_like(x)], -1)[hit] * frame.depth[hit][:, None]
+        points = local @ camera.pose[:3, :3].T + camera.pose[:3, 3]
+        np.testing.assert_allclose(np.linalg.norm(points - CENTER, axis=1), RADIUS, atol=1e-4)
+
+
+def test_pictures_of_other_cameras_are_not_mixed_with_those_that_are_there(recorded, tmp_path):
+    folder, views, planned, _ = recorded
+    assert script.begin(str(folder), planned, views, False) == []
+    (folder / views[1].name / "0007.exr").unlink()
+    missing = script.begin(str(folder), planned, views, False)
+    assert [(frame, view.name) for frame, view, _ in missing] == [(7, views[1].name)]
+    other = json.loads(json.dumps(planned))
+    other["frames"][0]["fl_x"] += 1
+    with pytest.raises(script.CaptureError, match="other cameras"):
+        script.begin(str(folder), other, views, False)
+    assert len(script.begin(str(folder), other, views, True)) == 3
+
+
+@pytest.mark.parametrize("layout", ["ring:6", "sphere:12", "sphere:1", 4])
+def test_placed_cameras_see_all_corners_of_the_bounds(layout):
+    bounds = np.array([-1, 3, 2, 2.5, -4, 0.0])
+    corners = np.stack(np.meshgrid(*bounds.reshape(3, 2)), -1).reshape(-1, 3)
+    for size in ((64, 48), (48, 64)):
+        for view in script.viewpoints(layout, size, bounds, up=(0, 1, 0)):
+            x, y, back = ((corners - view.position) @ view.pose()[:3, :3]).T
+            lens = view.lens(size)
+            assert np.all(back < 0)
+            assert np.all(np.abs(lens["fl_x"] * x / back) < size[0] / 2) and np.all(np.abs(lens["fl_y"] * y / back) < size[1] / 2)
+
+
+def test_cameras_inside_look_into_every_direction():
+    rng = np.random.default_rng(0)
+    directions = rng.normal(size=(2000, 3))
+    for number in (6, 8, 14):
+        views = script.viewpoints(f"inside:{number}", (64, 64), (-1, 1, -1, 1, -1, 1))
+        seen = np.zeros(len(directions), bool)
+        for view in views:
+            x, y, back = (directions @ view.pose()[:3, :3]).T
+            half = view.lens((64, 64))["fl_x"] / 32
+            seen |= (back < 0) & (np.maximum(np.abs(x), np.abs(y)) * half < -back)
+        assert seen.mean() > 0.98, number
