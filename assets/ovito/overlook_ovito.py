@@ -2,9 +2,9 @@
 """OVITO: records a pipeline over its trajectory as a capture that Overlook opens.
 
     pip install ovito pyvista
-    python overlook_ovito.py TRAJECTORY --out FOLDER --cameras 6        what ovito.io.import_file reads; dump.*.xyz too
+    python overlook_ovito.py TRAJECTORY --out FOLDER --cameras 6        what OVITO reads; "dump.*" for several files
 
-    from overlook_ovito import record_pipeline                          a pipeline with its modifiers
+    from overlook_ovito import record_pipeline                          # a pipeline with its modifiers
     record_pipeline(pipeline, "FOLDER", cameras="sphere:12", size=(640, 480))
 
 OVITO's renderers return pictures of 8 bits without depth. So what a pipeline computes is drawn by VTK: particles as exact spheres with
@@ -20,7 +20,7 @@ import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "vtk")]
-from overlook_capture import CaptureError, add_options, chosen_frames, record, record_by_options, run, spheres
+from overlook_capture import CaptureError, add_options, chosen_frames, first_line, record, record_by_options, run, spheres
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -133,7 +133,7 @@ def main():
         try:
             pipeline = import_file(options.trajectory)
         except RuntimeError as error:
-            raise CaptureError(f"OVITO does not read {options.trajectory}: {str(error).splitlines()[0]}") from error
+            raise CaptureError(f"OVITO does not read {options.trajectory}: {first_line(error)}") from error
         frames = chosen_frames(options.frames, pipeline.num_frames)
         plotter, step = scene_of_pipeline(pipeline, options.size, options.background)
         record_by_options(options, plotter, frames, None, step)

@@ -706,7 +706,7 @@ def scene_of_files(files, options):
     try:
         readers = [pyvista.get_reader(path) for path in files]
     except (ValueError, OSError) as error:
-        raise CaptureError(f"PyVista does not read {files[0]}: {str(error).splitlines()[0]}") from error
+        raise CaptureError(f"PyVista does not read {files[0]}: {first_line(error)}") from error
     times = getattr(readers[0], "time_values", None) if len(files) == 1 else None
     moments = len(times) if times else len(files)
 
@@ -714,8 +714,14 @@ def scene_of_files(files, options):
         reader = readers[0 if times else frame]
         if times:
             reader.set_active_time_point(frame)
-        read = reader.read()
-        return read.combine() if isinstance(read, pyvista.MultiBlock) else read
+        try:
+            read = reader.read()
+        except (RuntimeError, ValueError) as error:
+            raise CaptureError(f"PyVista does not read {reader.path}: {first_line(error)}") from error
+        read = read.combine() if isinstance(read, pyvista.MultiBlock) else read
+        if not read.n_points:
+            raise CaptureError(f"{reader.path} holds no points")
+        return read
 
     chosen = chosen_frames(options.frames, moments)
     plotter = pyvista.Plotter(off_screen=True, window_size=options.size)
@@ -724,10 +730,12 @@ def scene_of_files(files, options):
     if options.color_by:
         ends = [mesh(frame) for frame in (chosen[0], chosen[-1])]
         for it in ends:
-            if options.color_by not in it.array_names:
-                raise CaptureError(f"there is no array '{options.color_by}'; there are: {', '.join(it.array_names) or 'none'}")
+            names = it.point_data.keys() if options.point_radius else it.array_names
+            if options.color_by not in names:
+                raise CaptureError(f"there is no array '{options.color_by}'; there are: {', '.join(names) or 'none'}")
         ranges = np.array([it.get_data_range(options.color_by) for it in ends])
         limits = options.range or (float(ranges[:, 0].min()), float(ranges[:, 1].max()))
+        table = pyvista.LookupTable(cmap=options.colormap, n_values=256).values[:, :3]
         colored = {"scalars": options.color_by, "cmap": options.colormap, "clim": limits, "show_scalar_bar": False}
 
     def step(frame):
@@ -735,7 +743,8 @@ def scene_of_files(files, options):
         if options.point_radius:
             colors = pyvista.Color(options.color).float_rgb
             if options.color_by:
-                colors = pyvista.LookupTable(cmap=options.colormap, scalar_range=limits).map_values(now.point_data[options.color_by])[:, :3]
+                share = (now.point_data[options.color_by] - limits[0]) / max(limits[1] - limits[0], 1e-30)
+                colors = table[np.uint8(np.clip(share * 256, 0, 255))]
             plotter.add_actor(spheres(now.points, options.point_radius, colors), name="scene", reset_camera=False, render=False)
         else:
             plotter.add_mesh(now, name="scene", reset_camera=False, render=False, **colored)
@@ -786,7 +795,10 @@ def record_by_options(options, plotter, frames, times, step):
         if text is None or not text.endswith(".json"):
             return text
         with open(text, encoding="utf-8") as file:
-            return json.load(file)
+            try:
+                return json.load(file)
+            except ValueError as error:
+                raise CaptureError(f"{text} is not JSON: {error}") from error
 
     record(
         plotter,
@@ -821,6 +833,10 @@ def main():
     run(lambda: record_by_options(options, *scene_of_files(options.scene, options)))
 
 
+def first_line(error):
+    return next((line.strip() for line in str(error).splitlines() if line.strip()), type(error).__name__)
+
+
 def run(work):
     """Ends the program with one line on what is wrong."""
     try:
@@ -828,7 +844,7 @@ def run(work):
     except KeyboardInterrupt:
         sys.exit("stopped; the same command goes on from here")
     except (ValueError, OSError, ImportError) as error:
-        sys.exit(f"error: {error}")
+        sys.exit(f"error: {first_line(error)}")
 
 
 if __name__ == "__main__":
