@@ -2,7 +2,7 @@
 """From a simulation to a page that plays it: a drop of melt freezes around a seed, seen from any side in any browser.
 
     pip install numpy pyvista
-    python examples/crystallization.py FOLDER                       a minute without a graphics card; OVERLOOK names the program
+    python examples/crystallization.py FOLDER                       a minute or two on two cores; OVERLOOK names the program
     python examples/crystallization.py FOLDER --atoms 400 --frames 6 --size 240x180
 
 FOLDER then holds the capture, `crystal.ovl` and `crystal.html`.
