@@ -184,7 +184,8 @@ mod tests {
                 let asked = SplatOptions { at_most: Some(most), sky, ..options(format) };
                 let (fewer, _) = exported(&set, frame, &asked).unwrap();
                 let found = fewer.splats;
-                assert!(found <= most && found * 100 > most * 95, "{format}, {sky}: {found} of {most}");
+                // A square of 32×32 pixels is merged as a whole.
+                assert!(found <= most && found + 3 * 256 > most, "{format}, {sky}: {found} of {most}");
                 assert_eq!(fewer.samples, whole.samples);
             }
             let said = exported(&set, frame, &SplatOptions { at_most: Some(9), ..options(format) });
