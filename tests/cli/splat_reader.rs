@@ -124,7 +124,7 @@ pub(crate) fn glb(path: &Path) -> (Vec<ReadSpan>, glam::DVec3) {
         let offset = accessor["byteOffset"].as_u64().unwrap_or(0) as usize;
         let first = number(&view["byteOffset"]) + offset;
         let length = size * number(&accessor["count"]);
-        assert!(first % 4 == 0 || size == 1, "aligned");
+        assert!(first.is_multiple_of(4) || size == 1, "aligned");
         assert!(offset + length <= number(&view["byteLength"]));
         binary[first..first + length].to_vec()
     };

@@ -80,7 +80,7 @@ fn write_points(
                 bytes.extend(point_in_world.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
             }
             Precision::Double => {
-                bytes.extend(point_in_world.to_array().into_iter().flat_map(f64::to_le_bytes))
+                bytes.extend(point_in_world.to_array().into_iter().flat_map(f64::to_le_bytes));
             }
         }
         let radius = radius(camera, ray_in_camera, depth, normal.as_dvec3());
