@@ -2,11 +2,11 @@
 
     pip install usd-core plyfile spz numpy
     npm install @playcanvas/splat-transform gltf-validator
-    overlook demo orrery --out scene && overlook preprocess scene --out scene.ovl
+    overlook demo orrery --out scene && overlook preprocess scene --out scene.ovl --set store.normals=true
     python3 assets/splats/check.py scene.ovl --program target/release/overlook --modules FOLDER_OF_NODE_MODULES
 
 Every program must read its file without a complaint, and find the same splats: as many, and in the same places, of the same size, turned
-alike, in the same colors. Exits with 1 and says what is wrong otherwise.
+alike, in the same colors. The store holds normals: estimated ones depend on what else a file holds. Exits with 1 and says what is wrong otherwise.
 """
 
 import argparse
@@ -165,7 +165,7 @@ def usd_at(stage, frame):
 
 
 def by_place(splats):
-    order = np.lexsort(np.round(splats["centers"], 4).T)
+    order = np.lexsort(splats["centers"].T + 0.0)
     return {key: values[order] for key, values in splats.items()}
 
 
@@ -198,12 +198,14 @@ def run(arguments, folder):
     stage = check_usd(folder / "scene.usda", len(plys), lambda frame: len(plys[frame]["centers"]))
     for frame in (0, len(plys) - 1):
         found = turned(usd_at(stage, frame), FLIP)
-        compare(f"usd-core at {frame}", by_place(found), by_place(plys[frame]), 1e-3 * extent, 2.0, 4.0)
+        compare(f"usd-core at {frame}", by_place(found), by_place(plys[frame]), 0.0, 1e-3, 1e-5)
     script = pathlib.Path(__file__).with_name("check.mjs")
     told = json.loads(subprocess.check_output(["node", script, arguments.modules, folder], text=True))
     issues = told["glb"]["issues"]
-    loud = [issue for issue in issues["messages"] if issue["severity"] < 2]
-    check(not loud, f"gltf-validator: {issues['numErrors']} errors, {issues['numWarnings']} warnings {loud[:3]}")
+    # Of the ratified extension this validator knows not even the names of its attributes; it refuses other programs' files alike.
+    unknown = "/attributes/KHR_gaussian_splatting:"
+    loud = [issue for issue in issues["messages"] if issue["severity"] < 2 and unknown not in issue["pointer"]]
+    check(not loud, f"gltf-validator: {len(loud)} errors and warnings besides names that it does not know {loud[:3]}")
     codes = sorted({(issue["code"], issue["message"]) for issue in issues["messages"]})
     print("        it notes:", codes[:6])
     for name, place, size, color in [("ply", 1e-5, 1e-3, 1e-4), ("spz", extent / 2**21, 0.15, 0.04)]:

@@ -138,9 +138,10 @@ fn from_y_up(file: Vec3) -> Vec3 {
 #[test]
 fn a_frame_as_ply_and_spz_has_each_sample_as_a_flat_ellipse_on_its_surface() {
     let (folder, set) = demo();
+    let number = set.frame_numbers[2].to_string();
     let samples: Vec<Expected<'_>> = set.images_at(2).flat_map(|image| expected(image, &set)).collect();
     assert!(samples.len() > 3000 && samples.iter().any(|sample| sample.normal != DVec3::ZERO));
-    let told = exported(folder.path(), &["--format", "ply", "--frame", "2", "--out", "scene.ply"]);
+    let told = exported(folder.path(), &["--format", "ply", "--frame", &number, "--out", "scene.ply"]);
     assert!(
         told.starts_with("Wrote ") && told.contains("of the sky") && told.trim().lines().count() == 1,
         "{told}"
@@ -150,7 +151,7 @@ fn a_frame_as_ply_and_spz_has_each_sample_as_a_flat_ellipse_on_its_surface() {
     assert_eq!(splats.len(), samples.len());
     splats.iter().zip(&samples).for_each(|(splat, sample)| check(splat, sample, from_ply, FLOATS));
 
-    let told = exported(folder.path(), &["--format", "spz", "--frame", "2", "--out", "scene.spz"]);
+    let told = exported(folder.path(), &["--format", "spz", "--frame", &number, "--out", "scene.spz"]);
     assert!(told.contains("positions within"), "{told}");
     let splats = splat_reader::spz(&folder.path().join("scene.spz"));
     assert_eq!(splats.len(), samples.len());
@@ -212,8 +213,11 @@ fn every_frame_gets_a_file_of_a_format_that_holds_one_and_a_budget_holds_for_eac
 fn the_sky_becomes_a_dome_around_everything_where_that_is_asked_for() {
     let (folder, set) = demo();
     let samples: usize = set.images_at(0).map(|image| expected(image, &set).len()).sum();
-    let told =
-        exported(folder.path(), &["--format", "ply", "--frame", "0", "--sky", "dome", "--out", "scene.ply"]);
+    let first = set.frame_numbers[0].to_string();
+    let told = exported(
+        folder.path(),
+        &["--format", "ply", "--frame", &first, "--sky", "dome", "--out", "scene.ply"],
+    );
     assert!(told.contains("10,000 of them the sky as a far dome"), "{told}");
     let (splats, _) = splat_reader::ply(&folder.path().join("scene.ply"));
     assert_eq!(splats.len(), samples + 10_000);
