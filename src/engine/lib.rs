@@ -19,7 +19,7 @@
 //! | explanation | [`preprocess::inspect`] | gives for each pixel the rule that kept or dropped it |
 //! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |
 //! | rendering | [`render`] | paints foreground over background into any vantage |
-//! | sharing | [`page`] | packs a store into one HTML file that plays in a browser |
+//! | sharing | [`page`], [`splats`] | packs a store into one HTML file that plays in a browser; writes it as Gaussians that viewers of splats open |
 //!
 //! The crate `overlook-lab` measures how close to the truth that comes and what it costs; `overlook` is the command line and the window
 //! over these same calls, and `overlook-python` the module for notebooks.
@@ -56,5 +56,6 @@ pub mod render;
 pub mod samples;
 pub mod settings;
 pub mod simd;
+pub mod splats;
 pub mod store;
 pub mod whole_file;

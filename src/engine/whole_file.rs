@@ -1,4 +1,4 @@
-//! Files that are seen under their names only when they are complete: whatever stood there stays until then.
+//! Files that are seen under their names only when they are complete: whatever stood there stays until then. So are several at once.
 //!
 //! A link is written through: what it leads to is replaced, and the link stays. Pipes and devices are never replaced, and never read:
 //! a pipe would be waited for, and a device need not end.
@@ -82,22 +82,25 @@ pub fn short_text(path: &Path) -> Result<String> {
     Ok(text)
 }
 
+/// Refuses a place that holds something else than a file; nothing may be there.
+fn refuse_other_than_file(path: &Path) -> Result<()> {
+    match std::fs::metadata(path) {
+        Ok(there) if !there.is_file() => Err(Error::invalid(
+            path.display(),
+            "is a folder, a pipe or a device, which no file may replace; name a file",
+        )),
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::io(path, error)),
+        _ => Ok(()),
+    }
+}
+
 /// Makes a file beside `path`, in its folder and so on its disk. It is removed unless `persist` gives it that
 /// name. Temporary files are private by default; this one is for everybody the umask allows, as any new file is.
 ///
 /// # Errors
 /// `Invalid` where something else than a file has that name, `Io`; both naming `path`.
 pub fn beside(path: &Path, suffix: &str) -> Result<NamedTempFile> {
-    match std::fs::metadata(path) {
-        Ok(there) if !there.is_file() => {
-            return Err(Error::invalid(
-                path.display(),
-                "is a folder, a pipe or a device, which no file may replace; name a file",
-            ));
-        }
-        Err(error) if error.kind() != ErrorKind::NotFound => return Err(Error::io(path, error)),
-        _ => {}
-    }
+    refuse_other_than_file(path)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".overlook-").suffix(suffix);
     #[cfg(unix)]
@@ -133,9 +136,93 @@ pub fn write_all(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     write(path, |writer| writer.write_all(content.as_ref()).map_err(|error| Error::io(path, error)))
 }
 
+/// Writes files into a folder, which is made where it is missing: `write` gets a folder to write them to, and they are seen under their
+/// names only when all are complete.
+///
+/// # Errors
+/// As [`beside`], and whatever `write` gives, its places named as they will be; nothing is left behind then.
+pub fn write_folder<T>(folder: &Path, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
+    let is_new = !folder.exists();
+    std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+    let result = write_into(folder, write);
+    if result.is_err() && is_new {
+        // It may hold what others put there meanwhile.
+        let _ = std::fs::remove_dir(folder);
+    }
+    result
+}
+
+fn write_into<T>(folder: &Path, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
+    let io = |error| Error::io(folder, error);
+    let unfinished = tempfile::Builder::new()
+        .prefix(".overlook-")
+        .tempdir_in(folder)
+        .map_err(|error| Error::io(folder, error.kind().into()))?;
+    let result = write(unfinished.path()).map_err(|error| renamed(error, unfinished.path(), folder))?;
+    let names: Result<Vec<_>, _> = std::fs::read_dir(unfinished.path())
+        .map_err(io)?
+        .map(|entry| entry.map(|entry| entry.file_name()))
+        .collect();
+    let names = names.map_err(io)?;
+    names.iter().try_for_each(|name| refuse_other_than_file(&folder.join(name)))?;
+    for name in names {
+        let path = folder.join(&name);
+        std::fs::rename(unfinished.path().join(name), place_of(&path))
+            .map_err(|error| Error::io(path, error))?;
+    }
+    Ok(result)
+}
+
+/// An error that names places in `folder` instead of those in `unfinished`.
+fn renamed(error: Error, unfinished: &Path, folder: &Path) -> Error {
+    let (from, to) = (unfinished.display().to_string(), folder.display().to_string());
+    match error {
+        Error::Io { path, source } => {
+            let path = path.strip_prefix(unfinished).map_or(path.clone(), |inside| folder.join(inside));
+            Error::Io { path, source }
+        }
+        Error::Invalid { place, what } => Error::Invalid { place: place.replace(&from, &to), what },
+        other => other,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_of_a_folder_appear_together_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a/frames");
+        let list = || {
+            let mut names: Vec<_> =
+                std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+            names.sort();
+            names
+        };
+        let fails = |inside: &Path| {
+            write_all(&inside.join("1"), "one")?;
+            Err::<(), _>(Error::invalid(inside.join("2").display(), "is odd"))
+        };
+        let said = write_folder(&out, fails).unwrap_err().to_string();
+        assert_eq!(said, format!("{}: is odd", out.join("2").display()));
+        assert!(!out.exists());
+        write_folder(&out, |inside| {
+            write_all(&inside.join("1"), "one")?;
+            write_all(&inside.join("2"), "two")
+        })
+        .unwrap();
+        assert_eq!(list(), ["1", "2"]);
+        // What is there stays where it fails, and is replaced where it does not.
+        std::fs::write(out.join("other"), "kept").unwrap();
+        assert!(write_folder(&out, fails).is_err());
+        write_folder(&out, |inside| write_all(&inside.join("2"), "new")).unwrap();
+        assert_eq!(list(), ["1", "2", "other"]);
+        assert_eq!(std::fs::read_to_string(out.join("2")).unwrap(), "new");
+        std::fs::create_dir(out.join("3")).unwrap();
+        let said = write_folder(&out, |inside| write_all(&inside.join("3"), "")).unwrap_err().to_string();
+        assert!(said.contains("name a file"), "{said}");
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {

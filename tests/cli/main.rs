@@ -21,4 +21,6 @@ mod parts;
 mod preprocess_command;
 mod preprocess_parts;
 mod result_places;
+mod splat_reader;
+mod splats_command;
 mod study_commands;

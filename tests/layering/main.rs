@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use imports::Imports;
 
 /// Modules from the bottom up, each after its crate. A module may use those before it and itself.
-const LAYERS: [&[&str]; 12] = [
+const LAYERS: [&[&str]; 13] = [
     &[
         "engine/color",
         "engine/cover",
@@ -33,6 +33,7 @@ const LAYERS: [&[&str]; 12] = [
     &["engine/store", "engine/preprocess"],
     &["engine/render"],
     &["engine/page"],
+    &["engine/splats"],
     &["engine/lib"],
     &["lab"],
     &["desk/cli", "desk/app", "python"],

@@ -30,6 +30,7 @@ Examples:
   overlook report sweep stress                              one page on both, with charts, tables and pictures
   overlook tune scene --out tuned.toml                      the simplest settings that are as good as the best
   overlook export points scene.ovl --out points            binary PLY, one file a frame
+  overlook export splats scene.ovl --format glb --out scene.glb     Gaussian splats that other viewers open, moving
   overlook verify scene.ovl                                 whether all of a store can be read
   overlook bench                                            speed of each stage beside the limits of this machine
 

@@ -1,4 +1,4 @@
-//! A page within a budget of bytes: samples are merged where the least is lost for every one that is saved.
+//! An export within a budget, as of bytes: samples are merged where the least is lost for every one that is saved.
 //!
 //! The unit is the square of 2×2 tiles, which becomes one tile of half the resolution, as often as [`LEVELS`] allows. What merging it
 //! loses is the squared difference between each sample's color and that of the sample it goes into, for as many frames as the image is
@@ -20,14 +20,14 @@ pub(super) const LEVELS: usize = 3;
 
 /// Samples of an image, merged `level` times.
 #[derive(Clone, Debug)]
-pub(super) struct LeveledImage {
-    pub(super) samples: Arc<SampleImage>,
-    pub(super) level: usize,
+pub(crate) struct LeveledImage {
+    pub(crate) samples: Arc<SampleImage>,
+    pub(crate) level: usize,
 }
 
 impl LeveledImage {
     /// As the store has it.
-    pub(super) fn fine(samples: Arc<SampleImage>) -> Self {
+    pub(crate) fn fine(samples: Arc<SampleImage>) -> Self {
         Self { samples, level: 0 }
     }
 }
@@ -50,7 +50,7 @@ struct Candidate {
 }
 
 /// Every image at every level, and the order in which squares are merged.
-pub(super) struct Coarsening {
+pub(crate) struct Coarsening {
     pyramids: Vec<Pyramid>,
     steps: usize,
 }
@@ -60,7 +60,7 @@ impl Coarsening {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub(super) fn new(set: &SampleSet, job: &Job) -> Result<Self> {
+    pub(crate) fn new(set: &SampleSet, job: &Job) -> Result<Self> {
         job.start("Measuring what coarser samples lose", set.images.len());
         let prepared: Result<Vec<_>> = set
             .images
@@ -86,13 +86,33 @@ impl Coarsening {
         Ok(Self { pyramids, steps })
     }
 
-    /// How many squares there are.
-    pub(super) fn steps(&self) -> usize {
-        self.steps
+    /// What is made of the finest images for which `made` gives something; `None` if it gives nothing even for the coarsest, which are
+    /// tried first. The finest are found to within one part of 2 to the `halvings`.
+    ///
+    /// # Errors
+    /// Those of `made`.
+    pub(crate) fn finest<T>(
+        &self,
+        halvings: usize,
+        mut made: impl FnMut(&[LeveledImage]) -> Result<Option<T>>,
+    ) -> Result<Option<T>> {
+        let (mut too_large, mut fits) = (0, self.steps);
+        let Some(mut best) = made(&self.images(fits))? else { return Ok(None) };
+        for _ in 0..halvings {
+            let middle = too_large + (fits - too_large) / 2;
+            if middle == too_large {
+                break;
+            }
+            match made(&self.images(middle))? {
+                Some(tried) => (fits, best) = (middle, tried),
+                None => too_large = middle,
+            }
+        }
+        Ok(Some(best))
     }
 
     /// The images after the first `steps` squares are merged.
-    pub(super) fn images(&self, steps: usize) -> Vec<LeveledImage> {
+    fn images(&self, steps: usize) -> Vec<LeveledImage> {
         let parts = self.pyramids.iter().flat_map(|pyramid| {
             (0..=LEVELS).map(move |level| {
                 let is_merged = |level: usize, (y, x): Place| {
@@ -207,7 +227,7 @@ mod tests {
             coarsening.images(steps).iter().map(|image| image.samples.len() as u64).sum::<u64>()
         };
         assert_eq!(count(0), set.sample_count());
-        let steps = coarsening.steps();
+        let steps = coarsening.steps;
         let counts: Vec<u64> = (0..=8).map(|eighth| count(steps * eighth / 8)).collect();
         assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
         assert!(counts[8] * 20 < counts[0], "{counts:?}");

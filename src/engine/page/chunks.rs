@@ -17,7 +17,7 @@ use crate::store::depth_shift;
 const CHUNK_SAMPLES: usize = 150_000;
 
 /// The best compression that there is: a page is written once, and read often.
-const BEST: i32 = 12;
+pub(super) const BEST: i32 = 12;
 
 /// What the header says of an image.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
@@ -107,13 +107,16 @@ fn chunk(set: &SampleSet, images: &[&LeveledImage], shifts: &[u32]) -> Result<Ch
     }
     let lengths = streams.0.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes());
     let raw: Vec<u8> = lengths.chain(streams.0.iter().flatten().copied()).collect();
-    Ok(Chunk { images: headers, bytes: gzipped(&raw, &set.name)? })
+    Ok(Chunk { images: headers, bytes: gzipped(&raw, BEST, &set.name)? })
 }
 
-/// Deflate with a checksum, as browsers read it.
-pub(super) fn gzipped(raw: &[u8], name: &str) -> Result<Vec<u8>> {
+/// Deflate with a checksum, as browsers read it, by a level of effort from 1 to 12.
+///
+/// # Errors
+/// `Invalid` naming `name` where there is no such level.
+pub(crate) fn gzipped(raw: &[u8], level: i32, name: &str) -> Result<Vec<u8>> {
     let failed = || Error::invalid(name, "its samples cannot be compressed");
-    let mut compressor = Compressor::new(CompressionLvl::new(BEST).map_err(|_| failed())?);
+    let mut compressor = Compressor::new(CompressionLvl::new(level).map_err(|_| failed())?);
     let mut bytes = vec![0; compressor.gzip_compress_bound(raw.len())];
     let length = compressor.gzip_compress(raw, &mut bytes).map_err(|_| failed())?;
     bytes.truncate(length);

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use glam::{DAffine3, DVec3};
 use serde::Serialize;
 
-use super::chunks::{ImageHeader, Packed, gzipped};
+use super::chunks::{BEST, ImageHeader, Packed, gzipped};
 use super::options::PageOptions;
 use crate::capture::{Intrinsics, pivot};
 use crate::color::srgb8_from_linear;
@@ -100,7 +100,7 @@ pub(super) fn of(
         Ok(SkyHeader {
             share: sky_share(set),
             rows: SKY_ROWS,
-            colors: STANDARD.encode(gzipped(&residuals, &set.name)?),
+            colors: STANDARD.encode(gzipped(&residuals, BEST, &set.name)?),
         })
     });
     Ok(Header {

@@ -28,8 +28,8 @@ use crate::samples::SampleSet;
 use crate::store::file::Store;
 use crate::whole_file;
 
-use budget::Coarsening;
-
+pub(crate) use budget::{Coarsening, LeveledImage};
+pub(crate) use chunks::gzipped;
 pub use options::{PageOptions, PagePath};
 
 /// What was written.
@@ -79,41 +79,30 @@ const SEARCH_STEPS: usize = 7;
 
 fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageText> {
     let sky = header::sky_of(set)?;
-    let written = |images: &[budget::LeveledImage]| -> Result<PageText> {
+    let written = |images: &[LeveledImage]| -> Result<PageText> {
         let packed = chunks::pack(set, images, job)?;
         let html =
             html::page(&header::of(set, options, sky.as_deref(), &packed)?, options, &packed, &set.name)?;
         Ok(PageText { html, samples: images.iter().map(|image| image.samples.len() as u64).sum() })
     };
-    let whole: Vec<_> =
-        set.images.iter().map(|image| budget::LeveledImage::fine(Arc::clone(image))).collect();
+    let whole: Vec<_> = set.images.iter().map(|image| LeveledImage::fine(Arc::clone(image))).collect();
     let Some(most) = options.at_most else { return written(&whole) };
     let finest = written(&whole)?;
     if finest.html.len() as u64 <= most {
         return Ok(finest);
     }
-    let coarsening = Coarsening::new(set, job)?;
-    let (mut too_large, mut fits) = (0, coarsening.steps());
-    let coarsest = written(&coarsening.images(fits))?;
-    if coarsest.html.len() as u64 > most {
+    let mut tried_bytes = 0;
+    let best = Coarsening::new(set, job)?.finest(SEARCH_STEPS, |images| {
+        let tried = written(images)?;
+        tried_bytes = tried.html.len() as u64;
+        Ok((tried_bytes <= most).then_some(tried))
+    })?;
+    best.ok_or_else(|| {
+        // Nothing but the coarsest was tried.
         let what = format!(
             "is not written: at its coarsest the page takes {}, more than the {most} that it may",
-            counted(coarsest.html.len() as u64, "byte")
+            counted(tried_bytes, "byte")
         );
-        return Err(Error::invalid(&set.name, what));
-    }
-    let mut best = coarsest;
-    for _ in 0..SEARCH_STEPS {
-        let middle = too_large + (fits - too_large) / 2;
-        if middle == too_large {
-            break;
-        }
-        let tried = written(&coarsening.images(middle))?;
-        if tried.html.len() as u64 <= most {
-            (fits, best) = (middle, tried);
-        } else {
-            too_large = middle;
-        }
-    }
-    Ok(best)
+        Error::invalid(&set.name, what)
+    })
 }

@@ -11,7 +11,7 @@
 //! Every field's doc comment is also its help text (`overlook settings`, hover text). A missing field keeps its default; an unknown
 //! one is an error, so that a misspelled threshold never passes in silence.
 
-mod choice;
+pub(crate) mod choice;
 mod choices;
 mod other_version;
 mod section;

@@ -90,6 +90,18 @@ where
         .try_map(|name| name.parse::<T>())
 }
 
+/// A whole number above 0, with k for a thousand or M for a million behind it.
+pub(crate) fn amount(text: &str) -> Result<u64, String> {
+    let (number, unit) = match text.strip_suffix(['k', 'K']) {
+        Some(number) => (number, 1e3),
+        None => text.strip_suffix('M').map_or((text, 1.0), |number| (number, 1e6)),
+    };
+    match number.parse::<f64>() {
+        Ok(number) if number * unit >= 1.0 && number * unit < 1e15 => Ok((number * unit) as u64),
+        _ => Err("must be a number, as in 3000000, 500k or 3M".to_owned()),
+    }
+}
+
 /// Which cameras are left out.
 #[derive(Debug, Args)]
 pub(crate) struct HoldOutArgs {
@@ -165,5 +177,11 @@ mod tests {
             panic!("nonsense passed")
         };
         assert!(said.contains("no such setting"), "{said}");
+    }
+
+    #[test]
+    fn amounts_are_given_plain_in_thousands_and_in_millions() {
+        assert_eq!(["3000", "500k", "1.5M"].map(amount), [3000, 500_000, 1_500_000].map(Ok));
+        assert!(["", "k", "-1", "0", "0.5", "1G", "nan"].iter().all(|text| amount(text).is_err()));
     }
 }

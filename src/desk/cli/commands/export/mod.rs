@@ -1,11 +1,13 @@
 //! `overlook export`: what a store holds, in forms that other programs read.
 
+mod frame_files;
 mod miv;
 mod page;
 mod path;
 mod pictures;
 mod ply;
 mod points;
+mod splats;
 mod store;
 mod video;
 
@@ -32,6 +34,8 @@ enum ExportKind {
     Miv(miv::MivArgs),
     /// One HTML file that plays the scene from any viewpoint, in any browser and offline.
     Page(page::PageArgs),
+    /// Samples as Gaussian splats, in formats that other viewers open: PLY, SPZ, glTF, USD.
+    Splats(splats::SplatsArgs),
     /// The store again, with another precision or coding.
     Store(store::StoreArgs),
 }
@@ -44,6 +48,7 @@ impl ExportArgs {
             ExportKind::Video(args) => args.run(),
             ExportKind::Miv(args) => args.run(),
             ExportKind::Page(args) => args.run(),
+            ExportKind::Splats(args) => args.run(),
             ExportKind::Store(args) => args.run(),
         }
     }

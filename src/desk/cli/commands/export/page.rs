@@ -31,20 +31,8 @@ pub(crate) struct PageArgs {
     #[arg(long, default_value_t = 24.0, value_parser = super::video::frames_per_second)]
     fps: f64,
     /// Most bytes of the page, as in 3000000, 500k or 3M: what shows least is made coarser until it fits.
-    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    #[arg(long, value_name = "BYTES", value_parser = input::amount)]
     at_most: Option<u64>,
-}
-
-/// A number of bytes, with k for a thousand or M for a million behind it.
-fn bytes(text: &str) -> Result<u64, String> {
-    let (number, unit) = match text.strip_suffix(['k', 'K']) {
-        Some(number) => (number, 1e3),
-        None => text.strip_suffix('M').map_or((text, 1.0), |number| (number, 1e6)),
-    };
-    match number.parse::<f64>() {
-        Ok(number) if number > 0.0 && number * unit < 1e15 => Ok((number * unit) as u64),
-        _ => Err("must be a number of bytes, as in 3000000, 500k or 3M".to_owned()),
-    }
 }
 
 impl PageArgs {
@@ -85,15 +73,4 @@ fn page_path(manifest: &std::path::Path, store: &StoreInfo) -> Result<PagePath> 
         lens: vantages[0].camera.intrinsics,
         poses: vantages.into_iter().map(|vantage| vantage.camera.world_from_camera).collect(),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::bytes;
-
-    #[test]
-    fn bytes_are_given_plain_in_thousands_and_in_millions() {
-        assert_eq!(["3000", "500k", "1.5M"].map(bytes), [3000, 500_000, 1_500_000].map(Ok));
-        assert!(["", "k", "-1", "0", "1G", "nan"].iter().all(|text| bytes(text).is_err()));
-    }
 }

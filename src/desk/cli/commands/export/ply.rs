@@ -8,19 +8,16 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use overlook_engine::capture::Camera;
 use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::error::{Error, Result};
-use overlook_engine::samples::{OctNormal, SampleImage, SampleSet};
+use overlook_engine::samples::{OctNormal, PlacedSample, SampleImage, SampleSet, are_far_from_origin};
 use overlook_engine::whole_file;
 
 /// Bytes of a point at most: position and normal, radius, color.
 const POINT_BYTES: usize = 3 * 8 + 4 * 4 + 3;
-
-/// World units from the origin up to which single precision holds a tenth of a thousandth of a unit.
-const NEAR: f64 = 1e3;
 
 /// How positions are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,8 +29,7 @@ enum Precision {
 impl Precision {
     /// What the places of the cameras need.
     fn of(cameras: &[Camera]) -> Self {
-        let is_far = |camera: &Camera| camera.position_in_world().abs().max_element() > NEAR;
-        if cameras.iter().any(is_far) { Self::Double } else { Self::Single }
+        if are_far_from_origin(cameras) { Self::Double } else { Self::Single }
     }
 }
 
@@ -44,9 +40,7 @@ pub(crate) fn write<'a>(
     images: impl Iterator<Item = &'a SampleImage> + Clone,
 ) -> Result<u64> {
     let io = |error| Error::io(path, error);
-    let near =
-        |image: &SampleImage| image.inverse_depths().iter().filter(|depth| **depth > 0.0).count() as u64;
-    let points = images.clone().map(near).sum();
+    let points = images.clone().map(SampleImage::placed_count).sum();
     let precision = Precision::of(&set.cameras);
     whole_file::write(path, |target| {
         target.write_all(header(&set.name, points, precision).as_bytes()).map_err(io)?;
@@ -77,21 +71,19 @@ fn write_points(
     camera: &Camera,
     precision: Precision,
 ) -> std::io::Result<()> {
-    let depths = image.inverse_depths();
-    for sample in image.samples().filter(|sample| depths[sample.index] > 0.0) {
-        let z = 1.0 / f64::from(depths[sample.index]);
-        let ray = camera.intrinsics.ray_in_camera(DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5));
-        let point = camera.world_from_camera.transform_point3(ray * z);
+    for PlacedSample { sample, ray_in_camera, depth, point_in_world } in image.placed(camera) {
         let normals = image.normal.as_ref();
         let normal = normals.map_or(glam::Vec3::ZERO, |normals| OctNormal::decode(normals[sample.index]));
         let mut bytes = Vec::with_capacity(POINT_BYTES);
         match precision {
             Precision::Single => {
-                bytes.extend(point.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
+                bytes.extend(point_in_world.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
             }
-            Precision::Double => bytes.extend(point.to_array().into_iter().flat_map(f64::to_le_bytes)),
+            Precision::Double => {
+                bytes.extend(point_in_world.to_array().into_iter().flat_map(f64::to_le_bytes));
+            }
         }
-        let radius = radius(camera, ray, z, normal.as_dvec3());
+        let radius = radius(camera, ray_in_camera, depth, normal.as_dvec3());
         let floats = normal.to_array().into_iter().chain([radius as f32]);
         bytes.extend(floats.flat_map(f32::to_le_bytes));
         bytes.extend(image.color[sample.index].map(|channel| srgb8_from_linear(channel.to_f32())));

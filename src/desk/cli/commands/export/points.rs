@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::frame_files::{frame_index, write_frames};
 use super::ply;
 use crate::cli::input;
 use crate::cli::output::{self, CommandError};
-use overlook_engine::error::{Error, Result};
+use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
+use overlook_engine::samples::SampleSet;
 use overlook_engine::store::playback::Playback;
 
 #[derive(Debug, Args)]
@@ -45,38 +47,23 @@ impl PointsArgs {
 
     /// Gives how many files and points were written.
     fn write(&self, playback: &Playback, job: &Job) -> Result<(usize, u64)> {
-        let info = playback.store().info();
-        let frames = info.frame_numbers.len();
+        let at = |frame: usize| playback.at(frame, job);
         if let Some(number) = self.frame {
-            let frame = info.frame_numbers.binary_search(&number).map_err(|_| {
-                Error::invalid(self.store.display(), format!("there is no frame {number} in it"))
-            })?;
-            return Ok((1, write_frame(&self.out, playback, frame, |_| true, job)?));
+            let set = at(frame_index(playback, number, &self.store)?)?;
+            return Ok((1, write_points(&self.out, &set, |_| true)?));
         }
         if self.still {
-            return Ok((1, write_frame(&self.out, playback, 0, |span| span == frames, job)?));
+            let frames = playback.outline().frame_count();
+            return Ok((1, write_points(&self.out, &*at(0)?, |span| span == frames)?));
         }
-        std::fs::create_dir_all(&self.out).map_err(|error| Error::io(&self.out, error))?;
-        job.start("Writing points", frames);
-        let mut points = 0;
-        for (frame, number) in info.frame_numbers.iter().enumerate() {
-            let path = self.out.join(format!("{number:04}.ply"));
-            points += write_frame(&path, playback, frame, |_| true, job)?;
-            job.advance(1);
-        }
-        Ok((frames, points))
+        let points =
+            write_frames(&self.out, "ply", playback, job, |path, set, _| write_points(path, set, |_| true))?;
+        Ok((points.len(), points.iter().sum()))
     }
 }
 
-/// Writes the samples of a frame whose spans have a length that is `wanted`.
-fn write_frame(
-    path: &Path,
-    playback: &Playback,
-    frame: usize,
-    wanted: impl Fn(usize) -> bool,
-    job: &Job,
-) -> Result<u64> {
-    let set = playback.at(frame, job)?;
+/// Writes the samples of a set whose spans have a length that is `wanted`.
+fn write_points(path: &Path, set: &SampleSet, wanted: impl Fn(usize) -> bool) -> Result<u64> {
     let images = set.images.iter().filter(|image| wanted(image.span.len())).map(|image| &**image);
-    ply::write(path, &set, images)
+    ply::write(path, set, images)
 }

@@ -1,0 +1,110 @@
+//! `overlook export splats`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::frame_files::{frame_index, write_frames};
+use crate::cli::input;
+use crate::cli::output::{self, CommandError};
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::plural::counted;
+use overlook_engine::splats::{self, SplatFormat, SplatOptions, SplatSky, SplatSummary};
+use overlook_engine::store::playback::Playback;
+
+#[derive(Debug, Args)]
+pub(crate) struct SplatsArgs {
+    /// The store.
+    store: PathBuf,
+    /// The file format.
+    #[arg(long, value_parser = input::choice::<SplatFormat>(SplatFormat::NAMES))]
+    format: SplatFormat,
+    /// The file, as in scene.glb; of PLY and SPZ without --frame a folder, in which each frame gets a file.
+    #[arg(long, value_name = "PATH")]
+    out: PathBuf,
+    /// Only this frame, by its number in the capture.
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    frame: Option<i64>,
+    /// Most splats of a file, as in 300000, 500k or 1.5M: samples are merged where that shows least.
+    #[arg(long, value_name = "N", value_parser = input::amount)]
+    at_most_splats: Option<u64>,
+    /// What becomes of samples at infinity.
+    #[arg(long, default_value = SplatSky::Out.name(), value_parser = input::choice::<SplatSky>(SplatSky::NAMES))]
+    sky: SplatSky,
+    /// Frames a second of a scene in time, as GLB and USDA hold it.
+    #[arg(long, default_value_t = 24.0, value_parser = super::video::frames_per_second)]
+    fps: f64,
+}
+
+impl SplatsArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        output::refuse_input(&self.store, &self.out)?;
+        if self.is_one_file() {
+            output::check_file(&self.out, &format!("scene.{}", self.format))?;
+            output::refuse_store(&self.out)?;
+        } else {
+            output::check_folder(&self.out)?;
+        }
+        let playback = input::open_store(&self.store)?;
+        let written = output::watched(|job| self.write(&playback, job))?;
+        output::warn(&playback.store().damage());
+        output::print(&self.said(&written))
+    }
+
+    fn is_one_file(&self) -> bool {
+        self.frame.is_some() || self.format.holds_time()
+    }
+
+    /// Gives what was written, file by file.
+    fn write(&self, playback: &Playback, job: &Job) -> Result<Vec<SplatSummary>> {
+        let options = SplatOptions {
+            format: self.format,
+            at_most: self.at_most_splats,
+            sky: self.sky,
+            frames_per_second: self.fps,
+        };
+        if let Some(number) = self.frame {
+            let frame = frame_index(playback, number, &self.store)?;
+            let set = playback.at(frame, job)?;
+            return Ok(vec![splats::write(&self.out, &set, Some(frame), &options, job)?]);
+        }
+        if self.format.holds_time() {
+            let set = playback.store().read_all(job)?;
+            return Ok(vec![splats::write(&self.out, &set, None, &options, job)?]);
+        }
+        write_frames(&self.out, self.format.name(), playback, job, |path, set, frame| {
+            splats::write(path, set, Some(frame), &options, job)
+        })
+    }
+
+    /// What was done, in one line.
+    fn said(&self, written: &[SplatSummary]) -> String {
+        let sum = |of: fn(&SplatSummary) -> u64| written.iter().map(of).sum::<u64>();
+        let (splats, of_sky, samples) =
+            (sum(|one| one.splats), sum(|one| one.of_sky), sum(|one| one.samples));
+        let mut said = vec![format!("Wrote {} to {}", output::count_of(splats, "splat"), self.out.display())];
+        if !self.is_one_file() {
+            said.push(counted(written.len(), "file"));
+        }
+        if splats - of_sky != samples {
+            said.push(format!("merged from {}", output::count_of(samples, "sample")));
+        }
+        match (of_sky, sum(|one| one.at_infinity)) {
+            (0, 0) => {}
+            (0, left) => said.push(format!("without {} of the sky", output::count_of(left, "sample"))),
+            (dome, _) => said.push(format!("{} of them the sky as a far dome", output::count(dome))),
+        }
+        if let Some([x, y, z]) = written.first().and_then(|one| one.offset) {
+            said.push(format!("less the offset ({x}, {y}, {z})"));
+        }
+        if let Some(one) = written.iter().find(|one| one.scale != 1.0) {
+            said.push(format!("in units of {} of the capture's", 1.0 / one.scale));
+        }
+        let error = written.iter().map(|one| one.position_error).fold(0.0, f64::max);
+        if error > 0.0 {
+            said.push(format!("positions within {error:.1e}"));
+        }
+        said.join("; ")
+    }
+}
