@@ -1,7 +1,7 @@
 //! Splats as binary glTF: a node for each span of frames, shown by an animation of its visibility.
 //!
-//! Source: Khronos, glTF 2.0 with `KHR_gaussian_splatting`, `KHR_node_visibility` and `KHR_animation_pointer`, all ratified. `COLOR_0` is for
-//! programs that show points: it is linear, as glTF means it, while the coefficients are of sRGB-encoded values.
+//! Source: Khronos, glTF 2.0 with `KHR_gaussian_splatting`, `KHR_node_visibility` and `KHR_animation_pointer`, all ratified. `COLOR_0`
+//! is for programs that show points: it is linear, as glTF means it, while the coefficients are of sRGB-encoded values.
 
 use std::io::Write;
 
