@@ -1,8 +1,7 @@
 //! The text of a page: the files of `assets/page/`, the header and the chunks in one.
 //!
-//! The modules of the page are joined into one script in the order of their imports, without their `import` and `export` words, in a scope of
-//! their own. Chunks
-//! follow the script, so that the first frame is shown while later ones are still on their way.
+//! The modules of the page are joined into one script in the order of their imports, without their `import` and `export` words, in a
+//! scope of their own. Chunks follow the script, so that the first frame is shown while later ones are still on their way.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -64,8 +63,9 @@ fn script() -> String {
     script + "})();\n"
 }
 
-/// Text as the content of an element.
-fn escaped(text: &str) -> String {
+/// Text as HTML shows it, in elements and in quoted attributes.
+#[must_use]
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

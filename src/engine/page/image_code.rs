@@ -15,6 +15,7 @@
 use super::predict::{DepthsAround, MISSING, PREDICTORS, activity_context, green_context, predicted_channel};
 use crate::color::srgb8_from_linear;
 use crate::samples::{SampleImage, SampleTile, TILE};
+use crate::store::push_varint;
 
 pub(super) const PLACES: usize = 0;
 pub(super) const MASKS: usize = 1;
@@ -132,7 +133,7 @@ fn encode_with(
     let (mut next_place, mut depth_before, mut color_before, mut error) = (0, 0, [0; 3], 0);
     for (index, tile) in image.tiles.iter().enumerate() {
         let place = usize::from(tile.tile_y) * columns + usize::from(tile.tile_x);
-        push_number(&mut streams.0[PLACES], (place - next_place) as u32);
+        push_varint(&mut streams.0[PLACES], (place - next_place) as u64);
         next_place = place + 1;
         push_masks(&mut streams.0[MASKS], &tile.rows, u16::MAX);
         if !image.doubtful.is_empty() {
@@ -162,7 +163,7 @@ fn push_depth(streams: &mut Streams, around: &DepthsAround, depth: i32) {
     streams.0[DEPTH + usize::from(!is_smooth)].push(if fits { residual as i8 as u8 } else { ESCAPE });
     if !fits {
         // The sign is the lowest bit.
-        push_number(&mut streams.0[ESCAPES], ((residual << 1) ^ (residual >> 31)) as u32);
+        push_varint(&mut streams.0[ESCAPES], u64::from(((residual << 1) ^ (residual >> 31)) as u32));
     }
 }
 
@@ -188,13 +189,4 @@ fn push_masks(stream: &mut Vec<u8>, rows: &[u16; TILE], usual: u16) {
         stream.extend((row ^ above).to_le_bytes());
         above = *row;
     }
-}
-
-/// Seven bits a byte, the lowest first; all bytes but the last have their highest bit set.
-fn push_number(stream: &mut Vec<u8>, mut number: u32) {
-    while number >= 0x80 {
-        stream.push(number as u8 | 0x80);
-        number >>= 7;
-    }
-    stream.push(number as u8);
 }

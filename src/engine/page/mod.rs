@@ -30,6 +30,8 @@ use crate::whole_file;
 
 pub(crate) use budget::{Coarsening, LeveledImage};
 pub(crate) use chunks::gzipped;
+
+pub use html::escaped;
 pub use options::{PageOptions, PagePath};
 
 /// What was written.

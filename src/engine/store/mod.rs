@@ -22,6 +22,7 @@ use crate::job::Job;
 use crate::samples::{SampleImage, SampleSet};
 use crate::settings::StoreSettings;
 
+pub(crate) use container::push_varint;
 use file::{Extras, Store, StoreInfo, write_with};
 pub(crate) use image::depth_shift;
 

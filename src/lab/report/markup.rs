@@ -6,11 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::results::CaptionedPicture;
-
-/// Text as HTML shows it.
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
+use overlook_engine::page::escaped;
 
 /// A table: a heading for each column, and rows of cells that are HTML already. The first column holds text, the others numbers.
 pub(super) fn table(head: &[&str], rows: &[Vec<String>]) -> String {

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::markup::escaped;
 use super::results::CaptureResults;
 use super::sections;
 use super::together::overall;
+use overlook_engine::page::escaped;
 
 const STYLE: &str = "\
 body { font: 15px/1.5 Ubuntu, system-ui, sans-serif; color: #22262b; max-width: 1180px; margin: 2em auto; padding: 0 1.5em; }

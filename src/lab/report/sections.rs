@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::markup::{embedded, escaped, figure, table};
+use super::markup::{embedded, figure, table};
 use super::results::CaptureResults;
 use super::together::{Overall, reference};
 use crate::chart;
@@ -10,6 +10,7 @@ use crate::metrics::ClassScore;
 use crate::stress::LOST_DB;
 use crate::sweep::{Point, Series, mark_pareto_of_stores};
 use crate::tune::{ChosenViews, ViewCount};
+use overlook_engine::page::escaped;
 use overlook_engine::plural::{counted, either};
 
 /// Settings that a table of one capture shows besides rivals and baselines, the most accurate first.
