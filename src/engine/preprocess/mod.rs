@@ -148,7 +148,7 @@ fn prune_into(
     let (mut images, counts) = prune_run(images, scan, settings, all_frames(scan.frames), job)?;
     images.sort();
     let mut report = counts.finish(capture.cameras.len(), images.facts());
-    report.note_alignment(scan.alignment());
+    report.alignment = scan.alignment().cloned();
     report.note_conventions(scan.conventions());
     report.seconds = started.elapsed().as_secs_f64();
     let settings = aligned_settings(settings, scan.alignment());

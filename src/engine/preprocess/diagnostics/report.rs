@@ -187,14 +187,6 @@ impl Report {
         }
     }
 
-    /// Notes what was corrected of the rig, and how else the capture is to be read where that is why nothing was.
-    pub(crate) fn note_alignment(&mut self, alignment: Option<&Alignment>) {
-        self.alignment = alignment.cloned();
-        if let Some(misread) = alignment.and_then(|alignment| alignment.misread.as_ref()) {
-            self.conventions = Some(misread.clone());
-        }
-    }
-
     /// Warnings about cameras that do not fit the others, and about normals that do not fit the depth.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {

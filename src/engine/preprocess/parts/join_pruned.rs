@@ -37,7 +37,7 @@ pub fn join_pruned<'a>(
     let counts = all.ok_or_else(|| Error::invalid(&capture.name, "there is no part to join"))?;
     images.sort();
     let mut report = counts.finish(aligned.capture.cameras.len(), images.facts());
-    report.note_alignment(aligned.alignment.as_ref());
+    report.alignment.clone_from(&aligned.alignment);
     report.note_conventions(measured.conventions.as_ref());
     let settings = aligned_settings(settings, aligned.alignment.as_ref());
     Ok(BufferedResult { outline: sample_set(&aligned.capture, &settings, Vec::new()), images, report })

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::capture::exr::write_picture;
 use crate::error::Result;
+use crate::grid::Grid;
 use crate::render::vantage::{NO_IMAGE, Picture};
 
 /// Writes a picture as linear `R G B A Z`. As in a PNG, `A` is 0 only in holes that were not filled; `sampled.V` is 0 in all holes. The
@@ -14,7 +15,7 @@ use crate::render::vantage::{NO_IMAGE, Picture};
 pub fn write_exr(path: &Path, picture: &Picture) -> Result<()> {
     let share = |is_there: bool| f32::from(u8::from(is_there));
     let (width, height) = picture.color.size();
-    let shown = crate::grid::Grid::from_fn(width, height, |x, y| share(picture.shows((x, y))));
+    let shown = Grid::from_fn(width, height, |x, y| share(picture.shows((x, y))));
     let sampled = picture.image.map(|image| share(*image != NO_IMAGE));
     write_picture(path, &picture.color, [&shown, &sampled], &picture.inverse_depth)
 }
@@ -23,7 +24,6 @@ pub fn write_exr(path: &Path, picture: &Picture) -> Result<()> {
 mod tests {
     use super::*;
     use crate::capture::exr::ExrFile;
-    use crate::grid::Grid;
 
     #[test]
     fn a_filled_pixel_is_as_opaque_as_in_a_png_and_is_told_from_a_sampled_one() {
