@@ -97,9 +97,13 @@ impl LevelMap {
         }
     }
 
-    /// Whether anything shows a level.
+    /// Whether anything shows a level: levels are interpolated, so that all between the finest and the coarsest are shown somewhere.
     pub(super) fn shows(&self, level: usize) -> bool {
-        self.levels.as_slice().iter().any(|shown| (shown - level as f32).abs() < 1.0)
+        let levels = self.levels.as_slice().iter().copied();
+        let [finest, coarsest] = [levels.clone().reduce(f32::min), levels.reduce(f32::max)];
+        let level = level as f32;
+        finest.is_some_and(|finest| level > finest - 1.0)
+            && coarsest.is_some_and(|coarsest| level < coarsest + 1.0)
     }
 }
 
@@ -157,6 +161,18 @@ mod tests {
         assert_eq!((rare.finest, rare.shows(1), rare.shows(2), rare.shows(3)), (2, false, true, true));
         levels[1..10].fill(0.0);
         let shown = map(levels);
-        assert_eq!((shown.finest, shown.shows(0), shown.shows(1)), (0, true, false));
+        assert_eq!((shown.finest, shown.shows(0)), (0, true));
+    }
+
+    #[test]
+    fn levels_between_those_of_neighbors_are_shown() {
+        let map =
+            |levels: Vec<f32>| LevelMap { levels: Grid::from_vec(2, 1, levels), coarsest: 4, finest: 0 };
+        let shown = |levels: Vec<f32>| -> Vec<usize> {
+            (0..5).filter(|level| map(levels.clone()).shows(*level)).collect()
+        };
+        assert_eq!(shown(vec![0.0, 3.0]), [0, 1, 2, 3]);
+        assert_eq!(shown(vec![1.5, 1.5]), [1, 2]);
+        assert_eq!(shown(vec![4.0, 4.0]), [4]);
     }
 }
