@@ -21,10 +21,10 @@ const UNITS: [f64; 5] = [1.0, 1e-3, 1e-2, 1.0 / 5000.0, 1e-4];
 
 /// How a file was written.
 #[derive(Clone, Copy, Debug)]
-struct Export {
-    pose: PoseConvention,
-    measure: DepthMeasure,
-    unit: f64,
+pub(crate) struct Export {
+    pub(crate) pose: PoseConvention,
+    pub(crate) measure: DepthMeasure,
+    pub(crate) unit: f64,
 }
 
 /// Frames of a capture whose files are of one convention, and are read as nerfstudio's in meters.
@@ -56,7 +56,7 @@ impl FrameSource for Misread {
 }
 
 /// A room's corner with things in it, so that no direction looks like another.
-fn corner(depth_noise: f32) -> Scene {
+pub(crate) fn corner(depth_noise: f32) -> Scene {
     let mut scene = Scene::still_life();
     scene.normals = false;
     scene.depth_noise = depth_noise;
@@ -83,7 +83,7 @@ fn recorded(depth_noise: f32) -> (Vec<Camera>, Arc<Vec<Frame>>) {
     (cameras, Arc::new(frames))
 }
 
-fn read_as_nerfstudio(cameras: &[Camera], frames: &Arc<Vec<Frame>>, export: Export) -> Capture {
+pub(crate) fn read_as_nerfstudio(cameras: &[Camera], frames: &Arc<Vec<Frame>>, export: Export) -> Capture {
     let cameras: Vec<Camera> = cameras
         .iter()
         .map(|camera| {

@@ -8,6 +8,7 @@ mod scene;
 mod camera_residuals;
 mod color_lens;
 mod conventions;
+mod conventions_by_pictures;
 mod do_no_harm;
 mod exact_scenes;
 mod rigs;

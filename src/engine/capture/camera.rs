@@ -25,7 +25,7 @@ pub(crate) fn is_believable_size(width: usize, height: usize) -> bool {
 pub(super) fn wrong_size(place: &str, found: (usize, usize), expected: (usize, usize)) -> Error {
     let ((width, height), (columns, rows)) = (found, expected);
     let what = format!(
-        "the picture is {width}×{height} but its camera is {columns}×{rows}; render it at the camera's size"
+        "the picture is {width}×{height} but its camera is {columns}×{rows}; render it at the camera's size, or correct the camera's (w and h in a manifest)"
     );
     Error::invalid(place, what)
 }

@@ -5,7 +5,7 @@ use egui::{Button, Id, Label, Modal, RichText, Ui, Vec2};
 use crate::app::model::{Command, Commands, OpenScene, ReadingCheck, ShownReadings, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, picture, waiting, weak};
-use overlook_engine::capture::conventions::{Alternative, Finding, Reading};
+use overlook_engine::capture::conventions::{Alternative, Finding, LensReading, Reading};
 
 /// Width of each of the three pictures, points, and of the window's edge and the dialog's.
 const PICTURE: f32 = 250.0;
@@ -103,6 +103,7 @@ fn reading_ui(ui: &mut Ui, votes: Option<[f64; 2]>, reading: &Reading, claimed: 
         (format!("Camera axes: {}", reading.pose.axes.words()), reading.pose.axes != claimed.pose.axes),
         (format!("Depth: {}", reading.measure.words()), reading.measure != claimed.measure),
         (format!("Unit of depth: {}", unit(reading.unit)), reading.unit != claimed.unit),
+        (format!("Lens: {}", lens(&reading.lens)), reading.lens != claimed.lens),
     ];
     for (text, differs) in parts {
         let color = if differs { tokens.accent } else { tokens.text_weak };
@@ -114,6 +115,14 @@ fn unit(unit: f64) -> String {
     serde_json::to_string(&unit).unwrap_or_default() + " world units"
 }
 
+fn lens(lens: &LensReading) -> String {
+    if *lens == LensReading::default() {
+        return "as claimed".to_owned();
+    }
+    let [x, y] = lens.center.map(|shift| 100.0 * shift);
+    format!("focal length × {:.3}, center {x:+.0} % and {y:+.0} % aside", lens.focal)
+}
+
 /// The keys that make the capture open under the other reading from now on, and the file to write them to.
 fn keys_ui(ui: &mut Ui, readings: &ReadingCheck, scene: &OpenScene, finding: &Finding, other: &Alternative) {
     if let Some(trouble) = &readings.trouble {
@@ -121,9 +130,10 @@ fn keys_ui(ui: &mut Ui, readings: &ReadingCheck, scene: &OpenScene, finding: &Fi
     }
     let sure = if other.undecided.is_empty() {
         format!(
-            "The other reading is {}: it fits {:.0} times as well as the next.",
+            "The other reading is {}: it fits {:.0} times as well as {}.",
             other.certainty(),
-            other.margin
+            other.margin,
+            other.next()
         )
     } else {
         let open: Vec<&str> = other.undecided.iter().map(|open| open.why.as_str()).collect();

@@ -77,10 +77,12 @@ impl Comparison {
         for (from, to) in pairs {
             let (source, target) = (&self.views[from], &self.views[to]);
             let target_from_source = poses[to].inverse() * poses[from];
+            let lens = reading.lens.of(&source.intrinsics);
             for point in source.points.iter().take(points) {
                 votes.tried += 1;
-                let z = reading.planar_z(point.value, point.ray, &poses[from], self.near_clip);
-                let point_in_target = target_from_source.transform_point3(point.ray.to_unit_z * z);
+                let ray = PixelRay::through(&lens, point.pixel);
+                let z = reading.planar_z(point.value, ray, &poses[from], self.near_clip);
+                let point_in_target = target_from_source.transform_point3(ray.to_unit_z * z);
                 if !(z > 0.0 && point_in_target.z > 0.0) {
                     continue;
                 }
@@ -103,7 +105,7 @@ impl Comparison {
         pose: &DAffine3,
         tolerance: f64,
     ) -> Option<PointAgreement> {
-        let at = target.intrinsics.project(point)?;
+        let at = reading.lens.of(&target.intrinsics).project(point)?;
         let (width, height) = target.intrinsics.size();
         if !(at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 && at.y < height as f64) {
             return None;

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::views;
+use super::agreement::Comparison;
+use super::reading::{LensReading, Reading};
+use super::views::{self, ComparedView};
 use crate::capture::frame::Frame;
 use crate::capture::parts::Capture;
 use crate::error::Result;
@@ -44,6 +46,19 @@ impl ComparedViews {
     /// Those of reading them.
     pub(super) fn frames(&self, capture: &Capture) -> Result<Vec<Arc<Frame>>> {
         self.cameras.par_iter().map(|&camera| capture.frame(camera, self.frame)).collect()
+    }
+
+    /// What readings of them are tried on. `frames` are their pictures.
+    pub(super) fn comparison(&self, capture: &Capture, frames: &[Arc<Frame>]) -> Comparison {
+        let (claim, pose) = (capture.source.depth_claim(), capture.source.pose_convention());
+        let view = |(picture, &camera): (&Arc<Frame>, &usize)| {
+            let inverse = picture.inverse_depth.as_slice();
+            ComparedView::new(&capture.cameras[camera], |index| inverse[index], &claim)
+        };
+        let lens = LensReading::default();
+        let claimed = Reading { pose, measure: claim.measure, unit: claim.unit, planes: claim.planes, lens };
+        let views = frames.iter().zip(&self.cameras).map(view).collect();
+        Comparison { views, pairs: self.pairs.clone(), near_clip: claim.near_clip, claimed }
     }
 }
 

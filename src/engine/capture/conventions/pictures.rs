@@ -53,15 +53,7 @@ pub struct RegisteredViews {
 pub fn pictures(capture: &Capture, readings: [Reading; 2], width: usize) -> Result<ReadingPictures> {
     let chosen = ComparedViews::of(capture);
     let frames = chosen.frames(capture)?;
-    let claim = capture.source.depth_claim();
-    let views = frames.iter().zip(&chosen.cameras).map(|(frame, &camera)| {
-        let inverse = frame.inverse_depth.as_slice();
-        ComparedView::new(&capture.cameras[camera], |index| inverse[index], &claim)
-    });
-    let pose = capture.source.pose_convention();
-    let claimed = Reading { pose, measure: claim.measure, unit: claim.unit, planes: claim.planes };
-    let pairs = chosen.pairs.clone();
-    let comparison = Comparison { views: views.collect(), pairs, near_clip: claim.near_clip, claimed };
+    let comparison = chosen.comparison(capture, &frames);
     let target = best_target(&comparison, &readings[1])
         .ok_or_else(|| Error::invalid(&capture.name, "there is one view only; nothing can be compared"))?;
     let lens = small(&comparison.views[target].intrinsics, width);
@@ -90,7 +82,7 @@ fn best_target(comparison: &Comparison, reading: &Reading) -> Option<usize> {
 }
 
 /// The lens of a picture with at most `width` columns.
-fn small(lens: &Intrinsics, width: usize) -> Intrinsics {
+pub(super) fn small(lens: &Intrinsics, width: usize) -> Intrinsics {
     let scale = (width as f64 / f64::from(lens.width)).min(1.0);
     let side = |pixels: u32| (f64::from(pixels) * scale).round().max(1.0) as u32;
     Intrinsics {
@@ -156,13 +148,16 @@ fn registered(
     lens: &Intrinsics,
 ) -> Grid<Option<[f32; 3]>> {
     let poses = comparison.poses(reading);
+    let lens = &reading.lens.of(lens);
     let sources = (0..frames.len()).into_par_iter().filter(|source| *source != target);
     let painted = sources.map(|source| {
         let mut canvas = Canvas::new(*lens);
         let target_from_source = poses[target].inverse() * poses[source];
+        let view = &comparison.views[source];
+        let source_lens = reading.lens.of(&view.intrinsics);
         let depth =
             |value: f64, ray: PixelRay| reading.planar_z(value, ray, &poses[source], comparison.near_clip);
-        carry(&comparison.views[source], &frames[source], &target_from_source, depth, &mut canvas);
+        carry(view, &source_lens, &frames[source], &target_from_source, depth, &mut canvas);
         canvas
     });
     let all = painted.reduce(|| Canvas::new(*lens), |all, canvas| all.merge(&canvas));
@@ -172,6 +167,7 @@ fn registered(
 /// Paints all pixels of one view; `depth` gives planar z of a number and its ray.
 fn carry(
     view: &ComparedView,
+    source_lens: &Intrinsics,
     frame: &Frame,
     target_from_source: &DAffine3,
     depth: impl Fn(f64, PixelRay) -> f64,
@@ -182,21 +178,21 @@ fn carry(
     let whole = DVec2::new(columns as f64, rows as f64);
     for (index, &value) in view.values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
         let center = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
-        let ray = PixelRay::new(view.intrinsics.ray_in_camera(center));
+        let ray = PixelRay::through(source_lens, center);
         let z = depth(f64::from(value), ray);
         let point = target_from_source.transform_point3(ray.to_unit_z * z);
         let Some(at) = canvas.lens.project(point).filter(|_| z > 0.0) else { continue };
         if !(at.cmpge(DVec2::ZERO).all() && at.cmplt(whole).all()) {
             continue;
         }
-        let side = z / view.intrinsics.fx * canvas.lens.fx / point.z;
+        let side = z / source_lens.fx * canvas.lens.fx / point.z;
         let color = frame.color.as_slice()[index];
         canvas.paint(at, side.ceil().clamp(1.0, MOST_COVERED), point.z as f32, color);
     }
 }
 
 /// A recorded picture in the size of `lens`: the mean of the pixels that each of its pixels covers.
-fn shrunk(frame: &Frame, lens: &Intrinsics) -> Grid<[f32; 3]> {
+pub(super) fn shrunk(frame: &Frame, lens: &Intrinsics) -> Grid<[f32; 3]> {
     let ((width, height), (columns, rows)) = (frame.size(), lens.size());
     let span = |at: usize, of: usize, all: usize| {
         let start = at * all / of;

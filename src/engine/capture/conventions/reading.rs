@@ -1,8 +1,9 @@
 //! A reading: what the numbers of a capture's poses and depth mean.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use crate::capture::camera::Intrinsics;
 use crate::capture::depth_claim::{DepthMeasure, DepthPlanes};
 use crate::capture::pose_convention::PoseConvention;
 
@@ -19,13 +20,66 @@ impl PixelRay {
     /// The ray along the camera's axis.
     pub(super) const AXIS: Self = Self { to_unit_z: DVec3::Z, length: 1.0 };
 
+    /// The ray through an image position.
+    pub(super) fn through(lens: &Intrinsics, pixel: DVec2) -> Self {
+        Self::new(lens.ray_in_camera(pixel))
+    }
+
     /// The ray that goes through a point at planar z 1.
     pub(super) fn new(to_unit_z: DVec3) -> Self {
         Self { to_unit_z, length: to_unit_z.length() }
     }
 }
 
-/// One way to read poses and depth.
+/// How lenses are read otherwise than claimed: all cameras' alike.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LensReading {
+    /// Focal lengths, as multiples of those claimed.
+    pub focal: f64,
+    /// Principal points beside those claimed, as shares of the width and the height of the picture.
+    pub center: [f64; 2],
+}
+
+impl Default for LensReading {
+    fn default() -> Self {
+        Self { focal: 1.0, center: [0.0; 2] }
+    }
+}
+
+impl LensReading {
+    /// A claimed lens, read this way.
+    #[must_use]
+    pub fn of(&self, claimed: &Intrinsics) -> Intrinsics {
+        Intrinsics {
+            fx: claimed.fx * self.focal,
+            fy: claimed.fy * self.focal,
+            cx: claimed.cx + self.center[0] * f64::from(claimed.width),
+            cy: claimed.cy + self.center[1] * f64::from(claimed.height),
+            ..*claimed
+        }
+    }
+
+    /// What differs from the claimed lens, in words.
+    pub(super) fn words(&self) -> Vec<String> {
+        let mut words = Vec::new();
+        if self.focal != 1.0 {
+            words.push(format!("if focal lengths are {:.3} times those claimed", self.focal));
+        }
+        if self.center != [0.0; 2] {
+            let [x, y] = self.center.map(|shift| 100.0 * shift);
+            words.push(format!(
+                "if principal points are {x:+.0} % of the width and {y:+.0} % of the height from those claimed"
+            ));
+        }
+        words
+    }
+
+    fn is_claimed(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// One way to read poses, depth and lenses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// What the matrices mean.
@@ -35,9 +89,11 @@ pub struct Reading {
     /// World units per unit of the depth file.
     pub unit: f64,
     /// The planes of a depth buffer, of nothing else.
-    #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planes: Option<DepthPlanes>,
+    /// What the lenses are beside those claimed.
+    #[serde(default, skip_serializing_if = "LensReading::is_claimed")]
+    pub lens: LensReading,
 }
 
 impl Reading {

@@ -155,13 +155,13 @@ fn all_poses_and_units(comparison: &Comparison, measure: DepthMeasure) -> Vec<Re
     let claimed = comparison.claimed.unit;
     // Planes are in world units: numbers between them have no other.
     let is_other = |unit: &f64| !measure.is_buffer() && (unit / claimed - 1.0).abs() > 1e-3;
+    let (planes, lens) = (comparison.claimed.planes.filter(|_| measure.is_buffer()), comparison.claimed.lens);
     let units: Vec<f64> = std::iter::once(claimed).chain(UNITS.into_iter().filter(is_other)).collect();
-    let planes = comparison.claimed.planes.filter(|_| measure.is_buffer());
     let mut readings = Vec::new();
     for axes in CameraAxes::all() {
         for direction in [PoseDirection::CameraToWorld, PoseDirection::WorldToCamera] {
             let pose = PoseConvention { direction, axes };
-            readings.extend(units.iter().map(|&unit| Reading { pose, measure, unit, planes }));
+            readings.extend(units.iter().map(|&unit| Reading { pose, measure, unit, planes, lens }));
         }
     }
     readings
@@ -196,7 +196,7 @@ fn any_unit(comparison: &Comparison) -> Vec<Scored> {
     for &pose in &poses {
         for measure in measures {
             let unit = |step| claimed.unit * STEP.powi(step);
-            let read = |step| Reading { pose, measure, unit: unit(step), planes: None };
+            let read = |step| Reading { pose, measure, unit: unit(step), planes: None, ..claimed };
             readings.extend((-steps..=steps).map(read));
         }
     }
@@ -221,7 +221,7 @@ fn refined(comparison: &Comparison, readings: &[Reading]) -> Vec<Scored> {
 }
 
 /// Rounded to the precision of the search.
-fn three_digits(unit: f64) -> f64 {
+pub(super) fn three_digits(unit: f64) -> f64 {
     let step = 10_f64.powf(unit.log10().floor() - 2.0);
     let rounded = (unit / step).round() * step;
     // The decimal that is meant, rather than a product that is nearly it.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::agreement::Comparison;
 use super::buffer_planes::may_be_buffer;
-use super::reading::Reading;
-use super::search::{NOT_CHANCE, Scored, UNITS};
+use super::reading::{LensReading, Reading};
+use super::search::{NOT_CHANCE, Scored, UNITS, three_digits};
 
 /// A reading that agrees this many times as well refutes the claimed one, and differs surely from others.
 const DECIDES: f64 = 2.0;
@@ -57,14 +57,31 @@ pub enum ConventionVerdict {
 pub struct Alternative {
     /// The reading.
     pub reading: Reading,
-    /// Its score, as [`Finding::claimed_score`].
+    /// What shows it.
+    #[serde(default)]
+    pub evidence: Evidence,
+    /// By depth, its score as [`Finding::claimed_score`]; by pictures, their correlation.
     pub score: f64,
-    /// How many times as well it fits as any reading of another pose, measure or unit; at most 99.
+    /// How many times as well it fits as any reading of another pose, measure or unit, or by pictures as the claimed one; at most 99.
     pub margin: f64,
     /// Parts of it that another reading would fit about as well.
     pub undecided: Vec<Undecided>,
     /// The keys of a manifest that is read this way, with their values as JSON.
     pub keys: Vec<(String, String)>,
+}
+
+/// What shows that a reading fits far better.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Evidence {
+    /// Points of one view are where another sees a surface.
+    #[default]
+    Depth,
+    /// Patches of one picture look like what another shows in their place.
+    Pictures {
+        /// The correlation of pictures as the capture is read, at most 1.
+        as_read: f64,
+    },
 }
 
 /// Parts of a reading.
@@ -77,6 +94,8 @@ pub enum ReadingPart {
     Measure,
     /// The unit of depth.
     Unit,
+    /// Focal lengths and principal points.
+    Lens,
 }
 
 /// A part that the views cannot decide.
@@ -119,6 +138,7 @@ pub(super) fn decide(comparison: &Comparison, scored: &[Scored]) -> Finding {
         margin: margins.into_iter().fold(99.0, f64::min),
         undecided: undecided(&chosen),
         keys: keys(comparison, &chosen.reading),
+        evidence: Evidence::Depth,
     })))
 }
 
@@ -156,6 +176,7 @@ fn differs(comparison: &Comparison, a: &Reading, b: &Reading, part: ReadingPart)
             let ratio = a.unit / b.unit;
             ratio.max(ratio.recip()) > SAME_UNIT
         }
+        ReadingPart::Lens => a.lens != b.lens,
     }
 }
 
@@ -180,11 +201,12 @@ fn why_undecided(comparison: &Comparison, reading: &Reading, part: ReadingPart) 
         ReadingPart::Measure => {
             "planar depth and distance along the ray fit about as well: the lenses are too narrow, or the depth too noisy, to tell them".to_owned()
         }
+        ReadingPart::Lens => "other lenses fit about as well".to_owned(),
     }
 }
 
 /// The keys of the manifest by which a reading differs from the claimed one.
-fn keys(comparison: &Comparison, reading: &Reading) -> Vec<(String, String)> {
+pub(super) fn keys(comparison: &Comparison, reading: &Reading) -> Vec<(String, String)> {
     let claimed = &comparison.claimed;
     let mut keys = Vec::new();
     if differs(comparison, reading, claimed, ReadingPart::Pose) {
@@ -207,11 +229,29 @@ fn keys(comparison: &Comparison, reading: &Reading) -> Vec<(String, String)> {
     if differs(comparison, reading, claimed, ReadingPart::Unit) {
         keys.push(("depth_unit_scale_factor", number(reading.unit)));
     }
+    keys.extend(lens_keys(comparison, &reading.lens));
     keys.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
+/// The keys of another lens; none where cameras have different lenses, which no key expresses together.
+fn lens_keys(comparison: &Comparison, reading: &LensReading) -> Vec<(&'static str, String)> {
+    let mut lenses = comparison.views.iter().map(|view| view.intrinsics);
+    let Some(first) = lenses.next().filter(|first| lenses.all(|lens| lens == *first)) else {
+        return Vec::new();
+    };
+    let read = reading.of(&first);
+    let values = [
+        ("fl_x", read.fx, first.fx),
+        ("fl_y", read.fy, first.fy),
+        ("cx", read.cx, first.cx),
+        ("cy", read.cy, first.cy),
+    ];
+    let changed = values.into_iter().filter(|(_, read, claimed)| read != claimed);
+    changed.map(|(key, read, _)| (key, number(three_digits(read)))).collect()
+}
+
 /// A number as a manifest has it.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     serde_json::to_string(&value).unwrap_or_else(|_| value.to_string())
 }
 
@@ -229,12 +269,19 @@ impl Finding {
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let other = self.alternative()?;
-        let mut said = format!(
-            "the views agree far better ({:.2} of the points, against {:.2} as read) {}",
-            other.score,
-            self.claimed_score.max(0.0),
-            other.meaning(&self.claimed)
-        );
+        let mut said = match other.evidence {
+            Evidence::Depth => format!(
+                "the views agree far better ({:.2} of the points, against {:.2} as read) ",
+                other.score,
+                self.claimed_score.max(0.0)
+            ),
+            Evidence::Pictures { as_read } => format!(
+                "the pictures agree far better (correlation {:.2}, against {:.2} as read) ",
+                other.score,
+                as_read.max(0.0)
+            ),
+        };
+        said += &other.meaning(&self.claimed);
         let keys: Vec<String> = other.keys.iter().map(|(key, value)| format!("\"{key}\": {value}")).collect();
         if !keys.is_empty() {
             let _ = write!(said, "; write {} in the manifest", keys.join(", "));
@@ -243,7 +290,13 @@ impl Finding {
             let _ = write!(said, "; not sure: {}", undecided.why);
         }
         if other.undecided.is_empty() {
-            let _ = write!(said, " ({}: {:.0} times as well as the next)", other.certainty(), other.margin);
+            let _ = write!(
+                said,
+                " ({}: {:.0} times as well as {})",
+                other.certainty(),
+                other.margin,
+                other.next()
+            );
         }
         Some(said)
     }
@@ -282,6 +335,15 @@ impl Alternative {
         if self.margin >= SURE { "sure" } else { "likely" }
     }
 
+    /// What [`Self::margin`] compares it with, in words.
+    #[must_use]
+    pub fn next(&self) -> &'static str {
+        match self.evidence {
+            Evidence::Depth => "the next",
+            Evidence::Pictures { .. } => "the claimed one",
+        }
+    }
+
     /// What the numbers mean under this reading where that differs from the claimed one.
     #[must_use]
     pub fn meaning(&self, claimed: &Reading) -> String {
@@ -308,6 +370,7 @@ impl Alternative {
                 number(claimed.unit)
             ));
         }
+        parts.extend(self.reading.lens.words());
         parts.join(" and ")
     }
 }

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use glam::{DAffine3, DVec2};
 
-use super::reading::PixelRay;
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::depth_claim::DepthClaim;
 use crate::median::median;
@@ -17,14 +16,15 @@ const EDGE: f64 = 0.06;
 
 /// One pixel of a view.
 pub(super) struct SourcePoint {
-    /// The ray through the pixel's center, in our camera space.
-    pub ray: PixelRay,
+    /// The pixel's center.
+    pub pixel: DVec2,
     /// The number of its depth.
     pub value: f64,
 }
 
 /// One picture of depth, as it was read.
 pub(super) struct ComparedView {
+    /// As claimed.
     pub intrinsics: Intrinsics,
     /// The matrix of the pose, camera to world, of our camera space as the capture's convention gives it.
     pub world_from_camera: DAffine3,
@@ -49,7 +49,7 @@ impl ComparedView {
             }
         };
         let values: Vec<f32> = (0..width * height).map(value_at).collect();
-        let points = spread_points(&intrinsics, &values);
+        let points = spread_points((width, height), &values);
         Self { intrinsics, world_from_camera: camera.world_from_camera, values, points }
     }
 
@@ -75,12 +75,11 @@ fn center(x: usize, y: usize) -> DVec2 {
 }
 
 /// Pixels with depth, off its edges; any with depth where surfaces are too steep for that.
-fn spread_points(intrinsics: &Intrinsics, values: &[f32]) -> Vec<SourcePoint> {
+fn spread_points((width, height): (usize, usize), values: &[f32]) -> Vec<SourcePoint> {
     /// Positions that are looked at for each point that is wanted.
     const TRIES: usize = 8;
     /// Fewer points off edges than this are too few.
     const FEW: usize = 48;
-    let (width, height) = intrinsics.size();
     let is_smooth = |x: usize, y: usize| {
         let here = values[y * width + x];
         let beside = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
@@ -96,8 +95,7 @@ fn spread_points(intrinsics: &Intrinsics, values: &[f32]) -> Vec<SourcePoint> {
         if !value.is_finite() || !seen.insert((x, y)) {
             continue;
         }
-        let ray = PixelRay::new(intrinsics.ray_in_camera(center(x, y)));
-        let point = SourcePoint { ray, value: f64::from(value) };
+        let point = SourcePoint { pixel: center(x, y), value: f64::from(value) };
         if is_smooth(x, y) {
             smooth.push(point);
         } else {
