@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use overlook_engine::alignment::{Aligned, align};
+use overlook_engine::capture::conventions::{Evidence, check};
 use overlook_engine::capture::{Camera, Capture};
 use overlook_engine::job::Job;
 use overlook_engine::settings::AlignSettings;
@@ -13,7 +14,7 @@ fn aligned(capture: &Capture) -> Aligned {
     align(capture, &AlignSettings::default(), &Job::new()).unwrap()
 }
 
-/// The corrections that are made of exact scenes.
+/// The corrections that are made of exact scenes, and the units and lenses that pictures would have otherwise.
 fn harm(seeds: std::ops::Range<u64>) -> Vec<String> {
     let of_seed = |seed: u64| {
         let scene = ExactScene::random(seed, seed % 2 == 1);
@@ -22,9 +23,12 @@ fn harm(seeds: std::ops::Range<u64>) -> Vec<String> {
         if found.alignment.is_none() {
             assert_eq!(found.capture.cameras, capture.cameras);
         }
-        found
-            .alignment
-            .map(|alignment| format!("scene {seed}: {:?} {:?}", alignment.sentences(), alignment.refusals()))
+        if let Some(alignment) = found.alignment {
+            return Some(format!("scene {seed}: {:?} {:?}", alignment.sentences(), alignment.refusals()));
+        }
+        let reading = check(&capture).unwrap();
+        let is_by_pictures = matches!(reading.alternative()?.evidence, Evidence::Pictures { .. });
+        is_by_pictures.then(|| format!("scene {seed}: {}", reading.sentence()))
     };
     seeds.filter_map(of_seed).collect()
 }

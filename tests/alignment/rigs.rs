@@ -3,7 +3,7 @@
 use glam::{DAffine3, DQuat, DVec3};
 use half::f16;
 use overlook_engine::alignment::{Aligned, align};
-use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
+use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH};
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -77,6 +77,24 @@ fn one_wrong_pose_is_found_and_the_right_ones_keep_every_bit() {
 }
 
 #[test]
+fn a_camera_that_slid_along_floor_and_wall_is_found_though_most_distances_stay_as_they_are() {
+    let right = capture("nine-cameras", 0.0);
+    let shifted = right.clone().with_changed_cameras(|index, camera| {
+        if index == 0 {
+            camera.world_from_camera.translation.x += 0.05;
+        }
+    });
+    let found = aligned(&shifted);
+    let alignment = found.alignment.unwrap();
+    for (index, camera) in alignment.cameras.iter().enumerate() {
+        assert_eq!(camera.pose.is_some(), index == 0, "camera {index}");
+    }
+    let off = found.capture.cameras[0].world_from_camera.translation
+        - right.cameras[0].world_from_camera.translation;
+    assert!(off.length() < 0.002, "still off by {off}");
+}
+
+#[test]
 fn the_farther_apart_cameras_were_the_more_their_pairs_say() {
     let right = capture("orrery", 0.0);
     let apart = |distance: f64| {
@@ -120,6 +138,8 @@ fn a_capture_that_is_right_is_left_alone_and_gives_the_samples_of_alignment_swit
 struct Exposed {
     right: Capture,
     stops: Vec<f64>,
+    /// Pixels without depth, as a share of ten.
+    holes: usize,
 }
 
 impl FrameSource for Exposed {
@@ -129,6 +149,11 @@ impl FrameSource for Exposed {
         for color in exposed.color.as_mut_slice() {
             *color = color.map(|value| f16::from_f32(f32::from(value) * gain));
         }
+        for (pixel, inverse_depth) in exposed.inverse_depth.as_mut_slice().iter_mut().enumerate() {
+            if pixel.wrapping_mul(0x9e37_79b9) / 1024 % 10 < self.holes {
+                *inverse_depth = INVALID_INVERSE_DEPTH;
+            }
+        }
         Ok(exposed)
     }
 
@@ -137,14 +162,31 @@ impl FrameSource for Exposed {
     }
 }
 
+/// A capture whose cameras were exposed by other stops, and what was found of it.
+fn exposed(stops: &[f64], holes: usize) -> (Capture, Aligned) {
+    let right = capture("orrery", 0.02);
+    let parts: CaptureParts = (*right).clone();
+    let source = Arc::new(Exposed { right: right.clone(), stops: stops.to_vec(), holes });
+    let found = aligned(&Capture::new(CaptureParts { source, ..parts }, 1 << 28));
+    (right, found)
+}
+
+#[test]
+fn exposures_are_found_where_a_sensor_has_no_depth_of_a_third_of_the_pixels() {
+    let stops = [0.3, -0.2, 0.0, -0.4, 0.3];
+    let (_, found) = exposed(&stops, 3);
+    for (camera, (found, stops)) in found.alignment.unwrap().cameras.iter().zip(&stops).enumerate() {
+        let undone = found.exposure.map_or([0.0; 3], |exposure| exposure.stops);
+        for channel in undone {
+            assert!((channel + stops).abs() < 0.03, "camera {camera}: {undone:?} for {stops}");
+        }
+    }
+}
+
 #[test]
 fn exposures_are_found_and_undone() {
-    let right = capture("orrery", 0.02);
-    let stops = vec![0.3, -0.2, 0.0, -0.4, 0.3];
-    let parts: CaptureParts = (*right).clone();
-    let source = Arc::new(Exposed { right: right.clone(), stops: stops.clone() });
-    let exposed = Capture::new(CaptureParts { source, ..parts }, 1 << 28);
-    let found = aligned(&exposed);
+    let stops = [0.3, -0.2, 0.0, -0.4, 0.3];
+    let (right, found) = exposed(&stops, 0);
     for (camera, (found, stops)) in found.alignment.unwrap().cameras.iter().zip(&stops).enumerate() {
         let undone = found.exposure.map_or([0.0; 3], |exposure| exposure.stops);
         for channel in undone {

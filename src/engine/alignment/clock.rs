@@ -12,14 +12,13 @@ use rayon::prelude::*;
 
 use super::judge::Judgment;
 use super::normal_equations::NormalEquations;
-use super::reference_view::{LEVELS, ReferenceView, still_pixels};
+use super::reference_view::{ReferenceView, still_pixels};
 use super::residuals::PairOfViews;
 use super::solver::{Problem, TUKEY, loss};
 use super::surface_samples::{SurfaceSample, surface_samples};
 use super::tangent_plane::SurfaceBend;
 use crate::capture::Capture;
 use crate::error::Result;
-use crate::grid::Grid;
 use crate::job::Job;
 use crate::median::{MEDIAN_PER_SIGMA, median};
 
@@ -190,11 +189,8 @@ impl Moment {
         let lens = &problem.views[camera].camera;
         let view = |frame: i64| {
             job.check()?;
-            let mut view = ReferenceView::new(lens.clone(), capture.frame(camera, frame as usize)?, None);
             // The outline of what moves tells its delay as well as its texture does.
-            let (width, height) = view.frame.size();
-            view.pure_levels = Grid::filled(width, height, LEVELS as u8);
-            Ok(view)
+            Ok(ReferenceView::without_extent(lens.clone(), capture.frame(camera, frame as usize)?, None))
         };
         let views: Vec<ReferenceView> = (at - before..=at + after).map(view).collect::<Result<_>>()?;
         let own = before as usize;

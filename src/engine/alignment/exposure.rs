@@ -17,12 +17,13 @@ use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// Half the side of the square whose mean color is compared, pixels.
 const RADIUS: usize = 2;
-/// Resolutions that show nothing without depth where the square does.
-const MEASURED_LEVELS: usize = 1;
+/// Pixels of the square that have to be of the sample's surface: their inverse depths differ from it by no more than this, relative.
+const LEAST_PIXELS: usize = 6;
+const SAME_SURFACE: f32 = 0.05;
 /// Linear colors below the first are too dark for a ratio; those above the second may be cut off.
 const USABLE: [f32; 2] = [0.004, 0.85];
 /// A pair with fewer samples gives no ratio.
-const LEAST_SAMPLES: usize = 40;
+const LEAST_SAMPLES: usize = 16;
 /// A gain that changes less, in stops, does not show.
 pub(crate) const LEAST_STOPS: f64 = 0.02;
 /// A gain is kept from this many standard errors on. They are wider than those of independent samples.
@@ -190,24 +191,23 @@ fn color_pairs(
     colors.collect()
 }
 
-/// Logarithms of a mean color; `None` near the border and what has no depth, and where it is too dark or too bright for a ratio.
+/// Logarithms of the mean color of a surface; `None` near the border of the picture, and where little of the square is of the surface,
+/// or some of it is too dark or too bright for a ratio.
 type LogColor = Option<[f64; 3]>;
 
 fn mean_log_color(view: &ReferenceView, image: DVec2) -> LogColor {
-    let color = &view.frame.color;
+    let (color, depth) = (&view.frame.color, &view.frame.inverse_depth);
     let (width, height) = color.size();
     let (x, y) = (image.x as usize, image.y as usize);
-    if view.measured_levels_at(image) < MEASURED_LEVELS
-        || x < RADIUS
-        || y < RADIUS
-        || x + RADIUS >= width
-        || y + RADIUS >= height
-    {
+    if x < RADIUS || y < RADIUS || x + RADIUS >= width || y + RADIUS >= height {
         return None;
     }
-    let mut sum = [0.0_f32; 3];
+    // What has no depth may be the background of something cut out, or a hole in what a sensor measured.
+    let here = depth[(x, y)];
+    let is_here = |there: f32| there > 0.0 && (there - here).abs() <= SAME_SURFACE * here;
+    let (mut sum, mut count) = ([0.0_f32; 3], 0);
     for row in y - RADIUS..=y + RADIUS {
-        for column in x - RADIUS..=x + RADIUS {
+        for column in (x - RADIUS..=x + RADIUS).filter(|column| is_here(depth[(*column, row)])) {
             for (sum, value) in sum.iter_mut().zip(color[(column, row)]) {
                 let value = f32::from(value);
                 if value > USABLE[1] {
@@ -215,11 +215,12 @@ fn mean_log_color(view: &ReferenceView, image: DVec2) -> LogColor {
                 }
                 *sum += value;
             }
+            count += 1;
         }
     }
-    let count = ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as f32;
-    let mean = sum.map(|sum| sum / count);
-    mean.iter().all(|mean| *mean >= USABLE[0]).then(|| mean.map(|mean| f64::from(mean.ln())))
+    let mean = sum.map(|sum| sum / count as f32);
+    let is_usable = count >= LEAST_PIXELS && mean.iter().all(|mean| *mean >= USABLE[0]);
+    is_usable.then(|| mean.map(|mean| f64::from(mean.ln())))
 }
 
 fn ratio(pair: [usize; 2], colors: &[ColorPair]) -> Option<Ratio> {

@@ -7,12 +7,14 @@ use glam::DAffine3;
 
 use super::judge::PoseJudgment;
 use super::poses::STAGES;
-use super::solver::{Problem, Weighing};
+use super::solver::{Problem, SolverStage, Weighing};
 use crate::error::Result;
 use crate::job::Job;
 
 /// Cameras are let go that moved by at least this share of the farthest, one share after the other.
 const SHARES: [f64; 3] = [0.5, 0.25, 0.12];
+/// Cameras that are let go start close to where they belong.
+const FINEST: SolverStage = STAGES[STAGES.len() - 1];
 
 impl Problem {
     /// Puts those cameras back that need not move, and lets the others find their places between them. `weighing` is that of all poses as
@@ -38,11 +40,9 @@ impl Problem {
             }
             self.put_back(claimed, |camera| !goes(camera));
             self.is_free = (0..found.len()).map(goes).collect();
-            for stage in &STAGES[STAGES.len() - 2..] {
-                self.iterate(stage, job)?;
-            }
+            self.iterate(&FINEST, job)?;
             let beside_all = PoseJudgment::new(self, weighing, &found, |_| true);
-            if !beside_all.reversed().pays() {
+            if !beside_all.reversed().may_pay() {
                 return Ok(self.finest_weighing());
             }
             for (view, pose) in self.views.iter_mut().zip(&found) {

@@ -2,7 +2,9 @@
 
 use glam::DAffine3;
 
-use super::solver::{Problem, Weighing, loss};
+use rayon::prelude::*;
+
+use super::solver::{PairWeighing, Problem, Weighing, loss};
 
 /// The loss of samples that took no part, without and with a correction.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,9 +20,11 @@ pub(crate) struct Judgment {
 
 /// A correction pays where the loss falls by more than this many standard errors, and by this share.
 const STANDARD_ERRORS: f64 = 2.0;
-/// The same of poses: of all corrections surfaces that are noisy or bent come nearest to asking for one that is none.
-const STANDARD_ERRORS_OF_POSES: f64 = 2.5;
 const LEAST_FALL: f64 = 0.01;
+/// Standard errors for poses: noisy and curved surfaces ask for more false corrections of them than of anything else.
+const STANDARD_ERRORS_OF_POSES: f64 = 2.5;
+/// From this many on it may well pay, and is not given up.
+const STANDARD_ERRORS_OF_DOUBT: f64 = 1.5;
 /// Fewer samples judge nothing.
 const LEAST_SAMPLES: usize = 50;
 
@@ -62,7 +66,10 @@ impl Judgment {
     }
 }
 
-/// How poses judge beside others.
+/// The region of each sample, and its loss before and after.
+type Losses = Vec<(usize, [f64; 2])>;
+
+/// The loss of samples that took no part, with other poses and with those that were found.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PoseJudgment {
     /// By distances and pictures together.
@@ -76,10 +83,10 @@ impl PoseJudgment {
         problem: &Problem,
         weighing: &Weighing,
         then: &[DAffine3],
-        counts: impl Fn(&[usize; 2]) -> bool,
+        counts: impl Fn(&[usize; 2]) -> bool + Sync,
     ) -> Self {
-        let (mut all, mut distances) = (Vec::new(), Vec::new());
-        for (pair, weighed) in problem.pairs.iter().zip(&weighing.pairs).filter(|(pair, _)| counts(pair)) {
+        let of_pair = |(pair, weighed): (&[usize; 2], &PairWeighing)| {
+            let (mut all, mut distances) = (Vec::new(), Vec::new());
             let views = [problem.pair_at(*pair, pair.map(|camera| then[camera])), problem.pair(*pair)];
             for sample in problem.samples[pair[0]].iter().filter(|sample| sample.judges) {
                 let terms = views.each_ref().map(|views| {
@@ -95,7 +102,11 @@ impl PoseJudgment {
                 let sum = distance.into_iter().chain(color).reduce(|a, b| [a[0] + b[0], a[1] + b[1]]);
                 all.extend(sum.map(|loss| (sample.region, loss)));
             }
-        }
+            (all, distances)
+        };
+        let pairs = problem.pairs.par_iter().zip(&weighing.pairs).filter(|(pair, _)| counts(pair));
+        let (all, distances): (Vec<Losses>, Vec<Losses>) = pairs.map(of_pair).unzip();
+        let [all, distances] = [all.concat(), distances.concat()];
         let [all, distances] = [all, distances].map(|losses| Judgment::of_regions(&losses, problem.regions));
         Self { all, distances }
     }
@@ -103,8 +114,22 @@ impl PoseJudgment {
     /// Whether cameras agree better, about where surfaces are as well: where pictures alone do, something other than poses is wrong. Of
     /// cameras without depth pictures are all there is.
     pub(crate) fn pays(&self) -> bool {
-        let pays = |judgment: &Judgment| judgment.pays_by(STANDARD_ERRORS_OF_POSES);
-        pays(&self.all) && (self.distances.samples < LEAST_SAMPLES || pays(&self.distances))
+        self.pays_by([STANDARD_ERRORS_OF_POSES; 2])
+    }
+
+    /// The same for one camera of a rig whose poses pay together: fewer samples judge it.
+    pub(crate) fn pays_for_one(&self) -> bool {
+        self.pays_by([STANDARD_ERRORS_OF_POSES, STANDARD_ERRORS_OF_DOUBT])
+    }
+
+    /// Whether cameras may agree better.
+    pub(crate) fn may_pay(&self) -> bool {
+        self.all.pays_by(STANDARD_ERRORS_OF_DOUBT)
+    }
+
+    /// By standard errors of all, and of distances.
+    fn pays_by(&self, [all, distances]: [f64; 2]) -> bool {
+        self.all.pays_by(all) && (self.distances.samples < LEAST_SAMPLES || self.distances.pays_by(distances))
     }
 
     /// The other poses beside these.

@@ -6,9 +6,11 @@ use rayon::prelude::*;
 use super::judge::{Judgment, PoseJudgment};
 use super::normal_equations::eigen;
 use super::plausibility;
+use super::reference_view::LEVELS;
 use super::regions::RegionShares;
 use super::residuals::{GAIN, UNKNOWNS};
 use super::solver::{Problem, SolverStage, Weighing, make_rigid, moved};
+use super::surface_samples::has_noisy_depth;
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
@@ -22,8 +24,9 @@ pub(super) const STAGES: [SolverStage; 5] = [
     SolverStage { gate: 8.0, level: 0, steps: 8 },
 ];
 
-/// The stage that decides whether anything is wrong at all.
-const FIRST_LOOK: SolverStage = SolverStage { gate: 15.0, level: 0, steps: 1 };
+/// The stages that decide whether anything is wrong at all: what is off by pixels shows in coarse pictures alone.
+const FIRST_LOOKS: [SolverStage; 2] =
+    [SolverStage { gate: 15.0, level: 0, steps: 1 }, SolverStage { gate: 30.0, level: 2, steps: 1 }];
 
 /// The stage that measures how far apart two cameras are: as far as poses are looked for, in full resolution.
 pub(super) const WIDE_LOOK: SolverStage = SolverStage { level: 0, ..STAGES[0] };
@@ -55,6 +58,18 @@ pub(crate) struct PoseCorrection {
 }
 
 impl Problem {
+    /// Lets colors beside edges count in views of a sensor: its poses are off by far more than such colors are, and edges tell the most.
+    /// Lenses and exposures are off by less.
+    fn count_colors_beside_noisy_edges(&mut self) {
+        let views = self.views.par_iter_mut().zip(&mut self.samples);
+        views.filter(|(view, samples)| has_noisy_depth(view, samples.len())).for_each(|(view, samples)| {
+            view.count_colors_beside_edges();
+            for sample in samples {
+                sample.pure_levels = LEVELS;
+            }
+        });
+    }
+
     /// How residuals are weighed in the end.
     pub(crate) fn finest_weighing(&self) -> Weighing {
         self.weighing(&STAGES[STAGES.len() - 1])
@@ -62,13 +77,16 @@ impl Problem {
 
     /// Whether nothing would move where it shows.
     pub(crate) fn is_settled(&self) -> bool {
-        let equations = self.equations(&self.weighing(&FIRST_LOOK));
-        let Some(factor) = equations.factor() else { return true };
-        let step = factor.solve(&equations.right);
-        (0..self.views.len()).all(|camera| {
-            let pose = &self.views[camera].camera.world_from_camera;
-            let after = moved(pose, &step[camera * UNKNOWNS..][..GAIN], self.scale);
-            self.displacement(camera, pose, &after) < LEAST_MOVE
+        FIRST_LOOKS.iter().all(|stage| {
+            let equations = self.equations(&self.weighing(stage));
+            let Some(factor) = equations.factor() else { return true };
+            let step = factor.solve(&equations.right);
+            let least = LEAST_MOVE * f64::from(1 << stage.level);
+            (0..self.views.len()).all(|camera| {
+                let pose = &self.views[camera].camera.world_from_camera;
+                let after = moved(pose, &step[camera * UNKNOWNS..][..GAIN], self.scale);
+                self.displacement(camera, pose, &after) < least
+            })
         })
     }
 
@@ -133,6 +151,7 @@ const WEAK: f64 = 0.7;
 
 /// Finds poses. Those that do not pay are as they were, bit for bit.
 pub(crate) fn align_poses(problem: &mut Problem, job: &Job) -> Result<Vec<PoseCorrection>> {
+    problem.count_colors_beside_noisy_edges();
     let claimed = problem.poses();
     let may_move = problem.is_free.clone();
     if problem.pairs.is_empty() || problem.is_settled() {
@@ -192,7 +211,7 @@ impl Problem {
             let [alone, in_all] = [&but_one[..], claimed]
                 .map(|then| PoseJudgment::new(self, weighing, then, |pair| pair.contains(&camera)));
             let is_known = weakest.sqrt() * inflated < WEAK.max(0.3 * footprints);
-            let is_wanted = alone.pays() && in_all.pays() && footprints > LEAST_MOVE;
+            let is_wanted = alone.may_pay() && in_all.pays_for_one() && footprints > LEAST_MOVE;
             let change = claimed[camera].inverse() * now[camera];
             let is_plausible = plausibility::is_of_a_rig(&change, self.scale.inverse_depth);
             PoseCorrection {

@@ -35,10 +35,11 @@ pub(crate) struct ReferenceView {
     /// Brightness at every resolution, the finest first: the square root of luminance, which has noise of about the same width
     /// everywhere and grows in proportion to a change of exposure.
     pub(crate) brightness: Vec<Grid<f32>>,
-    /// Per pixel the number of resolutions, the finest first, that show nothing but its surface around it.
-    pub(crate) pure_levels: Grid<u8>,
+    /// Per pixel the number of resolutions, the finest first, that show nothing but its surface around it; `None` where colors count
+    /// whatever is beside.
+    pure_levels: Option<Grid<u8>>,
     /// The same of resolutions that show nothing but surfaces with depth.
-    measured_levels: Grid<u8>,
+    measured_levels: Option<Grid<u8>>,
     /// Pixels that are as they are in another frame; `None` where there is only one frame.
     pub(crate) is_still: Option<Grid<bool>>,
 }
@@ -46,6 +47,14 @@ pub(crate) struct ReferenceView {
 impl ReferenceView {
     /// The view of a camera from the frame that is aligned, and another one that shows what moves.
     pub(crate) fn new(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
+        let inverse_depth = &frame.inverse_depth;
+        let pure_levels = Some(pure_levels(inverse_depth, &LEAST_DISTANCES));
+        let measured_levels = Some(measured_levels(inverse_depth, &LEAST_DISTANCES));
+        Self { pure_levels, measured_levels, ..Self::without_extent(camera, frame, other) }
+    }
+
+    /// The same where colors count whatever is beside a surface.
+    pub(crate) fn without_extent(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
         let is_still = other.map(|other| still_pixels(&frame, other));
         let (width, height) = frame.size();
         let finest = frame.color.as_slice().iter().copied().map(brightness).collect();
@@ -54,9 +63,12 @@ impl ReferenceView {
             let coarser = halved(&levels[levels.len() - 1]);
             levels.push(coarser);
         }
-        let pure_levels = pure_levels(&frame.inverse_depth, &LEAST_DISTANCES);
-        let measured_levels = measured_levels(&frame.inverse_depth, &LEAST_DISTANCES);
-        Self { camera, frame, brightness: levels, pure_levels, measured_levels, is_still }
+        Self { camera, frame, brightness: levels, pure_levels: None, measured_levels: None, is_still }
+    }
+
+    /// Lets colors count whatever is beside a surface, as long as it has depth.
+    pub(crate) fn count_colors_beside_edges(&mut self) {
+        self.pure_levels = None;
     }
 
     /// All views of a capture at its first frame. The frame in the middle shows what moves.
@@ -81,12 +93,12 @@ impl ReferenceView {
 
     /// How many resolutions, the finest first, show nothing but one surface around an image position; 0 outside of the picture.
     pub(crate) fn pure_levels_at(&self, image: DVec2) -> usize {
-        levels_at(&self.pure_levels, image)
+        self.pure_levels.as_ref().map_or(LEVELS, |levels| levels_at(levels, image))
     }
 
     /// The same of resolutions that show nothing but surfaces with depth.
     pub(crate) fn measured_levels_at(&self, image: DVec2) -> usize {
-        levels_at(&self.measured_levels, image)
+        self.measured_levels.as_ref().map_or(LEVELS, |levels| levels_at(levels, image))
     }
 
     /// The pixel at an image position, and its inverse depth; `None` where it has none, at an edge of depth, near the border of the

@@ -143,9 +143,7 @@ impl<'a> PairOfViews<'a> {
         image: DVec2,
         level: usize,
     ) -> Option<Term> {
-        // A picture that has no depth of its own shows nothing of where its surfaces end.
-        let is_pure =
-            level < sample.pure_levels && (self.color_alone || level < self.target.pure_levels_at(image));
+        let is_pure = level < sample.pure_levels && level < self.target.pure_levels_at(image);
         let [found, across, down] = self.target.brightness_at(level, image.x, image.y).filter(|_| is_pure)?;
         let lens = &self.target.camera.intrinsics;
         let [own_gain, gain] = self.gains;

@@ -46,6 +46,14 @@ pub(crate) struct SolverStage {
     pub(crate) steps: usize,
 }
 
+impl SolverStage {
+    /// The least standard deviation of distances, footprints. Where most of what is seen is flat, most distances stay exact while a camera
+    /// slides along it, and the few that tell would be strays: coarse stages count them.
+    fn least_sigma(&self) -> f64 {
+        if self.level > 0 { self.gate / 30.0 } else { 0.0 }
+    }
+}
+
 /// How the residuals of one pair are weighed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PairWeighing {
@@ -165,11 +173,12 @@ impl Problem {
             // A part of the samples is enough to measure the width.
             let mut found = self.magnitudes(*pair, stage, 2);
             let widest = [0.3 * stage.gate.min(WIDEST[0]), WIDEST[1]];
+            let least = [LEAST_SIGMAS[0].max(stage.least_sigma()), LEAST_SIGMAS[1]];
             let mut sigmas = widest;
             for (kind, magnitudes) in found.iter_mut().enumerate() {
                 if magnitudes.len() >= LEAST_READINGS {
                     let sigma = median(magnitudes).unwrap_or_default() / MEDIAN_PER_SIGMA;
-                    sigmas[kind] = sigma.clamp(LEAST_SIGMAS[kind], widest[kind]);
+                    sigmas[kind] = sigma.clamp(least[kind], widest[kind]);
                 }
             }
             PairWeighing { gate: stage.gate.min((TUKEY * sigmas[0]).max(LEAST_GATE)), sigmas }
@@ -288,7 +297,7 @@ impl Problem {
             self.step(&step);
             let poses = step.chunks(UNKNOWNS).flat_map(|own| &own[..GAIN]);
             let largest = poses.fold(0.0_f64, |a, b| a.max(b.abs()));
-            if largest < SETTLED {
+            if largest < SETTLED[usize::from(stage.level > 0)] {
                 break;
             }
         }
@@ -296,8 +305,8 @@ impl Problem {
     }
 }
 
-/// A step below this, in footprints, changes nothing.
-const SETTLED: f64 = 0.003;
+/// A step below this, in footprints, changes nothing in the finest picture, and nothing in coarser ones that finer ones do not decide.
+const SETTLED: [f64; 2] = [0.003, 0.05];
 
 /// A pose moved by rotation and translation in camera space, which count in footprints.
 pub(crate) fn moved(pose: &DAffine3, step: &[f64], scale: ProblemScale) -> DAffine3 {

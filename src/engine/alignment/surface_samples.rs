@@ -38,30 +38,37 @@ const NOISY_FOOTPRINTS: f64 = 0.1;
 /// No plane where fewer of the pixels have depth.
 const LEAST_VALID: [f64; 2] = [0.8, 0.35];
 
-/// About `count` samples of a view.
-pub(crate) fn surface_samples(view: &ReferenceView, count: usize) -> Vec<SurfaceSample> {
+/// Places on a lattice of about `count` pixels, column and row, from whose surroundings a plane is fitted, and whether their samples judge.
+fn places(view: &ReferenceView, count: usize, radius: usize) -> impl Iterator<Item = (usize, usize, bool)> {
     let (width, height) = view.frame.size();
     let step = (width * height / count.max(1)).isqrt().max(2);
-    let places = |radius: usize| {
-        let margin = radius + 2;
-        let rows = (step / 2..height).step_by(step).enumerate();
-        let places = rows.flat_map(move |(row, y)| {
-            let columns = (step / 2..width).step_by(step).enumerate();
-            columns.map(move |(column, x)| (x, y, (row + column) % 2 == 1))
-        });
-        places.filter(move |&(x, y, _)| {
-            x >= margin && y >= margin && x + margin < width && y + margin < height && view.is_still(x, y)
-        })
-    };
+    let margin = radius + 2;
+    let rows = (step / 2..height).step_by(step).enumerate();
+    let places = rows.flat_map(move |(row, y)| {
+        let columns = (step / 2..width).step_by(step).enumerate();
+        columns.map(move |(column, x)| (x, y, (row + column) % 2 == 1))
+    });
+    places.filter(move |&(x, y, _)| {
+        x >= margin && y >= margin && x + margin < width && y + margin < height && view.is_still(x, y)
+    })
+}
+
+/// Whether depth is that of a sensor: noisy, or of a coarser lattice. Seen at about `count` places.
+pub(crate) fn has_noisy_depth(view: &ReferenceView, count: usize) -> bool {
+    let exact = places(view, count, RADII[0]).filter_map(|(x, y, _)| plane_in(view, x, y, 0));
     let focal = view.camera.intrinsics.fx;
-    let exact = places(RADII[0]).filter_map(|(x, y, _)| plane_in(view, x, y, 0));
     let mut off: Vec<f64> = exact.map(|plane| plane.deviation_relative * focal).collect();
-    let with_depth = places(RADII[0]).filter(|&(x, y, _)| view.frame.inverse_depth[(x, y)] > 0.0).count();
+    let with_depth =
+        places(view, count, RADII[0]).filter(|&(x, y, _)| view.frame.inverse_depth[(x, y)] > 0.0).count();
     // Depth of a coarser lattice, too, has few whole windows of 3×3 pixels.
     let is_sparse = 2 * off.len() < with_depth;
-    let is_noisy = is_sparse || median(&mut off).is_none_or(|off| off > NOISY_FOOTPRINTS);
-    let window = usize::from(is_noisy);
-    let samples = places(RADII[window]).filter_map(|(x, y, judges)| {
+    is_sparse || median(&mut off).is_none_or(|off| off > NOISY_FOOTPRINTS)
+}
+
+/// About `count` samples of a view.
+pub(crate) fn surface_samples(view: &ReferenceView, count: usize) -> Vec<SurfaceSample> {
+    let window = usize::from(has_noisy_depth(view, count));
+    let samples = places(view, count, RADII[window]).filter_map(|(x, y, judges)| {
         let plane = plane_in(view, x, y, window)?;
         let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let mut brightness = [0.0; LEVELS];

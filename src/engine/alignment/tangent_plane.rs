@@ -2,8 +2,8 @@
 //!
 //! Purpose: the position and direction of a sample that is carried into other cameras. Source: inverse depth is linear in image
 //! position on a plane, and on a curved surface close to a polynomial of second degree, which is fitted by linear least squares in the
-//! picture itself. A plane through the pixels would lie behind a convex surface, by half a footprint on a ball 24 pixels wide; a rig
-//! that looks at it from all sides would make up for that by standing ten times as far off.
+//! picture itself. A plane through the pixels would lie behind a convex surface: by half a footprint on a ball 24 pixels wide. To make
+//! up for half a footprint, cameras around the ball would be moved by ten times as much.
 
 use glam::{DVec2, DVec3};
 
@@ -20,7 +20,7 @@ const OTHER_RELATIVE: f64 = 0.15;
 const LEAST_COSINE: f64 = 0.15;
 /// Powers of the horizontal and the vertical position in each term of the polynomial.
 const TERMS: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
-/// Weight of a pull of the curvature to 0, in pixels, which only counts where the pixels do not determine it.
+/// Weight that pulls the curvature to 0, beside a weight of 1 for each pixel. It only counts where pixels do not determine the curvature.
 const PULL: f64 = 1e-6;
 
 /// Inverse depth around a pixel: `inverse_depth + slope · (pixel − its center)` on the plane.

@@ -27,7 +27,8 @@ const STAGES: [(usize, usize); 4] = [(3, 6), (2, 5), (1, 5), (0, 5)];
 /// `Cancelled`.
 pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job) -> Result<Camera> {
     let source = ReferenceView::new(camera.clone(), Arc::new(rendering), None);
-    let target = ReferenceView::new(camera.clone(), Arc::new(picture.clone()), None);
+    // A picture that has no depth of its own shows nothing of where its surfaces end.
+    let target = ReferenceView::without_extent(camera.clone(), Arc::new(picture.clone()), None);
     let mut samples = surface_samples(&source, SAMPLES);
     // All samples take part in finding the pose; none is left to judge it.
     for sample in &mut samples {
