@@ -25,6 +25,15 @@ pub fn linear_from_srgb(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded.max(0.0) / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
+/// Brighter colors are lights and their mirror images: all count as this luminance.
+const BRIGHTEST: f32 = 2.0;
+
+/// How bright a linear Rec.709 color is, for comparing pictures: the square root of its luminance. Noise is about as wide in dark parts as in
+/// bright ones, and a change of exposure is a factor.
+pub(crate) fn brightness([red, green, blue]: [f32; 3]) -> f32 {
+    (0.2126 * red + 0.7152 * green + 0.0722 * blue).clamp(0.0, BRIGHTEST).sqrt()
+}
+
 /// 8-bit sRGB of a linear value, clipped and rounded.
 #[must_use]
 pub fn srgb8_from_linear(linear: f32) -> u8 {

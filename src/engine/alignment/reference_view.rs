@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::surface_extent::{measured_levels, pure_levels};
 use crate::capture::{Camera, Capture, Frame};
+use crate::color::brightness;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
@@ -57,7 +58,7 @@ impl ReferenceView {
     pub(crate) fn without_extent(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
         let is_still = other.map(|other| still_pixels(&frame, other));
         let (width, height) = frame.size();
-        let finest = frame.color.as_slice().iter().copied().map(brightness).collect();
+        let finest = frame.color.as_slice().iter().copied().map(brightness_of).collect();
         let mut levels = vec![Grid::from_vec(width, height, finest)];
         while levels.len() < LEVELS {
             let coarser = halved(&levels[levels.len() - 1]);
@@ -158,18 +159,14 @@ pub(crate) fn still_pixels(frame: &Frame, other: &Frame) -> Grid<bool> {
     let colors = frame.color.as_slice().iter().zip(other.color.as_slice());
     let still = depths.zip(colors).map(|((depth, there), (color, then))| {
         (depth - there).abs() <= STILL_DEPTH_RELATIVE * depth.abs().max(there.abs())
-            && (brightness(*color) - brightness(*then)).abs() <= STILL_BRIGHTNESS
+            && (brightness_of(*color) - brightness_of(*then)).abs() <= STILL_BRIGHTNESS
     });
     Grid::from_vec(width, height, still.collect())
 }
 
-fn brightness(color: [half::f16; 3]) -> f32 {
-    let [r, g, b] = color.map(f32::from);
-    (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, BRIGHTEST).sqrt()
+fn brightness_of(color: [half::f16; 3]) -> f32 {
+    brightness(color.map(f32::from))
 }
-
-/// Luminance beyond this is a light or its mirror image, and is left out.
-const BRIGHTEST: f32 = 2.0;
 
 /// The mean of every 2×2 pixels; a last odd column or row is left out.
 fn halved(picture: &Grid<f32>) -> Grid<f32> {

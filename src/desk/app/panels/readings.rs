@@ -116,11 +116,8 @@ fn unit(unit: f64) -> String {
 }
 
 fn lens(lens: &LensReading) -> String {
-    if *lens == LensReading::default() {
-        return "as claimed".to_owned();
-    }
-    let [x, y] = lens.center.map(|shift| 100.0 * shift);
-    format!("focal length × {:.3}, center {x:+.0} % and {y:+.0} % aside", lens.focal)
+    let words = lens.words();
+    if words.is_empty() { "as claimed".to_owned() } else { words.join(", ") }
 }
 
 /// The keys that make the capture open under the other reading from now on, and the file to write them to.

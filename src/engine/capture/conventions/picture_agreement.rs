@@ -16,6 +16,7 @@ use super::reading::{PixelRay, Reading};
 use super::views::SourcePoint;
 use crate::capture::camera::Intrinsics;
 use crate::capture::frame::Frame;
+use crate::color::brightness;
 use crate::grid::Grid;
 
 /// Columns of the pictures that are compared, at most.
@@ -27,8 +28,6 @@ const PATCH: usize = ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as usize;
 const LEAST_TEXTURE: f64 = 0.02;
 /// The same where a patch arrives: noise, which correlates with nothing.
 const NOISE: f64 = 0.005;
-/// Luminance beyond this is a light or its mirror image.
-const BRIGHTEST: f32 = 2.0;
 
 /// The pictures of the views of a comparison.
 pub(super) struct PictureComparison<'a> {
@@ -50,7 +49,9 @@ impl<'a> PictureComparison<'a> {
     pub(super) fn new(comparison: &'a Comparison, frames: &[Arc<Frame>]) -> Self {
         let pictures = frames.iter().zip(&comparison.views);
         let pictures: Vec<Grid<f32>> = pictures
-            .map(|(frame, view)| shrunk(frame, &small(&view.intrinsics, WIDTH)).map(brightness))
+            .map(|(frame, view)| {
+                shrunk(frame, &small(&view.intrinsics, WIDTH)).map(|color| brightness(*color))
+            })
             .collect();
         let of_pair = |&(from, _): &(usize, usize)| {
             let step = pixel_step(&comparison.views[from].intrinsics);
@@ -165,10 +166,6 @@ fn centered(values: &mut [f64; PATCH]) -> f64 {
         *value -= mean;
     }
     (values.iter().map(|value| value * value).sum::<f64>() / PATCH as f64).sqrt()
-}
-
-fn brightness([r, g, b]: &[f32; 3]) -> f32 {
-    (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, BRIGHTEST).sqrt()
 }
 
 /// Between the four pixels around a position, in pixels from the corner of the picture; `None` where it has not all four.

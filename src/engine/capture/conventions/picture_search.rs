@@ -50,16 +50,16 @@ pub(super) fn refined(finding: Finding, comparison: &Comparison, frames: &[Arc<F
     }
     let claimed = comparison.claimed;
     // Depth through a wrong lens may agree under poses and measures that mean nothing.
-    let by_depth = finding.alternative().map_or(claimed, |other| other.reading);
-    let [as_read, by_depth] = [claimed, by_depth].map(|reading| pictures.correlations(&reading, ALL));
-    if mean(&as_read).max(mean(&by_depth)) * UNIT_DECIDES >= 1.0 {
+    let by_depth = finding.alternative().map(|other| pictures.correlations(&other.reading, ALL));
+    let as_read = pictures.correlations(&claimed, ALL);
+    let rivals: Vec<&Vec<f64>> = by_depth.iter().chain([&as_read]).collect();
+    if rivals.iter().any(|rival| mean(rival) * UNIT_DECIDES >= 1.0) {
         return finding;
     }
     let is_believed = |reading: &Reading| {
         let found = pictures.correlations(reading, ALL);
         let decides = if reading.lens == claimed.lens { UNIT_DECIDES } else { LENS_DECIDES };
-        differs(reading, &claimed)
-            && [&as_read, &by_depth].iter().all(|other| is_better(&found, other, decides))
+        differs(reading, &claimed) && rivals.iter().all(|rival| is_better(&found, rival, decides))
     };
     let units = if unit_is_open && !claimed.measure.is_buffer() { other_units(&claimed) } else { Vec::new() };
     let believed = [other_lenses(&claimed), units].into_iter().filter_map(|readings| {

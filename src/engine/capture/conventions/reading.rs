@@ -59,16 +59,17 @@ impl LensReading {
         }
     }
 
-    /// What differs from the claimed lens, in words.
-    pub(super) fn words(&self) -> Vec<String> {
+    /// What differs from the claimed lens, a phrase each; none where it is as claimed.
+    #[must_use]
+    pub fn words(&self) -> Vec<String> {
         let mut words = Vec::new();
         if self.focal != 1.0 {
-            words.push(format!("if focal lengths are {:.3} times those claimed", self.focal));
+            words.push(format!("focal lengths are {:.3} times those claimed", self.focal));
         }
         if self.center != [0.0; 2] {
             let [x, y] = self.center.map(|shift| 100.0 * shift);
             words.push(format!(
-                "if principal points are {x:+.0} % of the width and {y:+.0} % of the height from those claimed"
+                "principal points are {x:+.0} % of the width and {y:+.0} % of the height from those claimed"
             ));
         }
         words

@@ -370,7 +370,7 @@ impl Alternative {
                 number(claimed.unit)
             ));
         }
-        parts.extend(self.reading.lens.words());
+        parts.extend(self.reading.lens.words().into_iter().map(|words| format!("if {words}")));
         parts.join(" and ")
     }
 }
