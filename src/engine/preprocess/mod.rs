@@ -26,7 +26,6 @@ pub mod pruning;
 pub mod registration;
 pub mod temporal;
 mod traversal;
-mod views;
 
 pub use prepared_scan::PreparedScan;
 pub(crate) use prepared_scan::better_conventions;
@@ -192,8 +191,8 @@ pub fn inspect_frame(
     let pairs = CameraPairs::new(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
     let complete = match scan {
-        Some(scan) => scan.frame_layers(&pairs, settings, frame, job)?,
-        None => Arc::new(FrameLayers::unscanned(capture, &pairs, settings, frame, job)?),
+        Some(scan) => scan.frame_layers(settings, frame, job)?,
+        None => Arc::new(FrameLayers::unscanned(capture, settings, frame, job)?),
     };
     let all = complete.prune(&pairs, settings, job)?;
     let levels = complete.path.iter().zip(0..);
@@ -244,7 +243,7 @@ pub fn prepare_frame(
         return Ok(None);
     }
     let pairs = CameraPairs::new(&scan.capture().cameras);
-    scan.frame_layers(&pairs, settings, frame, job)?.prepare(&pairs, settings, job)
+    scan.frame_layers(settings, frame, job)?.prepare(&pairs, settings, job)
 }
 
 pub(crate) fn sample_set(capture: &Capture, settings: &Settings, images: Vec<SampleImage>) -> SampleSet {

@@ -9,8 +9,7 @@ use rayon::prelude::*;
 use super::interactive::FrameLayers;
 use super::layers::CameraLayer;
 use super::normals::{NormalErrors, compare_with_given};
-use super::pruning::{PrunedBackground, SpanStack, StaticLayer, rated, static_layers};
-use super::registration::CameraPairs;
+use super::pruning::{SpanStack, StaticLayer, rated, static_layers};
 use super::temporal::{self, TemporalScan};
 use crate::alignment::{self, Aligned, Alignment};
 use crate::capture::conventions::{self, Finding};
@@ -166,7 +165,6 @@ impl PreparedScan {
     /// the frame stay.
     pub(crate) fn frame_layers(
         &self,
-        pairs: &CameraPairs<'_>,
         settings: &Settings,
         frame: usize,
         job: &Job,
@@ -184,8 +182,8 @@ impl PreparedScan {
         if let Some(layers) = self.frame.get(&key) {
             return Ok(layers);
         }
-        let background = PrunedBackground::undecided(self.rated_layers(settings, job)?);
-        let stack = SpanStack::new(self.capture(), Some(&self.scan), pairs, settings, background);
+        let background = self.rated_layers(settings, job)?;
+        let stack = SpanStack::new(self.capture(), Some(&self.scan), settings, background);
         let layers = Arc::new(FrameLayers::at(frame, stack, job)?);
         self.frame.set(key, layers.clone());
         Ok(layers)

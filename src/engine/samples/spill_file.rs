@@ -92,6 +92,22 @@ impl SpillFile {
     }
 }
 
+impl SpillFile {
+    /// Fills `planes` with those of a record, in the order of [`Record::planes`]: each is as long as the record's.
+    ///
+    /// # Errors
+    /// As [`SpillFile::put`].
+    pub(crate) fn fill<T: Record>(&self, place: &RecordPlace<T>, planes: &mut [&mut [u8]]) -> Result<()> {
+        match place {
+            RecordPlace::Memory(record) => {
+                planes.iter_mut().zip(record.planes()).for_each(|(to, from)| to.copy_from_slice(from));
+                Ok(())
+            }
+            RecordPlace::File(offset, _) => self.file.read(*offset, planes),
+        }
+    }
+}
+
 /// Made when something is first written.
 #[derive(Debug, Default)]
 struct TemporaryFile {

@@ -33,7 +33,7 @@ use section::section;
 section! {
     /// Reading the capture.
     pub struct CaptureSettings in "capture" {
-        /// Memory for decoded frames that may be needed again.
+        /// Memory for decoded frames that may be needed again, and for what preprocessing holds of all cameras.
         cache: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
         /// The largest number of views that are read. Those that together show the most are chosen: many views of a moving camera
         /// repeat others. 0 reads all.

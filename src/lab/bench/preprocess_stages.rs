@@ -16,7 +16,7 @@ use overlook_engine::job::Job;
 use overlook_engine::preprocess::interactive::FrameLayers;
 use overlook_engine::preprocess::noise::measure_pairs;
 use overlook_engine::preprocess::normals::{DepthView, estimate_all};
-use overlook_engine::preprocess::pruning::{self, FRAME, Verdict, no_statuses, prune};
+use overlook_engine::preprocess::pruning::{self, FRAME, Verdict};
 use overlook_engine::preprocess::registration::CameraPairs;
 use overlook_engine::preprocess::temporal::{BATCH, Split, StaticTest};
 use overlook_engine::preprocess::{inspect_frame, prepare_frame, prune as prune_capture, scan};
@@ -147,12 +147,8 @@ fn prune_layers(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
     let rig = CameraPairs::new(&capture.cameras);
-    let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
-    let layers = &complete.layers;
-    let times = repeat_with_new_tolerance(bench, |settings| {
-        let statuses = no_statuses(layers);
-        prune(&rig, layers, &statuses, FRAME, settings, bench.job)
-    })?;
+    let complete = FrameLayers::unscanned(capture, &settings, 0, bench.job)?;
+    let times = repeat_with_new_tolerance(bench, |settings| complete.prune(&rig, settings, bench.job))?;
     Ok(of_one_frame(bench, times))
 }
 
@@ -201,7 +197,7 @@ fn pack_frame(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
     let rig = CameraPairs::new(&capture.cameras);
-    let complete = FrameLayers::unscanned(capture, &rig, &settings, 0, bench.job)?;
+    let complete = FrameLayers::unscanned(capture, &settings, 0, bench.job)?;
     let all = complete.prune(&rig, &settings, bench.job)?;
     let span = Span { start: 0, end: 1 };
     let pixels = bench.scene.unpruned.sample_count();

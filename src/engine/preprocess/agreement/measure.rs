@@ -52,25 +52,15 @@ pub(crate) fn measure_noise_between(
     layers: &[CameraLayer],
     job: &Job,
 ) -> Result<Vec<Option<Arc<NoiseBetween>>>> {
+    let all: Vec<usize> = (0..layers.len()).collect();
     let of_camera = |camera: usize| {
         job.check()?;
-        Ok(noise_of_camera(pairs, layers, camera))
+        let mut lattice = NoiseLattice::of(&layers[camera], layers.len());
+        lattice.compare(pairs, camera, layers, &all);
+        Ok(lattice.noise())
     };
     let noise: Vec<_> = (0..layers.len()).into_par_iter().map(of_camera).collect::<Result<_>>()?;
     Ok(where_most_are_noisy(noise))
-}
-
-/// The noise of one camera as the others see it. Only layers of cameras that may see its samples need to be filled.
-pub(crate) fn noise_of_camera(
-    pairs: &CameraPairs<'_>,
-    layers: &[CameraLayer],
-    camera: usize,
-) -> Option<Arc<NoiseBetween>> {
-    if layers.len() < MIN_CAMERAS {
-        return None;
-    }
-    let samples = (SAMPLES * FEW_CAMERAS / layers.len()).clamp(FEWEST_SAMPLES, SAMPLES);
-    CameraDifferences::of(pairs, layers, camera, samples).noise().map(Arc::new)
 }
 
 /// The noise of all cameras, if most of them are noisy: a few are not noisy but wrong.
@@ -92,37 +82,64 @@ struct SampleDifference {
     color_steps: f32,
 }
 
-/// Differences of one camera's samples from what the others show.
-struct CameraDifferences(Vec<SampleDifference>);
+/// Some samples of one camera, and how they differ from what the others show.
+pub(crate) struct NoiseLattice {
+    runs: Vec<PixelRun>,
+    differences: Vec<SampleDifference>,
+}
 
-impl CameraDifferences {
-    fn of(pairs: &CameraPairs<'_>, layers: &[CameraLayer], camera: usize, samples: usize) -> Self {
-        let layer = &layers[camera];
-        let mut differences = Vec::new();
-        let step = (layer.width * layer.height() / samples).isqrt().max(1);
-        for row in (step / 2..layer.height()).step_by(step) {
-            // Neighboring rows begin elsewhere, so that no column of the picture is left out.
-            for column in (row / step % step * LANES..layer.width).step_by(step * LANES) {
-                let end = (column + LANES).min(layer.width);
-                let levels = &layer.level[row * layer.width..][column..end];
-                let lanes = levels.iter().enumerate().map(|(lane, level)| u32::from(*level == ROOT) << lane);
-                let lanes = lanes.fold(0, |all, lane| all | lane);
-                if lanes == 0 {
-                    continue;
-                }
-                let block = PixelRun::<LANES>::new(layer, column, row, lanes);
-                for (other, registration) in pairs.others(camera) {
-                    let target = &layers[other];
-                    if !target.geometry.is_empty() {
-                        let source = SourceRun { layer, run: &block };
-                        add_differences(&mut differences, registration, source, target);
+impl NoiseLattice {
+    /// Samples of all frames, spread evenly over the picture of one of so many `cameras`; none where these are too few to measure noise.
+    pub(crate) fn of(layer: &CameraLayer, cameras: usize) -> Self {
+        let mut runs = Vec::new();
+        if cameras >= MIN_CAMERAS {
+            let samples = (SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_SAMPLES, SAMPLES);
+            let step = (layer.width * layer.height() / samples).isqrt().max(1);
+            for row in (step / 2..layer.height()).step_by(step) {
+                // Neighboring rows begin elsewhere, so that no column of the picture is left out.
+                for column in (row / step % step * LANES..layer.width).step_by(step * LANES) {
+                    let end = (column + LANES).min(layer.width);
+                    let levels = &layer.level[row * layer.width..][column..end];
+                    let lanes =
+                        levels.iter().enumerate().map(|(lane, level)| u32::from(*level == ROOT) << lane);
+                    let lanes = lanes.fold(0, |all, lane| all | lane);
+                    if lanes != 0 {
+                        runs.push(PixelRun::new(layer, column, row, lanes));
                     }
                 }
             }
         }
-        Self(differences)
+        Self { runs, differences: Vec::new() }
     }
 
+    /// Adds the differences from what some other cameras show, whose layers are there. The samples are those of `camera`.
+    pub(crate) fn compare(
+        &mut self,
+        pairs: &CameraPairs<'_>,
+        camera: usize,
+        layers: &[CameraLayer],
+        targets: &[usize],
+    ) {
+        for run in &self.runs {
+            for (other, registration) in pairs.others_among(camera, targets) {
+                if !layers[other].geometry.is_empty() {
+                    let source = SourceRun { layer: &layers[camera], run };
+                    add_differences(&mut self.differences, registration, source, &layers[other]);
+                }
+            }
+        }
+    }
+
+    /// The noise of the camera as the others see it; `None` where it is too small to matter.
+    pub(crate) fn noise(self) -> Option<Arc<NoiseBetween>> {
+        CameraDifferences(self.differences).noise().map(Arc::new)
+    }
+}
+
+/// Differences of one camera's samples from what the others show.
+struct CameraDifferences(Vec<SampleDifference>);
+
+impl CameraDifferences {
     fn noise(mut self) -> Option<NoiseBetween> {
         if self.0.len() < MIN_DIFFERENCES {
             return None;

@@ -12,7 +12,7 @@ mod smooth_depth;
 mod votes;
 
 pub(crate) use consensus::{AgreedSample, Consensus};
-pub(crate) use measure::{measure_noise_between, noise_of_camera, where_most_are_noisy};
+pub(crate) use measure::{NoiseLattice, measure_noise_between, where_most_are_noisy};
 pub use sample_agreement::SampleAgreement;
 pub(crate) use smooth_depth::SmoothDepths;
 pub use votes::{Vote, VoteCounts};

@@ -44,6 +44,14 @@ pub struct VoteCounts {
 }
 
 impl VoteCounts {
+    /// With one more vote.
+    #[must_use]
+    pub(crate) fn with(mut self, vote: Vote) -> Self {
+        self.confirm += u32::from(vote == Vote::Confirms);
+        self.look_past += u32::from(vote == Vote::LooksPast);
+        self
+    }
+
     /// Whether the cameras that look past the sample outnumber those that confirm it by `margin`. Its own camera is one of these.
     /// For a flying pixel the own camera counts among those that look past it, since it saw what is in front and what is behind.
     #[must_use]
@@ -135,7 +143,8 @@ impl VoteTest {
         contradicted
     }
 
-    /// Adds the votes of a camera on the `asked` samples of a block.
+    /// Adds the votes of a camera on the `asked` samples of a block. `is_thin` says of a lane whether its sample is of a thing one pixel
+    /// wide ([`VoteTest::is_thin`]).
     #[inline(always)]
     pub(crate) fn add<const N: usize>(
         &self,
@@ -143,6 +152,7 @@ impl VoteTest {
         source: SourceRun<'_, N>,
         target: &CameraLayer,
         asked: u32,
+        is_thin: impl Fn(usize) -> bool,
         votes: &mut VotedRun<N>,
     ) {
         let reprojected = registration.reproject(source.run, target.width);
@@ -169,7 +179,7 @@ impl VoteTest {
         while suspect != 0 {
             let lane = suspect.trailing_zeros() as usize;
             suspect &= suspect - 1;
-            let looks_past = self.looks_past(&limits, registration, source, target, lane);
+            let looks_past = self.looks_past(&limits, registration, source, target, lane, &is_thin);
             votes.look_past[lane] += u32::from(looks_past);
         }
     }
@@ -184,8 +194,9 @@ impl VoteTest {
         source: SourceRun<'_, N>,
         target: TargetRun<'_, N>,
         lane: usize,
+        is_thin: impl Fn(usize) -> bool,
     ) -> bool {
-        let SourceRun { layer: source, run: block } = source;
+        let block = source.run;
         let TargetRun { layer: target, reprojected } = target;
         let depth = reprojected.point[2][lane];
         if block.inverse_depth[lane] <= 0.0
@@ -193,8 +204,7 @@ impl VoteTest {
         {
             return false;
         }
-        let own = block.row * source.width + block.column + lane;
-        if self.is_thin(source, own, registration.source_side) {
+        if is_thin(lane) {
             return false;
         }
         let [x, y] = [reprojected.cell[0][lane] as usize, reprojected.cell[1][lane] as usize];
@@ -206,14 +216,14 @@ impl VoteTest {
                 // Samples of deeper levels are not there yet, and those of shorter spans may be late.
                 target.geometry[pixel] == PackedGeometry::ABSENT
                     || level > self.level
-                    || (level == ROOT && limits.is_behind(registration, source, own, target, pixel, depth))
+                    || (level == ROOT && limits.is_behind(registration, source, lane, target, pixel, depth))
             },
         )
     }
 
     /// Whether a sample belongs to a thing one pixel wide in its own picture: what is on both sides of it is behind, and what is
     /// beside it elsewhere does not. A sample all by itself is a stray one. `side` is that of a pixel at depth 1.
-    pub(super) fn is_thin(&self, layer: &CameraLayer, pixel: usize, side: f32) -> bool {
+    pub(crate) fn is_thin(&self, layer: &CameraLayer, pixel: usize, side: f32) -> bool {
         let (x, y) = (pixel % layer.width, pixel / layer.width);
         let here = layer.inverse_depth[pixel];
         let noise = SIGMAS * std::f32::consts::SQRT_2 * layer.depth_noise_between(pixel);
@@ -243,11 +253,7 @@ impl VoteTest {
     ) -> VoteCounts {
         let others = pairs.others(camera);
         let votes = others.map(|(other, way)| self.vote(way, layers, camera, pixel, other));
-        votes.fold(VoteCounts::default(), |mut counts, vote| {
-            counts.confirm += u32::from(vote == Vote::Confirms);
-            counts.look_past += u32::from(vote == Vote::LooksPast);
-            counts
-        })
+        votes.fold(VoteCounts::default(), VoteCounts::with)
     }
 
     /// The vote of camera `other` on the sample of `camera` at `pixel`.
@@ -260,13 +266,25 @@ impl VoteTest {
         other: usize,
     ) -> Vote {
         let (layer, target) = (&layers[camera], &layers[other]);
+        let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
+        let block = PixelRun::<1>::new(layer, x, y, 1);
+        let is_thin = || self.is_thin(layer, pixel as usize, registration.source_side);
+        self.vote_on(registration, SourceRun { layer, run: &block }, target, is_thin)
+    }
+
+    /// The vote of a camera on a sample, of which `is_thin` says whether it is of a thing one pixel wide.
+    pub(crate) fn vote_on(
+        &self,
+        registration: &Registration,
+        source: SourceRun<'_, 1>,
+        target: &CameraLayer,
+        is_thin: impl Fn() -> bool,
+    ) -> Vote {
         if target.geometry.is_empty() {
             return Vote::CannotTell;
         }
-        let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-        let block = PixelRun::<1>::new(layer, x, y, 1);
         let mut votes = VotedRun::NONE;
-        self.add(registration, SourceRun { layer, run: &block }, target, 1, &mut votes);
+        self.add(registration, source, target, 1, |_| is_thin(), &mut votes);
         match votes.counts(0) {
             VoteCounts { confirm: 1, .. } => Vote::Confirms,
             VoteCounts { look_past: 1, .. } => Vote::LooksPast,
@@ -295,9 +313,7 @@ impl VoteTest {
                 return false;
             }
             left -= 1;
-            let vote = self.vote(way, layers, camera, pixel, other);
-            counts.confirm += u32::from(vote == Vote::Confirms);
-            counts.look_past += u32::from(vote == Vote::LooksPast);
+            counts = counts.with(self.vote(way, layers, camera, pixel, other));
         }
         counts.contradict(self.margin, is_flying)
     }

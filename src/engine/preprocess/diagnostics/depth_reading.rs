@@ -63,16 +63,6 @@ impl DepthReading {
     }
 }
 
-/// The reading that fits best, where one does far better than the one that the capture claims.
-pub(crate) fn better_reading(cameras: &[Camera], layers: &[CameraLayer]) -> Option<DepthReading> {
-    let mut misfits = Misfits::new();
-    for source in 0..layers.len() {
-        let targets: Vec<usize> = (0..layers.len()).filter(|target| *target != source).collect();
-        misfits.add(cameras, layers, source, &targets);
-    }
-    misfits.better()
-}
-
 /// Relative distances between depths, under the reading that the capture claims and under others.
 pub(crate) struct Misfits(Vec<(DepthReading, Vec<f64>)>);
 

@@ -13,7 +13,7 @@ mod tally;
 pub use calibration_warnings::{CalibrationWarning, calibration_warnings};
 pub use depth_reading::DepthReading;
 pub(crate) use depth_reading::Misfits;
-pub(crate) use pair_residuals::Residuals;
+pub(crate) use pair_residuals::{LatticeRuns, Residuals};
 pub use pair_residuals::{PairResiduals, Residual};
 pub use pair_table::PairTable;
 pub use report::{CameraReport, DepthNoise, Report, STATIC_RULE, SpanReport};

@@ -15,8 +15,6 @@ use serde::{Deserialize, Serialize};
 use super::log_histogram::LogHistogram;
 use super::pair_table::{PairTable, compared_pairs, keeps_all_pairs};
 use crate::capture::INVALID_INVERSE_DEPTH;
-use crate::error::Result;
-use crate::job::Job;
 use crate::preprocess::layers::{CameraLayer, is_mixed};
 use crate::preprocess::pruning::lanes_at;
 use crate::preprocess::registration::{
@@ -138,36 +136,9 @@ impl<'a> Residuals<'a> {
         Self { camera_pairs, frames, readings, is_compared, asked_unseen, before }
     }
 
-    /// Compares what is the same over all frames.
-    pub(crate) fn add_lasting(&mut self, layers: &[CameraLayer], job: &Job) -> Result<()> {
-        let asked = self.asked();
-        let blocks = layers.par_iter().map(|layer| {
-            let block = |(column, row)| {
-                let lanes = lanes_at(layer, (column, row), |level| level == ROOT);
-                (column, row, lanes)
-            };
-            lattice(layer, asked).map(block).collect()
-        });
-        let blocks: Vec<Vec<_>> = blocks.collect();
-        self.add(layers, &blocks, 0, job)
-    }
-
-    /// The same for the samples of one camera, where only those cameras need to be there that may see them.
-    pub(crate) fn add_lasting_of(&mut self, source: usize, layers: &[CameraLayer]) {
-        let layer = &layers[source];
-        let block = |(column, row)| (column, row, lanes_at(layer, (column, row), |level| level == ROOT));
-        let blocks: Vec<_> = lattice(layer, self.asked()).map(block).collect();
-        let cameras = self.camera_pairs.cameras().len();
-        let is_compared = |(target, _): &(usize, &Registration)| self.is_compared[source * cameras + *target];
-        let others: Vec<_> = self.camera_pairs.others(source).filter(is_compared).collect();
-        let compare = |(target, registration): (usize, &Registration)| {
-            let (source, blocks) = (layer, &blocks[..]);
-            (target, simd::run(Compare { registration, source, target: &layers[target], blocks }))
-        };
-        for (target, reading) in others.into_par_iter().map(compare).collect::<Vec<_>>() {
-            self.readings[source * cameras + target].get_or_insert_default()[0].add(&reading);
-        }
-        self.asked_unseen[source] = asked_of(layer, &blocks);
+    /// Notes that samples are looked for which are the same over all frames, wherever other cameras look.
+    pub(crate) fn note_asked(&mut self, lattice: &[LatticeRuns]) {
+        self.asked_unseen = lattice.iter().map(LatticeRuns::asked).collect();
     }
 
     /// The frame before a run with which the first compared frame of the run is compared; `None` if there is no such frame.
@@ -177,66 +148,63 @@ impl<'a> Residuals<'a> {
         (run.start > 0 && first < run.end as usize).then(|| first - apart)
     }
 
-    /// Notes the depths of a frame without comparing it.
-    pub(crate) fn note(&mut self, layers: &[CameraLayer]) {
-        let asked = self.asked() * MOVING_DENSITY;
-        layers.par_iter().zip(&mut self.before).for_each(|(layer, before)| {
-            *before = lattice(layer, asked)
-                .map(|at| lanes_of(&layer.inverse_depth, layer.width, at, INVALID_INVERSE_DEPTH))
-                .collect();
+    /// Whether samples of a frame are compared with those of an earlier one.
+    pub(crate) fn looks_at(&self, frame: usize) -> bool {
+        frame.is_multiple_of(frames_apart(self.frames))
+    }
+
+    /// What is nearer or farther in a layer of `camera` than it was when that camera was last looked at; the layer holds all samples of
+    /// a frame. Samples that change their light alone are left out: there may be many.
+    pub(crate) fn moving(&self, camera: usize, layer: &CameraLayer) -> LookedAt {
+        let before = &self.before[camera];
+        let look = |(at, (column, row)): (usize, (usize, usize))| {
+            let now = lanes_of(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
+            let moved = before.get(at).map_or(0, |before| moved_lanes(before, &now));
+            let passing = lanes_at(layer, (column, row), |level| level != ROOT);
+            ((column, row, moved & passing), now)
+        };
+        let cameras = self.camera_pairs.cameras().len();
+        let (blocks, now): (Vec<_>, Vec<_>) =
+            lattice(layer, asked_of_each(cameras) * MOVING_DENSITY).enumerate().map(look).unzip();
+        LookedAt { lattice: LatticeRuns::of(layer, blocks.into_iter()), now }
+    }
+
+    /// Notes what each camera showed; gives the samples that are to be compared.
+    pub(crate) fn note(&mut self, looked: Vec<LookedAt>) -> Vec<LatticeRuns> {
+        let noted = looked.into_iter().zip(&mut self.before).map(|(looked, before)| {
+            *before = looked.now;
+            looked.lattice
         });
+        noted.collect()
     }
 
-    /// Compares what is nearer or farther at `frame` than it was when pixels were last looked at, where this is one of the
-    /// frames to look at; `layers` hold all its samples. Samples that change their light alone are left out: there may be many.
-    pub(crate) fn add_moving(&mut self, frame: usize, layers: &[CameraLayer], job: &Job) -> Result<()> {
-        if !frame.is_multiple_of(frames_apart(self.frames)) {
-            return Ok(());
-        }
-        let asked = self.asked() * MOVING_DENSITY;
-        let blocks = layers.par_iter().zip(&mut self.before).map(|(layer, before)| {
-            let look = |(at, (column, row)): (usize, (usize, usize))| {
-                let now = lanes_of(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
-                let moved = before.get(at).map_or(0, |before| moved_lanes(before, &now));
-                let passing = lanes_at(layer, (column, row), |level| level != ROOT);
-                ((column, row, moved & passing), now)
-            };
-            let (blocks, now) = lattice(layer, asked).enumerate().map(look).unzip();
-            *before = now;
-            blocks
-        });
-        let blocks: Vec<Vec<_>> = blocks.collect();
-        self.add(layers, &blocks, 1, job)
-    }
-
-    /// About how many samples of each pair are compared if all pixels take part.
-    fn asked(&self) -> usize {
-        let cameras = self.camera_pairs.cameras().len().max(1);
-        (LATTICE_SAMPLES * FEW_CAMERAS / cameras).clamp(FEWEST_LATTICE_SAMPLES, LATTICE_SAMPLES)
-    }
-
-    fn add(
+    /// Compares samples of some cameras with what some others saw, whose layers are there. Of `kind` 0 are samples of all frames, of 1
+    /// things that moved.
+    pub(crate) fn compare(
         &mut self,
-        layers: &[CameraLayer],
-        blocks: &[Vec<(usize, usize, u32)>],
         kind: usize,
-        job: &Job,
-    ) -> Result<()> {
-        let (pairs, is_compared) = (self.camera_pairs, &self.is_compared);
-        self.readings.par_iter_mut().enumerate().try_for_each(|(pair, readings)| {
-            job.check()?;
-            let [source, target] = [pair / layers.len(), pair % layers.len()];
-            if is_compared[pair] {
-                let compare = Compare {
-                    registration: pairs.registration(source, target),
-                    source: &layers[source],
-                    target: &layers[target],
-                    blocks: &blocks[source],
-                };
-                readings.get_or_insert_default()[kind].add(&simd::run(compare));
-            }
-            Ok(())
-        })
+        lattice: &[LatticeRuns],
+        sources: &[usize],
+        targets: &[usize],
+        layers: &[CameraLayer],
+    ) {
+        let cameras = layers.len();
+        let of_source = |source: &usize| {
+            let (source, is_compared) = (*source, &self.is_compared);
+            let others = self.camera_pairs.others_among(source, targets);
+            others
+                .filter(move |(target, _)| is_compared[source * cameras + *target])
+                .map(move |(target, registration)| (source, target, registration))
+        };
+        let compared: Vec<_> = sources.iter().flat_map(of_source).collect();
+        let read = compared.into_par_iter().map(|(source, target, registration)| {
+            let (runs, source_layer, target_layer) = (&lattice[source].0, &layers[source], &layers[target]);
+            let compare = Compare { registration, source: source_layer, target: target_layer, runs };
+            (source * cameras + target, simd::run(compare))
+        });
+        for (pair, reading) in read.collect::<Vec<_>>() {
+            self.readings[pair].get_or_insert_default()[kind].add(&reading);
+        }
     }
 
     /// What was gathered.
@@ -299,16 +267,50 @@ fn lattice(layer: &CameraLayer, pixels: usize) -> impl Iterator<Item = (usize, u
     })
 }
 
-/// Samples of some blocks that are compared, whatever the other camera sees.
-fn asked_of(layer: &CameraLayer, blocks: &[(usize, usize, u32)]) -> u64 {
-    let of_block = |&(column, row, lanes): &(usize, usize, u32)| {
-        let block = PixelRun::<LANES>::new(layer, column, row, lanes);
-        let is_asked = |lane: &usize| {
-            lanes >> lane & 1 == 1 && !is_mixed(block.rank[*lane]) && block.inverse_depth[*lane] > 0.0
-        };
-        (0..LANES).filter(is_asked).count() as u64
-    };
-    blocks.iter().map(of_block).sum()
+/// About how many samples of each pair of so many cameras are compared if all pixels take part.
+fn asked_of_each(cameras: usize) -> usize {
+    (LATTICE_SAMPLES * FEW_CAMERAS / cameras.max(1)).clamp(FEWEST_LATTICE_SAMPLES, LATTICE_SAMPLES)
+}
+
+/// Samples of one camera that are compared with what others saw.
+#[derive(Default)]
+pub(crate) struct LatticeRuns(Vec<(PixelRun, u32)>);
+
+impl LatticeRuns {
+    /// Samples of a layer that are the same over all frames, for one of so many cameras.
+    pub(crate) fn lasting(layer: &CameraLayer, cameras: usize) -> Self {
+        let block = |(column, row)| (column, row, lanes_at(layer, (column, row), |level| level == ROOT));
+        Self::of(layer, lattice(layer, asked_of_each(cameras)).map(block))
+    }
+
+    /// Of blocks, by column, row and lanes.
+    fn of(layer: &CameraLayer, blocks: impl Iterator<Item = (usize, usize, u32)>) -> Self {
+        let run = |(column, row, lanes)| (PixelRun::new(layer, column, row, lanes), lanes);
+        Self(blocks.filter(|(.., lanes)| *lanes != 0).map(run).collect())
+    }
+
+    /// Samples that are compared, whatever the other camera sees.
+    fn asked(&self) -> u64 {
+        self.0.iter().map(|(run, lanes)| u64::from(asked_lanes(run, *lanes).count_ones())).sum()
+    }
+}
+
+/// What one camera showed at a frame.
+pub(crate) struct LookedAt {
+    lattice: LatticeRuns,
+    /// Inverse depths on the lattice.
+    now: Vec<[f32; LANES]>,
+}
+
+/// The lanes of a run whose samples are compared.
+#[inline(always)]
+fn asked_lanes(run: &PixelRun, lanes: u32) -> u32 {
+    let mut asked = 0;
+    for lane in 0..LANES {
+        let counts = !is_mixed(run.rank[lane]) & (run.inverse_depth[lane] > 0.0);
+        asked |= u32::from(counts) << lane;
+    }
+    asked & lanes
 }
 
 /// Where the inverse depth changed by more than noise and rounding do.
@@ -325,8 +327,7 @@ struct Compare<'a> {
     registration: &'a Registration,
     source: &'a CameraLayer,
     target: &'a CameraLayer,
-    /// Column, row and lanes.
-    blocks: &'a [(usize, usize, u32)],
+    runs: &'a [(PixelRun, u32)],
 }
 
 impl VectorLoop for Compare<'_> {
@@ -334,23 +335,22 @@ impl VectorLoop for Compare<'_> {
 
     #[inline(always)]
     fn run(self) -> ResidualHistograms {
-        let Self { registration, source, target, blocks } = self;
+        let Self { registration, source, target, runs } = self;
         let mut readings = ResidualHistograms::default();
         if target.geometry.is_empty() {
             return readings;
         }
         let limits = SameSurface::geometry_within(HIDING_FOOTPRINTS);
-        for &(column, row, lanes) in blocks.iter().filter(|(.., lanes)| *lanes != 0) {
-            let block = PixelRun::<LANES>::new(source, column, row, lanes);
-            let carried = registration.reproject(&block, target.width);
+        for (block, lanes) in runs {
+            let carried = registration.reproject(block, target.width);
+            let asked = asked_lanes(block, *lanes);
+            readings.asked += u64::from(asked.count_ones());
             let mut relevant = [0; LANES];
             for lane in 0..LANES {
-                let counts = !is_mixed(block.rank[lane]) & (block.inverse_depth[lane] > 0.0);
-                readings.asked += u64::from(counts & (lanes >> lane & 1 != 0));
-                relevant[lane] = u32::from(counts & (carried.bits[lane] & IN_VIEW != 0));
+                relevant[lane] = (asked >> lane & 1) & u32::from(carried.bits[lane] & IN_VIEW != 0);
             }
             let mut required = RequiredTolerances::new(0.0);
-            let source = SourceRun { layer: source, run: &block };
+            let source = SourceRun { layer: source, run: block };
             let target = TargetRun { layer: target, reprojected: &carried };
             let answers = limits.compare_measuring::<LANES, true>(
                 registration,

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::depth_reading::{DepthReading, better_reading};
+use super::depth_reading::DepthReading;
 use super::report::{CameraReport, DepthNoise, Report, STATIC_RULE};
-use crate::capture::{Camera, Capture};
+use crate::capture::Capture;
 use crate::median::median_f32;
-use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::noise::{DEPTH_CLASSES, depth_class, depth_of_class};
+use crate::preprocess::layers::RatedSamples;
+use crate::preprocess::noise::{DEPTH_CLASSES, NoiseBetween, depth_class, depth_of_class};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::pruning::{LevelVerdicts, Rule};
 use crate::preprocess::temporal::{CameraScan, RangeFacts, TemporalScan};
@@ -29,9 +29,6 @@ fn range_facts(scan: &TemporalScan, settings: &Settings) -> Vec<RangeFacts> {
 /// Counts verdicts while preprocessing runs.
 pub(crate) struct Tally {
     report: Report,
-    frames: u64,
-    /// Whether nothing was counted yet: the span of all frames comes first, also where a frame is as long.
-    is_first: bool,
 }
 
 impl Tally {
@@ -70,15 +67,7 @@ impl Tally {
             foreground_per_frame: vec![0; scan.frames],
             ..Report::default()
         };
-        Self { report, frames, is_first: true }
-    }
-
-    /// Notes how noisy cameras are beside each other. If any is, notes also whether another reading of its depth fits better.
-    pub(crate) fn add_noise_between(&mut self, cameras: &[Camera], layers: &[CameraLayer]) {
-        if layers.iter().any(|layer| layer.noise_between.is_some()) {
-            self.add_reading(better_reading(cameras, layers));
-        }
-        layers.iter().enumerate().for_each(|(camera, layer)| self.add_noise_of(camera, layer));
+        Self { report }
     }
 
     /// Notes the reading of depth that brings the samples of noisy cameras far closer together.
@@ -86,12 +75,17 @@ impl Tally {
         self.report.better_reading = better;
     }
 
-    /// Notes how noisy a camera is beside others.
-    pub(crate) fn add_noise_of(&mut self, camera: usize, layer: &CameraLayer) {
-        let Some(noise) = &layer.noise_between else { return };
+    /// Notes how noisy a camera with these samples is beside others.
+    pub(crate) fn add_noise_of(
+        &mut self,
+        camera: usize,
+        noise: Option<&NoiseBetween>,
+        samples: &RatedSamples,
+    ) {
+        let Some(noise) = noise else { return };
         let mut is_met = [false; DEPTH_CLASSES];
-        for &inverse_depth in layer.inverse_depth.iter().filter(|inverse_depth| **inverse_depth > 0.0) {
-            is_met[depth_class(inverse_depth)] = true;
+        for facet in samples.geometry.iter().filter(|facet| facet.inverse_depth > 0.0) {
+            is_met[depth_class(facet.inverse_depth)] = true;
         }
         let met = (0..DEPTH_CLASSES).rev().filter(|class| is_met[*class]);
         let of_class =
@@ -102,41 +96,24 @@ impl Tally {
         report.color_noise_between_steps = median_f32(&mut steps).unwrap_or_default();
     }
 
-    /// Counts the verdicts on the samples of one camera, for captures with samples of all frames only.
-    pub(crate) fn add_view(&mut self, camera: usize, decided: &LevelVerdicts) {
+    /// Counts the verdicts on the samples of one camera over one span, which is that of all frames if it `is_root`.
+    pub(crate) fn add(&mut self, span: Span, is_root: bool, camera: usize, decided: &LevelVerdicts) {
         let kept = self.count(camera, decided);
-        let counts = &mut self.report.cameras[camera];
-        counts.background_pixels += decided.pixels.len() as u64;
-        counts.background_kept += kept;
-    }
-
-    /// Counts the verdicts on the samples of one span.
-    pub(crate) fn add(&mut self, span: Span, decided: &[LevelVerdicts]) {
-        let mut kept_in_span = 0;
-        let is_root = span.len() as u64 == self.frames && self.is_first;
-        self.is_first = false;
-        for (camera, decided) in decided.iter().enumerate() {
-            let kept = self.count(camera, decided);
-            let samples = decided.pixels.len() as u64;
-            kept_in_span += kept;
-            if span.len() > 1 {
-                *self.report.pruned.entry(STATIC_RULE.to_owned()).or_default() +=
-                    samples * (span.len() as u64 - 1);
-            }
-            let counts = &mut self.report.cameras[camera];
-            let (pixels_of, kept_of) = if is_root {
-                (&mut counts.background_pixels, &mut counts.background_kept)
-            } else {
-                (&mut counts.foreground_pixels, &mut counts.foreground_kept)
-            };
-            *pixels_of += samples;
-            *kept_of += kept;
+        let samples = decided.pixels.len() as u64;
+        if span.len() > 1 {
+            *self.report.pruned.entry(STATIC_RULE.to_owned()).or_default() +=
+                samples * (span.len() as u64 - 1);
         }
-        if !is_root {
-            let at_frames = &mut self.report.foreground_per_frame[span.start as usize..span.end as usize];
-            for kept in at_frames {
-                *kept += kept_in_span;
-            }
+        let counts = &mut self.report.cameras[camera];
+        if is_root {
+            counts.background_pixels += samples;
+            counts.background_kept += kept;
+            return;
+        }
+        counts.foreground_pixels += samples;
+        counts.foreground_kept += kept;
+        for at_frame in &mut self.report.foreground_per_frame[span.start as usize..span.end as usize] {
+            *at_frame += kept;
         }
     }
 
@@ -171,11 +148,6 @@ impl Tally {
             }
         }
         kept
-    }
-
-    /// Skips the samples of all frames, which another part counts.
-    pub(crate) fn pass_over_all_frames(&mut self) {
-        self.is_first = false;
     }
 
     /// The counts: a report without facts about the images.

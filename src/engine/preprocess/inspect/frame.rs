@@ -105,7 +105,9 @@ impl FrameInspection {
                         let target = &self.layers[other];
                         let registration = pairs.registration(camera, other);
                         let source = SourceRun { layer, run: &block };
-                        votes.add(registration, source, target, asked, &mut voted);
+                        let pixel = row * width + column;
+                        let is_thin = |lane| votes.is_thin(layer, pixel + lane, registration.source_side);
+                        votes.add(registration, source, target, asked, is_thin, &mut voted);
                     }
                     for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
                         found[column + lane] = Some(SampleAgreement::of(

@@ -15,8 +15,8 @@ use crate::job::Job;
 use crate::preprocess::agreement::{VoteCounts, VoteTest};
 use crate::preprocess::layers::{CameraLayer, Rank, is_mixed};
 use crate::preprocess::pruning::{
-    BAND_ROWS, OtherCamera, Rule, Verdict, is_better, is_dropped_as_mixed, lanes_at, other_cameras,
-    rule_of_dropped,
+    BAND_ROWS, ColumnBounds, OtherCamera, Rule, Verdict, is_better, is_dropped_as_mixed, lanes_at,
+    other_cameras, rule_of_dropped,
 };
 use crate::preprocess::registration::{
     CameraPairs, IN_VIEW, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface, SourceRun, TargetRun,
@@ -119,13 +119,17 @@ impl VectorLoop for BandBuilder<'_> {
         let Self { builder, camera, rows } = self;
         let layer = &builder.layers[camera];
         let columns = layer.width.div_ceil(LANES);
-        let lanes: Vec<u32> = rows.clone().flat_map(|row| lanes_with_samples(layer, row)).collect();
+        let mut bounds = ColumnBounds::new(layer.width);
+        for row in rows.clone() {
+            let depths = &layer.inverse_depth[row * layer.width..][..layer.width];
+            depths.iter().enumerate().for_each(|(x, inverse_depth)| bounds.add(x / LANES, *inverse_depth));
+        }
         let mut others =
-            other_cameras(builder.pairs, builder.layers, camera, rows.clone(), &lanes, |other| {
+            other_cameras(builder.pairs, builder.layers, camera, rows.clone(), &bounds, |other| {
                 builder.limits.between(layer, &builder.layers[other])
             });
         let mut lists = BandCandidates {
-            first: Vec::with_capacity(lanes.len()),
+            first: Vec::with_capacity(rows.len() * columns),
             counts: vec![0; rows.len() * layer.width],
             candidates: Vec::new(),
         };
@@ -160,14 +164,6 @@ impl VectorLoop for BandBuilder<'_> {
         }
         Some(lists)
     }
-}
-
-/// Which pixels of each sixteen of a row hold a sample.
-#[inline(always)]
-fn lanes_with_samples(layer: &CameraLayer, row: usize) -> impl Iterator<Item = u32> + '_ {
-    (0..layer.width)
-        .step_by(LANES)
-        .map(move |column| lanes_at(layer, (column, row), |level| level != NO_SAMPLE))
 }
 
 /// Sixteen pixels of a row whose candidates are listed.

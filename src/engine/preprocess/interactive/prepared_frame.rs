@@ -14,9 +14,7 @@ use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::pruning::{
-    self, Masks, PrunedBackground, Rule, SpanStack, Statuses, Verdict, no_statuses,
-};
+use crate::preprocess::pruning::{self, Masks, Rule, SpanStack, Statuses, Verdict, no_statuses};
 use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{PixelClass, SpanLevel};
 use crate::samples::Span;
@@ -59,14 +57,11 @@ impl FrameLayers {
     /// # Errors
     ///
     /// Whatever the capture gives (naming file and frame); `Cancelled`.
-    pub fn unscanned(
-        capture: &Capture,
-        pairs: &CameraPairs<'_>,
-        settings: &Settings,
-        frame: usize,
-        job: &Job,
-    ) -> Result<Self> {
-        Self::at(frame, SpanStack::new(capture, None, pairs, settings, PrunedBackground::none(capture)), job)
+    pub fn unscanned(capture: &Capture, settings: &Settings, frame: usize, job: &Job) -> Result<Self> {
+        // A background without any sample: every pixel counts as foreground.
+        let sizes = capture.cameras.iter().map(|camera| camera.intrinsics.size());
+        let background = sizes.map(|(width, height)| CameraLayer::empty(width, height)).collect();
+        Self::at(frame, SpanStack::new(capture, None, settings, background), job)
     }
 
     /// The layers of `frame`, on a stack that holds the span of all frames alone.
@@ -180,7 +175,7 @@ impl FrameVerdicts {
         let no_sample = Verdict::without_witness(Rule::NoSample);
         Self {
             verdicts: layers.par_iter().map(|layer| vec![no_sample; layer.level.len()]).collect(),
-            statuses: no_statuses(layers),
+            statuses: no_statuses(layers.iter().map(|layer| layer.level.len())),
         }
     }
 
@@ -224,7 +219,7 @@ mod tests {
             settings.pruning.overlap = overlap;
             let scan = scan(&capture, &settings, &Job::new()).unwrap();
             let pairs = CameraPairs::new(&capture.cameras);
-            let complete = scan.frame_layers(&pairs, &settings, 2, &Job::new()).unwrap();
+            let complete = scan.frame_layers(&settings, 2, &Job::new()).unwrap();
             assert!(complete.path.len() > 2);
             let original = complete.prune(&pairs, &settings, &Job::new()).unwrap();
             let bytes = complete.prepare(&pairs, &settings, &Job::new()).unwrap();

@@ -5,7 +5,6 @@ use rayon::prelude::*;
 
 use super::blended_pixels::BlendedTest;
 use super::flying_pixels::FlyingTest;
-use super::known_mixed::KnownMixed;
 use super::layer::CameraLayer;
 use super::packed_sample::{BLENDED_SKY, MIXED, PackedColor, PackedGeometry, Rank, UNKNOWN_NORMAL};
 use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
@@ -53,11 +52,6 @@ impl<'a> LayerBuilder<'a> {
         }
     }
 
-    /// Fills in footprints, ranks, packed geometry and packed color of the samples at `pixels`, from colors, depths and normals.
-    pub(crate) fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
-        self.rate_with(layer, camera, pixels, None);
-    }
-
     /// Whether the settings treat mixed pixels other than clean ones.
     fn distinguishes_mixed(&self) -> bool {
         let pruning = &self.settings.pruning;
@@ -69,21 +63,15 @@ impl<'a> LayerBuilder<'a> {
         }
     }
 
-    /// The same where it may be known already which pixels are mixed: to find them takes longer than all else.
-    pub(crate) fn rate_with(
-        &self,
-        layer: &mut CameraLayer,
-        camera: &Camera,
-        pixels: &[u32],
-        known: Option<&KnownMixed>,
-    ) {
+    /// Fills in footprints, ranks, packed geometry and packed color of the samples at `pixels`, from colors, depths and normals.
+    pub(crate) fn rate(&self, layer: &mut CameraLayer, camera: &Camera, pixels: &[u32]) {
         let width = layer.width.max(1);
         let rays = ViewingRays::new(camera);
         let camera_from_world = camera.camera_from_world().matrix3.as_mat3();
         let pruning = &self.settings.pruning;
         let edge = self.settings.normals.edge;
         let is_first_camera = pruning.method == PruningMethod::FirstCamera;
-        let detects = self.distinguishes_mixed() && known.is_none();
+        let detects = self.distinguishes_mixed();
         let compares = pruning.method == PruningMethod::HighestRate;
         let blended = (detects && self.antialiased).then(|| BlendedTest::new(layer, camera, edge));
         // Other cameras decide what becomes of a flying pixel.
@@ -95,13 +83,8 @@ impl<'a> LayerBuilder<'a> {
             let (inverse_depth, normal) = (layer.inverse_depth[pixel], layer.normal[pixel]);
             let ray = rays.at(x, y);
             let footprint = footprint(self.rate, &rays, ray, inverse_depth, normal, pruning);
-            let (is_flying, mixed) = known.map_or_else(
-                || {
-                    let is_flying = flying.as_ref().is_some_and(|test| test.is_flying(x, y));
-                    (is_flying, is_flying || blended.as_ref().is_some_and(|test| test.is_blended(x, y)))
-                },
-                |known| known.at(pixel),
-            );
+            let is_flying = flying.as_ref().is_some_and(|test| test.is_flying(x, y));
+            let mixed = is_flying || blended.as_ref().is_some_and(|test| test.is_blended(x, y));
             let unsure = normal == Vec3::ZERO && inverse_depth > 0.0;
             let unsure = if unsure { UNKNOWN_NORMAL } else { 0 };
             let rank = if is_first_camera { 0 } else { rank(footprint) | unsure };
@@ -120,7 +103,10 @@ impl<'a> LayerBuilder<'a> {
         let rated: Vec<(f32, Rank, PackedGeometry, PackedColor)> =
             pixels.par_iter().with_min_len(MIN_PIXELS).map(rated).collect();
         for (&pixel, (footprint, rank, facet, look)) in pixels.iter().zip(rated) {
-            layer.footprint[pixel as usize] = footprint;
+            // Not all layers keep footprints.
+            if let Some(kept) = layer.footprint.get_mut(pixel as usize) {
+                *kept = footprint;
+            }
             layer.ranks[pixel as usize] = rank;
             layer.geometry[pixel as usize] = facet;
             layer.packed_colors[pixel as usize] = look;

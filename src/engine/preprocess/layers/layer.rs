@@ -11,7 +11,7 @@ use crate::preprocess::noise::{CameraNoise, NoiseBetween};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel, SpanSamples};
 
 /// The samples of one camera, row-major planes of the camera's size.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct CameraLayer {
     /// Columns.
     pub(crate) width: usize,
@@ -45,20 +45,33 @@ impl CameraLayer {
     /// A layer of `width × height` pixels without any sample.
     pub(crate) fn empty(width: usize, height: usize) -> Self {
         let pixels = width * height;
+        let layer = Self { normal: vec![Vec3::ZERO; pixels], ..Self::default() };
+        Self { footprint: vec![f32::INFINITY; pixels], ..layer.of_size(width, height) }
+    }
+
+    /// What is known of the camera, with room for samples in `width × height` pixels, but for their normals and footprints.
+    pub(crate) fn of_size(self, width: usize, height: usize) -> Self {
+        let pixels = width * height;
         Self {
             width,
             color: vec![[f16::ZERO; 3]; pixels],
             inverse_depth: vec![INVALID_INVERSE_DEPTH; pixels],
-            normal: vec![Vec3::ZERO; pixels],
-            footprint: vec![f32::INFINITY; pixels],
             ranks: vec![ABSENT_RANK; pixels],
             geometry: vec![PackedGeometry::ABSENT; pixels],
             packed_colors: vec![PackedColor::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
-            noise: CameraNoise::default(),
-            noise_share: Vec::new(),
-            depth_step_relative: 0.0,
-            noise_between: None,
+            ..self
+        }
+    }
+
+    /// What is known of the camera without its samples: they take no memory, and the layer takes part in nothing.
+    pub(crate) fn without_samples(&self) -> Self {
+        Self {
+            noise: self.noise.clone(),
+            noise_share: self.noise_share.clone(),
+            depth_step_relative: self.depth_step_relative,
+            noise_between: self.noise_between.clone(),
+            ..Self::default()
         }
     }
 
@@ -95,8 +108,12 @@ impl CameraLayer {
     pub(crate) fn clear(&mut self, pixel: usize) {
         self.color[pixel] = [f16::ZERO; 3];
         self.inverse_depth[pixel] = INVALID_INVERSE_DEPTH;
-        self.normal[pixel] = Vec3::ZERO;
-        self.footprint[pixel] = f32::INFINITY;
+        if let Some(normal) = self.normal.get_mut(pixel) {
+            *normal = Vec3::ZERO;
+        }
+        if let Some(footprint) = self.footprint.get_mut(pixel) {
+            *footprint = f32::INFINITY;
+        }
         self.ranks[pixel] = ABSENT_RANK;
         self.geometry[pixel] = PackedGeometry::ABSENT;
         self.packed_colors[pixel] = PackedColor::ABSENT;
@@ -122,12 +139,22 @@ impl CameraLayer {
 
     /// Relative standard deviation of the depth noise left in the sample at `pixel`.
     pub(crate) fn depth_noise(&self, pixel: usize) -> f32 {
-        self.noise_share_at(pixel) * self.noise.depth_relative
+        self.depth_noise_of(self.level[pixel])
+    }
+
+    /// Relative standard deviation of the depth noise left in samples of a level.
+    pub(crate) fn depth_noise_of(&self, level: SpanLevel) -> f32 {
+        self.noise_share_of(level) * self.noise.depth_relative
     }
 
     /// Relative standard deviation of the depth of the sample at `pixel` as other cameras see it.
     pub(crate) fn depth_noise_between(&self, pixel: usize) -> f32 {
-        self.noise_between.as_ref().map_or(0.0, |noise| noise.depth_at(self.inverse_depth[pixel]))
+        self.depth_noise_between_at(self.inverse_depth[pixel])
+    }
+
+    /// Relative standard deviation of an inverse depth of this camera as other cameras see it.
+    pub(crate) fn depth_noise_between_at(&self, inverse_depth: f32) -> f32 {
+        self.noise_between.as_ref().map_or(0.0, |noise| noise.depth_at(inverse_depth))
     }
 
     /// Standard deviation as other cameras see it of a color channel whose value is `steps`, both 8-bit sRGB steps.
@@ -135,14 +162,19 @@ impl CameraLayer {
         self.noise_between.as_ref().map_or(0.0, |noise| noise.color_at(steps))
     }
 
-    /// How much of the noise of a single frame is left in the sample at `pixel`.
-    fn noise_share_at(&self, pixel: usize) -> f32 {
-        self.noise_share.get(usize::from(self.level[pixel])).copied().unwrap_or(0.0)
+    /// How much of the noise of a single frame is left in samples of a level.
+    fn noise_share_of(&self, level: SpanLevel) -> f32 {
+        self.noise_share.get(usize::from(level)).copied().unwrap_or(0.0)
     }
 
     /// Standard deviation of the color noise left in the sample at `pixel`, 8-bit sRGB steps.
     pub(crate) fn color_noise(&self, pixel: usize, steps: f32) -> f32 {
-        let share = self.noise_share_at(pixel);
+        self.color_noise_of(self.level[pixel], steps)
+    }
+
+    /// The same of samples of a level.
+    pub(crate) fn color_noise_of(&self, level: SpanLevel, steps: f32) -> f32 {
+        let share = self.noise_share_of(level);
         if share == 0.0 { 0.0 } else { share * self.noise.color_at(steps) }
     }
 }

@@ -4,6 +4,7 @@
 //! cost more than the test itself. The ranks come first: nearly always one camera's sample is the best by far, and the others need no
 //! further reads. The surface's depth and normal come second, and its color last.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use half::f16;
 
@@ -61,7 +62,7 @@ pub(crate) type Rank = u32;
 pub(crate) const ABSENT_RANK: Rank = Rank::MAX;
 
 /// Where a sample's surface is and which way it faces.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(16))]
 pub(crate) struct PackedGeometry {
     /// 1/z; 0 at infinity, negative where there is no sample.
@@ -83,7 +84,7 @@ impl PackedGeometry {
 }
 
 /// How a sample looks, whether its normal is known, and its level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C, align(8))]
 pub(crate) struct PackedColor {
     red_green: u32,

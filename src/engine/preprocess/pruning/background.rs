@@ -1,12 +1,9 @@
-//! The background: every camera's static pixels, pruned against each other once for all frames.
+//! The background: every camera's static pixels as a layer, before they are pruned.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::decision::LevelVerdicts;
-use super::pass::{Statuses, no_statuses};
-use super::search;
 use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
@@ -15,38 +12,6 @@ use crate::preprocess::layers::{CameraLayer, LayerBuilder};
 use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{ROOT, TemporalScan, all_frames};
 use crate::settings::{AgreementRule, Settings};
-
-/// Static pixels of all cameras with their verdicts.
-pub(crate) struct PrunedBackground {
-    /// Per camera; pixels that are not static hold no sample.
-    pub(crate) layers: Vec<CameraLayer>,
-    pub(crate) statuses: Statuses,
-    /// The verdicts.
-    pub(crate) decided: Vec<LevelVerdicts>,
-}
-
-impl PrunedBackground {
-    /// A background without any sample: every pixel will count as foreground.
-    pub(crate) fn none(capture: &Capture) -> Self {
-        let sizes = capture.cameras.iter().map(|camera| camera.intrinsics.size());
-        Self::undecided(sizes.map(|(width, height)| CameraLayer::empty(width, height)).collect())
-    }
-
-    /// Layers on which nothing was decided.
-    pub(crate) fn undecided(layers: Vec<CameraLayer>) -> Self {
-        let decided = layers.iter().map(|_| LevelVerdicts::default()).collect();
-        Self { statuses: no_statuses(&layers), decided, layers }
-    }
-
-    /// The background under `settings`, which `scan` serves: static layers pruned against each other.
-    pub(crate) fn of(capture: &Capture, scan: &TemporalScan, settings: &Settings, job: &Job) -> Result<Self> {
-        let layers = rated(capture, static_layers(capture, scan, settings, job)?, settings, job)?;
-        let pairs = CameraPairs::new(&capture.cameras);
-        let statuses = no_statuses(&layers);
-        let decided = search::prune(&pairs, &layers, &statuses, ROOT, settings, job)?;
-        Ok(Self { layers, statuses, decided })
-    }
-}
 
 /// A layer with normals, and the pixels of its samples, ascending.
 pub(crate) type StaticLayer = (CameraLayer, Vec<u32>);

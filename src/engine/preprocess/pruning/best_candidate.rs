@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use super::decision::{Candidate, is_better};
+use super::decision::{Candidate, Rule, Verdict, is_better, rule_of_kept};
 use super::pass::PruningPass;
-use crate::capture::INVALID_INVERSE_DEPTH;
-use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, Rank};
+use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, Rank, SampleRun};
 use crate::preprocess::registration::{
     CameraPairs, IN_VIEW, PixelRun, Registration, ReprojectedRun, SameSurface, SourceRun, TargetRun, lanes_of,
 };
@@ -24,37 +23,52 @@ pub(crate) struct OtherCamera<'a> {
     pub(crate) improved: u32,
 }
 
-/// The other cameras that may see something of a camera's rows. `lanes` are the pixels that take part, for each row and each sixteen
-/// columns.
+/// The smallest and largest inverse depths of some samples, for each sixteen columns of a picture.
+pub(crate) struct ColumnBounds {
+    width: usize,
+    /// The smallest is larger where there is no sample.
+    bounds: Vec<[f32; 2]>,
+}
+
+impl ColumnBounds {
+    /// Of no samples yet, in a picture with this many columns.
+    pub(crate) fn new(width: usize) -> Self {
+        Self { width, bounds: vec![[f32::INFINITY, 0.0]; width.div_ceil(LANES)] }
+    }
+
+    /// Adds a sample in the `nth` sixteen columns; nothing where the inverse depth is negative.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, nth: usize, inverse_depth: f32) {
+        if inverse_depth >= 0.0 {
+            let [smallest, largest] = &mut self.bounds[nth];
+            *smallest = smallest.min(inverse_depth);
+            *largest = largest.max(inverse_depth);
+        }
+    }
+}
+
+/// The other cameras that may see any of the samples within `bounds` in a camera's rows.
 #[inline(always)]
 pub(crate) fn other_cameras<'a>(
     pairs: &'a CameraPairs<'_>,
     layers: &[CameraLayer],
     camera: usize,
     rows: Range<usize>,
-    lanes: &[u32],
+    bounds: &ColumnBounds,
     limits: impl Fn(usize) -> SameSurface,
 ) -> Vec<OtherCamera<'a>> {
-    let layer = &layers[camera];
     let ends = [rows.start, rows.end - 1];
-    let columns = layer.width.div_ceil(LANES);
-    let bounds: Vec<Option<[f32; 2]>> = (0..columns)
-        .map(|at| {
-            let any = lanes.iter().skip(at).step_by(columns).any(|lanes| *lanes != 0);
-            any.then(|| depth_bounds(layer, at * LANES, rows.clone()))
-        })
-        .collect();
+    let ColumnBounds { width, bounds } = bounds;
     let whole = bounds
         .iter()
-        .flatten()
         .fold([f32::INFINITY, 0.0_f32], |all, block| [all[0].min(block[0]), all[1].max(block[1])]);
     let may_see = |(other, registration): &(usize, &Registration)| {
-        !layers[*other].geometry.is_empty() && registration.may_see([0, layer.width - 1], ends, whole)
+        !layers[*other].geometry.is_empty() && registration.may_see([0, width - 1], ends, whole)
     };
     let of_other = |(camera, registration): (usize, &'a Registration)| {
-        let of_columns = |(at, bounds): (usize, &Option<[f32; 2]>)| {
-            let columns = [at * LANES, (at * LANES + LANES).min(layer.width) - 1];
-            bounds.is_some_and(|bounds| registration.may_see(columns, ends, bounds))
+        let of_columns = |(at, bounds): (usize, &[f32; 2])| {
+            let columns = [at * LANES, (at * LANES + LANES).min(*width) - 1];
+            bounds[0] <= bounds[1] && registration.may_see(columns, ends, *bounds)
         };
         let may_see = bounds.iter().enumerate().map(of_columns).collect();
         OtherCamera { camera, registration, limits: limits(camera), improved: 0, may_see }
@@ -77,29 +91,9 @@ pub(crate) fn lanes_at(
     lanes
 }
 
-/// The smallest and largest inverse depth of the samples in sixteen columns of some rows; the smallest is larger where there
-/// is none.
-#[inline(always)]
-fn depth_bounds(layer: &CameraLayer, column: usize, rows: Range<usize>) -> [f32; 2] {
-    let (mut smallest, mut largest) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
-    for row in rows {
-        let depths =
-            lanes_of::<_, LANES>(&layer.inverse_depth, layer.width, (column, row), INVALID_INVERSE_DEPTH);
-        for lane in 0..LANES {
-            let w = depths[lane];
-            smallest[lane] = smallest[lane].min(if w < 0.0 { f32::INFINITY } else { w });
-            largest[lane] = largest[lane].max(w);
-        }
-    }
-    [smallest.iter().copied().fold(f32::INFINITY, f32::min), largest.iter().copied().fold(0.0, f32::max)]
-}
-
 /// Sixteen pixels of a row with samples to decide, and the best candidates found so far.
 pub(crate) struct UndecidedRun {
-    /// Which sixteen columns these are.
-    pub(crate) nth: usize,
-    /// Which of them hold a sample to decide.
-    pub(crate) lanes: u32,
+    pub(crate) run: SampleRun,
     pub(crate) block: PixelRun,
     pub(crate) best: BestCandidates,
 }
@@ -127,7 +121,7 @@ pub(crate) fn compare_runs(
     let target = &pass.layers[other.camera];
     for (run, compared) in undecided.iter().zip(&mut *compared) {
         compared.reprojected.bits = [0; LANES];
-        if other.may_see[run.nth] {
+        if other.may_see[run.run.nth] {
             compared.reprojected = other.registration.reproject(&run.block, target.width);
             compared.reprojected.prefetch_ranks(target);
         }
@@ -158,9 +152,9 @@ pub(crate) struct BestCandidates {
     level: [u32; LANES],
     pixel: [u32; LANES],
     /// Whether any other camera shows the point with a sample that may be a witness.
-    pub(super) seen: [u32; LANES],
+    seen: [u32; LANES],
     /// Whether there is a better sample of the point that may not be a witness.
-    pub(super) passed_over: [u32; LANES],
+    passed_over: [u32; LANES],
     pub(super) own_rank: [Rank; LANES],
 }
 
@@ -178,6 +172,28 @@ impl BestCandidates {
             passed_over: [0; LANES],
             own_rank: block.rank,
         }
+    }
+
+    /// Begins in `lane` with what was found in other layers before: a verdict as if the best candidate were kept, and that candidate's
+    /// rank.
+    #[inline(always)]
+    pub(crate) fn resume(&mut self, lane: usize, found: Verdict, rank: Rank) {
+        if found.witness_camera == Verdict::NO_CAMERA {
+            self.passed_over[lane] = u32::from(found.rule == Rule::Coverage);
+            self.seen[lane] = u32::from(found.rule == Rule::BestRate);
+        } else {
+            self.rank[lane] = rank;
+            self.camera[lane] = u32::from(found.witness_camera);
+            self.level[lane] = u32::from(found.witness_level);
+            self.pixel[lane] = found.witness_pixel;
+            self.seen[lane] = 1;
+        }
+    }
+
+    /// By which rule the sample in `lane` is kept if it has no candidate.
+    #[inline(always)]
+    pub(crate) fn rule_of_kept(&self, lane: usize) -> Rule {
+        rule_of_kept(self.passed_over[lane] != 0, self.seen[lane] != 0)
     }
 
     /// For which samples it matters what the target saw: where no other camera saw the point yet, or the target's sample would

@@ -4,154 +4,332 @@
 use rayon::prelude::*;
 
 use super::decision::{Candidate, LevelVerdicts, Rule, Verdict, may_be_witness};
-use super::pass::{DROPPED, KEPT, PendingSample, PruningPass, SearchBand, UNDECIDED};
+use super::pass::{DROPPED, KEPT, PruningPass, UNDECIDED};
+use crate::error::Result;
+use crate::job::Job;
+use crate::preprocess::agreement::VoteCounts;
+use crate::preprocess::layers::{Rank, RatedSamples};
 use crate::preprocess::registration::{IN_VIEW, PixelRun, SourceRun, TargetRun};
 use crate::simd::{self, VectorLoop};
 
 /// How many samples ahead the statuses of witnesses are prefetched.
 const AHEAD: usize = 24;
 
-/// Decides every sample of the band whose best candidate is decided; the others become pending.
-pub(crate) fn resolve(pass: &PruningPass<'_>, band: &mut SearchBand<'_>) {
-    for index in 0..band.pixels.len() {
-        if let Some(ahead) = band.verdicts.get(index + AHEAD) {
-            let statuses = pass.statuses.get(ahead.witness_camera as usize);
-            simd::prefetch(statuses.map_or(&[], Vec::as_slice), ahead.witness_pixel as usize);
-        }
-        let verdict = band.verdicts[index];
-        if verdict.witness_camera == Verdict::NO_CAMERA {
-            if verdict.rule == Rule::Contradicted {
-                pass.set_status(band.camera, band.pixels[index], DROPPED);
-            }
-            continue;
-        }
-        if pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == KEPT {
-            pass.set_status(band.camera, band.pixels[index], DROPPED);
-        } else {
-            let rank = pass.layers[band.camera].ranks[band.pixels[index] as usize];
-            let index = index as u32;
-            band.pending.push(PendingSample { index, rank, others: None, is_contradicted: None });
-        }
-    }
-}
-
-#[inline(always)]
-fn is_still_pending(pass: &PruningPass<'_>, band: &mut SearchBand<'_>, sample: &mut PendingSample) -> bool {
-    let pixel = band.pixels[sample.index as usize];
-    let verdict = &mut band.verdicts[sample.index as usize];
-    loop {
-        match pass.status(verdict.witness_camera as usize, verdict.witness_pixel) {
-            KEPT => {
-                pass.set_status(band.camera, pixel, DROPPED);
-                return false;
-            }
-            UNDECIDED => return true,
-            _ => {}
-        }
-        let others = sample.others.get_or_insert_with(|| all_but_the_best(pass, band.camera, pixel));
-        let Some(next) = others.pop() else {
-            let ask = || pass.votes.contradicts(pass.pairs, pass.layers, band.camera, pixel);
-            if sample.is_contradicted.unwrap_or_else(ask) {
-                *verdict = Verdict::without_witness(Rule::Contradicted);
-                pass.set_status(band.camera, pixel, DROPPED);
-                return false;
-            }
-            *verdict = Verdict::without_witness(Rule::Coverage);
-            pass.set_status(band.camera, pixel, KEPT);
-            return false;
-        };
-        *verdict = Verdict::dropped_for(pass.settings.pruning.method, sample.rank, next);
-    }
-}
-
 /// Samples that are decided as one piece of work.
 const CHUNK: usize = 4096;
 
-/// Samples of one camera that wait for others.
-#[derive(Default)]
-pub(crate) struct Waiting {
-    /// By chunk.
-    chunks: Vec<(usize, Vec<PendingSample>)>,
-    /// Camera and pixel of what is waited for.
-    awaited: Vec<(u16, u32)>,
+/// The samples of one camera while they are decided, where the layers of all cameras are there.
+pub(crate) struct Unsettled<'a> {
+    camera: usize,
+    pub(crate) decided: LevelVerdicts,
+    samples: &'a RatedSamples,
+    /// By chunk, once they were resolved.
+    pending: Option<Vec<Vec<PendingSample>>>,
 }
 
-impl Waiting {
-    /// Whether anything that is waited for is decided by now.
-    pub(crate) fn may_go_on(&self, pass: &PruningPass<'_>) -> bool {
-        let is_decided = |&(camera, pixel): &(u16, u32)| pass.status(usize::from(camera), pixel) != UNDECIDED;
-        self.awaited.iter().any(is_decided)
-    }
+/// A sample whose candidate is undecided yet.
+struct PendingSample {
+    /// Index among the camera's samples.
+    index: usize,
+    /// All candidates but the best, worst first; found only where the best was dropped. The verdict names the one that is
+    /// waited for.
+    others: Option<Vec<Candidate>>,
+}
 
-    /// Finds all that may be asked for on the way to a decision, so that it can be made without any layer. `pixels` are those of the
-    /// camera's samples.
-    pub(crate) fn prepare(&mut self, pass: &PruningPass<'_>, camera: usize, pixels: &[u32]) {
-        let prepare = |(chunk, samples): &mut (usize, Vec<PendingSample>)| {
-            for sample in samples {
-                let pixel = pixels[*chunk * CHUNK + sample.index as usize];
-                sample.others.get_or_insert_with(|| all_but_the_best(pass, camera, pixel));
-                let ask = || pass.votes.contradicts(pass.pairs, pass.layers, camera, pixel);
-                sample.is_contradicted.get_or_insert_with(ask);
-            }
-        };
-        self.chunks.par_iter_mut().for_each(prepare);
+impl<'a> Unsettled<'a> {
+    /// Verdicts as if all candidates were kept.
+    pub(crate) fn new(camera: usize, decided: LevelVerdicts, samples: &'a RatedSamples) -> Self {
+        Self { camera, decided, samples, pending: None }
     }
 
     /// Samples that wait.
-    pub(crate) fn len(&self) -> usize {
-        self.awaited.len()
+    fn len(&self) -> usize {
+        self.pending.as_ref().map_or(0, |pending| pending.iter().map(Vec::len).sum())
+    }
+
+    /// Decides the samples as far as possible.
+    fn settle(&mut self, pass: &PruningPass<'_>) {
+        let Self { camera, decided, samples, pending } = self;
+        let camera = *camera;
+        let of_chunks = pending.get_or_insert_with(|| {
+            let chunks = decided.pixels.par_chunks(CHUNK).zip(decided.verdicts.par_chunks(CHUNK)).enumerate();
+            let resolve = |(chunk, (pixels, verdicts)): (usize, (&[u32], &[Verdict]))| {
+                let mut pending = Vec::new();
+                resolve(pass, camera, pixels, verdicts, |nth| {
+                    pending.push(PendingSample { index: chunk * CHUNK + nth, others: None });
+                });
+                pending
+            };
+            chunks.map(resolve).collect()
+        });
+        let chunks = decided.verdicts.par_chunks_mut(CHUNK).zip(of_chunks).enumerate();
+        chunks.filter(|(_, (_, pending))| !pending.is_empty()).for_each(|(chunk, (verdicts, pending))| {
+            simd::run(ResolvePending { pass, camera, samples, first: chunk * CHUNK, verdicts, pending });
+        });
     }
 }
 
-/// Decides the samples of a camera as far as possible: all for the first time, or those that are `waiting`. Gives those that still wait.
-pub(crate) fn settle(
+/// Decides all samples of some cameras, among which are all that they wait for.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn settle_all(pass: &PruningPass<'_>, cameras: &mut [Unsettled<'_>], job: &Job) -> Result<()> {
+    loop {
+        job.check()?;
+        cameras.par_iter_mut().for_each(|unsettled| unsettled.settle(pass));
+        if cameras.iter().all(|unsettled| unsettled.len() == 0) {
+            return Ok(());
+        }
+    }
+}
+
+/// Drops every sample whose best candidate is kept, and those that others contradict; gives the others that are not decided to `wait`,
+/// by their place among `pixels`.
+fn resolve(
     pass: &PruningPass<'_>,
     camera: usize,
-    decided: &mut LevelVerdicts,
-    waiting: Option<Waiting>,
-) -> Waiting {
-    let is_first = waiting.is_none();
-    let mut pending: Vec<Vec<PendingSample>> = Vec::new();
-    pending.resize_with(decided.pixels.len().div_ceil(CHUNK), Vec::new);
-    for (chunk, samples) in waiting.unwrap_or_default().chunks {
-        pending[chunk] = samples;
-    }
-    let chunks = decided.pixels.par_chunks_mut(CHUNK).zip(decided.verdicts.par_chunks_mut(CHUNK));
-    let of_chunk = |((pixels, verdicts), pending)| {
-        let mut band = SearchBand { camera, rows: 0..0, pixels, verdicts, pending };
-        if is_first {
-            resolve(pass, &mut band);
+    pixels: &[u32],
+    verdicts: &[Verdict],
+    mut wait: impl FnMut(usize),
+) {
+    for (nth, (&pixel, verdict)) in pixels.iter().zip(verdicts).enumerate() {
+        if let Some(ahead) = verdicts.get(nth + AHEAD) {
+            let statuses = pass.statuses.get(ahead.witness_camera as usize);
+            simd::prefetch(statuses.map_or(&[], Vec::as_slice), ahead.witness_pixel as usize);
         }
-        if !band.pending.is_empty() {
-            simd::run(ResolvePending { pass, band: &mut band });
-        }
-        let awaited = band.pending.iter().map(|sample| {
-            let verdict = band.verdicts[sample.index as usize];
-            (verdict.witness_camera, verdict.witness_pixel)
-        });
-        let awaited: Vec<_> = awaited.collect();
-        (band.pending, awaited)
-    };
-    let settled: Vec<_> = chunks.zip(pending).map(of_chunk).collect();
-    let mut still = Waiting::default();
-    for (chunk, (pending, awaited)) in settled.into_iter().enumerate() {
-        if !pending.is_empty() {
-            still.chunks.push((chunk, pending));
-            still.awaited.extend(awaited);
+        if verdict.witness_camera == Verdict::NO_CAMERA {
+            if verdict.rule == Rule::Contradicted {
+                pass.set_status(camera, pixel, DROPPED);
+            }
+        } else if pass.status(camera, pixel) == UNDECIDED {
+            if pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == KEPT {
+                pass.set_status(camera, pixel, DROPPED);
+            } else {
+                wait(nth);
+            }
         }
     }
-    still
 }
 
-/// All candidates of a sample but the best, worst first.
+/// Decides what can be decided of the pending samples of a chunk of one camera.
+struct ResolvePending<'a> {
+    pass: &'a PruningPass<'a>,
+    camera: usize,
+    samples: &'a RatedSamples,
+    /// Index of the first of `verdicts`.
+    first: usize,
+    verdicts: &'a mut [Verdict],
+    pending: &'a mut Vec<PendingSample>,
+}
+
+impl VectorLoop for ResolvePending<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { pass, camera, samples, first, verdicts, pending } = self;
+        let all: Vec<usize> = pass.pairs.others(camera).map(|(other, _)| other).collect();
+        pending.retain_mut(|PendingSample { index, others }| {
+            let find = || {
+                let mut found = candidates(pass, camera, samples, *index, &all);
+                leave_out_best(&mut found);
+                found
+            };
+            let pixel = samples.pixels[*index];
+            let contradicts = || pass.votes.contradicts(pass.pairs, pass.layers, camera, pixel);
+            let sample = WaitingSample { camera, pixel, rank: samples.ranks[*index] };
+            let next = || others.get_or_insert_with(find).pop();
+            !sample.is_decided(pass, &mut verdicts[*index - first], next, contradicts)
+        });
+    }
+}
+
+/// A sample whose verdict names the candidate that is waited for.
+#[derive(Clone, Copy)]
+struct WaitingSample {
+    camera: usize,
+    pixel: u32,
+    rank: Rank,
+}
+
+impl WaitingSample {
+    /// Tries the candidates until one is kept or undecided, or none is left. `next` gives the best that is left.
+    #[inline(always)]
+    fn is_decided(
+        self,
+        pass: &PruningPass<'_>,
+        verdict: &mut Verdict,
+        mut next: impl FnMut() -> Option<Candidate>,
+        is_contradicted: impl FnOnce() -> bool,
+    ) -> bool {
+        let Self { camera, pixel, rank } = self;
+        loop {
+            match pass.status(verdict.witness_camera as usize, verdict.witness_pixel) {
+                KEPT => {
+                    pass.set_status(camera, pixel, DROPPED);
+                    return true;
+                }
+                UNDECIDED => return false,
+                _ => {}
+            }
+            let Some(next) = next() else {
+                let (rule, status) =
+                    if is_contradicted() { (Rule::Contradicted, DROPPED) } else { (Rule::Coverage, KEPT) };
+                *verdict = Verdict::without_witness(rule);
+                pass.set_status(camera, pixel, status);
+                return true;
+            };
+            *verdict = Verdict::dropped_for(pass.settings.pruning.method, rank, next);
+        }
+    }
+}
+
+/// How far the verdicts of one camera are decided.
+#[derive(Default)]
+pub(crate) struct Resolved {
+    /// Samples whose candidate is undecided.
+    pub(crate) waiting: usize,
+    /// Samples whose candidate was dropped: the others have to be found. Indices, ascending.
+    pub(crate) stuck: Vec<u32>,
+}
+
+/// Decides the samples of a camera as far as the decisions on others go, without any layer.
+pub(crate) fn resolve_camera(pass: &PruningPass<'_>, camera: usize, decided: &LevelVerdicts) -> Resolved {
+    let chunks = decided.pixels.par_chunks(CHUNK).zip(decided.verdicts.par_chunks(CHUNK)).enumerate();
+    let of_chunk = |(chunk, (pixels, verdicts)): (usize, (&[u32], &[Verdict]))| {
+        let mut resolved = Resolved::default();
+        resolve(pass, camera, pixels, verdicts, |nth| {
+            let verdict = verdicts[nth];
+            if pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == UNDECIDED {
+                resolved.waiting += 1;
+            } else {
+                resolved.stuck.push((chunk * CHUNK + nth) as u32);
+            }
+        });
+        resolved
+    };
+    let of_chunks: Vec<Resolved> = chunks.map(of_chunk).collect();
+    of_chunks.into_iter().fold(Resolved::default(), |mut all, chunk| {
+        all.waiting += chunk.waiting;
+        all.stuck.extend(chunk.stuck);
+        all
+    })
+}
+
+/// Samples of one camera for which all is found that a decision may take, so that it is made without any layer.
+pub(crate) struct Prepared {
+    pub(crate) camera: usize,
+    /// Among the camera's samples, ascending.
+    indices: Vec<u32>,
+    samples: RatedSamples,
+    lists: Vec<PreparedSample>,
+}
+
+/// What is found of a sample.
+#[derive(Clone, Default)]
+struct PreparedSample {
+    /// Candidates; once all are found, all but the best, worst first.
+    others: Vec<Candidate>,
+    votes: VoteCounts,
+    is_thin: bool,
+}
+
+impl Prepared {
+    /// Nothing is found yet of the samples of a camera at `indices`, ascending.
+    pub(crate) fn new(camera: usize, samples: &RatedSamples, indices: Vec<u32>) -> Self {
+        let lists = vec![PreparedSample::default(); indices.len()];
+        Self { camera, samples: samples.at(&indices), indices, lists }
+    }
+
+    /// Samples.
+    pub(crate) fn len(&self) -> usize {
+        self.indices.len()
+    }
+
+    /// Without the samples that are prepared already.
+    pub(crate) fn leave_out(&self, stuck: &mut Vec<u32>) {
+        stuck.retain(|index| self.indices.binary_search(index).is_err());
+    }
+
+    fn each(&mut self, work: impl Fn(usize, &RatedSamples, usize, &mut PreparedSample) + Sync) {
+        let (camera, samples) = (self.camera, &self.samples);
+        let lists = self.lists.par_iter_mut().with_min_len(CHUNK / 8).enumerate();
+        lists.for_each(|(index, sample)| work(camera, samples, index, sample));
+    }
+
+    /// Finds out which samples are thin, which their votes depend on. The camera's own layer is there.
+    pub(crate) fn look_at_own(&mut self, pass: &PruningPass<'_>) {
+        let side = pass.pairs.registration(self.camera, self.camera).source_side;
+        self.each(|camera, samples, index, sample| {
+            let pixel = samples.pixels[index] as usize;
+            sample.is_thin = pass.votes.is_thin(&pass.layers[camera], pixel, side);
+        });
+    }
+
+    /// Adds the candidates and the votes of some other cameras, whose layers are there.
+    pub(crate) fn compare(&mut self, pass: &PruningPass<'_>, targets: &[usize]) {
+        self.each(|camera, samples, index, sample| {
+            sample.others.extend(candidates(pass, camera, samples, index, targets));
+            if pass.votes.is_on() {
+                let votes = votes_on(pass, camera, samples, index, sample.is_thin, targets);
+                sample.votes.confirm += votes.confirm;
+                sample.votes.look_past += votes.look_past;
+            }
+        });
+    }
+
+    /// Ends the preparation.
+    pub(crate) fn end(&mut self) {
+        self.each(|_, _, _, sample| leave_out_best(&mut sample.others));
+    }
+
+    /// Decides the samples as far as possible, and keeps those that wait.
+    pub(crate) fn settle(&mut self, pass: &PruningPass<'_>, decided: &mut LevelVerdicts) {
+        let camera = self.camera;
+        let mut left = Vec::new();
+        for (at, (&index, list)) in self.indices.iter().zip(&mut self.lists).enumerate() {
+            let (pixel, rank) = (self.samples.pixels[at], self.samples.ranks[at]);
+            if pass.status(camera, pixel) != UNDECIDED {
+                continue;
+            }
+            let sample = WaitingSample { camera, pixel, rank };
+            let PreparedSample { others, votes, .. } = list;
+            let is_flying = self.samples.packed_colors[at].is_flying();
+            let contradicts = || pass.votes.is_contradicted(*votes, is_flying);
+            let verdict = &mut decided.verdicts[index as usize];
+            if !sample.is_decided(pass, verdict, || others.pop(), contradicts) {
+                left.push(at as u32);
+            }
+        }
+        if left.len() < self.indices.len() {
+            self.samples = self.samples.at(&left);
+            let at = |place: &u32| *place as usize;
+            self.indices = left.iter().map(|place| self.indices[at(place)]).collect();
+            self.lists = left.iter().map(|place| std::mem::take(&mut self.lists[at(place)])).collect();
+        }
+    }
+}
+
+/// Leaves all candidates but the best, worst first.
+fn leave_out_best(candidates: &mut Vec<Candidate>) {
+    candidates.sort_unstable_by(|a, b| b.cmp(a));
+    candidates.pop();
+}
+
+/// The candidates of a sample in the layers of some other cameras.
 #[inline(always)]
-fn all_but_the_best(pass: &PruningPass<'_>, camera: usize, pixel: u32) -> Vec<Candidate> {
-    let layer = &pass.layers[camera];
-    let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-    let sample = Candidate::new(layer, camera, pixel);
-    let point = PixelRun::<1>::new(layer, x, y, 1);
+fn candidates(
+    pass: &PruningPass<'_>,
+    camera: usize,
+    samples: &RatedSamples,
+    index: usize,
+    targets: &[usize],
+) -> Vec<Candidate> {
+    let (rank, pixel, level) = (samples.ranks[index], samples.pixels[index], samples.level);
+    let sample = Candidate { rank, camera: camera as u16, pixel, level };
+    let point = PixelRun::<1>::of_sample(samples, index);
     let mut candidates = Vec::new();
-    for (other, registration) in pass.pairs.others(camera) {
+    for (other, registration) in pass.pairs.others_among(camera, targets) {
         let target = &pass.layers[other];
         if target.geometry.is_empty() {
             continue;
@@ -165,7 +343,7 @@ fn all_but_the_best(pass: &PruningPass<'_>, camera: usize, pixel: u32) -> Vec<Ca
         // Samples of this level stay candidates after they are dropped: they are passed over later.
         let is_own_level = candidate.level == pass.level;
         let is_kept = pass.status(other, candidate.pixel) == KEPT;
-        let point = SourceRun { layer, run: &point };
+        let point = SourceRun { layer: &pass.layers[camera], run: &point };
         let seen = TargetRun { layer: target, reprojected: &reprojected };
         if may_be_witness(is_own_level, is_kept, pass.settings.pruning.across_spans)
             && candidate.is_better_than(&sample)
@@ -174,24 +352,21 @@ fn all_but_the_best(pass: &PruningPass<'_>, camera: usize, pixel: u32) -> Vec<Ca
             candidates.push(candidate);
         }
     }
-    candidates.sort_unstable_by(|a, b| b.cmp(a));
-    candidates.pop();
     candidates
 }
 
-/// Decides what can be decided of the pending samples of a band.
-pub(crate) struct ResolvePending<'a, 'b> {
-    pub(crate) pass: &'a PruningPass<'a>,
-    pub(crate) band: &'a mut SearchBand<'b>,
-}
-
-impl VectorLoop for ResolvePending<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let mut pending = std::mem::take(&mut self.band.pending);
-        pending.retain_mut(|sample| is_still_pending(self.pass, self.band, sample));
-        self.band.pending = pending;
-    }
+/// The votes of some other cameras, whose layers are there, on a sample.
+fn votes_on(
+    pass: &PruningPass<'_>,
+    camera: usize,
+    samples: &RatedSamples,
+    index: usize,
+    is_thin: bool,
+    targets: &[usize],
+) -> VoteCounts {
+    let point = PixelRun::<1>::of_sample(samples, index);
+    let source = SourceRun { layer: &pass.layers[camera], run: &point };
+    let others = pass.pairs.others_among(camera, targets);
+    let votes = others.map(|(other, way)| pass.votes.vote_on(way, source, &pass.layers[other], || is_thin));
+    votes.fold(VoteCounts::default(), VoteCounts::with)
 }

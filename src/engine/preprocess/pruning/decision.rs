@@ -284,7 +284,7 @@ impl Verdict {
 
 /// The verdicts on one camera's samples of one level.
 #[derive(Clone, Debug, Default)]
-pub struct LevelVerdicts {
+pub(crate) struct LevelVerdicts {
     /// Pixels that were decided, `y * width + x`, ascending.
     pub(crate) pixels: Vec<u32>,
     /// One verdict per pixel.
@@ -296,18 +296,13 @@ pub struct LevelVerdicts {
 }
 
 impl LevelVerdicts {
-    pub(crate) fn of_size(count: usize) -> Self {
-        Self {
-            pixels: vec![0; count],
-            verdicts: vec![Verdict::without_witness(Rule::NoSample); count],
-            mixed: 0,
-            mixed_kept: 0,
+    /// Counts the mixed pixels by the ranks of the samples, where the settings tell them from others.
+    pub(crate) fn count_mixed(&mut self, ranks: &[u32], mixed_pixels: MixedPixels) {
+        if mixed_pixels == MixedPixels::Keep {
+            return;
         }
-    }
-
-    pub(crate) fn count_mixed(&mut self, layer: &CameraLayer) {
-        for (pixel, verdict) in self.pixels.iter().zip(&self.verdicts) {
-            let is_mixed = is_mixed(layer.ranks[*pixel as usize]);
+        for (rank, verdict) in ranks.iter().zip(&self.verdicts) {
+            let is_mixed = is_mixed(*rank);
             self.mixed += u64::from(is_mixed);
             self.mixed_kept += u64::from(is_mixed & verdict.is_kept());
         }

@@ -1,7 +1,7 @@
 //! Pruning (the paper, §3.2): of all samples of one surface point the best-sampled one stays. The rules are in `decision.rs`.
 //!
 //! ```text
-//! background (static layers, once) ─▶ span stack (ever shorter spans) ─▶ search: best candidate ─▶ coverage ─▶ pack
+//! background (static layers, once), then ever shorter spans ─▶ search: best candidate ─▶ coverage ─▶ pack
 //! ```
 
 mod background;
@@ -14,9 +14,9 @@ mod pass;
 mod search;
 mod span_stack;
 
-pub(crate) use background::{PrunedBackground, StaticLayer, rated, static_layer, static_layers};
-pub(crate) use best_candidate::{OtherCamera, lanes_at, other_cameras};
-pub(crate) use coverage::{Waiting, settle};
+pub(crate) use background::{StaticLayer, rated, static_layer, static_layers};
+pub(crate) use best_candidate::{ColumnBounds, OtherCamera, lanes_at, other_cameras};
+pub(crate) use coverage::{Prepared, Resolved, Unsettled, resolve_camera, settle_all};
 pub(crate) use decision::{
     Candidate, LevelVerdicts, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped,
     rule_of_kept,
@@ -24,9 +24,10 @@ pub(crate) use decision::{
 pub use decision::{Rule, Verdict};
 pub(crate) use pack::Masks;
 pub use pack::pack;
-pub use pass::no_statuses;
-pub(crate) use pass::{ABSENT, BAND_ROWS, DROPPED, KEPT, PruningPass, Statuses, UNDECIDED};
-pub use search::prune;
-pub(crate) use search::{find, pass_over_views};
+pub(crate) use pass::{
+    ABSENT, DROPPED, KEPT, PruningPass, Statuses, UNDECIDED, all_may_be_witnesses, mark_undecided,
+    no_statuses,
+};
+pub(crate) use search::{BAND_ROWS, Search, ask_others, conclude_all, find, look_at_own, prune};
 pub use span_stack::FRAME;
-pub(crate) use span_stack::{SpanStack, StackStep, load_frame};
+pub(crate) use span_stack::{SpanSource, SpanStack, load_frame};

@@ -1,14 +1,15 @@
 //! One pruning pass: the samples that are decided together, and their statuses meanwhile.
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use super::decision::{Candidate, Verdict, is_dropped_as_mixed, may_be_witness};
+use rayon::prelude::*;
+
+use super::decision::{is_dropped_as_mixed, may_be_witness};
 use crate::preprocess::agreement::VoteTest;
-use crate::preprocess::layers::CameraLayer;
+use crate::preprocess::layers::{CameraLayer, RatedSamples};
 use crate::preprocess::registration::{CameraPairs, SameSurface};
-use crate::preprocess::temporal::SpanLevel;
-use crate::settings::Settings;
+use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
+use crate::settings::{MixedPixels, Settings};
 
 /// No sample at the pixel that could be a witness.
 pub(crate) const ABSENT: u8 = 0;
@@ -22,18 +23,27 @@ pub(crate) const DROPPED: u8 = 3;
 /// Whether each pixel of each camera holds a kept sample: [`ABSENT`], [`KEPT`] or [`DROPPED`].
 pub(crate) type Statuses = Vec<Vec<AtomicU8>>;
 
-/// Statuses in which nothing is decided yet.
+/// Statuses in which nothing is decided yet, of pictures with this many pixels.
 #[must_use]
-pub fn no_statuses(layers: &[CameraLayer]) -> Statuses {
-    layers.iter().map(|layer| layer.level.iter().map(|_| AtomicU8::new(ABSENT)).collect()).collect()
+pub(crate) fn no_statuses(pixel_counts: impl Iterator<Item = usize>) -> Statuses {
+    pixel_counts.map(|count| (0..count).map(|_| AtomicU8::new(ABSENT)).collect()).collect()
 }
 
-/// Rows that one task works on.
-pub(crate) const BAND_ROWS: usize = 16;
+/// Marks samples as undecided, mixed ones as dropped where they are to be.
+pub(crate) fn mark_undecided(samples: &RatedSamples, statuses: &[AtomicU8], mixed_pixels: MixedPixels) {
+    for (&pixel, &rank) in samples.pixels.iter().zip(&samples.ranks) {
+        let is_dropped = is_dropped_as_mixed(mixed_pixels, rank);
+        statuses[pixel as usize].store(if is_dropped { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
+    }
+}
+
+/// If fewer than one pixel in this many is to be decided, testing whether all samples may be witnesses does not pay.
+const DENSE_SHARE: usize = 8;
 
 /// What all bands share while the samples of one level are decided.
 pub(crate) struct PruningPass<'a> {
     pub(crate) pairs: &'a CameraPairs<'a>,
+    /// Those that are not there are without samples, and take part in nothing.
     pub(crate) layers: &'a [CameraLayer],
     pub(crate) statuses: &'a Statuses,
     /// The level that is decided.
@@ -43,37 +53,34 @@ pub(crate) struct PruningPass<'a> {
     /// Whether other cameras contradict a sample.
     pub(crate) votes: VoteTest,
     /// Per camera, whether every sample that counts may be a witness, so that single statuses need no look.
-    pub(crate) all_may_be_witnesses: Vec<bool>,
-    /// Per camera, whether it holds samples of deeper levels than the one that is decided.
-    pub(crate) has_deeper: Vec<bool>,
-    /// Whether there are no samples of other levels: which samples may be witnesses is then known without a look at what is decided.
-    pub(crate) is_only_level: bool,
+    pub(crate) all_may_be_witnesses: &'a [bool],
+    /// Whether layers may hold samples of deeper levels than the one that is decided.
+    pub(crate) has_deeper: bool,
 }
 
-/// Some rows of one camera: the samples to decide, and the verdict on each so far. Until it is resolved, a verdict names the
-/// sample's best candidate as if that one were kept.
-pub(crate) struct SearchBand<'a> {
-    pub(crate) camera: usize,
-    pub(crate) rows: Range<usize>,
-    pub(crate) pixels: &'a mut [u32],
-    pub(crate) verdicts: &'a mut [Verdict],
-    pub(crate) pending: Vec<PendingSample>,
-}
+impl<'a> PruningPass<'a> {
+    /// A pass over one level, with the layers of all cameras and no deeper levels.
+    pub(crate) fn new(
+        pairs: &'a CameraPairs<'a>,
+        layers: &'a [CameraLayer],
+        statuses: &'a Statuses,
+        level: SpanLevel,
+        all_may_be_witnesses: &'a [bool],
+        settings: &'a Settings,
+    ) -> Self {
+        Self {
+            pairs,
+            layers,
+            statuses,
+            level,
+            settings,
+            limits: SameSurface::new(settings).at_level(level),
+            votes: VoteTest::new(settings, level),
+            all_may_be_witnesses,
+            has_deeper: false,
+        }
+    }
 
-/// A sample whose candidate is undecided yet.
-pub(crate) struct PendingSample {
-    /// Index into the band's pixels.
-    pub(crate) index: u32,
-    /// Its rank.
-    pub(crate) rank: u32,
-    /// All candidates but the best, worst first; found only where the best was dropped. The verdict names the one that is
-    /// waited for.
-    pub(crate) others: Option<Vec<Candidate>>,
-    /// Whether other cameras contradict it, if that was found out before it mattered.
-    pub(crate) is_contradicted: Option<bool>,
-}
-
-impl PruningPass<'_> {
     pub(crate) fn status(&self, camera: usize, pixel: u32) -> u8 {
         self.statuses[camera][pixel as usize].load(Ordering::Relaxed)
     }
@@ -85,13 +92,29 @@ impl PruningPass<'_> {
     /// See [`may_be_witness`], as far as is known before anything of this level is decided.
     #[inline(always)]
     pub(crate) fn may_be_witness(&self, camera: usize, pixel: u32) -> bool {
-        if self.is_only_level {
-            let rank = self.layers[camera].ranks[pixel as usize];
-            return !is_dropped_as_mixed(self.settings.pruning.mixed_pixels, rank);
-        }
         let status = self.status(camera, pixel);
         let is_own_level = self.layers[camera].level[pixel as usize] == self.level;
         let across_spans = self.settings.pruning.across_spans;
         may_be_witness(is_own_level & (status != DROPPED), status == KEPT, across_spans)
     }
+}
+
+/// Per camera, whether every sample of `level` and of the levels above may be a witness, once the samples of the level are marked;
+/// `false` where there are so few `samples` to decide that it does not matter.
+pub(crate) fn all_may_be_witnesses(
+    statuses: &Statuses,
+    level: SpanLevel,
+    samples: usize,
+    settings: &Settings,
+) -> Vec<bool> {
+    let pixels: usize = statuses.iter().map(Vec::len).sum();
+    let is_asked = samples > pixels / DENSE_SHARE && (settings.pruning.across_spans || level == ROOT);
+    let is_none_dropped =
+        |statuses: &Vec<AtomicU8>| statuses.iter().all(|status| status.load(Ordering::Relaxed) != DROPPED);
+    statuses.par_iter().map(|statuses| is_asked && is_none_dropped(statuses)).collect()
+}
+
+/// Whether any layer holds samples of deeper levels than `level`.
+pub(crate) fn has_deeper(layers: &[CameraLayer], level: SpanLevel) -> bool {
+    layers.par_iter().any(|layer| layer.level.iter().any(|found| *found > level && *found != NO_SAMPLE))
 }

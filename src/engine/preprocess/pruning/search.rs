@@ -19,22 +19,22 @@
 //! it turns out dropped, all candidates are found and tried in their order. Samples are not compared with a camera that cannot
 //! see the rectangle in which they lie. The conditions of the rules are in `decision.rs`.
 
-use std::sync::atomic::{AtomicU8, Ordering};
-
 use rayon::prelude::*;
 
-use super::coverage::{ResolvePending, resolve};
-use super::decision::{LevelVerdicts, is_dropped_as_mixed, may_be_witness};
-use super::find_best::FindBest;
-use super::pass::{BAND_ROWS, DROPPED, KEPT, PruningPass, SearchBand, Statuses, UNDECIDED};
+use super::coverage::{Unsettled, settle_all};
+use super::decision::{LevelVerdicts, Rule, Verdict};
+use super::find_best::{AskOthers, BetweenParts, FindBest, SearchBand, conclude, find_thin};
+use super::pass::{PruningPass, Statuses, all_may_be_witnesses, has_deeper, mark_undecided};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::agreement::VoteTest;
-use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::registration::{CameraPairs, SameSurface};
-use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
-use crate::settings::{MixedPixels, Settings};
+use crate::preprocess::layers::{CameraLayer, RatedSamples};
+use crate::preprocess::registration::CameraPairs;
+use crate::preprocess::temporal::SpanLevel;
+use crate::settings::Settings;
 use crate::simd;
+
+/// Rows that one task works on.
+pub(crate) const BAND_ROWS: usize = 16;
 
 /// Decides every sample of `level`; samples of other levels take part with their `statuses`, which stay as they are.
 ///
@@ -42,7 +42,7 @@ use crate::simd;
 ///
 /// # Errors
 /// `Cancelled`.
-pub fn prune(
+pub(crate) fn prune(
     pairs: &CameraPairs<'_>,
     layers: &[CameraLayer],
     statuses: &Statuses,
@@ -50,176 +50,132 @@ pub fn prune(
     settings: &Settings,
     job: &Job,
 ) -> Result<Vec<LevelVerdicts>> {
-    let each = || layers.par_iter().zip(statuses);
-    let mark = |(layer, statuses): (&CameraLayer, &Vec<AtomicU8>)| {
-        mark_undecided(layer, statuses, level, settings.pruning.mixed_pixels)
-    };
-    let counts: Vec<Vec<usize>> = each().map(mark).collect();
-    let mut decided: Vec<LevelVerdicts> =
-        counts.iter().map(|counts| LevelVerdicts::of_size(counts.iter().sum())).collect();
-    let samples: usize = decided.iter().map(|decided| decided.pixels.len()).sum();
-    let is_dense = samples > layers.iter().map(|layer| layer.level.len()).sum::<usize>() / DENSE_SHARE;
-    let all_may_be_witnesses = each().map(|(layer, statuses)| {
-        is_dense && all_may_be_witnesses(layer, statuses, level, settings.pruning.across_spans)
+    let samples: Vec<RatedSamples> =
+        layers.par_iter().map(|layer| RatedSamples::of_level(layer, level)).collect();
+    samples.par_iter().zip(statuses).for_each(|(samples, statuses)| {
+        mark_undecided(samples, statuses, settings.pruning.mixed_pixels);
     });
+    let count = samples.iter().map(RatedSamples::len).sum();
+    let may_be_witnesses = all_may_be_witnesses(statuses, level, count, settings);
     let pass = PruningPass {
-        pairs,
-        layers,
-        statuses,
-        level,
-        settings,
-        limits: SameSurface::new(settings).at_level(level),
-        votes: VoteTest::new(settings, level),
-        all_may_be_witnesses: all_may_be_witnesses.collect(),
-        has_deeper: layers.par_iter().map(|layer| has_deeper(layer, level)).collect(),
-        is_only_level: false,
+        has_deeper: has_deeper(layers, level),
+        ..PruningPass::new(pairs, layers, statuses, level, &may_be_witnesses, settings)
     };
-    let cameras = counts.iter().zip(&mut decided).enumerate();
-    let mut bands: Vec<_> =
-        cameras.flat_map(|(camera, (counts, decided))| bands(layers, camera, counts, decided)).collect();
-    find_best(&pass, &mut bands, job)?;
-    bands.par_iter_mut().for_each(|band| resolve(&pass, band));
-    while bands.iter().any(|band| !band.pending.is_empty()) {
-        job.check()?;
-        bands.par_iter_mut().for_each(|band| simd::run(ResolvePending { pass: &pass, band }));
-    }
-    if settings.pruning.mixed_pixels != MixedPixels::Keep {
-        decided.par_iter_mut().zip(layers).for_each(|(decided, layer)| decided.count_mixed(layer));
-    }
-    Ok(decided)
+    let mut searches: Vec<Search<'_>> =
+        samples.iter().enumerate().map(|(camera, samples)| Search::new(camera, samples, false)).collect();
+    find(&pass, &mut searches, true, job)?;
+    let mut unsettled: Vec<Unsettled<'_>> = searches.into_iter().map(Search::into_unsettled).collect();
+    settle_all(&pass, &mut unsettled, job)?;
+    let decided = unsettled.into_iter().zip(&samples).map(|(unsettled, samples)| {
+        let mut decided = unsettled.decided;
+        decided.count_mixed(&samples.ranks, settings.pruning.mixed_pixels);
+        decided
+    });
+    Ok(decided.collect())
 }
 
-/// Finds the best candidate of every sample of some bands.
-fn find_best(pass: &PruningPass<'_>, bands: &mut [SearchBand<'_>], job: &Job) -> Result<()> {
+/// The samples of one camera while their best candidates are looked for.
+pub(crate) struct Search<'a> {
+    pub(crate) camera: usize,
+    samples: &'a RatedSamples,
+    pub(crate) decided: LevelVerdicts,
+    between: Vec<BetweenParts>,
+}
+
+impl<'a> Search<'a> {
+    /// Nothing is found yet. Where the layers of other cameras are there only part by part, `in_parts`, more is kept between them.
+    pub(crate) fn new(camera: usize, samples: &'a RatedSamples, in_parts: bool) -> Self {
+        let decided = LevelVerdicts {
+            pixels: samples.pixels.clone(),
+            verdicts: vec![Verdict::without_witness(Rule::NoSample); samples.len()],
+            ..LevelVerdicts::default()
+        };
+        let between = vec![BetweenParts::default(); if in_parts { samples.len() } else { 0 }];
+        Self { camera, samples, decided, between }
+    }
+
+    /// The rows of the camera, cut into bands that hold something to decide.
+    fn bands(&mut self) -> Vec<SearchBand<'_>> {
+        let Self { camera, samples, decided, between } = self;
+        let (camera, samples) = (*camera, *samples);
+        let last_row = samples.pixels.last().map_or(0, |pixel| *pixel as usize / samples.width.max(1) + 1);
+        let (mut verdicts, mut between) = (&mut decided.verdicts[..], &mut between[..]);
+        let mut bands = Vec::new();
+        for row in (0..last_row).step_by(BAND_ROWS) {
+            let rows = row..(row + BAND_ROWS).min(last_row);
+            let of_band = samples.within_rows(rows.clone());
+            let (own_verdicts, rest) = verdicts.split_at_mut(of_band.len());
+            verdicts = rest;
+            let (own_between, rest) = between.split_at_mut(of_band.len().min(between.len()));
+            between = rest;
+            if !of_band.is_empty() {
+                let first = of_band.start;
+                bands.push(SearchBand {
+                    camera,
+                    rows,
+                    samples,
+                    first,
+                    verdicts: own_verdicts,
+                    between: own_between,
+                });
+            }
+        }
+        bands
+    }
+
+    /// What was found, before any of it is settled.
+    pub(crate) fn into_unsettled(self) -> Unsettled<'a> {
+        Unsettled::new(self.camera, self.decided, self.samples)
+    }
+}
+
+/// Does something with every band of some searches.
+fn each_band(
+    searches: &mut [Search<'_>],
+    job: &Job,
+    work: impl Fn(&mut SearchBand<'_>) + Sync,
+) -> Result<()> {
+    let mut bands: Vec<SearchBand<'_>> = searches.iter_mut().flat_map(Search::bands).collect();
     bands.par_iter_mut().try_for_each(|band| {
         job.check()?;
-        simd::run(FindBest { pass, band });
+        work(band);
         Ok(())
     })
 }
 
-/// The pass over a capture with samples of all frames only, before anything is decided.
-pub(crate) fn pass_over_views<'a>(
-    pairs: &'a CameraPairs<'a>,
-    layers: &'a [CameraLayer],
-    statuses: &'a Statuses,
-    settings: &'a Settings,
-) -> PruningPass<'a> {
-    let is_any_dropped = settings.pruning.mixed_pixels != MixedPixels::Keep;
-    PruningPass {
-        pairs,
-        layers,
-        statuses,
-        level: ROOT,
-        settings,
-        limits: SameSurface::new(settings).at_level(ROOT),
-        votes: VoteTest::new(settings, ROOT),
-        all_may_be_witnesses: vec![!is_any_dropped; layers.len()],
-        has_deeper: vec![false; layers.len()],
-        is_only_level: true,
-    }
-}
-
-/// As [`prune`] for some cameras of a [`pass_over_views`], up to the verdicts as if all candidates were kept.
+/// Finds the best candidates in the layers that are there. A search of one part ends with the verdicts as if all candidates were kept.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn find(pass: &PruningPass<'_>, cameras: &[usize], job: &Job) -> Result<Vec<LevelVerdicts>> {
-    let mark = |&camera: &usize| {
-        let mixed_pixels = pass.settings.pruning.mixed_pixels;
-        mark_undecided(&pass.layers[camera], &pass.statuses[camera], pass.level, mixed_pixels)
-    };
-    let counts: Vec<Vec<usize>> = cameras.par_iter().map(mark).collect();
-    let mut decided: Vec<LevelVerdicts> =
-        counts.iter().map(|counts| LevelVerdicts::of_size(counts.iter().sum())).collect();
-    let each = cameras.iter().zip(counts.iter().zip(&mut decided));
-    let mut bands: Vec<_> =
-        each.flat_map(|(&camera, (counts, decided))| bands(pass.layers, camera, counts, decided)).collect();
-    find_best(pass, &mut bands, job)?;
-    Ok(decided)
+pub(crate) fn find(
+    pass: &PruningPass<'_>,
+    searches: &mut [Search<'_>],
+    is_first: bool,
+    job: &Job,
+) -> Result<()> {
+    each_band(searches, job, |band| simd::run(FindBest { pass, band, is_first }))
 }
 
-/// Pixels that are passed over at once.
-const RUN: usize = 64;
-
-/// If fewer than one in this many pixels are to be decided, testing whether all samples may be witnesses does not pay.
-const DENSE_SHARE: usize = 8;
-
-/// Marks the samples of `level` as undecided, mixed ones as dropped where they are to be. Gives how many there are in each band
-/// of rows.
-fn mark_undecided(
-    layer: &CameraLayer,
-    statuses: &[AtomicU8],
-    level: SpanLevel,
-    mixed_pixels: MixedPixels,
-) -> Vec<usize> {
-    let band = (BAND_ROWS * layer.width).max(1);
-    let mut counts = Vec::with_capacity(layer.level.len().div_ceil(band));
-    for (band_of, (levels, statuses)) in layer.level.chunks(band).zip(statuses.chunks(band)).enumerate() {
-        let mut count = 0;
-        let runs = levels.chunks(RUN).zip(statuses.chunks(RUN)).enumerate();
-        // Most levels have few samples: runs without any are passed over sixteen or more bytes at a time.
-        for (run, (levels, statuses)) in runs.filter(|(_, (levels, _))| levels.contains(&level)) {
-            let first = band_of * band + run * RUN;
-            for (i, (&found, status)) in levels.iter().zip(statuses).enumerate() {
-                if found == level {
-                    count += 1;
-                    let is_dropped = is_dropped_as_mixed(mixed_pixels, layer.ranks[first + i]);
-                    status.store(if is_dropped { DROPPED } else { UNDECIDED }, Ordering::Relaxed);
-                }
-            }
-        }
-        counts.push(count);
-    }
-    counts
+/// Finds out which samples without a candidate are thin, which their votes depend on, for cameras whose own layers are there.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn look_at_own(pass: &PruningPass<'_>, searches: &mut [Search<'_>], job: &Job) -> Result<()> {
+    each_band(searches, job, |band| find_thin(pass, band))
 }
 
-/// Whether every sample of `level` and of the levels above may be a witness.
-fn all_may_be_witnesses(
-    layer: &CameraLayer,
-    statuses: &[AtomicU8],
-    level: SpanLevel,
-    across_spans: bool,
-) -> bool {
-    let mut all = true;
-    for (&found, status) in layer.level.iter().zip(statuses) {
-        let status = status.load(Ordering::Relaxed);
-        let is_own_level = (found == level) & (status != DROPPED);
-        all &= (found > level) | may_be_witness(is_own_level, status == KEPT, across_spans);
-    }
-    all
+/// Lets the cameras whose layers are there vote on samples without a candidate.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn ask_others(pass: &PruningPass<'_>, searches: &mut [Search<'_>], job: &Job) -> Result<()> {
+    each_band(searches, job, |band| simd::run(AskOthers { pass, band }))
 }
 
-fn has_deeper(layer: &CameraLayer, level: SpanLevel) -> bool {
-    let mut deeper = false;
-    for &found in &layer.level {
-        deeper |= (found > level) & (found != NO_SAMPLE);
-    }
-    deeper
-}
-
-/// The rows of a camera, cut into bands that hold something to decide.
-fn bands<'a>(
-    layers: &[CameraLayer],
-    camera: usize,
-    counts: &[usize],
-    decided: &'a mut LevelVerdicts,
-) -> Vec<SearchBand<'a>> {
-    let mut bands = Vec::new();
-    let (mut pixels, mut verdicts) = (&mut decided.pixels[..], &mut decided.verdicts[..]);
-    for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-        let first_row = index * BAND_ROWS;
-        let (own_pixels, rest) = pixels.split_at_mut(count);
-        pixels = rest;
-        let (own_verdicts, rest) = verdicts.split_at_mut(count);
-        verdicts = rest;
-        bands.push(SearchBand {
-            camera,
-            rows: first_row..(first_row + BAND_ROWS).min(layers[camera].height()),
-            pixels: own_pixels,
-            verdicts: own_verdicts,
-            pending: Vec::new(),
-        });
-    }
-    bands
+/// Ends a search in parts: gives the verdicts as if all candidates were kept.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn conclude_all(pass: &PruningPass<'_>, searches: &mut [Search<'_>], job: &Job) -> Result<()> {
+    each_band(searches, job, |band| conclude(pass, band))
 }

@@ -1,22 +1,13 @@
-//! The span stack: from the background to one frame, the samples of ever shorter spans are put where longer ones left room,
-//! and decided against each other and against all that is decided above.
-//!
-//! Layers are changed in place and changed back, so that going down to a frame costs what its short-lived samples cost.
+//! The span stack: from the background to one frame, the samples of ever shorter spans are put where longer ones left room.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use super::background::PrunedBackground;
-use super::decision::LevelVerdicts;
-use super::pass::{ABSENT, Statuses};
-use super::search;
 use crate::capture::{Capture, Frame};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::layers::{CameraLayer, LayerBuilder};
-use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{SpanLevel, SpanTree, TemporalScan};
 use crate::samples::Span;
 use crate::settings::{Settings, SpanLevels};
@@ -24,45 +15,68 @@ use crate::settings::{Settings, SpanLevels};
 /// The level of samples of one frame where nothing is known of other frames.
 pub const FRAME: SpanLevel = 1;
 
-/// The samples of all cameras in the spans from all frames to the one entered last.
+/// Where the samples of spans come from.
+#[derive(Clone, Copy)]
+pub(crate) struct SpanSource<'a> {
+    pub(crate) capture: &'a Capture,
+    /// Without a scan every pixel is one of its frame alone.
+    pub(crate) scan: Option<&'a TemporalScan>,
+    pub(crate) builder: &'a LayerBuilder<'a>,
+}
+
+impl SpanSource<'_> {
+    /// Puts and completes the samples of a camera over `span`, which is at `level`, into the layer that holds those of all longer
+    /// spans. Gives their pixels.
+    ///
+    /// # Errors
+    /// Whatever the capture gives (naming file and frame), and `Io` where the temporary file cannot be read.
+    pub(crate) fn put(
+        self,
+        camera: usize,
+        layer: &mut CameraLayer,
+        span: Span,
+        level: SpanLevel,
+    ) -> Result<Vec<u32>> {
+        let Self { capture, scan, builder } = self;
+        layer.noise_share.resize(usize::from(level), 0.0);
+        layer.noise_share.push((span.len() as f32).sqrt().recip());
+        let pixels = if let Some(spans) = scan.and_then(|scan| scan.spans.as_ref()) {
+            let samples = spans.get(camera, span)?.unwrap_or_default();
+            layer.put(level, &samples);
+            samples.pixels.clone()
+        } else {
+            let frame = capture.frame(camera, span.start as usize)?;
+            if scan.is_none() {
+                layer.depth_step_relative = frame.depth_step_relative;
+            }
+            layer.put_frame(level, &frame)
+        };
+        builder.estimate_normals(layer, &capture.cameras[camera], &pixels);
+        builder.rate(layer, &capture.cameras[camera], &pixels);
+        Ok(pixels)
+    }
+}
+
+/// The samples of all cameras in the spans from all frames to the one put last.
 pub(crate) struct SpanStack<'a> {
     capture: &'a Capture,
     scan: Option<&'a TemporalScan>,
-    pairs: &'a CameraPairs<'a>,
     settings: &'a Settings,
     builder: LayerBuilder<'a>,
     /// Per camera, every sample that was put so far.
     pub(crate) layers: Vec<CameraLayer>,
-    statuses: Statuses,
-}
-
-/// What was put and decided at a step down, per camera.
-pub(crate) struct StackStep {
-    /// The samples, ascending.
-    pub(crate) pixels: Vec<Vec<u32>>,
-    /// The verdicts on them.
-    pub(crate) decided: Vec<LevelVerdicts>,
 }
 
 impl<'a> SpanStack<'a> {
-    /// Begins at `background`. Without a `scan` every pixel is one of its frame alone.
+    /// Begins with layers of static pixels. Without a `scan` every pixel is one of its frame alone.
     pub(crate) fn new(
         capture: &'a Capture,
         scan: Option<&'a TemporalScan>,
-        pairs: &'a CameraPairs<'a>,
         settings: &'a Settings,
-        background: PrunedBackground,
+        background: Vec<CameraLayer>,
     ) -> Self {
         let builder = LayerBuilder::new(settings, &capture.cameras, capture.antialiased_color);
-        Self {
-            capture,
-            scan,
-            pairs,
-            settings,
-            builder,
-            layers: background.layers,
-            statuses: background.statuses,
-        }
+        Self { capture, scan, settings, builder, layers: background }
     }
 
     /// The spans there are.
@@ -74,50 +88,16 @@ impl<'a> SpanStack<'a> {
         }
     }
 
-    /// Puts and decides the samples of `span`, which is at `level` below the span that was entered last.
+    /// Puts and completes the samples of `span`, which is at `level` below the span that was put last.
     ///
     /// # Errors
-    /// Whatever the capture gives (naming file and frame), `Io` where the temporary file cannot be read, and `Cancelled`.
-    pub(crate) fn enter(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<StackStep> {
-        let pixels = self.put_span(span, level, job)?;
-        let decided = search::prune(self.pairs, &self.layers, &self.statuses, level, self.settings, job)?;
-        Ok(StackStep { pixels, decided })
-    }
-
-    /// Puts and completes the samples of `span`, undecided. Gives their pixels, per camera.
-    pub(crate) fn put_span(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<Vec<Vec<u32>>> {
-        let (capture, scan, builder) = (self.capture, self.scan, &self.builder);
-        let of_camera = |(camera, layer): (usize, &mut CameraLayer)| {
+    /// As [`SpanSource::put`], and `Cancelled`.
+    pub(crate) fn put_span(&mut self, span: Span, level: SpanLevel, job: &Job) -> Result<()> {
+        let source = SpanSource { capture: self.capture, scan: self.scan, builder: &self.builder };
+        self.layers.par_iter_mut().enumerate().try_for_each(|(camera, layer)| {
             job.check()?;
-            layer.noise_share.resize(usize::from(level), 0.0);
-            layer.noise_share.push((span.len() as f32).sqrt().recip());
-            let pixels = if let Some(spans) = scan.and_then(|scan| scan.spans.as_ref()) {
-                let samples = spans.get(camera, span)?.unwrap_or_default();
-                layer.put(level, &samples);
-                samples.pixels.clone()
-            } else {
-                let frame = capture.frame(camera, span.start as usize)?;
-                if scan.is_none() {
-                    layer.depth_step_relative = frame.depth_step_relative;
-                }
-                layer.put_frame(level, &frame)
-            };
-            builder.estimate_normals(layer, &capture.cameras[camera], &pixels);
-            builder.rate(layer, &capture.cameras[camera], &pixels);
-            Ok(pixels)
-        };
-        self.layers.par_iter_mut().enumerate().map(of_camera).collect()
-    }
-
-    /// Takes the samples of a step away again; later steps must be taken away before.
-    pub(crate) fn leave(&mut self, step: &StackStep) {
-        let cameras = self.layers.par_iter_mut().zip(&self.statuses).zip(&step.pixels);
-        cameras.for_each(|((layer, statuses), pixels)| {
-            for &pixel in pixels {
-                layer.clear(pixel as usize);
-                statuses[pixel as usize].store(ABSENT, Ordering::Relaxed);
-            }
-        });
+            source.put(camera, layer, span, level).map(|_| ())
+        })
     }
 }
 

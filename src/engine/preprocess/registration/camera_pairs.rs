@@ -64,6 +64,18 @@ impl<'a> CameraPairs<'a> {
         others.iter().map(|other| *other as usize).zip(registrations)
     }
 
+    /// Those of [`CameraPairs::others`] that are among some cameras, ascending.
+    #[inline(always)]
+    pub(crate) fn others_among(
+        &self,
+        source: usize,
+        cameras: &[usize],
+    ) -> impl Iterator<Item = (usize, &Registration)> {
+        let OthersOf { others, registrations, .. } = &self.of_camera[source];
+        let at = |camera: &usize| others.binary_search(&(*camera as u32)).ok();
+        cameras.iter().filter_map(move |camera| at(camera).map(|at| (*camera, &registrations[at])))
+    }
+
     /// The cameras.
     pub(crate) fn cameras(&self) -> &'a [Camera] {
         self.cameras

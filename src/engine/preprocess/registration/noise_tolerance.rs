@@ -61,12 +61,11 @@ impl<const N: usize> ColorNoise<'_, N> {
     fn beyond_noise(&self, lane: usize, found: usize) -> f32 {
         let (SourceRun { layer: source, run }, target) = (self.source, self.target);
         let sigmas = self.limits.color_sigmas;
-        let pixel = run.row * source.width + run.column + lane;
         let found_color = self.packed_colors[lane].color();
         let of_channel = |channel: usize| {
             let [a, b] =
                 [run.color[channel][lane], found_color[channel]].map(|color| color as f32 / COLOR_STEPS);
-            let noise = root_of_squares(source.color_noise(pixel, a), target.color_noise(found, b));
+            let noise = root_of_squares(source.color_noise_of(run.level, a), target.color_noise(found, b));
             let between = root_of_squares(source.color_noise_between(a), target.color_noise_between(b));
             let difference = (a - b).abs();
             if difference <= sigmas * between { 0.0 } else { difference - sigmas * noise }
@@ -75,13 +74,14 @@ impl<const N: usize> ColorNoise<'_, N> {
     }
 }
 
-/// How far `noise`, relative standard deviations of depth at pixels of both cameras, may put the points of a run off the surfaces
-/// that the target found.
+/// How far noise may put the points of a run off the surfaces that the target found: relative standard deviations of depth, of the
+/// source by inverse depth, of the target by pixel.
 #[inline(always)]
 fn off_surfaces<const N: usize>(
     source: SourceRun<'_, N>,
     found: FoundSurfaces<'_, N>,
     sigmas: f32,
+    own_noise: impl Fn(&CameraLayer, f32) -> f32,
     noise: impl Fn(&CameraLayer, usize) -> f32,
 ) -> [f32; N] {
     let SourceRun { layer: source, run } = source;
@@ -90,8 +90,7 @@ fn off_surfaces<const N: usize>(
     for (lane, off) in off.iter_mut().enumerate() {
         let (w, there) = (run.inverse_depth[lane], found.facets[lane].inverse_depth);
         if w > 0.0 && there > 0.0 {
-            let pixel = run.row * source.width + run.column + lane;
-            let own = noise(source, pixel) * there;
+            let own = own_noise(source, w) * there;
             *off = sigmas * root_of_squares(own, noise(target, reprojected.pixel[lane] as usize) * w);
         }
     }
@@ -107,7 +106,8 @@ pub(crate) fn granted_depth_noise<const N: usize>(
     found: FoundSurfaces<'_, N>,
     sigmas: f32,
 ) -> [f32; N] {
-    off_surfaces(source, found, sigmas, CameraLayer::depth_noise)
+    let level = source.run.level;
+    off_surfaces(source, found, sigmas, |layer, _| layer.depth_noise_of(level), CameraLayer::depth_noise)
 }
 
 /// How far apart noise between cameras puts one surface: as [`granted_depth_noise`], but in place of the tolerance, not on top
@@ -119,7 +119,8 @@ pub(crate) fn depth_noise_between<const N: usize>(
     found: FoundSurfaces<'_, N>,
     sigmas: f32,
 ) -> [f32; N] {
-    off_surfaces(source, found, sigmas, CameraLayer::depth_noise_between)
+    let own_noise = CameraLayer::depth_noise_between_at;
+    off_surfaces(source, found, sigmas, own_noise, CameraLayer::depth_noise_between)
 }
 
 /// The same for the samples that the target found and three of their neighbors each, which are as noisy: by corner.

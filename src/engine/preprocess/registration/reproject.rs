@@ -10,7 +10,10 @@ use glam::{DVec2, Vec3};
 
 use super::matches::{IN_FRONT, IN_VIEW};
 use crate::capture::{Camera, INVALID_INVERSE_DEPTH};
-use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, PackedColor, PackedGeometry, Rank};
+use crate::preprocess::layers::{
+    ABSENT_RANK, CameraLayer, PackedColor, PackedGeometry, Rank, RatedSamples, SampleRun,
+};
+use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::simd::{self, LANES, whole};
 
 /// Carries samples of one camera into another.
@@ -57,6 +60,8 @@ impl PinholeLens {
 pub(crate) struct PixelRun<const N: usize = LANES> {
     pub(crate) column: usize,
     pub(crate) row: usize,
+    /// The level of the samples: of the first where they are of several.
+    pub(crate) level: SpanLevel,
     pub(crate) inverse_depth: [f32; N],
     pub(crate) normal: [[f32; N]; 3],
     pub(crate) color: [[i32; N]; 3],
@@ -121,17 +126,36 @@ impl<const N: usize> PixelRun<N> {
     /// The samples of `layer` from `(column, row)` on for whose bit of `lanes` is set.
     #[inline(always)]
     pub(crate) fn new(layer: &CameraLayer, column: usize, row: usize, lanes: u32) -> Self {
-        let geometry = lanes_of::<_, N>(&layer.geometry, layer.width, (column, row), PackedGeometry::ABSENT);
-        let packed_colors =
-            lanes_of::<_, N>(&layer.packed_colors, layer.width, (column, row), PackedColor::ABSENT);
+        let position = (column, row);
+        let level = layer.level.get(row * layer.width + column + lanes.trailing_zeros() as usize);
+        Self::of_lanes(
+            position,
+            level.copied().unwrap_or(NO_SAMPLE),
+            lanes,
+            &lanes_of::<_, N>(&layer.geometry, layer.width, position, PackedGeometry::ABSENT),
+            &lanes_of::<_, N>(&layer.packed_colors, layer.width, position, PackedColor::ABSENT),
+            lanes_of::<_, N>(&layer.ranks, layer.width, position, ABSENT_RANK),
+        )
+    }
+
+    #[inline(always)]
+    fn of_lanes(
+        (column, row): (usize, usize),
+        level: SpanLevel,
+        lanes: u32,
+        geometry: &[PackedGeometry; N],
+        packed_colors: &[PackedColor; N],
+        rank: [Rank; N],
+    ) -> Self {
         let mut block = Self {
             column,
             row,
+            level,
             inverse_depth: [INVALID_INVERSE_DEPTH; N],
             normal: [[0.0; N]; 3],
             color: [[0; N]; 3],
             known: [0; N],
-            rank: lanes_of::<_, N>(&layer.ranks, layer.width, (column, row), ABSENT_RANK),
+            rank,
         };
         for i in 0..N {
             let relevant = lanes >> i & 1 == 1;
@@ -147,7 +171,55 @@ impl<const N: usize> PixelRun<N> {
     }
 }
 
-/// A run of pixels with the layer that it is of.
+impl PixelRun {
+    /// The samples of a run.
+    #[inline(always)]
+    pub(crate) fn of_samples(samples: &RatedSamples, run: &SampleRun) -> Self {
+        let SampleRun { row, nth, lanes, first } = *run;
+        let geometry = spread(&samples.geometry[first..], lanes, PackedGeometry::ABSENT);
+        let packed_colors = spread(&samples.packed_colors[first..], lanes, PackedColor::ABSENT);
+        let ranks = spread(&samples.ranks[first..], lanes, ABSENT_RANK);
+        Self::of_lanes((nth * LANES, row), samples.level, lanes, &geometry, &packed_colors, ranks)
+    }
+}
+
+impl PixelRun<1> {
+    /// The sample at an index.
+    #[inline(always)]
+    pub(crate) fn of_sample(samples: &RatedSamples, index: usize) -> Self {
+        let pixel = samples.pixels[index] as usize;
+        Self::of_lanes(
+            (pixel % samples.width, pixel / samples.width),
+            samples.level,
+            1,
+            &[samples.geometry[index]],
+            &[samples.packed_colors[index]],
+            [samples.ranks[index]],
+        )
+    }
+}
+
+/// The first of `values`, one for each of `lanes`; `nothing` in all others.
+#[inline(always)]
+fn spread<T: Copy>(values: &[T], lanes: u32, nothing: T) -> [T; LANES] {
+    if lanes == (1 << LANES) - 1
+        && let Some(all) = values.first_chunk()
+    {
+        return *all;
+    }
+    let mut spread = [nothing; LANES];
+    let mut left = lanes;
+    for &value in values {
+        if left == 0 {
+            break;
+        }
+        spread[left.trailing_zeros() as usize] = value;
+        left &= left - 1;
+    }
+    spread
+}
+
+/// A run of pixels, and the layer of its camera, which need not hold their samples: what is known of the camera's noise counts.
 #[derive(Clone, Copy)]
 pub(crate) struct SourceRun<'a, const N: usize = LANES> {
     pub(crate) layer: &'a CameraLayer,

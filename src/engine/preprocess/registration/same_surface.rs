@@ -77,22 +77,24 @@ impl SameSurface {
 
     /// Whether the target's sample at a pixel is behind a sample of the source by more than the tolerance, along the target's
     /// optical axis. `depth` is that of the source's sample in target camera space, times its inverse depth.
-    pub(crate) fn is_behind(
+    pub(crate) fn is_behind<const N: usize>(
         &self,
         registration: &Registration,
-        source: &CameraLayer,
-        own: usize,
+        source: SourceRun<'_, N>,
+        lane: usize,
         target: &CameraLayer,
         pixel: usize,
         depth: f32,
     ) -> bool {
-        let (w, there) = (source.inverse_depth[own], target.inverse_depth[pixel]);
+        let SourceRun { layer: source, run } = source;
+        let (w, there) = (run.inverse_depth[lane], target.inverse_depth[pixel]);
         let limits = &self.tolerances;
         let footprint = (registration.source_side * there).max(registration.target.side * w);
         let noise = |own: f32, found: f32| root_of_squares(own * there, found * w);
-        let granted = limits.depth_sigmas * noise(source.depth_noise(own), target.depth_noise(pixel));
-        let between =
-            limits.between_sigmas * noise(source.depth_noise_between(own), target.depth_noise_between(pixel));
+        let granted =
+            limits.depth_sigmas * noise(source.depth_noise_of(run.level), target.depth_noise(pixel));
+        let between = limits.between_sigmas
+            * noise(source.depth_noise_between_at(w), target.depth_noise_between(pixel));
         let step = source.depth_step_relative * there + target.depth_step_relative * w + granted;
         w - depth * there > (limits.depth_footprints * footprint).max(between) + step
     }

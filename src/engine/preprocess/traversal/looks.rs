@@ -1,40 +1,42 @@
-//! What is measured of all views before any of their samples is decided.
+//! What is measured of all cameras before any of their samples is decided.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::neighborhoods::neighborhood_order;
+use super::groups::CameraGroup;
 use super::window::LayerWindow;
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::agreement::{noise_of_camera, where_most_are_noisy};
+use crate::preprocess::agreement::{NoiseLattice, where_most_are_noisy};
 use crate::preprocess::diagnostics::{DepthReading, Misfits};
 use crate::preprocess::noise::NoiseBetween;
 use crate::preprocess::registration::CameraPairs;
 
-/// At most this many views are compared to find out whether depth was misread, spread over all views.
+/// At most this many cameras are compared to find out whether depth was misread, spread over all.
 const LOOKED_AT: usize = 32;
-/// Each is compared with at most this many views that see it.
+/// Each is compared with at most this many that see it.
 const LOOKED_AT_BESIDE: usize = 16;
 
-/// The noise of every view as others see it.
+/// The noise of every camera as the others see it, from some samples of each.
 pub(super) fn noise_between(
     pairs: &CameraPairs<'_>,
     window: &mut LayerWindow<'_>,
+    groups: &[CameraGroup],
+    mut lattices: Vec<NoiseLattice>,
     job: &Job,
 ) -> Result<Vec<Option<Arc<NoiseBetween>>>> {
-    let mut noise = vec![None; pairs.cameras().len()];
-    let order = neighborhood_order(pairs);
-    for group in window.groups(&order, |camera| pairs.others(camera).map(|(other, _)| other)) {
-        window.hold(&group.held, job)?;
-        let of_camera = |&camera: &usize| (camera, noise_of_camera(pairs, &window.layers, camera));
-        let of_group: Vec<_> = group.cameras.par_iter().map(of_camera).collect();
-        for (camera, found) in of_group {
-            noise[camera] = found;
+    for group in groups {
+        let mut is_worked_on = vec![false; lattices.len()];
+        group.cameras.iter().for_each(|camera| is_worked_on[*camera] = true);
+        for part in &group.parts {
+            window.hold(part, job)?;
+            let layers = &window.layers;
+            let lattices = lattices.par_iter_mut().enumerate().filter(|(camera, _)| is_worked_on[*camera]);
+            lattices.for_each(|(camera, lattice)| lattice.compare(pairs, camera, layers, part));
         }
     }
-    Ok(where_most_are_noisy(noise))
+    Ok(where_most_are_noisy(lattices.into_par_iter().map(NoiseLattice::noise).collect()))
 }
 
 /// Whether depth would fit better if it were read otherwise.

@@ -1,0 +1,67 @@
+//! A layer in a temporary file: its samples, without what is known of the camera and without footprints.
+//!
+//! ```text
+//! level u8 …, rank u32 …, geometry 4 × f32 …, packed color 2 × u32 …, color 3 × f16 …, inverse depth f32 …, [normal 3 × f32 …]
+//! ```
+
+use glam::Vec3;
+
+use super::layer::CameraLayer;
+use crate::error::Result;
+use crate::samples::Record;
+
+impl CameraLayer {
+    /// The planes that are put away, in the order of the file.
+    pub(crate) fn planes_mut(&mut self) -> [&mut [u8]; 7] {
+        [
+            &mut self.level,
+            bytemuck::cast_slice_mut(&mut self.ranks),
+            bytemuck::cast_slice_mut(&mut self.geometry),
+            bytemuck::cast_slice_mut(&mut self.packed_colors),
+            bytemuck::cast_slice_mut(&mut self.color),
+            bytemuck::cast_slice_mut(&mut self.inverse_depth),
+            bytemuck::cast_slice_mut(&mut self.normal),
+        ]
+    }
+
+    /// The planes of another layer of as many pixels, whatever they hold, with what is known of this camera.
+    pub(crate) fn with_planes_of(self, other: Self) -> Self {
+        let Self { noise, noise_share, depth_step_relative, noise_between, .. } = self;
+        Self { noise, noise_share, depth_step_relative, noise_between, ..other }
+    }
+}
+
+impl Record for CameraLayer {
+    /// Columns, rows, and whether there are normals.
+    type RecordShape = (usize, usize, bool);
+
+    fn bytes(&self) -> usize {
+        self.planes().iter().map(|plane| plane.len()).sum()
+    }
+
+    fn shape(&self) -> Self::RecordShape {
+        (self.width, self.height(), !self.normal.is_empty())
+    }
+
+    fn planes(&self) -> Vec<&[u8]> {
+        vec![
+            &self.level,
+            bytemuck::cast_slice(&self.ranks),
+            bytemuck::cast_slice(&self.geometry),
+            bytemuck::cast_slice(&self.packed_colors),
+            bytemuck::cast_slice(&self.color),
+            bytemuck::cast_slice(&self.inverse_depth),
+            bytemuck::cast_slice(&self.normal),
+        ]
+    }
+
+    fn read(
+        &(width, height, normals): &Self::RecordShape,
+        fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
+    ) -> Result<Self> {
+        let mut layer = Self::default().of_size(width, height);
+        layer.normal = vec![Vec3::ZERO; if normals { width * height } else { 0 }];
+        fill(&mut layer.planes_mut())?;
+        Ok(layer)
+    }
+}
