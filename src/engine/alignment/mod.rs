@@ -69,7 +69,7 @@ const MOST_CAMERAS: usize = 400;
 /// Pixels of one frame of all cameras that are held in memory, at most. A capture with more is aligned in groups as well.
 const MOST_PIXELS: usize = 32 << 20;
 /// Cameras of a group, with large pictures and with small ones.
-const GROUP: [usize; 2] = [48, 96];
+const GROUP: [usize; 2] = [8, 96];
 
 /// Measures what is wrong with a capture, and mends what pays.
 ///

@@ -26,12 +26,26 @@ const STILL_BRIGHTNESS: f32 = 0.05;
 /// A pixel is at an edge of depth where its inverse depth differs from a neighbor's by more, relative.
 const EDGE_RELATIVE: f32 = 0.03;
 
+/// A frame without its normals, which would take more memory than all that is aligned.
+fn without_normals(frame: Arc<Frame>) -> Arc<Frame> {
+    if frame.normal_in_world.is_none() {
+        return frame;
+    }
+    let Frame { color, inverse_depth, depth_step_relative, .. } = &*frame;
+    Arc::new(Frame {
+        color: color.clone(),
+        inverse_depth: inverse_depth.clone(),
+        normal_in_world: None,
+        depth_step_relative: *depth_step_relative,
+    })
+}
+
 /// One camera with what it saw at one frame.
 #[derive(Clone)]
 pub(crate) struct ReferenceView {
     /// The camera; its pose and lens change while alignment goes on.
     pub(crate) camera: Camera,
-    /// Color and depth as they were recorded.
+    /// Color and depth as they were recorded, without normals.
     pub(crate) frame: Arc<Frame>,
     /// Brightness at every resolution, the finest first: the square root of luminance, which has noise of about the same width
     /// everywhere and grows in proportion to a change of exposure.
@@ -56,6 +70,7 @@ impl ReferenceView {
 
     /// The same where colors count whatever is beside a surface.
     pub(crate) fn without_extent(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
+        let frame = without_normals(frame);
         let is_still = other.map(|other| still_pixels(&frame, other));
         let (width, height) = frame.size();
         let finest = frame.color.as_slice().iter().copied().map(brightness_of).collect();

@@ -266,25 +266,14 @@ impl VoteTest {
         other: usize,
     ) -> Vote {
         let (layer, target) = (&layers[camera], &layers[other]);
-        let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
-        let block = PixelRun::<1>::new(layer, x, y, 1);
-        let is_thin = || self.is_thin(layer, pixel as usize, registration.source_side);
-        self.vote_on(registration, SourceRun { layer, run: &block }, target, is_thin)
-    }
-
-    /// The vote of a camera on a sample, of which `is_thin` says whether it is of a thing one pixel wide.
-    pub(crate) fn vote_on(
-        &self,
-        registration: &Registration,
-        source: SourceRun<'_, 1>,
-        target: &CameraLayer,
-        is_thin: impl Fn() -> bool,
-    ) -> Vote {
         if target.geometry.is_empty() {
             return Vote::CannotTell;
         }
+        let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
+        let block = PixelRun::<1>::new(layer, x, y, 1);
         let mut votes = VotedRun::NONE;
-        self.add(registration, source, target, 1, |_| is_thin(), &mut votes);
+        let is_thin = |_| self.is_thin(layer, pixel as usize, registration.source_side);
+        self.add(registration, SourceRun { layer, run: &block }, target, 1, is_thin, &mut votes);
         match votes.counts(0) {
             VoteCounts { confirm: 1, .. } => Vote::Confirms,
             VoteCounts { look_past: 1, .. } => Vote::LooksPast,

@@ -7,7 +7,6 @@ use super::decision::{Candidate, LevelVerdicts, Rule, Verdict, may_be_witness};
 use super::pass::{DROPPED, KEPT, PruningPass, UNDECIDED};
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::agreement::VoteCounts;
 use crate::preprocess::layers::{Rank, RatedSamples};
 use crate::preprocess::registration::{IN_VIEW, PixelRun, SourceRun, TargetRun};
 use crate::simd::{self, VectorLoop};
@@ -136,10 +135,18 @@ impl VectorLoop for ResolvePending<'_> {
                 found
             };
             let pixel = samples.pixels[*index];
-            let contradicts = || pass.votes.contradicts(pass.pairs, pass.layers, camera, pixel);
             let sample = WaitingSample { camera, pixel, rank: samples.ranks[*index] };
-            let next = || others.get_or_insert_with(find).pop();
-            !sample.is_decided(pass, &mut verdicts[*index - first], next, contradicts)
+            let verdict = &mut verdicts[*index - first];
+            let tried = sample.tried(pass, verdict, || others.get_or_insert_with(find).pop());
+            if tried == Tried::NoneLeft {
+                if pass.votes.contradicts(pass.pairs, pass.layers, camera, pixel) {
+                    *verdict = Verdict::without_witness(Rule::Contradicted);
+                    pass.set_status(camera, pixel, DROPPED);
+                } else {
+                    pass.set_status(camera, pixel, KEPT);
+                }
+            }
+            tried == Tried::Waits
         });
     }
 }
@@ -153,42 +160,50 @@ struct WaitingSample {
 }
 
 impl WaitingSample {
-    /// Tries the candidates until one is kept or undecided, or none is left. `next` gives the best that is left.
+    /// Tries the candidates until one is kept or undecided, or none is left: then the verdict is that the sample is kept if others do
+    /// not contradict it. `next` gives the best that is left.
     #[inline(always)]
-    fn is_decided(
+    fn tried(
         self,
         pass: &PruningPass<'_>,
         verdict: &mut Verdict,
         mut next: impl FnMut() -> Option<Candidate>,
-        is_contradicted: impl FnOnce() -> bool,
-    ) -> bool {
+    ) -> Tried {
         let Self { camera, pixel, rank } = self;
         loop {
             match pass.status(verdict.witness_camera as usize, verdict.witness_pixel) {
                 KEPT => {
                     pass.set_status(camera, pixel, DROPPED);
-                    return true;
+                    return Tried::Dropped;
                 }
-                UNDECIDED => return false,
+                UNDECIDED => return Tried::Waits,
                 _ => {}
             }
             let Some(next) = next() else {
-                let (rule, status) =
-                    if is_contradicted() { (Rule::Contradicted, DROPPED) } else { (Rule::Coverage, KEPT) };
-                *verdict = Verdict::without_witness(rule);
-                pass.set_status(camera, pixel, status);
-                return true;
+                *verdict = Verdict::without_witness(Rule::Coverage);
+                return Tried::NoneLeft;
             };
             *verdict = Verdict::dropped_for(pass.settings.pruning.method, rank, next);
         }
     }
 }
 
+/// What became of a sample whose candidates were tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tried {
+    /// One of them is kept.
+    Dropped,
+    /// The best that is left is undecided.
+    Waits,
+    /// All were dropped.
+    NoneLeft,
+}
+
 /// How far the verdicts of one camera are decided.
 #[derive(Default)]
 pub(crate) struct Resolved {
-    /// Samples whose candidate is undecided.
-    pub(crate) waiting: usize,
+    /// Samples whose candidate is undecided. Indices, ascending.
+    pub(crate) waiting: Vec<u32>,
     /// Samples whose candidate was dropped: the others have to be found. Indices, ascending.
     pub(crate) stuck: Vec<u32>,
 }
@@ -200,45 +215,35 @@ pub(crate) fn resolve_camera(pass: &PruningPass<'_>, camera: usize, decided: &Le
         let mut resolved = Resolved::default();
         resolve(pass, camera, pixels, verdicts, |nth| {
             let verdict = verdicts[nth];
-            if pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == UNDECIDED {
-                resolved.waiting += 1;
-            } else {
-                resolved.stuck.push((chunk * CHUNK + nth) as u32);
-            }
+            let is_waiting = pass.status(verdict.witness_camera as usize, verdict.witness_pixel) == UNDECIDED;
+            let list = if is_waiting { &mut resolved.waiting } else { &mut resolved.stuck };
+            list.push((chunk * CHUNK + nth) as u32);
         });
         resolved
     };
     let of_chunks: Vec<Resolved> = chunks.map(of_chunk).collect();
     of_chunks.into_iter().fold(Resolved::default(), |mut all, chunk| {
-        all.waiting += chunk.waiting;
+        all.waiting.extend(chunk.waiting);
         all.stuck.extend(chunk.stuck);
         all
     })
 }
 
-/// Samples of one camera for which all is found that a decision may take, so that it is made without any layer.
+/// Samples of one camera for which all candidates are found, so that these are tried without any layer.
 pub(crate) struct Prepared {
     pub(crate) camera: usize,
     /// Among the camera's samples, ascending.
     indices: Vec<u32>,
     samples: RatedSamples,
-    lists: Vec<PreparedSample>,
-}
-
-/// What is found of a sample.
-#[derive(Clone, Default)]
-struct PreparedSample {
-    /// Candidates; once all are found, all but the best, worst first.
-    others: Vec<Candidate>,
-    votes: VoteCounts,
-    is_thin: bool,
+    /// Candidates of each; once all are found, all but the best, worst first.
+    others: Vec<Vec<Candidate>>,
 }
 
 impl Prepared {
     /// Nothing is found yet of the samples of a camera at `indices`, ascending.
     pub(crate) fn new(camera: usize, samples: &RatedSamples, indices: Vec<u32>) -> Self {
-        let lists = vec![PreparedSample::default(); indices.len()];
-        Self { camera, samples: samples.at(&indices), indices, lists }
+        let others = vec![Vec::new(); indices.len()];
+        Self { camera, samples: samples.at(&indices), indices, others }
     }
 
     /// Samples.
@@ -246,67 +251,47 @@ impl Prepared {
         self.indices.len()
     }
 
-    /// Without the samples that are prepared already.
-    pub(crate) fn leave_out(&self, stuck: &mut Vec<u32>) {
-        stuck.retain(|index| self.indices.binary_search(index).is_err());
+    /// Leaves out of some indices those of samples that are prepared already.
+    pub(crate) fn leave_out(&self, indices: &mut Vec<u32>) {
+        indices.retain(|index| self.indices.binary_search(index).is_err());
     }
 
-    fn each(&mut self, work: impl Fn(usize, &RatedSamples, usize, &mut PreparedSample) + Sync) {
-        let (camera, samples) = (self.camera, &self.samples);
-        let lists = self.lists.par_iter_mut().with_min_len(CHUNK / 8).enumerate();
-        lists.for_each(|(index, sample)| work(camera, samples, index, sample));
-    }
-
-    /// Finds out which samples are thin, which their votes depend on. The camera's own layer is there.
-    pub(crate) fn look_at_own(&mut self, pass: &PruningPass<'_>) {
-        let side = pass.pairs.registration(self.camera, self.camera).source_side;
-        self.each(|camera, samples, index, sample| {
-            let pixel = samples.pixels[index] as usize;
-            sample.is_thin = pass.votes.is_thin(&pass.layers[camera], pixel, side);
-        });
-    }
-
-    /// Adds the candidates and the votes of some other cameras, whose layers are there.
+    /// Adds the candidates in the layers of some other cameras, which are there.
     pub(crate) fn compare(&mut self, pass: &PruningPass<'_>, targets: &[usize]) {
-        self.each(|camera, samples, index, sample| {
-            sample.others.extend(candidates(pass, camera, samples, index, targets));
-            if pass.votes.is_on() {
-                let votes = votes_on(pass, camera, samples, index, sample.is_thin, targets);
-                sample.votes.confirm += votes.confirm;
-                sample.votes.look_past += votes.look_past;
-            }
-        });
+        let (camera, samples) = (self.camera, &self.samples);
+        let others = self.others.par_iter_mut().with_min_len(CHUNK / 8).enumerate();
+        others.for_each(|(index, others)| others.extend(candidates(pass, camera, samples, index, targets)));
     }
 
     /// Ends the preparation.
     pub(crate) fn end(&mut self) {
-        self.each(|_, _, _, sample| leave_out_best(&mut sample.others));
+        self.others.par_iter_mut().for_each(leave_out_best);
     }
 
-    /// Decides the samples as far as possible, and keeps those that wait.
-    pub(crate) fn settle(&mut self, pass: &PruningPass<'_>, decided: &mut LevelVerdicts) {
+    /// Decides the samples as far as possible, and keeps those that wait. Gives the samples that are kept if others do not contradict
+    /// them, ascending.
+    pub(crate) fn settle(&mut self, pass: &PruningPass<'_>, decided: &mut LevelVerdicts) -> Vec<u32> {
         let camera = self.camera;
-        let mut left = Vec::new();
-        for (at, (&index, list)) in self.indices.iter().zip(&mut self.lists).enumerate() {
+        let (mut left, mut none_left) = (Vec::new(), Vec::new());
+        for (at, (&index, others)) in self.indices.iter().zip(&mut self.others).enumerate() {
             let (pixel, rank) = (self.samples.pixels[at], self.samples.ranks[at]);
             if pass.status(camera, pixel) != UNDECIDED {
                 continue;
             }
             let sample = WaitingSample { camera, pixel, rank };
-            let PreparedSample { others, votes, .. } = list;
-            let is_flying = self.samples.packed_colors[at].is_flying();
-            let contradicts = || pass.votes.is_contradicted(*votes, is_flying);
-            let verdict = &mut decided.verdicts[index as usize];
-            if !sample.is_decided(pass, verdict, || others.pop(), contradicts) {
-                left.push(at as u32);
+            match sample.tried(pass, &mut decided.verdicts[index as usize], || others.pop()) {
+                Tried::Dropped => {}
+                Tried::Waits => left.push(at as u32),
+                Tried::NoneLeft => none_left.push(index),
             }
         }
         if left.len() < self.indices.len() {
             self.samples = self.samples.at(&left);
             let at = |place: &u32| *place as usize;
             self.indices = left.iter().map(|place| self.indices[at(place)]).collect();
-            self.lists = left.iter().map(|place| std::mem::take(&mut self.lists[at(place)])).collect();
+            self.others = left.iter().map(|place| std::mem::take(&mut self.others[at(place)])).collect();
         }
+        none_left
     }
 }
 
@@ -353,20 +338,4 @@ fn candidates(
         }
     }
     candidates
-}
-
-/// The votes of some other cameras, whose layers are there, on a sample.
-fn votes_on(
-    pass: &PruningPass<'_>,
-    camera: usize,
-    samples: &RatedSamples,
-    index: usize,
-    is_thin: bool,
-    targets: &[usize],
-) -> VoteCounts {
-    let point = PixelRun::<1>::of_sample(samples, index);
-    let source = SourceRun { layer: &pass.layers[camera], run: &point };
-    let others = pass.pairs.others_among(camera, targets);
-    let votes = others.map(|(other, way)| pass.votes.vote_on(way, source, &pass.layers[other], || is_thin));
-    votes.fold(VoteCounts::default(), VoteCounts::with)
 }

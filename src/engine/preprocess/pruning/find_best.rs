@@ -1,7 +1,7 @@
 //! The best candidate of every sample of a band, sixteen samples at a time, and the verdict if that candidate is kept.
 //!
 //! A sample without a candidate would be kept: here the other cameras vote on it. Where the layers of the other cameras are not there
-//! all at once, the search goes through them part by part, then once more for the votes.
+//! all at once, the search goes through them part by part, and those samples are asked for their votes afterwards.
 
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -178,13 +178,18 @@ fn first_verdict(
     found
 }
 
-/// Gives the verdicts on all samples of a band, once all layers were searched and asked for their votes.
-pub(super) fn conclude(pass: &PruningPass<'_>, band: &mut SearchBand<'_>) {
-    let of_band = band.first..band.first + band.verdicts.len();
-    let samples = band.samples.pixels[of_band.clone()].iter().zip(&band.samples.packed_colors[of_band]);
-    for ((&pixel, color), (verdict, between)) in samples.zip(band.verdicts.iter_mut().zip(&*band.between)) {
-        let is_contradicted = pass.votes.is_contradicted(between.votes, color.is_flying());
-        *verdict = first_verdict(pass, band.camera, pixel, *verdict, is_contradicted);
+/// Gives the verdicts on all samples of a band, once all layers were searched: those on samples without a candidate only where the
+/// others have voted on these, or do not vote.
+pub(super) fn conclude(pass: &PruningPass<'_>, band: &mut SearchBand<'_>, have_voted: bool) {
+    for index in 0..band.verdicts.len() {
+        if have_voted || !pass.votes.is_on() || !is_asked(pass, band, index) {
+            let at = band.first + index;
+            let is_flying = band.samples.packed_colors[at].is_flying();
+            let is_contradicted = pass.votes.is_contradicted(band.between[index].votes, is_flying);
+            let pixel = band.samples.pixels[at];
+            band.verdicts[index] =
+                first_verdict(pass, band.camera, pixel, band.verdicts[index], is_contradicted);
+        }
     }
 }
 

@@ -28,6 +28,6 @@ pub(crate) use pass::{
     ABSENT, DROPPED, KEPT, PruningPass, Statuses, UNDECIDED, all_may_be_witnesses, mark_undecided,
     no_statuses,
 };
-pub(crate) use search::{BAND_ROWS, Search, ask_others, conclude_all, find, look_at_own, prune};
+pub(crate) use search::{BAND_ROWS, Search, ask_others, conclude_all, find, left_open, look_at_own, prune};
 pub use span_stack::FRAME;
 pub(crate) use span_stack::{SpanSource, SpanStack, load_frame};

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use super::coverage::{Unsettled, settle_all};
 use super::decision::{LevelVerdicts, Rule, Verdict};
 use super::find_best::{AskOthers, BetweenParts, FindBest, SearchBand, conclude, find_thin};
-use super::pass::{PruningPass, Statuses, all_may_be_witnesses, has_deeper, mark_undecided};
+use super::pass::{PruningPass, Statuses, UNDECIDED, all_may_be_witnesses, has_deeper, mark_undecided};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::layers::{CameraLayer, RatedSamples};
@@ -92,6 +92,12 @@ impl<'a> Search<'a> {
         };
         let between = vec![BetweenParts::default(); if in_parts { samples.len() } else { 0 }];
         Self { camera, samples, decided, between }
+    }
+
+    /// Some samples that would be kept by these verdicts, if the others do not contradict them.
+    pub(crate) fn of_asked(camera: usize, samples: &'a RatedSamples, verdicts: Vec<Verdict>) -> Self {
+        let search = Self::new(camera, samples, true);
+        Self { decided: LevelVerdicts { verdicts, ..search.decided }, ..search }
     }
 
     /// The rows of the camera, cut into bands that hold something to decide.
@@ -168,14 +174,32 @@ pub(crate) fn look_at_own(pass: &PruningPass<'_>, searches: &mut [Search<'_>], j
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn ask_others(pass: &PruningPass<'_>, searches: &mut [Search<'_>], job: &Job) -> Result<()> {
-    each_band(searches, job, |band| simd::run(AskOthers { pass, band }))
+pub(crate) fn ask_others(pass: &PruningPass<'_>, searches: &mut [&mut Search<'_>], job: &Job) -> Result<()> {
+    searches.par_iter_mut().try_for_each(|search| {
+        let one = std::slice::from_mut(&mut **search);
+        each_band(one, job, |band| simd::run(AskOthers { pass, band }))
+    })
 }
 
-/// Ends a search in parts: gives the verdicts as if all candidates were kept.
+/// The samples without a candidate whose verdicts a search in parts left open, ascending.
+pub(crate) fn left_open(pass: &PruningPass<'_>, camera: usize, decided: &LevelVerdicts) -> Vec<u32> {
+    let is_open = |index: &u32| {
+        let (pixel, verdict) = (decided.pixels[*index as usize], &decided.verdicts[*index as usize]);
+        verdict.witness_camera == Verdict::NO_CAMERA && pass.status(camera, pixel) == UNDECIDED
+    };
+    (0..decided.pixels.len() as u32).filter(is_open).collect()
+}
+
+/// Ends a search in parts: gives the verdicts as if all candidates were kept. Where others vote and have not done so, those on samples
+/// without a candidate are left open.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn conclude_all(pass: &PruningPass<'_>, searches: &mut [Search<'_>], job: &Job) -> Result<()> {
-    each_band(searches, job, |band| conclude(pass, band))
+pub(crate) fn conclude_all(
+    pass: &PruningPass<'_>,
+    searches: &mut [Search<'_>],
+    have_voted: bool,
+    job: &Job,
+) -> Result<()> {
+    each_band(searches, job, |band| conclude(pass, band, have_voted))
 }

@@ -142,7 +142,7 @@ impl SpanStep<'_, '_> {
                     }
                 }
                 if in_parts {
-                    self.ask_in_parts(&group, &mut searches)?;
+                    pruning::conclude_all(&self.pass(), &mut searches, false, self.of.job)?;
                 }
                 for (search, samples) in searches.into_iter().zip(&samples) {
                     if let Some(tally) = tally.as_mut().filter(|_| self.put.level == ROOT) {
@@ -162,21 +162,70 @@ impl SpanStep<'_, '_> {
         if in_parts { window.hold_only(part, job) } else { window.hold(part, job) }
     }
 
-    /// Lets all other cameras vote on samples without a candidate, part by part, and ends the search.
-    fn ask_in_parts(&mut self, group: &CameraGroup, searches: &mut [Search<'_>]) -> Result<()> {
+    /// The samples of all cameras without a candidate that others are to vote on: where they were not asked yet.
+    fn without_candidate(&mut self) -> Result<Vec<Vec<u32>>> {
+        let mut all = Vec::new();
+        for camera in 0..self.put.counts.len() {
+            let decided = self.verdicts.take(camera)?;
+            all.push(pruning::left_open(&self.pass(), camera, &decided));
+            self.verdicts.put_back(camera, decided);
+        }
+        Ok(all)
+    }
+
+    /// Lets all other cameras vote on some samples of each camera, and gives the verdicts on these.
+    fn ask(&mut self, mut asked: Vec<Vec<u32>>) -> Result<()> {
         let job = self.of.job;
-        if self.pass().votes.is_on() {
-            for search in searches.iter_mut() {
-                self.hold(&[search.camera], true)?;
-                pruning::look_at_own(&self.pass(), std::slice::from_mut(search), job)?;
+        while asked.iter().any(|asked| !asked.is_empty()) {
+            let mut room = self.of.recording.bound / 2 / SAMPLE_BYTES;
+            let mut samples: Vec<(usize, Vec<u32>, RatedSamples)> = Vec::new();
+            for (camera, asked) in asked.iter_mut().enumerate().filter(|(_, asked)| !asked.is_empty()) {
+                if room > 0 || samples.is_empty() {
+                    let rest = asked.split_off(room.max(1).min(asked.len()));
+                    let now = std::mem::replace(asked, rest);
+                    room = room.saturating_sub(now.len());
+                    let of_camera = self.of.window.samples(camera)?.at(&now);
+                    samples.push((camera, now, of_camera));
+                }
             }
-            // The last part that was searched is held yet.
-            for part in group.parts.iter().rev() {
-                self.hold(part, true)?;
-                pruning::ask_others(&self.pass(), searches, job)?;
+            let mut searches = Vec::new();
+            for (camera, indices, samples) in &samples {
+                let decided = self.verdicts.take(*camera)?;
+                let verdicts = indices.iter().map(|index| decided.verdicts[*index as usize]).collect();
+                self.verdicts.put_back(*camera, decided);
+                searches.push(Search::of_asked(*camera, samples, verdicts));
+            }
+            if self.pass().votes.is_on() {
+                for search in &mut searches {
+                    self.hold(&[search.camera], false)?;
+                    pruning::look_at_own(&self.pass(), std::slice::from_mut(search), job)?;
+                }
+                self.ask_part_by_part(&mut searches)?;
+            }
+            pruning::conclude_all(&self.pass(), &mut searches, true, job)?;
+            for ((camera, indices, _), search) in samples.iter().zip(searches) {
+                let mut decided = self.verdicts.take(*camera)?;
+                for (index, verdict) in indices.iter().zip(&search.decided.verdicts) {
+                    decided.verdicts[*index as usize] = *verdict;
+                }
+                self.verdicts.put(*camera, decided)?;
             }
         }
-        pruning::conclude_all(&self.pass(), searches, job)
+        Ok(())
+    }
+
+    fn ask_part_by_part(&mut self, searches: &mut [Search<'_>]) -> Result<()> {
+        for group in self.of.groups(&vec![0; self.put.counts.len()]) {
+            let is_of_group = |search: &&mut Search<'_>| group.cameras.contains(&search.camera);
+            // The searches are in the order of the cameras, and so are groups of all of them.
+            let mut of_group: Vec<&mut Search<'_>> = searches.iter_mut().filter(is_of_group).collect();
+            let is_any = !of_group.is_empty();
+            for part in group.parts.iter().filter(|_| is_any) {
+                self.hold(part, group.parts.len() > 1)?;
+                pruning::ask_others(&self.pass(), &mut of_group, self.of.job)?;
+            }
+        }
+        Ok(())
     }
 
     /// Decides all samples.
@@ -184,15 +233,22 @@ impl SpanStep<'_, '_> {
         if self.of.window.holds_all {
             return self.settle_at_once();
         }
+        if self.pass().votes.is_on() && self.groups.iter().any(|group| group.parts.len() > 1) {
+            let asked = self.without_candidate()?;
+            self.ask(asked)?;
+        }
         let mut prepared: Vec<Prepared> = Vec::new();
+        let mut asked = vec![Vec::new(); self.put.counts.len()];
         loop {
-            self.settle_prepared(&mut prepared)?;
-            let (waiting, stuck) = self.resolve_all(&prepared)?;
-            if waiting == 0 && stuck.iter().all(Vec::is_empty) {
+            self.settle_prepared(&mut prepared, &mut asked)?;
+            let resolved = self.resolve_all(&prepared)?;
+            if resolved.iter().any(|resolved| !resolved.stuck.is_empty()) {
+                self.prepare(resolved, &mut prepared)?;
+            } else if asked.iter().any(|asked| !asked.is_empty()) {
+                // Layers are loaded for this, so that it comes only when nothing else goes on.
+                self.ask(std::mem::replace(&mut asked, vec![Vec::new(); self.put.counts.len()]))?;
+            } else if prepared.is_empty() && resolved.iter().all(|resolved| resolved.waiting.is_empty()) {
                 return Ok(());
-            }
-            if stuck.iter().any(|stuck| !stuck.is_empty()) {
-                self.prepare(stuck, &mut prepared)?;
             }
         }
     }
@@ -212,66 +268,67 @@ impl SpanStep<'_, '_> {
         Ok(())
     }
 
-    /// Decides all that can be decided without any layer. Gives the number of samples that wait for others to be decided, and by
-    /// camera those that need to be prepared.
-    fn resolve_all(&mut self, prepared: &[Prepared]) -> Result<(usize, Vec<Vec<u32>>)> {
+    /// Decides all that can be decided without any layer. Gives what is left by camera, but for samples that are prepared.
+    fn resolve_all(&mut self, prepared: &[Prepared]) -> Result<Vec<Resolved>> {
         let mut before = usize::MAX;
         loop {
-            let mut all = (0, Vec::new());
+            let mut all = Vec::new();
             for camera in 0..self.put.counts.len() {
                 self.of.job.check()?;
                 let decided = self.verdicts.take(camera)?;
-                let Resolved { waiting, mut stuck } = resolve_camera(&self.pass(), camera, &decided);
-                prepared
-                    .iter()
-                    .filter(|known| known.camera == camera)
-                    .for_each(|known| known.leave_out(&mut stuck));
+                let mut resolved = resolve_camera(&self.pass(), camera, &decided);
+                for known in prepared.iter().filter(|known| known.camera == camera) {
+                    known.leave_out(&mut resolved.stuck);
+                    known.leave_out(&mut resolved.waiting);
+                }
                 self.verdicts.put_back(camera, decided);
-                all.0 += waiting;
-                all.1.push(stuck);
+                all.push(resolved);
             }
-            let left = all.0 + all.1.iter().map(Vec::len).sum::<usize>();
-            if all.0 == 0 || left == before {
+            let left = all.iter().map(|resolved| resolved.waiting.len() + resolved.stuck.len()).sum();
+            if left == 0 || left == before {
                 return Ok(all);
             }
             before = left;
         }
     }
 
-    /// Decides the samples that are prepared, as far as possible.
-    fn settle_prepared(&mut self, prepared: &mut Vec<Prepared>) -> Result<()> {
+    /// Decides the samples that are prepared, as far as possible. Those that are kept if others do not contradict them are `asked` about
+    /// later.
+    fn settle_prepared(&mut self, prepared: &mut Vec<Prepared>, asked: &mut [Vec<u32>]) -> Result<()> {
         let mut before = usize::MAX;
         loop {
             for known in prepared.iter_mut() {
                 self.of.job.check()?;
                 let mut decided = self.verdicts.take(known.camera)?;
-                known.settle(&self.pass(), &mut decided);
+                asked[known.camera].extend(known.settle(&self.pass(), &mut decided));
                 self.verdicts.put(known.camera, decided)?;
             }
             prepared.retain(|known| known.len() > 0);
             let left = prepared.iter().map(Prepared::len).sum();
             if left == 0 || left == before {
+                asked.iter_mut().for_each(|asked| asked.sort_unstable());
                 return Ok(());
             }
             before = left;
         }
     }
 
-    /// Finds all that may be asked for on the way to a decision on some samples of each camera. Where they are very many, some of them.
-    fn prepare(&mut self, stuck: Vec<Vec<u32>>, prepared: &mut Vec<Prepared>) -> Result<()> {
+    /// Finds all candidates of some samples of each camera. Where they are very many, of some of them.
+    fn prepare(&mut self, resolved: Vec<Resolved>, prepared: &mut Vec<Prepared>) -> Result<()> {
         let mut room = self.of.recording.bound / 2 / PREPARED_BYTES;
+        let stuck: usize = resolved.iter().map(|resolved| resolved.stuck.len()).sum();
+        // Samples that wait may be stuck later, when layers would be loaded for them again.
+        let mut room_for_waiting = room.saturating_sub(stuck);
         let mut new: Vec<Prepared> = Vec::new();
-        for (camera, mut indices) in stuck.into_iter().enumerate() {
-            indices.truncate(room.max(1));
+        for (camera, Resolved { mut waiting, stuck: mut indices }) in resolved.into_iter().enumerate() {
+            waiting.truncate(room_for_waiting);
+            room_for_waiting -= waiting.len();
+            indices.extend(waiting);
+            indices.truncate(room.max(usize::from(new.is_empty())));
             room = room.saturating_sub(indices.len());
-            if !indices.is_empty() && (room > 0 || new.is_empty()) {
+            indices.sort_unstable();
+            if !indices.is_empty() {
                 new.push(Prepared::new(camera, &*self.of.window.samples(camera)?, indices));
-            }
-        }
-        if self.pass().votes.is_on() {
-            for prepared in &mut new {
-                self.hold(&[prepared.camera], false)?;
-                prepared.look_at_own(&self.pass());
             }
         }
         let bytes = vec![0; self.put.counts.len()];
