@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use super::driver::{SIZE, Window, choose, click, open, settle, small_demo, told, type_path, wait};
+use super::driver::{
+    SIZE, Window, choose, click, open, open_share, settle, share_path, share_to, small_demo, wait,
+    wait_for_shared,
+};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -35,8 +38,10 @@ fn turn_up(window: &mut Window, name: &str, steps: usize) {
     settle(window);
 }
 
-fn saved(window: &mut Window, entry: &str, path: &Path) {
-    type_path(window, "Save", entry, path, "Save this path");
+fn saved(window: &mut Window, pictures: &str, path: &Path) {
+    open_share(window, "Pictures");
+    choose(window, "Pictures of", pictures);
+    share_to(window, path, "Save");
     wait(window, "the file", |_| path.is_file());
 }
 
@@ -71,16 +76,18 @@ fn pictures_are_saved_with_alpha_with_depth_and_with_their_legend() {
     choose(&mut window, "Background", "Transparent");
     settle(&mut window);
     let [png, exr, shot] = ["a.png", "a.exr", "view.png"].map(|name| folder.path().join(name));
-    saved(&mut window, "Save picture to path…", &png);
+    saved(&mut window, "This view", &png);
+    wait_for_shared(&mut window);
     let picture = image::open(&png).unwrap().to_rgba8();
     assert!(picture.pixels().any(|pixel| pixel.0[3] == 255));
-    saved(&mut window, "Save picture to path…", &exr);
+    saved(&mut window, "This view", &exr);
+    wait_for_shared(&mut window);
     let bytes = std::fs::read(&exr).unwrap();
     assert!(bytes.starts_with(b"\x76\x2F\x31\x01"));
     for channel in [b"A\0", b"Z\0"] {
         assert!(bytes.windows(2).take(400).any(|window| window == channel), "{channel:?}");
     }
-    saved(&mut window, "Save view with legend to path…", &shot);
+    saved(&mut window, "With legend", &shot);
     let shot = image::open(&shot).unwrap();
     let live = window.get_by_label("Live picture").rect();
     let (width, height) = (shot.width() as f32, shot.height() as f32);
@@ -98,8 +105,8 @@ fn a_camera_path_is_exported_as_exr_pictures_with_depth() {
         window.key_press(Key::K);
         window.run_steps(2);
     }
-    type_path(&mut window, "Export…", "EXR pictures to path…", &pictures, "Export this path");
-    wait(&mut window, "the pictures", |window| told(window, "Exported: "));
+    share_path(&mut window, &[("Pictures of", "Camera path"), ("Format", "EXR")], &pictures);
+    wait_for_shared(&mut window);
     for name in ["0001.exr", "0002.exr", "0003.exr"] {
         let bytes = std::fs::read(pictures.join(name)).unwrap();
         assert!(bytes.windows(2).take(400).any(|window| window == b"Z\0"), "{name} has depth");

@@ -244,11 +244,47 @@ pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &Pat
     click(window, take);
 }
 
+/// Opens the dialog of all ways out at one of them, and waits for the sizes.
+pub(crate) fn open_share(window: &mut Window, way: &str) {
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
+    window.run_steps(3);
+    settle(window);
+    let start = format!("{way}: ");
+    window.get_by_label_contains(&start).click();
+    window.run_steps(3);
+}
+
+/// Types a path into the dialog of all ways out, and takes it: `action` is what its field's button says.
+pub(crate) fn share_to(window: &mut Window, path: &Path, action: &str) {
+    click(window, "To path…");
+    window.get_by_label("Path").replace_selected_text_accesskit("");
+    window.run_steps(2);
+    window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());
+    window.run_steps(3);
+    click(window, &format!("{action} this path"));
+}
+
+/// Waits until what was shared is written, and closes the dialog.
+pub(crate) fn wait_for_shared(window: &mut Window) {
+    wait(window, "what is shared", |window| shows(window, "Show in folder"));
+    click(window, "Close sharing");
+}
+
+/// Exports along the camera path into a folder or file: `choices` are those of the dialog.
+pub(crate) fn share_path(window: &mut Window, choices: &[(&str, &str)], path: &Path) {
+    open_share(window, "Pictures");
+    for (row, choice) in choices {
+        choose(window, row, choice);
+    }
+    share_to(window, path, "Export");
+}
+
 /// Saves a store into a folder, and gives its path once it is whole.
 pub(crate) fn save_store(window: &mut Window, folder: &Path) -> PathBuf {
     let path = folder.join("orrery.ovl");
-    type_path(window, "Save", "Save store to path…", &path, "Save this path");
-    wait(window, "the file", |window| told(window, "Saved"));
+    open_share(window, "Store");
+    share_to(window, &path, "Save");
+    wait_for_shared(window);
     assert!(path.is_file());
     path
 }

@@ -7,7 +7,7 @@ use image::RgbImage;
 use image::imageops::FilterType;
 
 use super::driver::{
-    SIZE, Window, choose, click, open, open_view, settle, shows, small_demo, told, type_path, wait,
+    SIZE, Window, choose, click, open, open_view, settle, share_path, shows, small_demo, wait_for_shared,
 };
 
 /// A window in the workspace that has the View panel beside the live view.
@@ -84,8 +84,8 @@ fn type_number(window: &mut Window, name: &str, number: u32) {
 
 /// Exports pictures of the camera path into a folder, and reads the first.
 fn exported(window: &mut Window, folder: &std::path::Path) -> RgbImage {
-    type_path(window, "Export…", "Pictures to path…", folder, "Export this path");
-    wait(window, "the pictures", |window| told(window, "Exported"));
+    share_path(window, &[("Pictures of", "Camera path")], folder);
+    wait_for_shared(window);
     while !window.state().observed().notices.is_empty() {
         window.key_press(Key::Escape);
         window.run_steps(2);

@@ -31,6 +31,7 @@ mod readings;
 #[cfg(target_os = "linux")]
 mod real_window;
 mod screenshots;
+mod share;
 #[cfg(target_os = "linux")]
 #[path = "../common/skip.rs"]
 mod skip;

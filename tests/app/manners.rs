@@ -1,8 +1,9 @@
 //! How the window behaves beside its work: it explains itself, asks before it closes, and does anything by name.
 
 use super::driver::{
-    SIZE, Storage, Window, click, drag, drop_on, look_at, open, open_store, open_view, save_store, settle,
-    shows, small_capture, small_demo, told, type_path, wait,
+    SIZE, Storage, Window, click, drag, drop_on, look_at, open, open_share, open_store, open_view,
+    save_store, settle, share_path, share_to, shows, small_capture, small_demo, type_path, wait,
+    wait_for_shared,
 };
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
@@ -70,8 +71,9 @@ fn closing_while_pictures_are_written_asks_first() {
         window.key_press(Key::K);
         window.run_steps(2);
     }
-    export_to(&mut window, "Pictures to path…", folder.path());
+    share_path(&mut window, &[("Pictures of", "Camera path")], folder.path());
     wait(&mut window, "the export", |window| window.query_by_label("Path").is_none());
+    click(&mut window, "Close sharing");
     close(&mut window);
     assert!(shows(&window, "Close before all is written?"));
     click(&mut window, "Cancel closing");
@@ -272,25 +274,16 @@ fn a_camera_path_is_set_played_and_exported() {
         at.iter().zip(end).all(|(a, b)| (a - b).abs() < 1e-6)
     });
     settle(&mut window);
-    export_to(&mut window, "Pictures to path…", &pictures);
-    wait(&mut window, "the pictures", |window| told(window, "Exported"));
+    share_path(&mut window, &[("Pictures of", "Camera path")], &pictures);
+    wait_for_shared(&mut window);
     assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 49);
     let first = image::open(pictures.join("0001.png")).unwrap();
     assert!(first.width() > 20);
     let film = folder.path().join("no/such/folder/film.mp4");
-    export_to(&mut window, "Video to path…", &film);
-    wait(&mut window, "what went wrong", |window| told(window, "Could not export the camera path"));
+    open_share(&mut window, "Film");
+    share_to(&mut window, &film, "Export");
+    wait(&mut window, "what went wrong", |window| shows(window, "Could not export"));
     assert!(!film.exists());
-}
-
-fn export_to(window: &mut Window, form: &str, path: &std::path::Path) {
-    click(window, "Export…");
-    click(window, form);
-    window.get_by_label("Path").replace_selected_text_accesskit("");
-    window.run_steps(2);
-    window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());
-    window.run_steps(3);
-    click(window, "Export this path");
 }
 
 #[test]
@@ -299,7 +292,8 @@ fn the_picture_of_the_live_view_is_saved() {
     let path = folder.path().join("live.png");
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    type_path(&mut window, "Save", "Save picture to path…", &path, "Save this path");
+    open_share(&mut window, "Pictures");
+    share_to(&mut window, &path, "Save");
     wait(&mut window, "the picture", |_| path.is_file());
     settle(&mut window);
     let saved = image::open(&path).unwrap();

@@ -30,7 +30,7 @@ fn words_that_people_type_find_what_they_mean() {
         ("fov", "Open view: View"),
         ("full", "Full screen"),
         ("maxim", "Maximize or restore a view"),
-        ("screenshot", "Save picture"),
+        ("screenshot", "Share: Pictures"),
         ("measure", "Measure a distance"),
         ("recent", "Open recent: small_capture"),
         ("hole", "Hole filling: None"),

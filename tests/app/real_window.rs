@@ -86,6 +86,8 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
         std::thread::sleep(Duration::from_secs(1));
         xdotool(&display, &["key", "ctrl+s"]).unwrap();
         std::thread::sleep(Duration::from_secs(1));
+        xdotool(&display, &["key", "Return"]).unwrap();
+        std::thread::sleep(Duration::from_secs(1));
         xdotool(&display, &["key", "ctrl+a"]).unwrap();
         xdotool(&display, &["type", "--delay", "20", path]).unwrap();
         xdotool(&display, &["key", "Return"]).unwrap();

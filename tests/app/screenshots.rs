@@ -2,7 +2,7 @@
 //! they show how long things take); otherwise smaller ones are drawn and checked to hold something.
 
 use super::driver::{
-    Window, choose, click, demo, drag, look_at, open, open_view, pick, save_store, settle, wait,
+    Window, choose, click, demo, drag, look_at, open, open_share, open_view, pick, save_store, settle, wait,
 };
 use egui_kittest::kittest::Queryable;
 use image::{GrayImage, RgbImage, RgbaImage};
@@ -181,6 +181,9 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     choose(&mut window, "Live view shows", "Motion");
     settle(&mut window);
     shoot(&mut window, "camera_path");
+    open_share(&mut window, "Interactive page");
+    shoot(&mut window, "share");
+    click(&mut window, "Close sharing");
     open_view(&mut window, "Log");
     open_view(&mut window, "Sweep");
     click(&mut window, "Run a sweep");

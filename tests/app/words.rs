@@ -118,7 +118,7 @@ fn the_palette_names_what_it_does_as_other_programs_do() {
         ("reset view", "Reset view to start"),
         ("center", "Center view on selected pixel"),
         ("frame times", "Frame times: write to the log and reset"),
-        ("video", "Export a video of the camera path"),
+        ("video", "Share: Film"),
         ("shortcuts", "Keyboard and mouse shortcuts"),
         ("stress", "Run a stress test"),
     ] {

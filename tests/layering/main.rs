@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use imports::Imports;
 
 /// Modules from the bottom up, each after its crate. A module may use those before it and itself.
-const LAYERS: [&[&str]; 13] = [
+const LAYERS: [&[&str]; 14] = [
     &[
         "engine/color",
         "engine/cover",
@@ -36,6 +36,7 @@ const LAYERS: [&[&str]; 13] = [
     &["engine/splats"],
     &["engine/lib"],
     &["lab"],
+    &["desk/address", "desk/points"],
     &["desk/cli", "desk/app", "python"],
     &["desk/lib"],
     &["desk/main"],

@@ -71,6 +71,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
         },
     );
     panels::notices_ui(ui.ctx(), state, commands);
+    panels::share_ui(ui.ctx(), state, commands);
     panels::path_field_ui(ui.ctx(), state, commands);
     panels::naming_ui(ui.ctx(), state, commands);
     panels::palette_ui(ui.ctx(), state, commands);

@@ -14,12 +14,14 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::address;
 use output::CommandError;
 use overlook_engine::error::Error;
 
 const EXAMPLES: &str = "\
 Examples:
   overlook                                                  explore the built-in scene in a window
+  overlook open 'scene.ovl#view=…&frame=…'                  at a view whose address was copied from a window or a page
   overlook demo orrery --out scene                          write a capture to try things on
   overlook preprocess scene --out scene.ovl                 drop what is redundant
   overlook render scene.ovl --views scene/novel/transforms.json --out pictures
@@ -58,6 +60,12 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum CliCommand {
+    /// Open a window on a capture or a store, at the view of an address: 'scene.ovl#view=…&frame=…', as windows and pages copy it.
+    Open {
+        /// The capture, the store, or the address.
+        #[arg(value_name = "ADDRESS")]
+        place: PathBuf,
+    },
     /// Write a built-in scene as a capture: EXR, transforms.json, and true pictures of new viewpoints in DIR/novel.
     Demo(commands::demo::DemoArgs),
     /// Print what a capture or a store holds.
@@ -142,6 +150,7 @@ impl Cli {
     fn run(self, open_window: OpenWindow) -> Result<(), CommandError> {
         use_threads(self.threads)?;
         match self.command {
+            Some(CliCommand::Open { place }) => explore(Some(place), open_window),
             Some(CliCommand::Demo(args)) => args.run(),
             Some(CliCommand::Info(args)) => args.run(),
             Some(CliCommand::Preprocess(args)) => args.run(),
@@ -163,7 +172,7 @@ impl Cli {
 
 fn explore(path: Option<PathBuf>, open_window: OpenWindow) -> Result<(), CommandError> {
     if let Some(path) = &path
-        && !path.exists()
+        && !address::of_path(path).0.exists()
     {
         return Err(CommandError::Work(Error::invalid(
             path.display(),

@@ -1,10 +1,9 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
 use super::overlook_app::OverlookApp;
-use crate::app::model::{Command, ExportTarget, HelpPage, NoticeKind, Purpose, SavedPathKey, Study};
+use crate::app::model::{Command, HelpPage, NoticeKind, SavedPathKey, Study};
 use crate::app::model::{DockView, PictureZoom, Spot, Table, csv, setting_names, verdict_text};
-use crate::app::work::{ExportRequest, StudyRequest};
-use overlook_engine::render::film::FilmSource;
+use crate::app::work::StudyRequest;
 use overlook_engine::settings::Settings;
 
 /// Changes of settings that a message lists one by one.
@@ -249,21 +248,5 @@ impl OverlookApp {
     pub(crate) fn go_to_key(&mut self, key: SavedPathKey) {
         self.state.live.orbit = Some(key.orbit);
         self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
-    }
-
-    /// Exports the camera path.
-    pub(crate) fn export_path(&mut self, target: ExportTarget) {
-        // Thresholds may have been changed while a path was chosen.
-        if self.refuses(Purpose::ExportPictures) {
-            return;
-        }
-        let Some(samples) = self.state.whole_samples().cloned() else { return };
-        let path = self.state.inspector.path.clone();
-        let size = self.state.export_size();
-        let settings = self.state.settings.render.clone();
-        let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
-        let reel = playback.map_or(FilmSource::Memory(samples), FilmSource::Disk);
-        let request = ExportRequest { path, reel, settings, display: self.state.display, size, target };
-        self.workers.export.submit(request);
     }
 }

@@ -6,7 +6,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
 use crate::app::model::{
-    Area, Command, CommandPalette, Commands, HelpPage, Purpose, State, ViewCommand, Workspace,
+    Area, Command, CommandPalette, Commands, HelpPage, Purpose, ShareCommand, ShareWay, State, ViewCommand,
+    Workspace,
 };
 
 /// A heading, and keys or mouse actions with what they do.
@@ -20,7 +21,8 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Ctrl + P", "find any command by name"),
             ("?", "keyboard and mouse shortcuts"),
             ("Ctrl + O", "open a file"),
-            ("Ctrl + S", "save the store"),
+            ("Ctrl + E", "share a page, splats, a film, pictures, points or the store"),
+            ("Ctrl + S", "share the store"),
             ("Ctrl + Z, Ctrl + Y", "undo, redo"),
             ("Shift + Space", "maximize the view under the pointer, or restore it"),
             ("F11", "full screen"),
@@ -64,7 +66,8 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("[ and ]", "fly slower, faster"),
             ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
             ("M", "measure a distance between two points"),
-            ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
+            ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view or address"),
+            ("Ctrl + L", "copy the address of the view"),
             ("Home, double-click", "reset to the start view"),
             ("H", "hatch holes, or fill them"),
         ],
@@ -98,7 +101,10 @@ const NUMBERS: [Key; 9] =
 pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let ctx = ui.ctx();
     let inspector = &state.inspector;
-    let typing = state.typed_path.is_some() || inspector.palette.is_some() || inspector.naming.is_some();
+    let typing = state.typed_path.is_some()
+        || state.share.is_open
+        || inspector.palette.is_some()
+        || inspector.naming.is_some();
     let edits = edits_text(ctx);
     let asks = state.is_asking() || inspector.help.is_some();
     // An open menu takes the key, and so does a number that is being typed, which gets its earlier value back.
@@ -112,7 +118,9 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let with_shift = Modifiers::COMMAND | Modifiers::SHIFT;
     for (modifiers, key, command) in [
         (Modifiers::COMMAND, Key::O, Command::AskPath(Purpose::OpenFile)),
-        (Modifiers::COMMAND, Key::S, Command::AskPath(Purpose::SaveStore)),
+        (Modifiers::COMMAND, Key::E, Command::Share(ShareCommand::Open(None))),
+        (Modifiers::COMMAND, Key::S, Command::Share(ShareCommand::Open(Some(ShareWay::Store)))),
+        (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
         (Modifiers::COMMAND, Key::P, Command::Palette(palette)),
         (with_shift, Key::C, Command::CopyExplanation),
     ] {

@@ -1,15 +1,18 @@
 //! Carries out commands and takes in answers: the only place where the state changes.
 
+mod address;
 mod comparison;
 mod inspect;
 mod keyboard;
 mod observed;
 mod overlook_app;
+mod path_names;
 mod paths;
 mod readings;
 mod receive;
 mod remembered;
 mod settings;
+mod share;
 mod update;
 mod view;
 mod window;
@@ -19,3 +22,4 @@ pub use observed::Observed;
 #[cfg(test)]
 pub(crate) use overlook_app::secs_left;
 pub use overlook_app::{OverlookApp, Start};
+pub(crate) use paths::what_is_missing;

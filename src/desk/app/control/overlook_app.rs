@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::remembered::Memory;
+use crate::address::ViewAddress;
 use crate::app::dock::Dock;
 use crate::app::model::{
     Busy, Command, DockView, Message, NoticeKind, State, StoppableWork, Stopwatch, TypedPath,
@@ -66,6 +67,8 @@ pub struct OverlookApp {
     pub(crate) shot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
     /// When each kind of work that is watched began, by its words.
     pub(crate) stages: std::collections::HashMap<String, Instant>,
+    /// The view to go to once a path is open.
+    pub(crate) address_to_open: Option<(PathBuf, ViewAddress)>,
     /// Read by what draws the window.
     pub(crate) least_period: LeastPeriod,
 }
@@ -117,6 +120,7 @@ impl OverlookApp {
             shot_wanted: None,
             shot: Arc::default(),
             stages: std::collections::HashMap::new(),
+            address_to_open: None,
             least_period: LeastPeriod::default(),
         };
         app.state.timeline.plays_once_ready = matches!(start, Start::Welcome(_));

@@ -5,19 +5,17 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::overlook_app::OverlookApp;
+use super::path_names::{lasting, named, other_ending, place, suggested_name, typed_destination};
 use crate::app::model::{
-    Command, Content, Destination, DockView, ExportTarget, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
-    WorkKind, csv,
+    Command, Content, Destination, DockView, NO_KEYS, NoticeKind, Purpose, State, TypedPath, WorkKind, csv,
 };
-use crate::app::work::{FileRequest, with_ending};
+use crate::app::work::FileRequest;
 use overlook_engine::error::Error;
 
 /// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
 const NO_DIALOG: Duration = Duration::from_secs(2);
 
 const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
-
-const OTHER_ENDING: &str = "A picture is written as PNG or EXR; name it .png or .exr.";
 
 impl OverlookApp {
     /// Carries out commands about a path that is chosen or typed; gives back any other.
@@ -53,7 +51,7 @@ impl OverlookApp {
         let Some(typed) = &mut self.state.typed_path else { return };
         let (purpose, Some(path)) = (typed.purpose, place(&typed.text)) else { return };
         let Some(path) = named(purpose, path) else {
-            typed.reason = Some(OTHER_ENDING.to_owned());
+            typed.reason = Some(other_ending(purpose));
             return;
         };
         if purpose.writes() && !typed.replaces {
@@ -97,8 +95,7 @@ impl OverlookApp {
         match path {
             // The dialog asks before it replaces a file of the chosen name, but not for folders, nor for a name with an added ending.
             Some(path)
-                if (matches!(purpose, Purpose::ExportPictures | Purpose::ExportExr)
-                    || named(purpose, path.clone()).as_ref() != Some(&path))
+                if (purpose.fills_folder() || named(purpose, path.clone()).as_ref() != Some(&path))
                     && path.to_str().is_some() =>
             {
                 self.type_path(purpose, None);
@@ -132,6 +129,11 @@ impl OverlookApp {
 
     pub(crate) fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
         let path = lasting(path);
+        // Thresholds may have been changed while a path was chosen.
+        if self.refuses(purpose) {
+            return;
+        }
+        self.begin_sharing(purpose, &path);
         match purpose {
             Purpose::OpenFile | Purpose::OpenFolder => self.apply(Command::OpenPath(path)),
             Purpose::SaveStore => self.save_store(path),
@@ -140,17 +142,13 @@ impl OverlookApp {
                 self.workers.file.submit(FileRequest::SaveSettings { path, settings });
             }
             Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
-            Purpose::SaveTable(table) => match csv::csv(table, &self.state) {
-                Some(text) => self.workers.file.submit(FileRequest::SaveText { path, text }),
-                None => {
-                    self.state.warn_of_scene("Nothing to save", format!("There is no {} yet.", table.name()));
+            Purpose::SaveTable(table) => {
+                if let Some(text) = csv::csv(table, &self.state) {
+                    self.workers.file.submit(FileRequest::SaveText { path, text });
                 }
-            },
+            }
             Purpose::SavePicture => self.save_picture(path),
             Purpose::SaveShot => self.save_shot(path),
-            Purpose::ExportExr => {
-                self.export_path(ExportTarget { path, film_rate: None, linear: true });
-            }
             Purpose::SavePath => self.save_path(path),
             Purpose::LoadPath => {
                 if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
@@ -162,13 +160,13 @@ impl OverlookApp {
                     self.workers.file.submit(FileRequest::OpenPictures { path, scene });
                 }
             }
-            Purpose::ExportPictures => {
-                self.export_path(ExportTarget { path, film_rate: None, linear: false });
-            }
-            Purpose::ExportFilm => {
-                let film_rate = Some(f64::from(self.state.timeline.frames_per_second));
-                self.export_path(ExportTarget { path, film_rate, linear: false });
-            }
+            Purpose::ExportPictures
+            | Purpose::ExportExr
+            | Purpose::ExportFilm
+            | Purpose::ExportPage
+            | Purpose::ExportSplats(_)
+            | Purpose::ExportPoints
+            | Purpose::ExportPointsOfFrames => self.export(purpose, path),
         }
     }
 
@@ -181,7 +179,10 @@ impl OverlookApp {
                 let display = self.state.display;
                 self.workers.file.submit(FileRequest::SavePicture { path, picture, rendered, display });
             }
-            None => self.notify_in_motion(),
+            None => {
+                self.state.share.asked = None;
+                self.notify_in_motion();
+            }
         }
     }
 
@@ -190,8 +191,12 @@ impl OverlookApp {
         let path = if path.extension().is_some() { path } else { path.with_extension("png") };
         if !self.visible_views().contains(&DockView::Live) {
             let text = "The live view is behind another one; bring it to the front, then try again.";
+            self.state.share.asked = None;
             return self.state.warn_of_scene("No view to save", text);
         }
+        // The dialog would be in the picture.
+        self.state.share.is_open = false;
+        self.state.share.asked = None;
         self.shot_wanted = Some(path);
         let (shot, ctx) = (self.shot.clone(), self.ctx.clone());
         let taken = egui::ScreenshotCallback::new(move |image| {
@@ -214,18 +219,13 @@ impl OverlookApp {
     }
 
     fn save_path(&mut self, path: PathBuf) {
-        let Some(scene) = self.state.scene.clone().filter(|_| !self.refuses(Purpose::SavePath)) else {
-            return;
-        };
+        let Some(scene) = self.state.scene.clone() else { return };
         let (camera_path, size) = (self.state.inspector.path.clone(), self.state.export_size());
         let up_in_world = self.state.up_in_world();
         self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size, up_in_world });
     }
 
     fn save_store(&mut self, path: PathBuf) {
-        if self.refuses(Purpose::SaveStore) {
-            return;
-        }
         let Some(scene) = &self.state.scene else { return };
         if let Content::Store { playback, .. } = &scene.content {
             self.workers.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
@@ -247,7 +247,7 @@ impl OverlookApp {
 }
 
 /// Title and text of the warning if there is nothing to write for a purpose, or nothing that could use what it reads.
-fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
+pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
     let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
     let no_scene = || where_not(state.scene.is_some(), "Open a capture or a store first.");
     let no_capture = |text| where_not(state.has_capture(), text);
@@ -262,6 +262,10 @@ fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, Str
         Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => {
             ("Nothing to export yet", no_samples().or_else(no_keys))
         }
+        Purpose::ExportPage
+        | Purpose::ExportSplats(_)
+        | Purpose::ExportPoints
+        | Purpose::ExportPointsOfFrames => ("Nothing to export yet", no_samples()),
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::OpenPictures => (
@@ -284,88 +288,5 @@ fn not_pruned(state: &State) -> &'static str {
         "The whole capture is not pruned with these settings; recompute it (below), then try again."
     } else {
         "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
-    }
-}
-
-/// A likely name of a file to write; empty for a path that must exist already.
-fn suggested_name(state: &State, purpose: Purpose) -> String {
-    match purpose {
-        Purpose::SaveStore => format!("{}.ovl", state.scene.as_ref().map_or("capture", |scene| &scene.name)),
-        Purpose::SaveSettings => "settings.toml".to_owned(),
-        Purpose::SavePicture => "picture.png".to_owned(),
-        Purpose::SaveTable(table) => table.file().to_owned(),
-        Purpose::SaveShot => "view.png".to_owned(),
-        Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
-        Purpose::ExportFilm => "video.mp4".to_owned(),
-        Purpose::SavePath => "transforms.json".to_owned(),
-        Purpose::OpenFile
-        | Purpose::OpenFolder
-        | Purpose::LoadSettings
-        | Purpose::LoadPath
-        | Purpose::OpenPictures => String::new(),
-    }
-}
-
-/// The path of a typed text, with `~` for the home folder; `None` for an empty text.
-fn place(text: &str) -> Option<PathBuf> {
-    let text = text.trim();
-    let at_home = text.strip_prefix('~').filter(|rest| rest.is_empty() || rest.starts_with('/'));
-    let path = match (at_home, std::env::home_dir()) {
-        (Some(rest), Some(home)) => home.join(rest.trim_start_matches('/')),
-        _ => PathBuf::from(text),
-    };
-    (!text.is_empty()).then(|| lasting(path))
-}
-
-/// The path with the ending that a file of this purpose needs; `None` if it has the ending of another kind of file.
-fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
-    let ending = match purpose {
-        Purpose::SavePicture => return with_ending(path),
-        Purpose::SaveStore => "ovl",
-        Purpose::SaveSettings => "toml",
-        Purpose::SaveTable(_) => "csv",
-        Purpose::ExportFilm => "mp4",
-        _ => return Some(path),
-    };
-    // Digits after a dot, as in `take.2`, are part of the name; any other ending was typed on purpose.
-    let known = path
-        .extension()
-        .is_some_and(|typed| typed.len() > 1 && !typed.to_string_lossy().chars().all(|c| c.is_ascii_digit()));
-    Some(if known { path } else { PathBuf::from(format!("{}.{ending}", path.display())) })
-}
-
-/// The destination of the path in the field; `None` if it cannot be taken.
-fn typed_destination(typed: &TypedPath) -> Option<PathBuf> {
-    named(typed.purpose, place(&typed.text)?)
-}
-
-/// A path that stays valid when the window is started from another folder.
-pub(crate) fn lasting(path: PathBuf) -> PathBuf {
-    std::path::absolute(&path).unwrap_or(path)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_name_without_an_ending_gets_that_of_its_purpose() {
-        let named = |purpose, path: &str| named(purpose, path.into()).unwrap();
-        assert_eq!(named(Purpose::SaveStore, "/a/capture"), PathBuf::from("/a/capture.ovl"));
-        assert_eq!(named(Purpose::SaveStore, "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
-        assert_eq!(named(Purpose::SaveStore, "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
-        assert_eq!(named(Purpose::SaveSettings, "/a/mine"), PathBuf::from("/a/mine.toml"));
-        assert_eq!(named(Purpose::ExportFilm, "/a/b.mkv"), PathBuf::from("/a/b.mkv"));
-        assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));
-    }
-
-    #[test]
-    fn a_tilde_that_is_typed_is_the_own_folder() {
-        let home = std::env::home_dir().unwrap();
-        assert_eq!(place(" ~/films/a.mp4 "), Some(home.join("films/a.mp4")));
-        assert_eq!(place("~"), Some(home.join("")));
-        assert_eq!(place("/data/~x/~"), Some(PathBuf::from("/data/~x/~")));
-        assert_eq!(place("~x"), Some(lasting("~x".into())));
-        assert_eq!(place("  "), None);
     }
 }

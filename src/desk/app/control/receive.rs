@@ -10,10 +10,9 @@ use super::overlook_app::OverlookApp;
 use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
-    self, Accuracy, CarriedLook, Display, DockView, Exported, LiveKey, LivePicture, Message, NoticeKind,
-    NoticeLink, OpenScene, OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneSource, ShownCameras,
-    ShownCarried, ShownPicture, SourceLook, Spot, State, Texture, Unit, Whole, WorkKind, and_others,
-    method_of,
+    self, Accuracy, CarriedLook, Display, DockView, LiveKey, LivePicture, Message, NoticeKind, NoticeLink,
+    OpenScene, OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneSource, ShownCameras,
+    ShownCarried, ShownPicture, SourceLook, Spot, State, Texture, Unit, Whole, WorkKind, method_of,
 };
 use overlook_engine::capture::Camera;
 use overlook_engine::error::Error;
@@ -123,10 +122,11 @@ impl OverlookApp {
             }
             Message::ReadingsChecked { finding, .. } => self.readings_checked(finding),
             Message::ReadingsShown { images, .. } => self.readings_shown(images),
-            Message::Stopped { title, text } => state.notify(NoticeKind::Warning, title, text),
+            Message::Stopped { title, text } => self.stopped_writing(title, text),
+            Message::SizesMeasured { facts, .. } => state.share.facts = Some(facts),
             Message::Failed { work, error } => self.failed(work, &error),
-            // Nobody sees it.
-            Message::Prepared => {}
+            // Nobody sees it, or the system shows it.
+            Message::Prepared | Message::FolderShown => {}
         }
     }
 
@@ -227,6 +227,7 @@ impl OverlookApp {
         self.workers.compare.cancel();
         self.workers.readings.cancel();
         self.scheduler = crate::app::work::Scheduler::default();
+        self.go_to_opened_address(scene);
     }
 
     /// Puts back to its start what belonged to the scene before `scene`.
@@ -248,6 +249,7 @@ impl OverlookApp {
             state.inspector.readings = ReadingCheck::default();
         }
         state.inspector.close_scene();
+        state.share.close_scene();
         state.source_shown = None;
         (state.live_shown, state.live_carried) = (None, None);
         state.timeline.frame = 0;
@@ -298,41 +300,20 @@ impl OverlookApp {
     }
 
     fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {
-        let place = path.display();
         // Thresholds may have been changed while it was written, and another capture opened.
         let scene = self.state.scene.as_ref().map(|scene| scene.id);
         if let Some((_, settings)) = holds.filter(|(of, _)| Some(*of) == scene) {
             self.state.inspector.saved = Some(settings);
         }
-        let text = match bytes {
-            Some(bytes) => {
-                remember_recent(&mut self.state.recent, path);
-                format!("{place} ({})", model::bytes(bytes))
-            }
-            None => place.to_string(),
-        };
-        self.state.notify(NoticeKind::Done, "Saved", text);
-    }
-
-    fn exported(&mut self, path: &Path, exported: &Exported) {
-        let Exported { pictures, notice, damage } = exported;
+        if bytes.is_some() {
+            remember_recent(&mut self.state.recent, path);
+        }
         let place = path.display();
-        self.state.notify(
-            NoticeKind::Done,
-            "Exported",
-            format!("{} in {place}", counted(*pictures, "picture")),
-        );
-        if let Some(notice) = notice {
-            let text = format!("Of {place}: {notice}");
-            self.state.notify(NoticeKind::Warning, "Exported without the GPU", text);
-        }
-        if let Some((first, others)) = damage.split_first() {
-            let text = format!(
-                "Pictures in {place} that needed it have holes there: {}",
-                and_others(first, others.len())
-            );
-            self.state.notify(NoticeKind::Warning, "Exported from a damaged store", text);
-        }
+        let (said, text) = match bytes.map(model::bytes) {
+            Some(size) => (format!("a store of {size}"), format!("{place} ({size})")),
+            None => ("saved".to_owned(), place.to_string()),
+        };
+        self.written("Saved", path, &said, text);
     }
 
     fn failed(&mut self, work: WorkKind, error: &Error) {
@@ -354,7 +335,9 @@ impl OverlookApp {
             }
             _ => {}
         }
-        self.state.notify(NoticeKind::Error, work.failure(), error.to_string());
+        if !self.failed_in_dialog(work, error) {
+            self.state.notify(NoticeKind::Error, work.failure(), error.to_string());
+        }
         self.type_again(work, error);
     }
 }

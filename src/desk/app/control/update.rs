@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use super::overlook_app::OverlookApp;
-use super::paths::lasting;
+use super::path_names::lasting;
+use crate::address;
 use crate::app::model::{
     self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, ShownRate, StoppableWork,
     ViewCommand,
@@ -23,6 +24,7 @@ impl OverlookApp {
             .and_then(|command| self.apply_to_inspector(command))
             .and_then(|command| self.apply_to_path(command))
             .and_then(|command| self.apply_to_readings(command))
+            .and_then(|command| self.apply_to_share(command))
             .and_then(|command| self.apply_to_window(command))
             .and_then(|command| self.apply_to_view(command))
             .and_then(|command| self.apply_to_views(command));
@@ -180,9 +182,12 @@ impl OverlookApp {
         self.workers.open.submit(OpenRequest::Demo { spec, settings: self.state.settings.capture.clone() });
     }
 
-    /// Opens a capture or a store.
+    /// Opens a capture or a store, at the view that an address names.
     pub(crate) fn open_path(&mut self, path: PathBuf) {
-        self.open_with_keys(lasting(path), Vec::new());
+        let (path, view) = address::of_path(&path);
+        let path = lasting(path);
+        self.address_to_open = view.map(|view| (path.clone(), view));
+        self.open_with_keys(path, Vec::new());
     }
 
     /// Stops the work that the line at the bottom names, and nothing beside it.
@@ -221,7 +226,11 @@ impl OverlookApp {
             | self.state.open_after_question.take().is_some();
         inspector.closing.asks = false;
         inspector.readings.is_open = false;
-        if was_open || self.state.typed_path.take().is_some() || self.state.notices.pop().is_some() {
+        if was_open
+            || self.state.typed_path.take().is_some()
+            || std::mem::take(&mut self.state.share.is_open)
+            || self.state.notices.pop().is_some()
+        {
             return;
         }
         if self.state.live.ruler.active {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::overlook_app::OverlookApp;
+use crate::address;
 use crate::app::model::{
     CameraPath, Command, FLY_SPEEDS, NoticeKind, OpenScene, OrbitCamera, SavedPathKey, ViewCommand,
 };
@@ -19,6 +20,8 @@ impl OverlookApp {
         let live = &mut self.state.live;
         match command {
             ViewCommand::Copy => self.copy_view(),
+            ViewCommand::CopyAddress => self.copy_address(),
+            ViewCommand::GoToAddress(text) => self.go_to_address(&text),
             ViewCommand::Paste => self.ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             ViewCommand::Pasted(text) => self.paste_view(&text),
             ViewCommand::Guides(guides) => live.guides = guides,
@@ -88,6 +91,9 @@ impl OverlookApp {
 
     fn paste_view(&mut self, text: &str) {
         let Some(scene) = self.state.scene.clone() else { return };
+        if text.len() <= MOST_PASTED && address::split(text).is_some() {
+            return self.go_to_address(text);
+        }
         let bytes = text.as_bytes();
         let views = if bytes.len() > MOST_PASTED {
             Err("it is too long for a view".to_owned())
@@ -101,7 +107,9 @@ impl OverlookApp {
             }
             Ok(None) => {}
             Err(why) => {
-                let text = format!("What was copied is no view: {why}. Copy one in the View panel (Ctrl+C).");
+                let text = format!(
+                    "What was copied is no view and no address of one: {why}. Copy one in the View panel (Ctrl+C)."
+                );
                 self.state.warn_of_scene("Nothing to paste", text);
             }
         }

@@ -3,8 +3,6 @@
 //! Between keys the camera moves by [`overlook_engine::render::film::pose_at`]. Every leg takes the same number of pictures, and time
 //! and lens change evenly from key to key.
 
-use std::path::PathBuf;
-
 use super::orbit_camera::OrbitCamera;
 use overlook_engine::capture::Intrinsics;
 use overlook_engine::capture::transforms::PathView;
@@ -128,32 +126,18 @@ fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
 }
 
 /// What a camera path is exported as.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ExportTarget {
-    /// A folder that receives `0001.png`, `0002.png`, …, or a film.
-    pub path: PathBuf,
     /// How many pictures a film shows a second; `None` for a folder.
     pub film_rate: Option<f64>,
     /// Whether a folder receives EXR of linear color and depth in place of PNG.
     pub linear: bool,
 }
 
-impl ExportTarget {
-    /// What is left of an export that was stopped, in words.
-    pub(crate) fn stopped(&self) -> String {
-        let written = if self.film_rate.is_some() {
-            "Nothing was"
-        } else {
-            "Only the pictures rendered until then were"
-        };
-        format!("{written} written to {}.", self.path.display())
-    }
-}
-
 /// What came of an export.
 pub(crate) struct Exported {
-    /// Pictures painted and written.
-    pub pictures: usize,
+    /// What was written, in words.
+    pub said: String,
     /// Why the renderer of the settings did not paint.
     pub notice: Option<String>,
     /// What could not be read of a store so far, one line each.

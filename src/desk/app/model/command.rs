@@ -12,6 +12,7 @@ use super::live_picture::{ColorBy, HoleDisplay};
 use super::picture_zoom::PictureZoom;
 use super::pixel::Spot;
 use super::purpose::Purpose;
+use super::share::ShareCommand;
 use super::source_picture::Overlay;
 use super::table::Table;
 use super::view::{Area, DockView};
@@ -97,6 +98,8 @@ pub(crate) enum Command {
     Workspace(Workspace),
     /// What concerns the live view's camera and what surrounds its picture.
     View(ViewCommand),
+    /// What concerns the dialog of all ways out.
+    Share(ShareCommand),
     /// Show colors otherwise in both views.
     Display(Display),
     /// The area of the live view and its legend in the window, points.

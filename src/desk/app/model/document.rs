@@ -16,6 +16,7 @@ use super::purpose::TypedPath;
 use super::recent::RecentPicture;
 use super::results::{Accuracy, Inspected, Whole, method_of};
 use super::scene::{Content, OpenScene, SceneSource};
+use super::share::ShareDialog;
 use super::source_picture::{Overlay, SourceKey, SourcePicture};
 use super::texture::Texture;
 use super::timeline::Timeline;
@@ -134,6 +135,8 @@ pub(crate) struct State {
     pub notices: Vec<Notice>,
     pub inspector: Inspector,
     pub typed_path: Option<TypedPath>,
+    /// The dialog of all ways out.
+    pub share: ShareDialog,
     /// What is to be opened, while the question is whether what is lost by it may be.
     pub open_after_question: Option<Command>,
     pub dark: bool,
@@ -318,6 +321,7 @@ impl State {
     pub(crate) fn is_asking(&self) -> bool {
         let inspector = &self.inspector;
         self.typed_path.is_some()
+            || self.share.is_open
             || self.open_after_question.is_some()
             || inspector.palette.is_some()
             || inspector.naming.is_some()
@@ -363,6 +367,7 @@ impl Default for State {
             notices: Vec::new(),
             inspector: Inspector::default(),
             typed_path: None,
+            share: ShareDialog::default(),
             open_after_question: None,
             dark: true,
             look: WindowLook::default(),

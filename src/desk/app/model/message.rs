@@ -13,6 +13,7 @@ use super::purpose::{Destination, Purpose};
 use super::readings::ReadingImages;
 use super::results::{Accuracy, CameraMemory, Inspected};
 use super::scene::OpenScene;
+use super::share::ShareFacts;
 use super::source_picture::{SourceKey, SourcePicture};
 use super::work_kind::WorkKind;
 use overlook_engine::capture::conventions::Finding;
@@ -107,11 +108,18 @@ pub(crate) enum Message {
     },
     /// A sweep or a stress test is done.
     Studied,
-    /// The pictures or the film of the camera path are written.
+    /// What is shared is written.
     Exported {
         path: PathBuf,
         exported: Exported,
     },
+    /// What sizes follow from is measured.
+    SizesMeasured {
+        scene: u64,
+        facts: ShareFacts,
+    },
+    /// The folder of a file is shown by the system.
+    FolderShown,
     /// A camera path is written.
     PathSaved {
         path: PathBuf,
@@ -179,6 +187,7 @@ impl Message {
             | Self::Swept { scene, .. }
             | Self::Stressed { scene, .. }
             | Self::PicturesOpened { scene, .. }
+            | Self::SizesMeasured { scene, .. }
             | Self::ReadingsChecked { scene, .. }
             | Self::ReadingsShown { scene, .. }
             | Self::PathLoaded { scene, .. } => Some(*scene),

@@ -38,6 +38,8 @@ mod results;
 mod scene;
 mod seen_picture;
 pub(crate) mod setting_names;
+mod share;
+mod share_size;
 mod source_picture;
 mod table;
 mod text;
@@ -81,6 +83,9 @@ pub(crate) use readings::{ReadingCheck, ReadingImages, ShownReadings};
 pub(crate) use recent::{RECENT_SIDES, RecentPicture};
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth};
+pub(crate) use share::{
+    PictureFacts, ShareCommand, ShareFacts, ShareKey, ShareOptions, ShareOutcome, ShareWay, SharedPictures,
+};
 pub(crate) use source_picture::{
     Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
 };

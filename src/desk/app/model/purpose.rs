@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::table::Table;
 use super::work_kind::WorkKind;
+use overlook_engine::splats::SplatFormat;
 
 /// What a chosen path is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +30,14 @@ pub(crate) enum Purpose {
     ExportExr,
     /// Write a film of the camera path.
     ExportFilm,
+    /// Write a page that plays the scene.
+    ExportPage,
+    /// Write splats in a format.
+    ExportSplats(SplatFormat),
+    /// Write the points of the frame that is shown.
+    ExportPoints,
+    /// Write the points of every frame into a folder.
+    ExportPointsOfFrames,
     /// Write the camera path as a manifest.
     SavePath,
     /// Read a camera path from a manifest.
@@ -46,11 +55,23 @@ impl Purpose {
         )
     }
 
+    /// Whether the dialog of all ways out asks for it.
+    pub(crate) fn is_shared(self) -> bool {
+        self.work() == WorkKind::Export
+            || matches!(self, Self::SaveStore | Self::SavePicture | Self::SaveShot)
+    }
+
     /// The work that reads or writes there.
     pub(crate) fn work(self) -> WorkKind {
         match self {
             Self::OpenFile | Self::OpenFolder => WorkKind::Open,
-            Self::ExportPictures | Self::ExportExr | Self::ExportFilm => WorkKind::Export,
+            Self::ExportPictures
+            | Self::ExportExr
+            | Self::ExportFilm
+            | Self::ExportPage
+            | Self::ExportSplats(_)
+            | Self::ExportPoints
+            | Self::ExportPointsOfFrames => WorkKind::Export,
             _ => WorkKind::File,
         }
     }
@@ -60,37 +81,50 @@ impl Purpose {
         match self {
             Self::OpenFile => "Open a store, or a file that a capture is known by",
             Self::OpenFolder => "Open a capture folder",
-            Self::SaveStore => "Save the store",
+            Self::SaveStore => "Share the store",
             Self::SaveSettings => "Save the settings",
             Self::LoadSettings => "Load settings",
-            Self::SavePicture => "Save the picture",
+            Self::SavePicture => "Share the picture of the live view",
             Self::SaveTable(_) => "Save a table as CSV",
-            Self::ExportPictures => "Export pictures into a folder",
-            Self::SaveShot => "Save the view with its legend",
-            Self::ExportExr => "Export EXR pictures into a folder",
+            Self::ExportPictures => "Share pictures in a folder",
+            Self::SaveShot => "Share the view with its legend",
+            Self::ExportExr => "Share EXR pictures in a folder",
             Self::SavePath => "Save the camera path",
             Self::LoadPath => "Open a camera path",
             Self::OpenPictures => "Open pictures of another program",
-            Self::ExportFilm => "Export a video",
+            Self::ExportFilm => "Share a film",
+            Self::ExportPage => "Share an interactive page",
+            Self::ExportSplats(_) => "Share splats",
+            Self::ExportPoints => "Share points",
+            Self::ExportPointsOfFrames => "Share points in a folder",
         }
     }
 
-    /// The entry of a menu that opens the field for typing the path.
+    /// Whether the path is that of a folder, which receives numbered files.
+    pub(crate) fn fills_folder(self) -> bool {
+        matches!(self, Self::ExportPictures | Self::ExportExr | Self::ExportPointsOfFrames)
+    }
+
+    /// The entry that opens the field for typing the path.
     pub(crate) fn typed_entry(self) -> &'static str {
         match self {
             Self::OpenFile | Self::OpenFolder => "Open path…",
-            Self::SaveStore => "Save store to path…",
             Self::SaveSettings => "Save settings to path…",
             Self::LoadSettings => "Load settings from path…",
-            Self::SavePicture => "Save picture to path…",
             Self::SaveTable(_) => "Save … as CSV to path",
-            Self::ExportPictures => "Pictures to path…",
-            Self::ExportFilm => "Video to path…",
-            Self::SaveShot => "Save view with legend to path…",
-            Self::ExportExr => "EXR pictures to path…",
             Self::SavePath => "Save camera path to path…",
             Self::LoadPath => "Open camera path from path…",
             Self::OpenPictures => "Open pictures from path…",
+            Self::SaveStore
+            | Self::SavePicture
+            | Self::SaveShot
+            | Self::ExportPictures
+            | Self::ExportExr
+            | Self::ExportFilm
+            | Self::ExportPage
+            | Self::ExportSplats(_)
+            | Self::ExportPoints
+            | Self::ExportPointsOfFrames => "To path…",
         }
     }
 }

@@ -144,6 +144,10 @@ pub(crate) enum ViewCommand {
     /// Look at the pivot along a direction in world space.
     LookAlong(DVec3),
     Copy,
+    /// Copy the address of the view, which pages and windows open.
+    CopyAddress,
+    /// Go to the view of an address; opens its scene where another is open.
+    GoToAddress(String),
     /// Ask the system for what was copied.
     Paste,
     /// Take what was copied.

@@ -15,6 +15,9 @@ pub(crate) enum WorkKind {
     /// Saves and loads.
     File,
     Dialog,
+    /// What the sizes of what is shared follow from.
+    MeasureSizes,
+    ShowInFolder,
     CheckPath,
     PixelExplanation,
     Thumbnails,
@@ -40,6 +43,8 @@ impl WorkKind {
             Self::MeasureAccuracy => "Could not measure accuracy",
             Self::File => "Could not save or load",
             Self::Dialog => "Could not ask for a path",
+            Self::MeasureSizes => "Could not measure sizes",
+            Self::ShowInFolder => "Could not show the folder",
             Self::CheckPath => "Could not check the path",
             Self::PixelExplanation => "Could not explain this pixel",
             Self::Thumbnails => "Could not draw the pictures of the cameras",
@@ -47,7 +52,7 @@ impl WorkKind {
             Self::Histograms => "Could not count the histograms",
             Self::Compare => "Could not compare",
             Self::CompareReadings => "Could not compare readings",
-            Self::Export => "Could not export the camera path",
+            Self::Export => "Could not export",
             Self::Study => "Could not measure",
         }
     }

@@ -3,9 +3,10 @@
 use egui::{Id, Key, Modal, ScrollArea, TextEdit, Ui};
 
 use super::palette_words::asks_for;
+use crate::address;
 use crate::app::model::{
     ColorBy, Command, CommandPalette, Commands, DockView, HelpPage, HoleDisplay, Overlay, PRESETS, Purpose,
-    State, Study, setting_names,
+    State, Study, ViewCommand, setting_names,
 };
 use crate::app::theme::space;
 use crate::app::widgets::{note, weak};
@@ -50,7 +51,7 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
         let field = TextEdit::singleline(&mut text)
             .desired_width(f32::INFINITY)
             .margin(egui::vec2(8.0, 6.0))
-            .hint_text("Type a command");
+            .hint_text("Type a command, or paste the address of a view");
         let field = ui.add(field).accessible_name("Command");
         let taken = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if !taken {
@@ -105,8 +106,12 @@ fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<us
     clicked
 }
 
-/// The entries whose names hold all words of `text` or synonyms: first names that begin with it, last those found by synonyms.
+/// Of an address, going there; else the entries whose names hold all words of `text` or synonyms: first names that begin with it, last those found by synonyms.
 fn matching(state: &State, text: &str) -> Vec<PaletteEntry> {
+    if address::split(text).is_some() {
+        let command = Command::View(ViewCommand::GoToAddress(text.to_owned()));
+        return vec![PaletteEntry::new("Go to this address".to_owned(), "", command)];
+    }
     let wanted = text.to_lowercase();
     let words: Vec<&str> = wanted.split_whitespace().collect();
     let mut entries: Vec<PaletteEntry> = entries(state)
@@ -162,19 +167,15 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 36] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 32] {
     [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
         ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
         ("Open path", "", Command::TypePath(Purpose::OpenFile)),
-        ("Save store", "Ctrl+S", Command::AskPath(Purpose::SaveStore)),
         ("Save settings", "", Command::AskPath(Purpose::SaveSettings)),
         ("Load settings", "", Command::AskPath(Purpose::LoadSettings)),
         ("Save settings as a preset", "", Command::NamePreset(Some(String::new()))),
-        ("Save picture", "", Command::AskPath(Purpose::SavePicture)),
         ("Copy picture", "", Command::CopyPicture),
-        ("Export pictures of the camera path", "", Command::AskPath(Purpose::ExportPictures)),
-        ("Export a video of the camera path", "", Command::AskPath(Purpose::ExportFilm)),
         ("Copy explanation", "Ctrl+Shift+C", Command::CopyExplanation),
         ("Undo", "Ctrl+Z", Command::Undo),
         ("Redo", "Ctrl+Y", Command::Redo),
@@ -279,7 +280,7 @@ mod tests {
             ("help", "Guide"),
             ("zoom", "Interface size: larger"),
             ("fov", "Open view: View"),
-            ("screenshot", "Save picture"),
+            ("screenshot", "Share: Pictures"),
             ("screensh", "Copy picture"),
             ("measure", "Run a sweep"),
             ("recent", "Open recent: kitchen.ovl"),
@@ -287,7 +288,10 @@ mod tests {
             ("background", "Holes: Fill"),
             ("exposure", "Open view: Color"),
             ("scale", "Interface size: smaller"),
-            ("film", "Export a video of the camera path"),
+            ("film", "Share: Film"),
+            ("export", "Share…"),
+            ("ply", "Share: Splats"),
+            ("html", "Share: Interactive page"),
             ("rerun", "Recompute the whole capture"),
             ("kernel point", "Kernel: Point"),
         ] {

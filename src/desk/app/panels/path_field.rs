@@ -10,9 +10,9 @@ use crate::app::widgets::{note, text_field_ui, weak};
 fn replaced_words(typed: &TypedPath) -> String {
     let path = typed.text.trim();
     match typed.purpose {
-        Purpose::ExportPictures | Purpose::ExportExr => {
+        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportPointsOfFrames => {
             format!(
-                "Replace pictures in {path}? It holds files already; those of the same name will be replaced."
+                "Replace files in {path}? It holds files already; those of the same name will be replaced."
             )
         }
         _ => format!("Replace {path}? It exists already."),
@@ -23,14 +23,17 @@ fn replaced_words(typed: &TypedPath) -> String {
 fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
     match purpose {
         Purpose::OpenFile | Purpose::OpenFolder => {
-            ("Open", "folder of a capture, transforms.json or .ovl file")
+            ("Open", "folder of a capture, transforms.json, .ovl file, or the address of a view")
         }
         Purpose::SaveStore => ("Save", ".ovl file"),
         Purpose::SaveSettings => ("Save", ".toml file"),
         Purpose::SaveTable(_) => ("Save", ".csv file"),
         Purpose::SaveShot => ("Save", ".png file"),
         Purpose::SavePicture => ("Save", ".png or .exr file"),
-        Purpose::ExportPictures | Purpose::ExportExr => ("Export", "folder"),
+        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportPointsOfFrames => ("Export", "folder"),
+        Purpose::ExportPage => ("Export", ".html file"),
+        Purpose::ExportSplats(_) => ("Export", "file of splats"),
+        Purpose::ExportPoints => ("Export", ".ply file"),
         Purpose::ExportFilm => ("Export", ".mp4, .mkv or .mov file"),
         Purpose::SavePath => ("Save", "transforms.json"),
         Purpose::LoadPath => ("Load", "transforms.json"),

@@ -3,37 +3,14 @@
 use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
-use crate::app::model::{Command, Commands, Purpose, SIDES, State};
+use crate::app::model::{Command, Commands, Purpose, SIDES, ShareCommand, ShareWay, State};
 use crate::app::widgets::{empty_ui, icon_button, weak};
 use overlook_engine::plural::counted;
 
-/// What the path can become.
-fn export_menu_ui(ui: &mut Ui, commands: &mut Commands) {
-    let menu = ui.menu_button("Export…", |ui| {
-        for (name, help, command) in [
-            ("Pictures…", PICTURES, Command::AskPath(Purpose::ExportPictures)),
-            ("Pictures to path…", PICTURES, Command::TypePath(Purpose::ExportPictures)),
-            ("EXR pictures…", EXR, Command::AskPath(Purpose::ExportExr)),
-            ("EXR pictures to path…", EXR, Command::TypePath(Purpose::ExportExr)),
-            ("Video…", VIDEO, Command::AskPath(Purpose::ExportFilm)),
-            ("Video to path…", VIDEO, Command::TypePath(Purpose::ExportFilm)),
-        ] {
-            if ui.button(name).on_hover_text(help).clicked() {
-                commands.push(command);
-            }
-        }
-    });
-    menu.response.on_disabled_hover_text("A path needs two keys at least.");
-}
-
-const EXR: &str = "A folder of numbered EXR pictures: linear color, coverage and depth.";
-const PICTURES: &str = "A folder of numbered PNG pictures.";
-const VIDEO: &str = "A video at the frame rate of the timeline, through the ffmpeg on this machine.";
-
-fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
+/// Columns and rows of exported pictures.
+pub(super) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
     let mut chosen = size;
     let [width, height] = &mut chosen;
-    ui.label("Size");
     for (name, separator, side) in [("Picture width", "×", width), ("Picture height", "", height)] {
         let drag = DragValue::new(side).range(SIDES).speed(2.0).update_while_editing(false);
         ui.add(drag).on_hover_text(SIZE).accessible_name(name);
@@ -115,10 +92,15 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
                 commands.push(Command::PicturesPerLeg(pictures));
             }
         }
-        PathControls::Size => size_ui(ui, state.export_size(), commands),
+        PathControls::Size => {
+            ui.label("Size");
+            size_ui(ui, state.export_size(), commands);
+        }
         PathControls::File => {
             path_file_ui(ui, ready, commands);
-            ui.add_enabled_ui(ready, |ui| export_menu_ui(ui, commands));
+            if ui.button("Share…").on_hover_text(SHARE).accessible_name("Share the camera path").clicked() {
+                commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Film))));
+            }
         }
     }
 }
@@ -140,6 +122,8 @@ fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
         }
     });
 }
+
+const SHARE: &str = "A film or pictures along the path.";
 
 const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
 

@@ -8,7 +8,8 @@ use egui_material_icons::icons::{
 
 use super::workspaces::{shown_parts_ui, workspaces_ui};
 use crate::app::model::{
-    self, Command, CommandPalette, Commands, DockView, HelpPage, Purpose, SceneSource, State,
+    self, Command, CommandPalette, Commands, DockView, HelpPage, Purpose, SceneSource, ShareCommand, State,
+    ViewCommand,
 };
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note};
@@ -95,27 +96,18 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_SAVE, "Save", |ui| {
-        let (ready, shown) = (state.is_whole_ready(), state.live_shown.is_some());
+        let (opened, shown) = (state.scene.is_some(), state.live_shown.is_some());
         for (name, keys, enabled, command) in [
-            ("Save store…", "Ctrl+S", ready, Command::AskPath(Purpose::SaveStore)),
-            ("Save store to path…", "", ready, Command::TypePath(Purpose::SaveStore)),
+            ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
+            ("Copy picture", "", shown, Command::CopyPicture),
+            ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
             ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
             ("Save settings to path…", "", true, Command::TypePath(Purpose::SaveSettings)),
-            ("Save picture…", "", shown, Command::AskPath(Purpose::SavePicture)),
-            ("Save picture to path…", "", shown, Command::TypePath(Purpose::SavePicture)),
-            ("Save view with legend…", "", shown, Command::AskPath(Purpose::SaveShot)),
-            ("Save view with legend to path…", "", shown, Command::TypePath(Purpose::SaveShot)),
-            ("Copy picture", "", shown, Command::CopyPicture),
         ] {
-            let why_not = if shown {
-                "The whole capture is not pruned with these settings yet."
-            } else {
-                "Nothing is shown yet."
-            };
             let button = ui
                 .add_enabled(enabled, item(name, keys))
                 .accessible_name(name)
-                .on_disabled_hover_text(why_not);
+                .on_disabled_hover_text("Nothing is shown yet.");
             if button.clicked() {
                 commands.push(command);
             }

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use crate::app::model::{
-    Area, Command, Display, FrameGuide, Guides, Purpose, State, UP_DIRECTIONS, ViewCommand, Workspace,
+    Area, Command, Display, FrameGuide, Guides, Purpose, ShareCommand, ShareWay, State, UP_DIRECTIONS,
+    ViewCommand, Workspace,
 };
 
 /// Names, keys and commands.
@@ -22,6 +23,11 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     let hides = state.look.hides_totals;
     let verb = if hides { "Show" } else { "Hide" };
     entries.push((format!("{verb} the figures above the views"), "", Command::ShowTotals(hides)));
+    entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
+    for (way, name, _) in ShareWay::ALL {
+        let keys = if way == ShareWay::Store { "Ctrl+S" } else { "" };
+        entries.push((format!("Share: {name}"), keys, Command::Share(ShareCommand::Open(Some(way)))));
+    }
     for (name, keys, command) in view_commands() {
         entries.push((name.to_owned(), keys, command));
     }
@@ -52,7 +58,7 @@ pub(super) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
 }
 
 /// Entries that are there whatever is open.
-fn view_commands() -> [(&'static str, &'static str, Command); 18] {
+fn view_commands() -> [(&'static str, &'static str, Command); 17] {
     [
         ("Maximize or restore a view", "Shift+Space", Command::Maximize(None)),
         ("Full screen", "F11", Command::FullScreen),
@@ -66,8 +72,7 @@ fn view_commands() -> [(&'static str, &'static str, Command); 18] {
         ("Previous marker", "Ctrl+Left", Command::ToMarker(false)),
         ("Play back and forth", "", Command::PingPong(true)),
         ("Play around the ends", "", Command::PingPong(false)),
-        ("Save view with legend", "", Command::AskPath(Purpose::SaveShot)),
-        ("Export EXR pictures of the camera path", "", Command::AskPath(Purpose::ExportExr)),
+        ("Copy the address of this view", "Ctrl+L", Command::View(ViewCommand::CopyAddress)),
         ("Reset colors", "", Command::Display(Display::default())),
         ("Save camera path", "", Command::AskPath(Purpose::SavePath)),
         ("Open camera path", "", Command::AskPath(Purpose::LoadPath)),

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, Slider, Ui};
-use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_CONTENT_PASTE};
+use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_CONTENT_PASTE, ICON_LINK};
 
 use super::camera_list::camera_list_ui;
 use crate::app::model::{
@@ -95,10 +95,16 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
     if angles != before {
         sent.push(ViewCommand::Angles(angles));
     }
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (icon, name, help, command) in [
             (ICON_CONTENT_COPY, "Copy view", COPY, ViewCommand::Copy),
-            (ICON_CONTENT_PASTE, "Paste view", "Go to a copied view (Ctrl+V).", ViewCommand::Paste),
+            (
+                ICON_CONTENT_PASTE,
+                "Paste view",
+                "Go to a copied view or address (Ctrl+V).",
+                ViewCommand::Paste,
+            ),
+            (ICON_LINK, "Copy address", ADDRESS, ViewCommand::CopyAddress),
         ] {
             let button = ui.button((icon.rich_text(), name)).accessible_name(name);
             if button.on_hover_text(help).clicked() {
@@ -107,6 +113,9 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
         }
     });
 }
+
+const ADDRESS: &str =
+    "Copy the address of this view (Ctrl+L): this window, overlook open and exported pages go to it.";
 
 const COPY: &str = "Copy pose, lens and frame as text (Ctrl+C): a transforms.json that this window pastes and render --views takes.";
 

@@ -2,7 +2,7 @@
 
 use egui::{Frame, Id, Label, Margin, Modal, Panel, RichText, Ui};
 
-use crate::app::model::{Command, Commands, Purpose, State, Table, Workspace};
+use crate::app::model::{Command, Commands, Purpose, ShareCommand, ShareWay, State, Table, Workspace};
 use crate::app::theme::{Tokens, space};
 
 /// What a first run explains: title and text. Each speaks of a view that the first workspace shows.
@@ -95,9 +95,9 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
 fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut Commands) {
     let inspector = &state.inspector;
     let saves = closes && state.is_unsaved() && !inspector.closing.writing;
-    if saves && ui.button("Save store…").accessible_name("Save before closing").clicked() {
+    if saves && ui.button("Share the store…").accessible_name("Save before closing").clicked() {
         commands.push(Command::Stay);
-        commands.push(Command::AskPath(Purpose::SaveStore));
+        commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Store))));
     }
     let path = &inspector.path;
     if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {

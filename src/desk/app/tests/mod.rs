@@ -2,6 +2,7 @@
 
 mod motion;
 mod paths;
+mod sharing;
 mod stopping;
 mod telling;
 
@@ -274,7 +275,7 @@ fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
     app.state.notices.clear();
     app.apply(Command::Frame(FRAMES - 1));
     wait(&mut app, "the warning", |app| !app.state.notices.is_empty());
-    let exported = Exported { pictures: 2, notice: None, damage: vec!["frame 8".into()] };
+    let exported = Exported { said: "2 pictures".into(), notice: None, damage: vec!["frame 8".into()] };
     app.receive(Message::Exported { path: "pictures".into(), exported });
     app.open_demo(orrery(2, 2));
     wait(&mut app, "the capture", |app| app.state.has_capture());
@@ -349,8 +350,11 @@ fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
 #[test]
 fn an_export_that_the_gpu_was_asked_for_and_did_not_paint_says_so() {
     let mut app = ready(2, 2);
-    let exported =
-        Exported { pictures: 2, notice: Some("the CPU renders: no adapter".into()), damage: Vec::new() };
+    let exported = Exported {
+        said: "2 pictures".into(),
+        notice: Some("the CPU renders: no adapter".into()),
+        damage: Vec::new(),
+    };
     app.receive(Message::Exported { path: "film.mp4".into(), exported });
     assert_eq!(
         app.notices(),

@@ -40,7 +40,7 @@ fn a_dialog_that_gives_no_path_is_never_silent() {
     }
     let (typed, notices) = answer(60_000);
     assert_eq!(typed, None);
-    assert!(notices[0].starts_with("No path was chosen") && notices[0].contains("Save store to path…"));
+    assert!(notices[0].starts_with("No path was chosen") && notices[0].contains("To path…"));
 }
 
 #[test]

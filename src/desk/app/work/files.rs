@@ -1,23 +1,20 @@
-//! Reads and writes files: stores, settings, pictures and films; and asks where.
+//! Reads and writes files: stores, settings and pictures; and asks where.
 
 use std::path::{Path, PathBuf};
 
 use egui::ColorImage;
 use image::{ImageFormat, RgbaImage};
 
-use super::develop::developed;
 use super::other_pictures;
-use super::requests::{ExportRequest, FileRequest};
-use crate::app::model::{
-    Background, Destination, Display, ExportTarget, Exported, Message, NO_KEYS, Purpose,
-};
+use super::requests::FileRequest;
+use crate::address;
+use crate::app::model::{Background, Destination, Display, Message, Purpose};
 use overlook_engine::capture::Capture;
 use overlook_engine::capture::transforms::{PathView, open_path, path_to_json};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
-use overlook_engine::render::film::{self, FilmEncoder, FilmSource};
-use overlook_engine::render::output::{write_exr, write_png};
-use overlook_engine::render::{Picture, Renderer};
+use overlook_engine::render::Picture;
+use overlook_engine::render::output::write_exr;
 use overlook_engine::settings::Settings;
 use overlook_engine::store::file::{Extras, Provenance};
 use overlook_engine::{store, whole_file};
@@ -34,7 +31,12 @@ pub(crate) fn with_ending(path: PathBuf) -> Option<PathBuf> {
 }
 
 /// Writes a picture as it is shown, with alpha 0 where `is_empty`, or as it was rendered, by the ending of its path.
-fn save_picture(path: &Path, picture: &ColorImage, rendered: &Picture, display: &Display) -> Result<()> {
+pub(super) fn save_picture(
+    path: &Path,
+    picture: &ColorImage,
+    rendered: &Picture,
+    display: &Display,
+) -> Result<()> {
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ENDINGS[1])) {
         return write_exr(path, rendered);
     }
@@ -142,49 +144,14 @@ fn read_path(path: &Path) -> Result<Vec<PathView>> {
     Ok(open_path(path, false)?.views)
 }
 
-/// Paints and writes all pictures.
-pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
-    let vantages = request.path.vantages(request.size, request.reel.frame_count());
-    if vantages.is_empty() {
-        return Err(Error::invalid("camera path", NO_KEYS));
-    }
-    let mut renderer = Renderer::new();
-    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
-        film::paint(&request.reel, &vantages, &mut renderer, &request.settings, job, take)
-    };
-    let ExportTarget { path, film_rate, linear } = &request.target;
-    let display = &request.display;
-    if let Some(rate) = film_rate {
-        let mut encoder = FilmEncoder::start(path, request.size.map(|side| side as usize), *rate)?;
-        paint(&mut |_, picture| encoder.add(developed(display, picture).as_ref().unwrap_or(picture)))?;
-        encoder.finish(job)?;
-    } else {
-        std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
-        paint(&mut |nth, picture| {
-            if *linear {
-                return write_exr(&path.join(format!("{:04}.exr", nth + 1)), picture);
-            }
-            let file = path.join(format!("{:04}.png", nth + 1));
-            write_png(&file, developed(display, picture).as_ref().unwrap_or(picture))
-        })?;
-    }
-    let damage = match &request.reel {
-        FilmSource::Memory(_) => Vec::new(),
-        FilmSource::Disk(playback) => playback.store().damage(),
-    };
-    let exported =
-        Exported { pictures: vantages.len(), notice: renderer.notice().map(str::to_owned), damage };
-    Ok(Message::Exported { path: path.clone(), exported })
-}
-
 /// Whether a destination exists, so that writing would replace it.
 pub(crate) fn check(destination: Destination) -> Message {
     let path = &destination.path;
     let taken = match destination.purpose {
-        Purpose::ExportPictures | Purpose::ExportExr => {
+        purpose if purpose.fills_folder() => {
             std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some())
         }
-        _ if !destination.purpose.writes() => path.exists(),
+        purpose if !purpose.writes() => address::of_path(path).0.exists(),
         _ => path.is_file(),
     };
     Message::DestinationChecked { destination, taken }
@@ -194,9 +161,11 @@ pub(crate) fn check(destination: Destination) -> Message {
 pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new().set_file_name(name).set_title(purpose.title());
     match purpose {
-        Purpose::OpenFolder | Purpose::ExportPictures | Purpose::ExportExr | Purpose::OpenPictures => {
-            dialog.pick_folder()
-        }
+        Purpose::OpenFolder
+        | Purpose::ExportPictures
+        | Purpose::ExportExr
+        | Purpose::ExportPointsOfFrames
+        | Purpose::OpenPictures => dialog.pick_folder(),
         Purpose::OpenFile => dialog
             .add_filter("Stores and captures", &["ovl", "json", "txt", "bin", "log"])
             .add_filter("All files", &["*"])
@@ -210,6 +179,9 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         Purpose::SavePicture => dialog.add_filter("PNG, EXR", &ENDINGS).save_file(),
         Purpose::SaveShot => dialog.add_filter("PNG", &["png"]).save_file(),
         Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "mkv", "mov"]).save_file(),
+        Purpose::ExportPage => dialog.add_filter("HTML", &["html"]).save_file(),
+        Purpose::ExportSplats(format) => dialog.add_filter("Splats", &[format.name()]).save_file(),
+        Purpose::ExportPoints => dialog.add_filter("PLY", &["ply"]).save_file(),
     }
 }
 

@@ -21,6 +21,8 @@ mod pruning;
 mod readings;
 mod requests;
 mod scheduler;
+mod share_facts;
+mod sharing;
 mod source_comparisons;
 mod source_image;
 mod study;
@@ -28,7 +30,7 @@ mod worker;
 mod workers;
 
 pub(crate) use files::with_ending;
-pub(crate) use requests::{ExportRequest, FileRequest, OpenRequest, StudyRequest};
+pub(crate) use requests::{Export, ExportRequest, FileRequest, OpenRequest, PathExport, StudyRequest};
 pub(crate) use scheduler::Scheduler;
 pub(crate) use worker::Outbox;
 pub(crate) use workers::Workers;

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::app::model::{CameraPath, Display, ExportTarget, OpenScene, Study};
 use overlook_engine::demo::DemoSpec;
+use overlook_engine::page::PageOptions;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::preprocess::inspect::FrameInspection;
@@ -14,6 +15,7 @@ use overlook_engine::render::Picture;
 use overlook_engine::render::film::FilmSource;
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{CaptureSettings, RenderSettings, Settings};
+use overlook_engine::splats::SplatOptions;
 use overlook_engine::store::playback::Playback;
 use overlook_lab::stress::StressPoint;
 use overlook_lab::sweep::Point;
@@ -148,13 +150,44 @@ pub(crate) struct StudyRequest {
     pub known_stress: Vec<StressPoint>,
 }
 
-/// What is exported.
+/// What is written of all samples, and where.
 pub(crate) struct ExportRequest {
-    pub path: CameraPath,
-    pub reel: FilmSource,
+    pub path: PathBuf,
+    pub source: FilmSource,
+    pub what: Export,
+}
+
+/// What becomes of samples.
+pub(crate) enum Export {
+    /// Pictures along a camera path: a film, or `0001.png`, `0002.png`, … in a folder.
+    Path(Box<PathExport>),
+    /// A page that plays the scene.
+    Page(PageOptions),
+    /// Splats of a frame, or of all time where the format holds it.
+    Splats { options: SplatOptions, frame: usize },
+    /// Points of a frame, or a folder with those of each.
+    Points { frame: Option<usize> },
+}
+
+/// The pictures of a camera path.
+pub(crate) struct PathExport {
+    pub camera_path: CameraPath,
     pub settings: RenderSettings,
     pub display: Display,
     /// Columns and rows of the pictures.
     pub size: [u32; 2],
     pub target: ExportTarget,
+}
+
+impl ExportRequest {
+    /// What is left of it once it was stopped, in words.
+    pub(super) fn stopped(&self) -> String {
+        let written = match &self.what {
+            Export::Path(path) if path.target.film_rate.is_none() => {
+                "Only the pictures rendered until then were"
+            }
+            _ => "Nothing was",
+        };
+        format!("{written} written to {}.", self.path.display())
+    }
 }

@@ -9,7 +9,8 @@ use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
 use super::worker::Worker;
 use super::workers::Workers;
 use crate::app::model::{
-    CompareKey, DockView, OpenScene, ProbeKey, SceneSource, SettingsSlot, SourceKey, Spot, State, method_of,
+    CompareKey, DockView, OpenScene, ProbeKey, SceneSource, SettingsSlot, ShareKey, SourceKey, Spot, State,
+    method_of,
 };
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::samples::SampleSet;
@@ -67,6 +68,7 @@ pub(crate) struct Scheduler {
     /// The scene whose reading was checked last, and the one whose two readings were shown.
     checked: Option<u64>,
     shown_readings: Option<u64>,
+    sizes: Option<ShareKey>,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
 }
@@ -108,6 +110,7 @@ impl Scheduler {
         self.request_histograms(state, visible, workers);
         self.request_comparison(state, visible, workers);
         self.request_readings(state, workers);
+        self.request_sizes(state, workers);
         self.request_whole(state, workers).into_iter().chain(rest).chain(preparation).min()
     }
 
@@ -260,6 +263,22 @@ impl Scheduler {
             workers.readings.submit(ReadingRequest::Show(scene.clone(), finding.clone()));
             self.shown_readings = Some(scene.id);
         }
+    }
+
+    /// Measures what sizes follow from, while the dialog that shows them is open.
+    fn request_sizes(&mut self, state: &State, workers: &Workers) {
+        let samples = state.samples_here().filter(|_| state.share.is_open);
+        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        // Until the whole capture is pruned only pictures have a size.
+        let samples = state.whole_samples().unwrap_or(samples);
+        let shown = state.live_shown.as_ref().filter(|shown| shown.key.quality.is_none());
+        let key = ShareKey {
+            scene: scene.clone(),
+            samples: samples.clone(),
+            frame: state.timeline.frame,
+            picture: shown.map(|shown| shown.picture.clone()),
+        };
+        submit_new(&workers.sizes, &mut self.sizes, key);
     }
 
     fn request_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {

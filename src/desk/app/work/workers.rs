@@ -1,5 +1,6 @@
 //! Every kind of work that the window hands out, each on a worker of its own.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::accuracy::measure;
@@ -10,9 +11,11 @@ use super::requests::{
 };
 use super::worker::Supersede::{Alternate, Always, Never, Queue};
 use super::worker::{Outbox, Worker};
-use super::{carry, facts, files, histograms, live_image, opening, pruning, source_image, study};
+use super::{
+    carry, facts, files, histograms, live_image, opening, pruning, share_facts, sharing, source_image, study,
+};
 use crate::app::model::{
-    CarryKey, CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, SourceKey,
+    CarryKey, CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, ShareKey, SourceKey,
     WorkKind as Kind,
 };
 use overlook_engine::error::{Error, Result};
@@ -46,6 +49,9 @@ pub(crate) struct Workers {
     pub histograms: Worker<HistogramRequest>,
     pub compare: Worker<Box<CompareKey>>,
     pub export: Worker<ExportRequest>,
+    /// What the sizes of what is shared follow from.
+    pub sizes: Worker<ShareKey>,
+    pub show_in_folder: Worker<PathBuf>,
     pub study: Worker<StudyRequest>,
     /// How the capture is read, and how it would fit better.
     pub readings: Worker<ReadingRequest>,
@@ -97,6 +103,7 @@ impl Workers {
         let mut renderer = Renderer::sharing(shared);
         let mut filter = live_image::CameraFilter::default();
         let mut comparer = Comparer::new(studying.clone());
+        let mut meter = share_facts::StoreMeter::default();
         Ok(Self {
             open: Worker::start(Kind::Open, Always, outbox, opening::open)?,
             whole: Worker::start(Kind::Prune, Always, outbox, move |request, job| {
@@ -149,7 +156,11 @@ impl Workers {
                 comparer.answer(key, job)
             })?,
             export: Worker::start(Kind::Export, Queue, outbox, |request: ExportRequest, job| {
-                or_stopped(job, "Export stopped", request.target.stopped(), || files::export(&request, job))
+                or_stopped(job, "Export stopped", request.stopped(), || sharing::export(&request, job))
+            })?,
+            sizes: Worker::start(Kind::MeasureSizes, Never, outbox, move |key, job| meter.facts(&key, job))?,
+            show_in_folder: Worker::start(Kind::ShowInFolder, Queue, outbox, |path: PathBuf, _| {
+                share_facts::show_in_folder(&path)
             })?,
             readings: Worker::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
@@ -178,6 +189,7 @@ impl Workers {
             && self.histograms.is_idle()
             && self.compare.is_idle()
             && self.export.is_idle()
+            && self.sizes.is_idle()
             && self.study.is_idle()
             && self.readings.is_idle()
     }

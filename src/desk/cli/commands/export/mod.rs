@@ -5,7 +5,6 @@ mod miv;
 mod page;
 mod path;
 mod pictures;
-mod ply;
 mod points;
 mod splats;
 mod store;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::frame_files::{frame_index, write_frames};
-use super::ply;
 use crate::cli::input;
 use crate::cli::output::{self, CommandError};
+use crate::points;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
@@ -65,5 +65,5 @@ impl PointsArgs {
 /// Writes the samples of a set whose spans have a length that is `wanted`.
 fn write_points(path: &Path, set: &SampleSet, wanted: impl Fn(usize) -> bool) -> Result<u64> {
     let images = set.images.iter().filter(|image| wanted(image.span.len())).map(|image| &**image);
-    ply::write(path, set, images)
+    points::write(path, set, images)
 }

@@ -1,0 +1,197 @@
+//! How large what is shared will be, before it is made: from what was counted and measured of the open scene, and what each format
+//! takes.
+
+use super::document::State;
+use super::share::{ShareFacts, ShareOptions, ShareWay, SharedPictures};
+use super::text::{bytes, count_of, significant};
+use overlook_engine::plural::counted;
+use overlook_engine::samples::are_far_from_origin;
+use overlook_engine::splats::{SplatFormat, SplatSky};
+
+/// Bytes of a page for each byte of its store, measured on built-in and recorded scenes (0.96 to 1.07), and of an empty page.
+const PAGE_BY_STORE: f64 = 1.0;
+const EMPTY_PAGE: f64 = 90e3;
+
+/// Splats of the dome that the sky becomes.
+const DOME: u64 = 10_000;
+
+/// Bytes of a point: place, normal, radius and color; and of one whose place is in double precision.
+const POINT: [f64; 2] = [31.0, 43.0];
+
+/// Bytes of a film for each byte of its pictures as PNG, measured on films from one camera to the next (0.06 to 0.1).
+const FILM_BY_PNG: f64 = 0.075;
+
+/// A size, and what it follows from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ShareSize {
+    /// As in `about 2.4 MB`; what is missing where there is none.
+    pub text: String,
+    /// What it is the product of.
+    pub reason: String,
+}
+
+impl ShareSize {
+    fn about(size: f64, reason: String) -> Self {
+        Self { text: format!("about {}", bytes(size.round() as u64)), reason }
+    }
+
+    fn missing(text: &str) -> Self {
+        Self { text: text.to_owned(), reason: String::new() }
+    }
+}
+
+/// Bytes of a splat, measured; SPZ is compressed, and the others hold numbers as they are.
+fn bytes_of_splat(format: SplatFormat) -> f64 {
+    match format {
+        SplatFormat::Ply => 68.0,
+        SplatFormat::Spz => 12.0,
+        SplatFormat::Glb => 64.0,
+        SplatFormat::Usda => 178.0,
+    }
+}
+
+impl State {
+    /// The size of a way out, with the options of the dialog.
+    pub(crate) fn share_size(&self, way: ShareWay) -> ShareSize {
+        if self.scene.is_none() {
+            return ShareSize::missing("nothing open");
+        }
+        let needs_picture = way == ShareWay::Film || way == ShareWay::Pictures;
+        if !self.is_whole_ready() && !needs_picture {
+            return ShareSize::missing("once it is pruned");
+        }
+        let Some(facts) = &self.share.facts else { return ShareSize::missing("measuring…") };
+        let options = &self.share.options;
+        match way {
+            ShareWay::Page => page(facts, options),
+            ShareWay::Splats => splats(facts, options),
+            ShareWay::Film => self.film(facts),
+            ShareWay::Pictures => self.pictures(facts, options),
+            ShareWay::Points => self.points(facts, options),
+            ShareWay::Store => {
+                let each = facts.store_bytes / facts.samples.max(1) as f64;
+                ShareSize::about(facts.store_bytes, samples_at(facts.samples, each))
+            }
+        }
+    }
+
+    fn film(&self, facts: &ShareFacts) -> ShareSize {
+        let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
+        let [width, height] = self.export_size();
+        let size = |pictures: f64| {
+            let pixels = f64::from(width) * f64::from(height) * pictures;
+            pixels * picture.png_bytes / picture.pixels.max(1.0) * FILM_BY_PNG
+        };
+        let rate = f64::from(self.timeline.frames_per_second);
+        match self.inspector.path.pictures() {
+            0 => {
+                let text = format!("about {} a second", bytes(size(rate).round() as u64));
+                ShareSize { text, reason: format!("at {width}×{height}") }
+            }
+            pictures => {
+                let seconds = significant(pictures as f64 / rate);
+                let reason = format!("{} of {width}×{height}, {seconds} s", counted(pictures, "picture"));
+                ShareSize::about(size(pictures as f64), reason)
+            }
+        }
+    }
+
+    fn pictures(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
+        let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
+        let is_path = options.pictures == SharedPictures::CameraPath;
+        let is_linear = options.linear && options.pictures != SharedPictures::ViewWithLegend;
+        let whole = if is_linear { picture.exr_bytes } else { picture.png_bytes };
+        if !is_path {
+            return ShareSize::about(whole, "as the live view shows it".to_owned());
+        }
+        let [width, height] = self.export_size();
+        let each = whole / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
+        let pictures = self.inspector.path.pictures();
+        let reason = format!("{} of {width}×{height}", counted(pictures.max(1), "picture"));
+        ShareSize::about(each * pictures.max(1) as f64, reason)
+    }
+
+    fn points(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
+        let is_far = self.scene.as_ref().is_some_and(|scene| are_far_from_origin(&scene.cameras));
+        let each = POINT[usize::from(is_far)];
+        let files = if options.points_of_all_frames { self.frame_count() } else { 1 };
+        let points = facts.placed_here * files as u64;
+        let mut reason = format!("{} of {each:.0} B", count_of(points, "point"));
+        if files > 1 {
+            reason = format!("{reason} in {}", counted(files, "file"));
+        }
+        ShareSize::about(points as f64 * each, reason)
+    }
+}
+
+fn samples_at(samples: u64, each: f64) -> String {
+    format!("{} of {} B", count_of(samples, "sample"), significant(each))
+}
+
+fn page(facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
+    let size = EMPTY_PAGE + facts.store_bytes * PAGE_BY_STORE;
+    match options.page_at_most().map(|most| most as f64) {
+        Some(most) if most < size => {
+            let reason = format!("made coarser from {}", bytes(size.round() as u64));
+            ShareSize::about(most, reason)
+        }
+        _ => ShareSize::about(size, samples_at(facts.samples, size / facts.samples.max(1) as f64)),
+    }
+}
+
+fn splats(facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
+    let here = facts.placed_here + facts.at_infinity_here;
+    let placed = if options.format.holds_time() {
+        // As large a share of all samples as of those at this frame.
+        (facts.samples as f64 * facts.placed_here as f64 / here.max(1) as f64) as u64
+    } else {
+        facts.placed_here
+    };
+    let dome = if options.sky == SplatSky::Dome && facts.at_infinity_here > 0 { DOME } else { 0 };
+    let all = placed + dome;
+    let splats = options.splats_at_most().map_or(all, |most| all.min(most));
+    let each = bytes_of_splat(options.format);
+    let merged =
+        if splats < all { format!(" merged from {}", count_of(all, "sample")) } else { String::new() };
+    let reason = format!("{} of {each:.0} B{merged}", count_of(splats, "splat"));
+    ShareSize::about(splats as f64 * each, reason)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn facts() -> ShareFacts {
+        ShareFacts {
+            samples: 1_000_000,
+            placed_here: 300_000,
+            at_infinity_here: 100_000,
+            store_bytes: 2e6,
+            picture: None,
+        }
+    }
+
+    #[test]
+    fn a_bound_is_what_a_larger_page_takes_and_nothing_to_a_smaller_one() {
+        let unbounded = page(&facts(), &ShareOptions::default()).text;
+        assert!(unbounded.starts_with("about 2.") && unbounded.ends_with(" MB"), "{unbounded}");
+        let bounded = |page_megabytes| {
+            let options = ShareOptions { page_is_bounded: true, page_megabytes, ..ShareOptions::default() };
+            page(&facts(), &options).text
+        };
+        assert_eq!((bounded(1.0), bounded(50.0)), ("about 1.00 MB".to_owned(), unbounded));
+    }
+
+    #[test]
+    fn splats_are_those_with_a_place_of_this_frame_or_of_all_time() {
+        let size = |format| splats(&facts(), &ShareOptions { format, ..ShareOptions::default() });
+        let of_frame = size(SplatFormat::Ply);
+        assert_eq!(
+            (of_frame.text.as_str(), of_frame.reason.as_str()),
+            ("about 20.4 MB", "300 k splats of 68 B")
+        );
+        assert_eq!(size(SplatFormat::Glb).text, "about 48.0 MB");
+        let options = ShareOptions { splats_are_bounded: true, kilosplats: 100, ..ShareOptions::default() };
+        assert_eq!(splats(&facts(), &options).text, "about 6.80 MB");
+    }
+}

@@ -1,0 +1,89 @@
+//! What is shared and stopped, and addresses to the last bit.
+
+use glam::DVec2;
+
+use super::{ready, settle, wait};
+use crate::app::control::OverlookApp;
+use crate::app::model::{Command, Purpose, ShareCommand, ShareOutcome, ViewCommand};
+use overlook_engine::splats::SplatFormat;
+
+#[test]
+fn what_is_stopped_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = ready(3, 4);
+    for (purpose, name) in [
+        (Purpose::ExportPage, "scene.html"),
+        (Purpose::ExportSplats(SplatFormat::Glb), "scene.glb"),
+        (Purpose::ExportSplats(SplatFormat::Spz), "scene.spz"),
+        (Purpose::ExportPointsOfFrames, "points"),
+        (Purpose::SaveStore, "scene.ovl"),
+    ] {
+        app.apply(Command::Share(ShareCommand::Open(None)));
+        app.take_path(purpose, folder.path().join(name));
+        app.watch_work();
+        app.apply(Command::Share(ShareCommand::Stop));
+        wait(&mut app, "a word about it", |app| app.state.share.outcome.is_some());
+        let outcome = app.state.share.outcome.take().unwrap();
+        assert!(
+            matches!(&outcome, ShareOutcome::Failed(why) if why.contains("Nothing was written")),
+            "{outcome:?}"
+        );
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_written_is_said_in_the_dialog_and_can_be_mended() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = ready(2, 2);
+    app.apply(Command::Share(ShareCommand::Open(None)));
+    app.state.notices.clear();
+    app.take_path(Purpose::ExportPage, folder.path().join("missing/scene.html"));
+    wait(&mut app, "the error", |app| app.state.share.outcome.is_some());
+    let outcome = app.state.share.outcome.clone().unwrap();
+    assert!(
+        matches!(&outcome, ShareOutcome::Failed(why) if why.starts_with("Could not export: ") && !why.contains('\n'))
+    );
+    assert!(app.notices().is_empty(), "it is not said twice");
+}
+
+fn copied_address(app: &mut OverlookApp) -> String {
+    app.apply(Command::View(ViewCommand::CopyAddress));
+    let commands = app.ctx.output(|output| output.commands.clone());
+    let texts = commands.into_iter().filter_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text),
+        _ => None,
+    });
+    texts.last().unwrap()
+}
+
+#[test]
+fn an_address_gives_back_the_viewpoint_and_the_frame_to_the_last_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.ovl");
+    let mut app = ready(2, 4);
+    app.take_path(Purpose::SaveStore, path.clone());
+    settle(&mut app);
+    for (nth, angles) in
+        [DVec2::new(0.3, 0.1), DVec2::new(-2.1, -0.4), DVec2::new(1e-7, 0.0)].into_iter().enumerate()
+    {
+        app.apply(Command::Orbit(angles));
+        app.apply(Command::View(ViewCommand::AngleOfView(0.5 + nth as f64 / 7.0)));
+        app.apply(Command::Frame(nth + 1));
+        let before = app.state.live.orbit.clone().unwrap();
+        let address = copied_address(&mut app);
+        let (_, view) = address.split_once('#').unwrap();
+        let shown = app.state.live.orbit.clone().unwrap();
+        let moved = shown.world_from_camera.translation - before.world_from_camera.translation;
+        assert!(moved.length() < 1e-9, "copying moves nothing that anybody sees");
+        app.apply(Command::Home);
+        app.apply(Command::Frame(0));
+        app.apply(Command::View(ViewCommand::GoToAddress(address.clone())));
+        assert_eq!((app.state.live.orbit.as_ref(), app.state.timeline.frame), (Some(&shown), nth + 1));
+        // The same view of the store, which is another scene.
+        app.apply(Command::OpenPath(format!("{}#{view}", path.display()).into()));
+        wait(&mut app, "the store", |app| app.state.scene.is_some() && app.state.opening.is_none());
+        settle(&mut app);
+        assert_eq!((app.state.live.orbit.as_ref(), app.state.timeline.frame), (Some(&shown), nth + 1));
+    }
+}

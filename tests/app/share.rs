@@ -1,0 +1,172 @@
+//! The dialog of all ways out, and addresses of views.
+
+use egui::{Event, Key, Modifiers, vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use overlook::app::Start;
+
+use super::driver::{
+    SIZE, Window, choose, click, copied, drag, open, open_share, save_store, settle, share_path, share_to,
+    shows, small_capture, small_demo, told, wait, wait_for_shared,
+};
+
+const WAYS: [&str; 6] = ["Interactive page", "Splats", "Film", "Pictures", "Points", "Store"];
+
+/// What stands in the list beside a way.
+fn size_of(window: &Window, way: &str) -> String {
+    let start = format!("{way}: ");
+    let row = window.get_by_label_contains(&start).accesskit_node().label().unwrap();
+    row.strip_prefix(&start).unwrap().to_owned()
+}
+
+#[test]
+fn all_ways_out_have_a_size_before_they_are_made_and_a_sentence_of_what_they_are_for() {
+    let mut window = open(Start::Path(small_capture()), SIZE);
+    settle(&mut window);
+    click(&mut window, "Save");
+    click(&mut window, "Share…");
+    settle(&mut window);
+    for way in WAYS {
+        let size = size_of(&window, way);
+        let has_unit = ["B", "kB", "MB"].iter().any(|unit| size.contains(&format!(" {unit}")));
+        assert!(size.starts_with("about ") && has_unit, "{way}: {size}");
+    }
+    for (way, word) in WAYS.into_iter().zip(["browser", "engines", "camera path", "view", "measure", "opens"])
+    {
+        open_share(&mut window, way);
+        assert!(shows(&window, word), "{way} does not say what it is for");
+        assert!(window.query_by_label("To path…").is_some(), "{way} cannot be made");
+    }
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(window.query_by_label("Close sharing").is_none());
+}
+
+#[test]
+fn a_page_is_made_of_about_the_size_that_was_said_and_nothing_else_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.html");
+    let mut window = open(Start::Path(small_capture()), SIZE);
+    settle(&mut window);
+    open_share(&mut window, "Interactive page");
+    window.get_by_label("Title of the page").type_text("Four views of a desk");
+    window.run_steps(3);
+    let said = size_of(&window, "Interactive page");
+    share_to(&mut window, &path, "Export");
+    wait(&mut window, "the page", |window| shows(window, "Show in folder"));
+    assert!(shows(&window, "A page of "), "the dialog says what was written");
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(page.contains("<title>Four views of a desk") && page.contains("</html>"));
+    let [number, unit] =
+        said.strip_prefix("about ").unwrap().split(' ').collect::<Vec<_>>().try_into().unwrap();
+    let scale = if unit == "MB" { 1e6 } else { 1e3 };
+    let ratio = number.parse::<f64>().unwrap() * scale / page.len() as f64;
+    assert!((0.7..1.4).contains(&ratio), "{said} for {} bytes", page.len());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    // A name of another kind of file is not taken.
+    share_to(&mut window, &folder.path().join("store.ovl"), "Export");
+    assert!(shows(&window, "A file of this kind is named .html."));
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(window.query_by_label("Close sharing").is_some(), "only the topmost thing closes");
+}
+
+#[test]
+fn splats_points_and_stores_are_written_by_the_formats_that_are_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for (format, begins) in
+        [("PLY", &b"ply\n"[..]), ("GLB", b"glTF"), ("SPZ", b"\x1f\x8b"), ("USDA", b"#usda")]
+    {
+        open_share(&mut window, "Splats");
+        choose(&mut window, "Format", format);
+        let path = folder.path().join("scene").with_extension(format.to_lowercase());
+        share_to(&mut window, &path, "Export");
+        wait_for_shared(&mut window);
+        assert!(std::fs::read(&path).unwrap().starts_with(begins), "{format}");
+    }
+    open_share(&mut window, "Points");
+    choose(&mut window, "Points of", "Every frame");
+    let points = folder.path().join("points");
+    share_to(&mut window, &points, "Export");
+    wait_for_shared(&mut window);
+    assert_eq!(std::fs::read_dir(&points).unwrap().count(), 4);
+    save_store(&mut window, folder.path());
+}
+
+#[test]
+fn what_is_written_is_canceled_in_the_dialog_and_it_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for _ in 0..12 {
+        window.key_press(Key::K);
+        window.run_steps(2);
+    }
+    share_path(&mut window, &[("Pictures of", "Camera path")], &folder.path().join("pictures"));
+    wait(&mut window, "the work", |window| window.query_by_label("Cancel sharing").is_some());
+    click(&mut window, "Cancel sharing");
+    wait(&mut window, "a word about it", |window| shows(window, "Export stopped. Only the pictures"));
+    assert!(window.query_by_label("Show in folder").is_none());
+}
+
+fn place(window: &Window) -> ([f64; 3], usize) {
+    (window.state().observed().live_position.unwrap(), window.state().observed().frame)
+}
+
+/// Looks at something else, at another time.
+fn go_away(window: &mut Window) {
+    let before = place(window);
+    drag(window, "Live picture", vec2(0.5, 0.5), vec2(-60.0, 25.0));
+    window.key_press(Key::Period);
+    window.run_steps(3);
+    let after = place(window);
+    assert!(before.0 != after.0 && before.1 != after.1);
+}
+
+#[test]
+fn an_address_that_is_copied_leads_back_from_anywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let path = save_store(&mut window, folder.path());
+    let mut window = open(Start::Path(path.clone()), SIZE);
+    wait(&mut window, "the store", |window| window.state().observed().scene_name.is_some());
+    settle(&mut window);
+    go_away(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::L);
+    let address = copied(&mut window).unwrap();
+    let seen = place(&window);
+    let start = format!("{}#view=", path.display());
+    assert!(address.starts_with(&start) && address.contains(&format!("&frame={}", seen.1)), "{address}");
+
+    go_away(&mut window);
+    window.event(Event::Paste(address.clone()));
+    window.run_steps(3);
+    assert_eq!(place(&window), seen, "pasted");
+
+    go_away(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    window.run_steps(3);
+    // As a page writes it, whose view it is of the same scene.
+    let (_, view) = address.split_once('#').unwrap();
+    window.get_by_label("Command").type_text(&format!("https://example.org/scene.html#{view}"));
+    window.run_steps(3);
+    click(&mut window, "Do: Go to this address");
+    assert_eq!(place(&window), seen, "by the palette");
+
+    let mut other = open(Start::Path(address.into()), SIZE);
+    wait(&mut other, "the store", |window| window.state().observed().scene_name.is_some());
+    settle(&mut other);
+    assert_eq!(place(&other), seen, "opened");
+}
+
+#[test]
+fn text_that_is_no_view_says_so_and_moves_nothing() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let before = place(&window);
+    window.event(Event::Paste("scene.ovl#view=1,2,3".to_owned()));
+    window.run_steps(3);
+    assert!(told(&window, "Nothing to paste") && place(&window) == before);
+}
