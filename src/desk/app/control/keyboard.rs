@@ -114,20 +114,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     {
         commands.push(Command::Escape);
     }
-    let palette = state.inspector.palette.is_none().then(CommandPalette::default);
-    let with_shift = Modifiers::COMMAND | Modifiers::SHIFT;
-    for (modifiers, key, command) in [
-        (Modifiers::COMMAND, Key::O, Command::AskPath(Purpose::OpenFile)),
-        (Modifiers::COMMAND, Key::E, Command::Share(ShareCommand::Open(None))),
-        (Modifiers::COMMAND, Key::S, Command::Share(ShareCommand::Open(Some(ShareWay::Store)))),
-        (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
-        (Modifiers::COMMAND, Key::P, Command::Palette(palette)),
-        (with_shift, Key::C, Command::CopyExplanation),
-    ] {
-        if pressed(ctx, modifiers, key) {
-            commands.push(command);
-        }
-    }
+    commands.extend(keys_anywhere(ctx, state));
     if pressed(ctx, Modifiers::COMMAND, Key::Q) {
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
@@ -137,7 +124,9 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     }
     // What is typed is undone by the field it is typed into.
     if state.has_capture() && !typing && !edits {
-        if pressed(ctx, Modifiers::COMMAND, Key::Y) || pressed(ctx, with_shift, Key::Z) {
+        if pressed(ctx, Modifiers::COMMAND, Key::Y)
+            || pressed(ctx, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+        {
             commands.push(Command::Redo);
         } else if pressed(ctx, Modifiers::COMMAND, Key::Z) {
             commands.push(Command::Undo);
@@ -186,6 +175,21 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         commands.push(Command::Fly(steps * state.live.fly_speed));
         ctx.request_repaint();
     }
+}
+
+/// Keys that work while text is typed as well.
+fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
+    let palette = state.inspector.palette.is_none().then(CommandPalette::default);
+    let keys = [
+        (Modifiers::COMMAND, Key::O, Command::AskPath(Purpose::OpenFile)),
+        (Modifiers::COMMAND, Key::E, Command::Share(ShareCommand::Open(None))),
+        (Modifiers::COMMAND, Key::S, Command::Share(ShareCommand::Open(Some(ShareWay::Store)))),
+        (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
+        (Modifiers::COMMAND, Key::P, Command::Palette(palette)),
+        (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::CopyExplanation),
+    ];
+    let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));
+    pressed.map(|(_, _, command)| command).collect()
 }
 
 /// Copying and pasting outside of text: the view.

@@ -126,7 +126,7 @@ impl OverlookApp {
         app.state.timeline.plays_once_ready = matches!(start, Start::Welcome(_));
         match start {
             Start::Demo(spec) | Start::Welcome(spec) => app.open_demo(spec),
-            Start::Path(path) => app.open_path(path),
+            Start::Path(path) => app.open_path(&path),
         }
         Ok(app)
     }

@@ -174,15 +174,12 @@ impl OverlookApp {
         let shown = self.state.live_shown.as_ref();
         let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
         let picture = self.state.shown_picture().cloned();
-        match picture.zip(rendered) {
-            Some((picture, rendered)) => {
-                let display = self.state.display;
-                self.workers.file.submit(FileRequest::SavePicture { path, picture, rendered, display });
-            }
-            None => {
-                self.state.share.asked = None;
-                self.notify_in_motion();
-            }
+        if let Some((picture, rendered)) = picture.zip(rendered) {
+            let display = self.state.display;
+            self.workers.file.submit(FileRequest::SavePicture { path, picture, rendered, display });
+        } else {
+            self.state.share.asked = None;
+            self.notify_in_motion();
         }
     }
 

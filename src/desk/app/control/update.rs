@@ -1,6 +1,6 @@
 //! Carries out commands. Here and where answers are taken in is the only place where the state changes.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use super::overlook_app::OverlookApp;
 use super::path_names::lasting;
@@ -157,7 +157,7 @@ impl OverlookApp {
             Command::OpenDemo(scene) => {
                 self.open_demo(DemoSpec::new(scene));
             }
-            Command::OpenPath(path) => self.open_path(path),
+            Command::OpenPath(path) => self.open_path(&path),
             Command::OpenReading(otherwise) => self.open_reading(otherwise),
             _ => {}
         }
@@ -183,8 +183,8 @@ impl OverlookApp {
     }
 
     /// Opens a capture or a store, at the view that an address names.
-    pub(crate) fn open_path(&mut self, path: PathBuf) {
-        let (path, view) = address::of_path(&path);
+    pub(crate) fn open_path(&mut self, path: &Path) {
+        let (path, view) = address::of_path(path);
         let path = lasting(path);
         self.address_to_open = view.map(|view| (path.clone(), view));
         self.open_with_keys(path, Vec::new());

@@ -80,6 +80,7 @@ impl SharedPictures {
 
 /// What is chosen in the dialog.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of the dialog, each by its name")]
 pub(crate) struct ShareOptions {
     pub way: ShareWay,
     /// Title of the page; empty for the name of the scene.

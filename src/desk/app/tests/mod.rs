@@ -241,7 +241,7 @@ fn open_damaged(folder: &std::path::Path) -> OverlookApp {
         bytes[payload..payload + image.length as usize].fill(0xEE);
     }
     std::fs::write(&path, bytes).unwrap();
-    app.open_path(path);
+    app.open_path(&path);
     wait(&mut app, "the store", |app| app.state.scene.is_some() && !app.state.has_capture());
     settle(&mut app);
     app

@@ -204,7 +204,7 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
     app.state.notices.clear();
     app.receive(loaded());
     assert_eq!(app.notices(), ["Settings loaded: kept.toml"]);
-    app.open_path(path);
+    app.open_path(&path);
     wait(&mut app, "the store", |app| !app.state.has_capture());
     app.state.notices.clear();
     app.receive(loaded());

@@ -50,11 +50,11 @@ fn what_cannot_be_written_is_said_in_the_dialog_and_can_be_mended() {
 fn copied_address(app: &mut OverlookApp) -> String {
     app.apply(Command::View(ViewCommand::CopyAddress));
     let commands = app.ctx.output(|output| output.commands.clone());
-    let texts = commands.into_iter().filter_map(|command| match command {
+    let mut texts = commands.into_iter().filter_map(|command| match command {
         egui::OutputCommand::CopyText(text) => Some(text),
         _ => None,
     });
-    texts.last().unwrap()
+    texts.next_back().unwrap()
 }
 
 #[test]

@@ -138,7 +138,7 @@ fn paths_are_remembered_so_that_they_hold_wherever_the_window_is_started() {
     app.take_path(Purpose::SaveStore, "no such folder/small.ovl".into());
     wait(&mut app, "the error", |app| !app.state.notices.is_empty());
     assert!(app.state.notices[0].text.contains(&here.join("no such folder").display().to_string()));
-    app.open_path("missing.ovl".into());
+    app.open_path("missing.ovl".as_ref());
     assert_eq!(app.state.opening, Some(here.join("missing.ovl").display().to_string()));
 }
 
@@ -150,7 +150,7 @@ fn settings_kept_beside_a_store_are_those_that_it_shows() {
     app.take_path(Purpose::SaveStore, path.clone());
     settle(&mut app);
     set_method(&mut app, PruningMethod::Off);
-    app.open_path(path);
+    app.open_path(&path);
     wait(&mut app, "the store", |app| !app.state.has_capture());
     app.apply(Command::SavePreset("mine".into()));
     let (_, kept) = &app.state.inspector.presets[0];

@@ -128,6 +128,7 @@ pub(crate) fn show_in_folder(path: &Path) -> Result<Message> {
         }
     }
     // Where the file manager itself was started it runs until it is closed; its end is taken note of.
-    std::thread::spawn(move || opener.wait());
+    let waiter = std::thread::Builder::new().name("file manager".to_owned());
+    waiter.spawn(move || opener.wait()).map_err(|error| Error::io(folder, error))?;
     Ok(Message::FolderShown)
 }
