@@ -280,7 +280,7 @@ fn a_camera_path_is_set_played_and_exported() {
     let first = image::open(pictures.join("0001.png")).unwrap();
     assert!(first.width() > 20);
     let film = folder.path().join("no/such/folder/film.mp4");
-    open_share(&mut window, "Film");
+    open_share(&mut window, "Video");
     share_to(&mut window, &film, "Export");
     wait(&mut window, "what went wrong", |window| shows(window, "Could not export"));
     assert!(!film.exists());

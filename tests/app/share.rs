@@ -9,7 +9,7 @@ use super::driver::{
     shows, small_capture, small_demo, told, wait, wait_for_shared,
 };
 
-const WAYS: [&str; 6] = ["Interactive page", "Splats", "Film", "Pictures", "Points", "Store"];
+const WAYS: [&str; 6] = ["Interactive page", "Splats", "Video", "Pictures", "Points", "Store"];
 
 /// What stands in the list beside a way.
 fn size_of(window: &Window, way: &str) -> String {
@@ -48,7 +48,7 @@ fn a_page_is_made_of_about_the_size_that_was_said_and_nothing_else_is_left() {
     let mut window = open(Start::Path(small_capture()), SIZE);
     settle(&mut window);
     open_share(&mut window, "Interactive page");
-    window.get_by_label("Title of the page").type_text("Four views of a desk");
+    window.get_by_label("Title of the page").set_text_value_accesskit("Four views of a desk");
     window.run_steps(3);
     let said = size_of(&window, "Interactive page");
     share_to(&mut window, &path, "Export");
@@ -134,7 +134,8 @@ fn an_address_that_is_copied_leads_back_from_anywhere() {
     wait(&mut window, "the store", |window| window.state().observed().scene_name.is_some());
     settle(&mut window);
     go_away(&mut window);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::L);
+    click(&mut window, "Save");
+    window.get_by_label("Copy the address of this view").click();
     let address = copied(&mut window).unwrap();
     let seen = place(&window);
     let start = format!("{}#view=", path.display());

@@ -118,7 +118,7 @@ fn the_palette_names_what_it_does_as_other_programs_do() {
         ("reset view", "Reset view to start"),
         ("center", "Center view on selected pixel"),
         ("frame times", "Frame times: write to the log and reset"),
-        ("video", "Share: Film"),
+        ("video", "Share: Video"),
         ("shortcuts", "Keyboard and mouse shortcuts"),
         ("stress", "Run a stress test"),
     ] {

@@ -21,7 +21,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Ctrl + P", "find any command by name"),
             ("?", "keyboard and mouse shortcuts"),
             ("Ctrl + O", "open a file"),
-            ("Ctrl + E", "share a page, splats, a film, pictures, points or the store"),
+            ("Ctrl + E", "share a page, splats, a video, pictures, points or the store"),
             ("Ctrl + S", "share the store"),
             ("Ctrl + Z, Ctrl + Y", "undo, redo"),
             ("Shift + Space", "maximize the view under the pointer, or restore it"),

@@ -92,7 +92,7 @@ impl Purpose {
             Self::SavePath => "Save the camera path",
             Self::LoadPath => "Open a camera path",
             Self::OpenPictures => "Open pictures of another program",
-            Self::ExportFilm => "Share a film",
+            Self::ExportFilm => "Share a video",
             Self::ExportPage => "Share an interactive page",
             Self::ExportSplats(_) => "Share splats",
             Self::ExportPoints => "Share points",

@@ -35,11 +35,11 @@ impl ShareWay {
             "Splats",
             "Gaussian splats for other viewers and engines: every kept sample is one, as wide as its pixel. Nothing is trained.",
         ),
-        (Self::Film, "Film", "A video along the camera path, for everybody."),
+        (Self::Film, "Video", "A video along the camera path, which everybody can play."),
         (
             Self::Pictures,
             "Pictures",
-            "This view as it is shown, or every picture of the camera path; as EXR with linear color and depth.",
+            "This view as it is shown, or every picture of the camera path: PNG, or EXR with linear color and depth.",
         ),
         (
             Self::Points,

@@ -35,6 +35,12 @@ impl ShareSize {
         Self { text: format!("about {}", bytes(size.round() as u64)), reason }
     }
 
+    /// Of a path that has no length yet.
+    fn each(size: f64, unit: &str, [width, height]: [u32; 2]) -> Self {
+        let Self { text, .. } = Self::about(size, String::new());
+        Self { text: format!("{text} a {unit}"), reason: format!("of {width}×{height}") }
+    }
+
     fn missing(text: &str) -> Self {
         Self { text: text.to_owned(), reason: String::new() }
     }
@@ -84,10 +90,7 @@ impl State {
         };
         let rate = f64::from(self.timeline.frames_per_second);
         match self.inspector.path.pictures() {
-            0 => {
-                let text = format!("about {} a second", bytes(size(rate).round() as u64));
-                ShareSize { text, reason: format!("at {width}×{height}") }
-            }
+            0 => ShareSize::each(size(rate), "second", [width, height]),
             pictures => {
                 let seconds = significant(pictures as f64 / rate);
                 let reason = format!("{} of {width}×{height}, {seconds} s", counted(pictures, "picture"));
@@ -106,9 +109,13 @@ impl State {
         }
         let [width, height] = self.export_size();
         let each = whole / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
-        let pictures = self.inspector.path.pictures();
-        let reason = format!("{} of {width}×{height}", counted(pictures.max(1), "picture"));
-        ShareSize::about(each * pictures.max(1) as f64, reason)
+        match self.inspector.path.pictures() {
+            0 => ShareSize::each(each, "picture", [width, height]),
+            pictures => {
+                let reason = format!("{} of {width}×{height}", counted(pictures, "picture"));
+                ShareSize::about(each * pictures as f64, reason)
+            }
+        }
     }
 
     fn points(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {

@@ -288,7 +288,7 @@ mod tests {
             ("background", "Holes: Fill"),
             ("exposure", "Open view: Color"),
             ("scale", "Interface size: smaller"),
-            ("film", "Share: Film"),
+            ("film", "Share: Video"),
             ("export", "Share…"),
             ("ply", "Share: Splats"),
             ("html", "Share: Interactive page"),

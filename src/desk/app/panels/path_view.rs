@@ -123,7 +123,7 @@ fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
     });
 }
 
-const SHARE: &str = "A film or pictures along the path.";
+const SHARE: &str = "A video or pictures along the path.";
 
 const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
 

@@ -1,6 +1,6 @@
 //! The dialog of all ways out: what each is for, how large it will be, and its making.
 
-use egui::{Align, Button, Id, Label, Layout, Modal, ProgressBar, RichText, Ui, Vec2};
+use egui::{Align, Button, Frame, Id, Label, Layout, Modal, ProgressBar, RichText, Ui, Vec2};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN, ICON_LINK};
 
 use super::share_options::options_ui;
@@ -29,7 +29,8 @@ pub(crate) fn share_ui(ctx: &egui::Context, state: &State, commands: &mut Comman
         return;
     }
     let mut options = share.options.clone();
-    let modal = Modal::new(Id::unique("share")).show(ctx, |ui| {
+    let frame = Frame::popup(&ctx.style_of(ctx.theme())).inner_margin(space::LARGE);
+    let modal = Modal::new(Id::unique("share")).frame(frame).show(ctx, |ui| {
         ui.set_width(WIDTH);
         ui.heading("Share");
         ui.add_space(space::MEDIUM);
@@ -39,6 +40,7 @@ pub(crate) fn share_ui(ctx: &egui::Context, state: &State, commands: &mut Comman
             ui.vertical(|ui| {
                 ui.set_width(ui.available_width());
                 ui.set_min_height(HEIGHT);
+                ui.spacing_mut().item_spacing.x = space::MEDIUM;
                 way_ui(ui, state, &mut options, commands);
             });
         });
@@ -144,7 +146,7 @@ fn action(way: ShareWay) -> &'static str {
     match way {
         ShareWay::Page => "Make the page…",
         ShareWay::Splats => "Make the splats…",
-        ShareWay::Film => "Make the film…",
+        ShareWay::Film => "Make the video…",
         ShareWay::Pictures => "Save pictures…",
         ShareWay::Points => "Save the points…",
         ShareWay::Store => "Save the store…",

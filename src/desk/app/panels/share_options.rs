@@ -8,6 +8,9 @@ use crate::app::widgets::{note, segments_ui, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::splats::{SplatFormat, SplatSky};
 
+/// Width of the names of options, so that what is chosen stands in one line whatever the way.
+const LABELS: f32 = 70.0;
+
 /// Formats of splats: name and help.
 const FORMATS: [(SplatFormat, &str, &str); 4] = [
     (SplatFormat::Ply, "PLY", "One frame, as most programs read it."),
@@ -34,7 +37,8 @@ const POINTS: [(bool, &str, &str); 2] =
 
 /// The options of the chosen way.
 pub(super) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
-    Grid::new("options of sharing").num_columns(2).spacing([14.0, 8.0]).show(ui, |ui| match options.way {
+    let grid = Grid::new("options of sharing").num_columns(2).min_col_width(LABELS).spacing([12.0, 8.0]);
+    grid.show(ui, |ui| match options.way {
         ShareWay::Page => page_ui(ui, state, options),
         ShareWay::Splats => splats_ui(ui, options),
         ShareWay::Film => film_ui(ui, state, commands),

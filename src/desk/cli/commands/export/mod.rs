@@ -27,7 +27,7 @@ enum ExportKind {
     Points(points::PointsArgs),
     /// Pictures along a camera path, as EXR and PNG.
     Pictures(pictures::PicturesArgs),
-    /// A video along a camera path, through the ffmpeg on this machine.
+    /// A video along a camera path, as MP4.
     Video(video::VideoArgs),
     /// A capture as MPEG immersive video, which TMIV and RVS read: cameras as JSON, texture and depth as raw video.
     Miv(miv::MivArgs),

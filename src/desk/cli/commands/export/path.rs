@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use overlook_engine::capture::transforms::{self, PathFile, PathView};
+use overlook_engine::capture::transforms::{self, Easing, PathFile, PathView};
 use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::Vantage;
@@ -17,19 +17,25 @@ pub(crate) struct Stops {
 }
 
 /// What is asked of a film beside its path.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
     /// The frame that all pictures show, by its number: a frozen moment.
     pub(crate) frame: Option<i64>,
     /// How many pictures are spread evenly over the path.
     pub(crate) pictures: Option<usize>,
+    /// How the camera sets off and arrives over the whole path.
+    pub(crate) easing: Easing,
+    /// Pictures a second, for paths that say when the camera is where.
+    pub(crate) rate: f64,
 }
 
 /// The places of a film.
 ///
 /// A file that has every picture of a film (the window's and nerfstudio's do), several views at one frame, or a store of one frame makes
 /// each view a picture. Else the views are keys, and there is one picture for every frame of the store from the first key to the last,
-/// interpolated by [`pose_at`]; a single key is a still camera for all frames. All pictures have the size of the first view.
+/// interpolated by [`pose_at`]; a single key is a still camera for all frames. Where the file says when the camera is at each view,
+/// views are keys at these times. All pictures have the size of the first view. Easing changes where the camera is, not which frame
+/// a picture shows.
 ///
 /// # Errors
 /// Those of reading the file, and `Invalid` for views at frames that the store has not.
@@ -43,16 +49,40 @@ pub(crate) fn along(path: &Path, store: &StoreInfo, pace: Pace) -> Result<Stops>
     numbers.sort_unstable();
     let are_distinct = numbers.windows(2).all(|pair| pair[0] < pair[1]);
     let is_every_view = file.is_film || held.is_some() || !are_distinct;
-    if !is_every_view {
+    let times = if let Some(seconds) = &file.seconds {
+        seconds.clone()
+    } else if is_every_view {
+        (0..file.views.len()).map(|index| index as f64).collect()
+    } else {
+        let mut order: Vec<usize> = (0..file.views.len()).collect();
+        order.sort_by_key(|index| file.views[*index].frame_number);
+        file.easings = order.iter().map(|index| file.easings[*index]).collect();
         file.views.sort_by_key(|view| view.frame_number);
-    }
-    let film = Film { path, store, held, views: &file.views, lens: first.camera.intrinsics };
+        file.views.iter().map(|view| view.frame_number as f64).collect()
+    };
+    let keys = times.into_iter().zip(&file.views);
+    let keys = keys.map(|(time, view)| PathKey { time, world_from_camera: view.camera.world_from_camera });
+    let film = Film {
+        path,
+        store,
+        held,
+        keys: keys.collect(),
+        file: &file,
+        lens: first.camera.intrinsics,
+        easing: pace.easing,
+    };
+    let is_eased = pace.easing != Easing::Linear || file.easings.iter().any(|easing| *easing != Easing::Linear);
     match pace.pictures {
-        Some(pictures) => film.spread(pictures, is_every_view),
+        Some(pictures) => film.spread(pictures),
+        None if file.seconds.is_some() => film.spread(film.pictures_at(pace.rate)?),
+        None if is_every_view && is_eased => film.spread(file.views.len()),
         None if is_every_view => film.every_view(),
         None => film.every_frame(),
     }
 }
+
+/// The most pictures of a film: `--pictures` has the same bound.
+const MOST_PICTURES: f64 = 1e6;
 
 /// The index of the frame that all pictures show: the one that was asked for, the only one, or the first where the file names none.
 fn held_frame(path: &Path, file: &PathFile, store: &StoreInfo, pace: Pace) -> Result<Option<usize>> {
@@ -81,9 +111,13 @@ struct Film<'a> {
     store: &'a StoreInfo,
     /// The frame of all pictures, if they show one.
     held: Option<usize>,
-    views: &'a [PathView],
+    file: &'a PathFile,
+    /// When the camera is at each view: in seconds, frames, or views.
+    keys: Vec<PathKey>,
     /// Of the first view.
     lens: Intrinsics,
+    /// Over the whole path.
+    easing: Easing,
 }
 
 impl Film<'_> {
@@ -101,20 +135,19 @@ impl Film<'_> {
     fn every_view(&self) -> Result<Stops> {
         let vantage =
             |view: &PathView| Ok(Vantage { camera: self.camera(view), frame: self.frame_of_view(view)? });
-        let vantages = self.views.iter().map(vantage).collect::<Result<Vec<_>>>()?;
+        let vantages = self.file.views.iter().map(vantage).collect::<Result<Vec<_>>>()?;
         Ok(Stops { numbers: (1..=vantages.len() as i64).collect(), vantages })
     }
 
     fn every_frame(&self) -> Result<Stops> {
-        let keys = self.keys(|_, view| view.frame_number as f64);
-        let [from, to] =
-            [self.views.first(), self.views.last()].map(|view| view.map_or(0, |view| view.frame_number));
+        let views = &self.file.views;
+        let [from, to] = [views.first(), views.last()].map(|view| view.map_or(0, |view| view.frame_number));
         let mut stops = Stops { vantages: Vec::new(), numbers: Vec::new() };
         for (frame, &number) in self.store.frame_numbers.iter().enumerate() {
-            if self.views.len() > 1 && !(from..=to).contains(&number) {
+            if views.len() > 1 && !(from..=to).contains(&number) {
                 continue;
             }
-            stops.vantages.push(Vantage { camera: self.between(&keys, number as f64), frame });
+            stops.vantages.push(Vantage { camera: self.between(number as f64), frame });
             stops.numbers.push(number);
         }
         if stops.numbers.is_empty() {
@@ -123,39 +156,57 @@ impl Film<'_> {
         Ok(stops)
     }
 
-    /// Pictures at equal steps: from view to view, or from the first frame to the last where views are keys.
-    fn spread(&self, pictures: usize, is_every_view: bool) -> Result<Stops> {
-        let keys =
-            self.keys(|index, view| if is_every_view { index as f64 } else { view.frame_number as f64 });
-        let (Some(from), Some(to)) = (keys.first(), keys.last()) else { return self.every_view() };
+    /// How many pictures a path of seconds has at a rate, both ends included.
+    fn pictures_at(&self, rate: f64) -> Result<usize> {
+        let seconds = self.ends().map_or(0.0, |[from, to]| to - from);
+        let pictures = (seconds * rate).round() + 1.0;
+        if pictures < MOST_PICTURES {
+            return Ok(pictures as usize);
+        }
+        let what = format!("a film of {seconds} seconds has too many pictures; path_time is in seconds");
+        Err(Error::invalid(self.path.display(), what))
+    }
+
+    fn ends(&self) -> Option<[f64; 2]> {
+        self.keys.first().zip(self.keys.last()).map(|(from, to)| [from.time, to.time])
+    }
+
+    /// Pictures at equal steps of time, from the first view to the last.
+    fn spread(&self, pictures: usize) -> Result<Stops> {
+        let Some([from, to]) = self.ends() else { return self.every_view() };
         let vantage = |picture: usize| {
-            let time =
-                from.time + (to.time - from.time) * picture as f64 / pictures.saturating_sub(1).max(1) as f64;
-            let number = if is_every_view {
-                let at = (time as usize).min(self.views.len() - 1);
-                let next = (at + 1).min(self.views.len() - 1);
-                let [a, b] = [at, next].map(|index| self.views[index].frame_number as f64);
-                a + (b - a) * time.fract()
-            } else {
-                time
-            };
-            let frame = self.held.unwrap_or_else(|| self.nearest_frame(number));
-            Vantage { camera: self.between(&keys, time), frame }
+            let time = from + (to - from) * picture as f64 / pictures.saturating_sub(1).max(1) as f64;
+            let frame = self.held.unwrap_or_else(|| self.nearest_frame(self.number_at(time)));
+            Vantage { camera: self.between(time), frame }
         };
         Ok(Stops { vantages: (0..pictures).map(vantage).collect(), numbers: (1..=pictures as i64).collect() })
     }
 
-    fn keys(&self, time: impl Fn(usize, &PathView) -> f64) -> Vec<PathKey> {
-        let key = |(index, view): (usize, &PathView)| PathKey {
-            time: time(index, view),
-            world_from_camera: view.camera.world_from_camera,
-        };
-        self.views.iter().enumerate().map(key).collect()
+    /// The views before and after a time, and its share of the way from one to the other.
+    fn leg(&self, time: f64) -> ([usize; 2], f64) {
+        let before = self.keys.partition_point(|key| key.time <= time).saturating_sub(1);
+        let after = (before + 1).min(self.keys.len() - 1);
+        let length = self.keys[after].time - self.keys[before].time;
+        let share = if length > 0.0 { (time - self.keys[before].time) / length } else { 0.0 };
+        ([before, after], share.clamp(0.0, 1.0))
     }
 
-    fn between(&self, keys: &[PathKey], time: f64) -> Camera {
-        let first = &self.views[0].camera;
-        let world_from_camera = pose_at(keys, time).unwrap_or(first.world_from_camera);
+    /// The number of the frame at a time, with fractions.
+    fn number_at(&self, time: f64) -> f64 {
+        let (leg, share) = self.leg(time);
+        let [from, to] = leg.map(|view| self.file.views[view].frame_number as f64);
+        from + (to - from) * share
+    }
+
+    /// The camera at a time.
+    fn between(&self, time: f64) -> Camera {
+        let first = &self.file.views[0].camera;
+        let [from, to] = self.ends().unwrap_or([time; 2]);
+        let time = if to > from { from + (to - from) * self.easing.way((time - from) / (to - from)) } else { time };
+        let (leg, share) = self.leg(time);
+        let [from, to] = leg.map(|view| self.keys[view].time);
+        let eased = from + (to - from) * self.file.easings[leg[0]].way(share);
+        let world_from_camera = pose_at(&self.keys, eased).unwrap_or(first.world_from_camera);
         Camera { intrinsics: self.lens, world_from_camera, ..first.clone() }
     }
 

@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
+use glam::DVec3;
 
 use super::path::{self, Pace, Stops};
-use crate::cli::input::{self, PaintingArgs, SettingsArgs};
+use crate::cli::input::{self, PaintingArgs, SettingsArgs, choice};
 use crate::cli::output::{self, CommandError, PicturePaths};
-use overlook_engine::error::Result;
+use overlook_engine::capture::transforms::Easing;
+use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::{self, FilmSource};
-use overlook_engine::render::{Picture, Renderer};
+use overlook_engine::render::{FACE_COUNT, Picture, Projection, Renderer, equirectangular, faces_around};
 use overlook_engine::settings::{RenderSettings, Settings};
 use overlook_engine::store::playback::Playback;
 use overlook_engine::whole_file;
@@ -32,6 +34,16 @@ pub(crate) struct FilmArgs {
     /// So many pictures, spread evenly over the path; more than it has frames are slow motion.
     #[arg(long, value_name = "N", value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..1_000_000))]
     pictures: Option<usize>,
+    /// How the camera sets off and arrives over the whole path; `path_easing` of a view does so from that view to the next.
+    #[arg(long, default_value = "linear", value_parser = choice::<Easing>(Easing::NAMES))]
+    easing: Easing,
+    /// What the pictures show: the view through the lens of the path, or all directions around the camera, with a level horizon, in
+    /// pictures twice as wide as they are high.
+    #[arg(long, default_value = "perspective", value_parser = choice::<Projection>(Projection::NAMES))]
+    projection: Projection,
+    /// Columns of equirectangular pictures [default: those of the path's pictures].
+    #[arg(long, value_name = "COLUMNS", value_parser = clap::value_parser!(u32).range(4..=16_384))]
+    width: Option<u32>,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -47,33 +59,84 @@ impl FilmArgs {
         output::refuse_view_files(&self.path, out)
     }
 
-    /// The open store, the stops of the path, and the settings to paint with.
-    pub(crate) fn plan(&self) -> Result<(Arc<Playback>, Stops, RenderSettings), CommandError> {
+    /// The film at a rate of pictures a second.
+    pub(crate) fn plan(&self, rate: f64) -> Result<Film, CommandError> {
         self.settings.only("render")?;
+        if self.width.is_some() && self.projection == Projection::Perspective {
+            let what = "only equirectangular pictures have a width of their own; the path says that of others";
+            return Err(Error::invalid("--width", what).into());
+        }
         whole_file::refuse_pipe(&self.path)?;
         let playback = input::open_store(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
         self.painting.apply(&mut settings.render);
-        let pace = Pace { frame: self.frame, pictures: self.pictures };
+        let pace = Pace { frame: self.frame, pictures: self.pictures, easing: self.easing, rate };
         let stops = path::along(&self.path, info, pace)?;
-        Ok((Arc::new(playback), stops, settings.render))
+        let up = info.up_in_world;
+        let size = stops.vantages[0].camera.intrinsics.size();
+        let panorama = (self.projection == Projection::Equirectangular)
+            .then(|| Panorama { width: self.width.unwrap_or(size.0 as u32).max(4).next_multiple_of(4), up });
+        Ok(Film { playback: Arc::new(playback), stops, settings: settings.render, panorama })
     }
 }
 
-/// Renders every stop in order and passes each picture on with its index; returns a notice if another renderer than requested was
-/// used.
-pub(crate) fn paint(
-    playback: &Arc<Playback>,
-    stops: &Stops,
-    settings: &RenderSettings,
-    job: &Job,
-    take: impl FnMut(usize, &Picture) -> Result<()>,
-) -> Result<Option<String>> {
-    let mut renderer = Renderer::strict(settings.backend)?;
-    film::paint(&FilmSource::Disk(playback.clone()), &stops.vantages, &mut renderer, settings, job, take)?;
-    Ok(renderer.notice().map(str::to_owned))
+/// A film that is planned.
+pub(crate) struct Film {
+    pub(crate) playback: Arc<Playback>,
+    pub(crate) stops: Stops,
+    settings: RenderSettings,
+    /// Of films that show all directions.
+    pub(crate) panorama: Option<Panorama>,
 }
+
+/// All directions around the camera.
+#[derive(Clone, Copy)]
+pub(crate) struct Panorama {
+    width: u32,
+    /// In the world.
+    up: DVec3,
+}
+
+impl Film {
+    /// Columns and rows of its pictures.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        let own = self.stops.vantages[0].camera.intrinsics.size();
+        let all_around = |panorama: Panorama| [panorama.width as usize, panorama.width as usize / 2];
+        self.panorama.map_or([own.0, own.1], all_around)
+    }
+
+    /// Renders every stop in order and passes each picture on with its index; returns a notice if another renderer than requested was
+    /// used.
+    pub(crate) fn paint(
+        &self,
+        job: &Job,
+        mut take: impl FnMut(usize, &Picture) -> Result<()>,
+    ) -> Result<Option<String>> {
+        let mut renderer = Renderer::strict(self.settings.backend)?;
+        let source = FilmSource::Disk(self.playback.clone());
+        let vantages = &self.stops.vantages;
+        let Some(Panorama { width, up }) = self.panorama else {
+            film::paint(&source, vantages, &mut renderer, &self.settings, job, take)?;
+            return Ok(renderer.notice().map(str::to_owned));
+        };
+        let faces: Vec<_> = vantages.iter().flat_map(|vantage| faces_around(vantage, up, width)).collect();
+        let mut painted = Vec::with_capacity(FACE_COUNT);
+        film::paint(&source, &faces, &mut renderer, &self.settings, job, |nth, face| {
+            painted.push(face.clone());
+            match <&[Picture; FACE_COUNT]>::try_from(painted.as_slice()) {
+                Ok(all) => take(nth / FACE_COUNT, &equirectangular(all, width))?,
+                Err(_) => return Ok(()),
+            }
+            painted.clear();
+            Ok(())
+        })?;
+        Ok(renderer.notice().map(str::to_owned))
+    }
+}
+
+/// Pictures a second of a path that says when the camera is where, as in a video.
+const RATE: f64 = 24.0;
 
 #[derive(Debug, Args)]
 pub(crate) struct PicturesArgs {
@@ -87,15 +150,13 @@ pub(crate) struct PicturesArgs {
 impl PicturesArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         output::check_folder(&self.out)?;
-        let (playback, stops, settings) = self.film.plan()?;
+        let film = self.film.plan(RATE)?;
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
-        let paths = stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
+        let paths = film.stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
         output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
-        let notice = output::watched(|job| {
-            paint(&playback, &stops, &settings, job, |nth, picture| paths[nth].write(picture))
-        })?;
+        let notice = output::watched(|job| film.paint(job, |nth, picture| paths[nth].write(picture)))?;
         output::warn(notice.as_slice());
-        output::warn(&playback.store().damage());
+        output::warn(&film.playback.store().damage());
         let (pictures, out) = (counted(paths.len(), "picture"), self.out.display());
         output::print(&format!("Wrote {pictures} (EXR and PNG) to {out}"))
     }

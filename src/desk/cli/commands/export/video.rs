@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::pictures::{FilmArgs, paint};
+use super::pictures::FilmArgs;
 use crate::cli::output::{self, CommandError};
-use overlook_engine::error::Error;
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::FilmEncoder;
 
@@ -14,7 +13,7 @@ use overlook_engine::render::film::FilmEncoder;
 pub(crate) struct VideoArgs {
     #[command(flatten)]
     film: FilmArgs,
-    /// The video file, as in video.mp4.
+    /// The video file, as in video.mp4: H.264, which every player and browser shows.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Frames a second.
@@ -30,18 +29,19 @@ pub(super) fn frames_per_second(text: &str) -> Result<f64, String> {
 impl VideoArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         output::check_file(&self.out, "video.mp4")?;
-        let (playback, stops, settings) = self.film.plan()?;
+        let film = self.film.plan(self.fps)?;
         self.film.refuse_inputs(&self.out)?;
-        let (width, height) = stops.vantages[0].camera.intrinsics.size();
-        let mut encoder = FilmEncoder::start(&self.out, [width, height], self.fps)?;
+        let mut encoder = FilmEncoder::start(&self.out, film.size(), self.fps)?;
+        if film.panorama.is_some() {
+            encoder.mark_equirectangular();
+        }
         let notice = output::watched(|job| {
-            let painted = paint(&playback, &stops, &settings, job, |_, picture| encoder.add(picture));
-            let written = painted.and_then(|notice| encoder.finish(job).map(|()| notice));
-            // Who stops a film may have stopped ffmpeg with it, which is no failure of that.
-            written.map_err(|error| if job.is_cancelled() { Error::Cancelled } else { error })
+            let notice = film.paint(job, |_, picture| encoder.add(picture))?;
+            encoder.finish(job)?;
+            Ok(notice)
         })?;
         output::warn(notice.as_slice());
-        output::warn(&playback.store().damage());
-        output::print(&format!("Wrote {} to {}", counted(stops.numbers.len(), "frame"), self.out.display()))
+        output::warn(&film.playback.store().damage());
+        output::print(&format!("Wrote {} to {}", counted(film.stops.numbers.len(), "frame"), self.out.display()))
     }
 }
