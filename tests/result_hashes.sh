@@ -14,7 +14,7 @@
 #     refused                             CAPTURE  what the program said
 #     skipped                             CAPTURE  what this machine lacks
 #
-# Progress goes to stderr. Needs Python 3, and an ffmpeg for films.
+# Progress goes to stderr. Needs Python 3.
 #
 # Left out of the hashes, since they differ from run to run or from machine to machine: times, memory and numbers of threads
 # (result_hashes.py takes them out of documents), and pareto.png, which draws times. Everything is painted on the CPU: by default a
@@ -187,10 +187,6 @@ export_film() {
     attempt "export pictures" export pictures default.ovl --path path.json --out film --backend cpu || return 0
     hash_files "export pictures" film exr
     hash_files "export pictures" film png
-    if ! command -v ffmpeg >/dev/null; then
-        line skipped "export video: there is no ffmpeg here"
-        return 0
-    fi
     attempt "export video" export video default.ovl --path path.json --out film.mp4 --backend cpu || return 0
     hash_file "export video" film.mp4
 }

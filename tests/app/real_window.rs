@@ -140,14 +140,6 @@ fn keep_picture(display: &str, name: &str) {
     }
 }
 
-/// A stand-in for ffmpeg that keeps the pictures as they come.
-fn write_stand_in_for_ffmpeg(folder: &Path) {
-    use std::os::unix::fs::PermissionsExt;
-    let program = folder.join("ffmpeg");
-    std::fs::write(&program, "#!/bin/sh\nfor last; do :; done\nexec /bin/cat > \"$last\"\n").unwrap();
-    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
-}
-
 #[test]
 #[ignore = "walks for a minute: cargo test --test app -- --ignored; OVERLOOK_WALK_PICTURES=FOLDER keeps a picture of each step"]
 fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
@@ -157,7 +149,6 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let capture = small_capture();
-    write_stand_in_for_ffmpeg(folder.path());
     let [pixel, line] = [("Source picture", 0.5), ("Depth tolerance on its histogram", 0.6)]
         .map(|(name, share)| place_of(name, &capture, share));
     let (_server, display) = start_display();

@@ -1,6 +1,6 @@
 //! `overlook export`: points, pictures and films that other programs read.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use overlook_engine::job::Job;
@@ -164,102 +164,4 @@ fn pictures_follow_the_path_frame_by_frame() {
     let png = image::open(out.join("0002.png")).unwrap().into_rgba8();
     assert_eq!(png.dimensions(), (31, 20));
     assert!(png.pixels().any(|pixel| pixel.0[3] == 255));
-}
-
-/// A stand-in for ffmpeg that keeps what it is given; the PATH with it alone.
-#[cfg(unix)]
-fn stand_in(folder: &Path, script: &str) -> PathBuf {
-    use std::os::unix::fs::PermissionsExt;
-    let bin = folder.join("bin");
-    std::fs::create_dir_all(&bin).unwrap();
-    let program = bin.join("ffmpeg");
-    std::fs::write(&program, format!("#!/bin/sh\nPATH=/usr/bin:/bin\n{script}\n")).unwrap();
-    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
-    bin
-}
-
-#[cfg(unix)]
-fn film(store: &str, path: &str, out: &Path, programs: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_overlook"))
-        .args(["export", "video", store, "--path", path, "--backend", "cpu", "--fps", "30", "--out"])
-        .arg(out)
-        .env("PATH", programs)
-        .output()
-        .unwrap()
-}
-
-#[test]
-#[cfg(unix)]
-fn a_film_is_handed_to_ffmpeg_picture_by_picture() {
-    let (folder, store, path) = scene();
-    let out = folder.path().join("film.mp4");
-    let told = folder.path().join("arguments");
-    let script = format!("for last; do :; done; printf '%s ' \"$@\" > {}; cat > \"$last\"", told.display());
-    let output = film(&store, &path, &out, &stand_in(folder.path(), &script));
-    assert!(output.status.success(), "{}", said(&output));
-    assert_eq!(std::fs::metadata(&out).unwrap().len(), 3 * 31 * 20 * 3);
-    let arguments = std::fs::read_to_string(told).unwrap();
-    assert!(arguments.contains("-s 31x20 -r 30 -i -") && arguments.contains("libx264"), "{arguments}");
-    let colors = ["scale=out_color_matrix=bt709:out_range=tv ", "-colorspace bt709 -color_primaries bt709"];
-    for told in colors.into_iter().chain(["-color_trc iec61966-2-1 -color_range tv "]) {
-        assert!(arguments.contains(told), "a player is told which colors it shows: {arguments}");
-    }
-}
-
-#[test]
-#[cfg(unix)]
-fn without_ffmpeg_or_with_one_that_fails_one_line_says_so() {
-    let (folder, store, path) = scene();
-    let out = folder.path().join("film.mp4");
-    let empty = folder.path().join("empty");
-    std::fs::create_dir(&empty).unwrap();
-    let output = film(&store, &path, &out, &empty);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(said(&output).contains("there is no ffmpeg") && said(&output).trim().lines().count() == 1);
-
-    let output = film(&store, &path, &out, &stand_in(folder.path(), "echo no such codec >&2; exit 3"));
-    assert_eq!(output.status.code(), Some(1));
-    assert!(said(&output).contains("no such codec") && said(&output).trim().lines().count() == 1);
-    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
-    let left: Vec<_> = left.filter(|name| name.to_string_lossy().ends_with(".mp4")).collect();
-    assert!(left.is_empty(), "of a film that failed nothing is left: {left:?}");
-}
-
-#[test]
-#[cfg(unix)]
-fn a_film_that_is_stopped_is_cancelled_and_no_failure_of_ffmpeg() {
-    use rustix::process::{Pid, Signal, kill_process_group};
-    use std::os::unix::process::CommandExt;
-    use std::time::{Duration, Instant};
-
-    let (folder, store, path) = scene();
-    let (out, given, told) =
-        (folder.path().join("film.mp4"), folder.path().join("given"), folder.path().join("told"));
-    // One that is still at work when it has all pictures.
-    let script = format!(
-        "trap 'echo > {}' INT; cat > /dev/null; echo > {}; while :; do sleep 0.05; done",
-        told.display(),
-        given.display()
-    );
-    let child = Command::new(env!("CARGO_BIN_EXE_overlook"))
-        .args(["export", "video", &store, "--path", &path, "--backend", "cpu", "--out"])
-        .arg(&out)
-        .env("PATH", stand_in(folder.path(), &script))
-        .stderr(std::process::Stdio::piped())
-        .process_group(0)
-        .spawn()
-        .unwrap();
-    let asked = Instant::now();
-    while !given.exists() {
-        assert!(asked.elapsed() < Duration::from_mins(1), "nothing happens");
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    // As a terminal does.
-    kill_process_group(Pid::from_child(&child), Signal::INT).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!((output.status.code(), said(&output).as_str()), (Some(130), "overlook: cancelled\n"));
-    assert!(!told.exists(), "ffmpeg was told to stop by others");
-    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
-    let left: Vec<_> = left.filter(|name| name.to_string_lossy().ends_with(".mp4")).collect();
-    assert!(left.is_empty(), "{left:?}");
 }

@@ -81,3 +81,55 @@ fn a_moving_scene_is_held_or_slowed_down_as_a_path_or_an_option_says() {
     let said = String::from_utf8(output.unwrap().stderr).unwrap();
     assert!(said.contains("there is no frame") && said.lines().count() == 1, "{said}");
 }
+
+#[test]
+fn a_camera_sets_off_and_arrives_slowly_where_it_is_asked_to() {
+    let (folder, pose) = stored("1");
+    let folder = folder.path();
+    write_path(folder, &pose, 2, |_, _| {});
+    let even = pictures(folder, &["--pictures", "5"]);
+    let eased = pictures(folder, &["--pictures", "5", "--easing", "in-out"]);
+    assert!(
+        [0, 2, 4].iter().all(|index| eased[*index] == even[*index]),
+        "the ends and the middle are where they were"
+    );
+    assert!([1, 3].iter().all(|index| eased[*index] != even[*index]));
+    write_path(folder, &pose, 2, |index, entry| entry["path_easing"] = ["in-out", "linear"][index].into());
+    assert!(pictures(folder, &["--pictures", "5"]) == eased, "a view says the same of the way from it");
+}
+
+#[test]
+fn a_camera_is_at_its_views_at_the_times_that_the_path_says() {
+    let (folder, pose) = stored("3");
+    let folder = folder.path();
+    write_path(folder, &pose, 3, |_, _| {});
+    let views = pictures(folder, &["--pictures", "3"]);
+    let seconds = [0.0, 1.0, 3.0];
+    write_path(folder, &pose, 3, |index, entry| entry["path_time"] = seconds[index].into());
+    let timed = pictures(folder, &["--pictures", "4"]);
+    assert!([(0, 0), (1, 1), (3, 2)].into_iter().all(|(picture, view)| timed[picture] == views[view]));
+    assert!(timed[2] != timed[1] && timed[2] != timed[3]);
+    let seconds = [0.0, 0.125, 0.25];
+    write_path(folder, &pose, 3, |index, entry| entry["path_time"] = seconds[index].into());
+    assert_eq!(pictures(folder, &[]).len(), 7, "24 a second, both ends included");
+}
+
+#[test]
+fn pictures_of_all_directions_meet_behind_the_camera() {
+    let (folder, pose) = stored("1");
+    let folder = folder.path();
+    write_path(folder, &pose, 1, |_, _| {});
+    let all_around = pictures(folder, &["--projection", "equirectangular", "--width", "96"]);
+    let picture = image::load_from_memory(&all_around[0]).unwrap().into_rgb8();
+    assert_eq!(picture.dimensions(), (96, 48));
+    // The first and the last column are neighbors as any others are.
+    let apart = |[a, b]: [u32; 2], y: u32| {
+        let [a, b] = [a, b].map(|x| picture.get_pixel(x, y).0);
+        (0..3).map(|channel| f64::from(a[channel].abs_diff(b[channel]))).sum::<f64>()
+    };
+    let between = |columns: [u32; 2]| (0..48).map(|y| apart(columns, y)).sum::<f64>() / 48.0;
+    let inner: Vec<f64> = (0..95).map(|x| between([x, x + 1])).collect();
+    let most = inner.iter().copied().fold(0.0, f64::max);
+    assert!(between([95, 0]) <= most, "{} {most}", between([95, 0]));
+    assert!(picture.pixels().any(|pixel| pixel.0 != picture.get_pixel(0, 0).0));
+}

@@ -24,3 +24,4 @@ mod result_places;
 mod splat_reader;
 mod splats_command;
 mod study_commands;
+mod video_command;

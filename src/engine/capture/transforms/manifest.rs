@@ -229,6 +229,14 @@ pub(crate) struct PictureEntry {
     /// Whether a camera path has a key here.
     #[serde(default)]
     pub path_key: bool,
+    /// When the camera of a path is here, in seconds of the film.
+    #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_time: Option<f64>,
+    /// How the camera of a path goes on from here.
+    #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_easing: Option<String>,
     /// Camera to world, row-major, OpenGL axes; 4 rows or 3.
     #[serde(deserialize_with = "rows")]
     pub transform_matrix: Vec<Vec<f64>>,

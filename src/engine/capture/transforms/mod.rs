@@ -59,7 +59,7 @@ pub use manifest_file::{MANIFEST_NAME, manifest_path, truth_beside};
 pub(crate) use normal_space_name::NormalSpaceName;
 pub(crate) use origin::ManifestOrigin;
 pub use other_pictures::{MatchedBy, OtherPictures};
-pub use path::{PathFile, PathView, open_path, path_from_json, path_to_json};
+pub use path::{Easing, PathFile, PathView, open_path, path_from_json, path_to_json};
 pub use pictures_of_views::open_pictures;
 pub(crate) use pose::opengl_matrix;
 pub(crate) use raw_video::RawVideoKeys;

@@ -4,7 +4,8 @@
 //! {"up": …, "frames": [{"file_path": "path/0001.exr", "transform_matrix": …, "fl_x": …, "frame": 1, "path_key": true}, …]}
 //! ```
 //!
-//! A manifest of another program has no keys marked; each of its entries is one.
+//! A manifest of another program has no keys marked; each of its entries is one. Entries may say when the camera is there (`path_time`,
+//! seconds) and how it goes on from there (`path_easing`).
 
 use std::path::Path;
 
@@ -17,6 +18,7 @@ use super::{frame_numbers, header_probe, intrinsics, pose};
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::pose_convention::upright;
 use crate::error::{Error, Result};
+use crate::settings::choice::choice;
 
 /// One picture of a camera path.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +40,37 @@ pub struct PathFile {
     pub is_film: bool,
     /// Whether it says which frame each view sees. If not, their numbers are 0.
     pub names_frames: bool,
+    /// When the camera is at each view, in seconds of the film, increasing; `None` where the file does not say.
+    pub seconds: Option<Vec<f64>>,
+    /// How the camera goes from each view to the next.
+    pub easings: Vec<Easing>,
+}
+
+choice! {
+    /// How a camera sets off and arrives.
+    pub enum Easing {
+        /// At an even pace.
+        Linear = "linear",
+        /// It sets off slowly.
+        In = "in",
+        /// It arrives slowly.
+        Out = "out",
+        /// It sets off and arrives slowly.
+        InOut = "in-out",
+    }
+}
+
+impl Easing {
+    /// The share of the way that is done after a share of the time, both from 0 to 1.
+    #[must_use]
+    pub fn way(self, time: f64) -> f64 {
+        match self {
+            Self::Linear => time,
+            Self::In => time * time,
+            Self::Out => time * (2.0 - time),
+            Self::InOut => time * time * (3.0 - 2.0 * time),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -108,7 +141,37 @@ pub fn open_path(path: &Path, frames_are_ranked: bool) -> Result<PathFile> {
     let names_frames = list.manifest.frames.iter().all(names_frame);
     let folder = list.path.parent().unwrap_or(Path::new(""));
     let views = views_of(&list.manifest, &list.path, Some(folder))?;
-    Ok(PathFile { views, is_film: list.is_film, names_frames })
+    let seconds = seconds_of(&list.manifest, &list.path)?;
+    let easings = easings_of(&list.manifest, &list.path)?;
+    Ok(PathFile { views, is_film: list.is_film, names_frames, seconds, easings })
+}
+
+/// When the camera is at each view, if the file says it.
+fn seconds_of(manifest: &Manifest, place: &Path) -> Result<Option<Vec<f64>>> {
+    let told: Vec<f64> = manifest.frames.iter().filter_map(|entry| entry.path_time).collect();
+    if told.is_empty() {
+        return Ok(None);
+    }
+    let refuse = |what: &str| Err(Error::invalid(place.display(), what));
+    if told.len() < manifest.frames.len() {
+        return refuse(
+            "has \"path_time\" in some entries only; give every view of the path its time, or none",
+        );
+    }
+    if !told.iter().all(|seconds| seconds.is_finite()) || told.windows(2).any(|pair| pair[0] >= pair[1]) {
+        return refuse("its \"path_time\" must be seconds that increase from view to view");
+    }
+    Ok(Some(told))
+}
+
+fn easings_of(manifest: &Manifest, place: &Path) -> Result<Vec<Easing>> {
+    let easing = |(index, entry): (usize, &PictureEntry)| {
+        let told = entry.path_easing.as_deref().map_or(Ok(Easing::Linear), str::parse);
+        told.map_err(|what| {
+            Error::invalid(format!("{}, frames[{index}]", place.display()), format!("path_easing {what}"))
+        })
+    };
+    manifest.frames.iter().enumerate().map(easing).collect()
 }
 
 /// The pictures of a path, from a text as [`path_to_json`] or another program wrote it. No file is looked for; `place` is
@@ -172,6 +235,56 @@ mod tests {
         let bare = text.replace("\"path_key\": true", "\"other\": 1");
         let bare = path_from_json(bare.as_bytes(), Path::new("transforms.json")).unwrap();
         assert!(bare.iter().all(|view| view.is_key));
+    }
+
+    #[test]
+    fn every_easing_leads_from_the_start_to_the_end_and_is_slow_where_it_says() {
+        for easing in Easing::ALL {
+            assert_eq!([0.0, 1.0].map(|time| easing.way(time)), [0.0, 1.0]);
+            let way: Vec<f64> = (0..=100).map(|step| easing.way(f64::from(step) / 100.0)).collect();
+            assert!(way.windows(2).all(|pair| pair[1] > pair[0]), "{easing}");
+            let is_slow = |leg: f64| leg < 0.002;
+            let slow = [way[1] - way[0], way[100] - way[99]].map(is_slow);
+            let expected = match easing {
+                Easing::Linear => [false, false],
+                Easing::In => [true, false],
+                Easing::Out => [false, true],
+                Easing::InOut => [true, true],
+            };
+            assert_eq!(slow, expected, "{easing}");
+        }
+    }
+
+    #[test]
+    fn times_and_easings_of_views_are_read_and_bad_ones_give_one_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("path.json");
+        let read = |[first, second]: [&str; 2]| {
+            let entry = |more: &str| {
+                format!(
+                    r#"{{"file_path": "a", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]{more}}}"#
+                )
+            };
+            let text =
+                format!(r#"{{"w": 4, "h": 4, "fl_x": 5, "frames": [{}, {}]}}"#, entry(first), entry(second));
+            std::fs::write(&file, text).unwrap();
+            open_path(&file, false).map_err(|error| error.to_string())
+        };
+        let eased = read([r#", "path_time": 0.5, "path_easing": "in-out""#, r#", "path_time": 2"#]).unwrap();
+        assert_eq!(
+            (eased.seconds, eased.easings),
+            (Some(vec![0.5, 2.0]), vec![Easing::InOut, Easing::Linear])
+        );
+        let plain = read(["", ""]).unwrap();
+        assert_eq!((plain.seconds, plain.easings), (None, vec![Easing::Linear; 2]));
+        for (entries, why) in [
+            ([r#", "path_time": 1"#, ""], "some entries only"),
+            ([r#", "path_time": 1"#, r#", "path_time": 1"#], "increase"),
+            ([r#", "path_easing": "bouncy""#, ""], "path_easing 'bouncy' is not one of linear"),
+        ] {
+            let error = read(entries).unwrap_err();
+            assert!(error.contains(why) && !error.contains('\n'), "{error}");
+        }
     }
 
     #[test]

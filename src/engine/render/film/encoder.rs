@@ -1,128 +1,217 @@
-//! A film file, written by the ffmpeg of this machine.
+//! A film file: H.264 in MP4.
 
 use std::fs::File;
-use std::io::{ErrorKind, Read, Seek, Write};
+use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
-use std::time::Duration;
 
+use rusty_h264_common::YuvPlanes;
+use rusty_h264_encoder::{Encoder, EncoderConfig, Preset};
+use tempfile::TempPath;
+
+use super::h264;
+use super::mp4::{self, Track};
 use crate::color::srgb8_from_linear;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::render::vantage::Picture;
 use crate::whole_file;
 
-/// Players need 4:2:0, which needs even sides. By default ffmpeg uses the color matrix of standard definition and players that of
-/// high definition: greens and reds would shift.
-const FILTERS: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
+/// The step between levels of a coefficient, as the format counts it: pictures differ by 1 of 255 in the mean, most of it because
+/// four pixels share a color.
+const QUANTIZER: u8 = 20;
 
-/// The color space, for players: Rec.709 primaries and matrix, the sRGB curve, and television range.
-const COLOR_TAGS: [&str; 8] =
-    ["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"];
+/// Seconds after which a player can start without the pictures before.
+const SECONDS_PER_KEY_PICTURE: f64 = 2.0;
 
-/// Bytes of ffmpeg's error output that an error quotes at most.
-const MAX_QUOTED: u64 = 2000;
+/// The largest picture that the format's levels know, in blocks of 16×16 pixels, and the longest side in pixels.
+const MOST_BLOCKS: usize = 139_264;
+const LONGEST_SIDE: usize = 16_384;
 
-/// How often it is checked whether ffmpeg has ended.
-const POLL_INTERVAL: Duration = Duration::from_millis(10);
+/// The levels of the format: their number, and what they allow: blocks of 16×16 pixels of a picture, and of a second.
+const LEVELS: [(u8, usize, f64); 10] = [
+    (30, 1_620, 40_500.0),
+    (31, 3_600, 108_000.0),
+    (40, 8_192, 245_760.0),
+    (42, 8_704, 522_240.0),
+    (50, 22_080, 589_824.0),
+    (51, 36_864, 983_040.0),
+    (52, 36_864, 2_073_600.0),
+    (60, MOST_BLOCKS, 4_177_920.0),
+    (61, MOST_BLOCKS, 8_355_840.0),
+    (62, MOST_BLOCKS, 16_711_680.0),
+];
 
-/// A running ffmpeg that encodes one picture after another. The film takes its name when it is complete: dropped before
-/// [`FilmEncoder::finish`] it leaves nothing behind, and an earlier file of that name stays.
+/// A film that takes one picture after another. It takes its name when it is complete: dropped before [`FilmEncoder::finish`] it
+/// leaves nothing behind, and an earlier file of that name stays.
 pub struct FilmEncoder {
-    ffmpeg: Child,
-    pipe: Option<ChildStdin>,
-    /// Its error output: a file, because a full pipe would block it.
-    stderr: File,
-    /// The file until it is complete.
-    unfinished: Option<tempfile::TempPath>,
+    encoder: Encoder,
+    track: Track,
+    /// The coded pictures, until the index before them is known.
+    coded: BufWriter<File>,
+    unfinished: TempPath,
     out: PathBuf,
 }
 
 impl FilmEncoder {
-    /// Starts ffmpeg on a film of `width` by `height` pixels, in the format of the extension of `out`, as in `film.mp4`.
+    /// Starts a film of `width` by `height` pixels at `out`, as in `film.mp4`. A side with an odd number of pixels is one longer in the
+    /// film, whose last pixel is there twice.
     ///
     /// # Errors
-    /// `Unsupported` where there is no ffmpeg, `Io` where it cannot be started or the folder cannot be written.
-    pub fn start(out: &Path, [width, height]: [usize; 2], frames_per_second: f64) -> Result<Self> {
-        let extension = out.extension().map_or("mp4".into(), |extension| extension.to_string_lossy());
-        let unfinished = whole_file::beside(out, &format!(".{extension}"))?.into_temp_path();
-        let mut command = Command::new("ffmpeg");
-        command.args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"]);
-        command.args(["-s", &format!("{width}x{height}"), "-r", &frames_per_second.to_string(), "-i", "-"]);
-        command.args(["-vf", FILTERS, "-c:v", "libx264", "-crf", "16", "-pix_fmt", "yuv420p"]);
-        command.args(COLOR_TAGS).args(["-movflags", "+faststart"]).arg(&unfinished);
-        command.stdin(Stdio::piped()).stdout(Stdio::null());
-        let stderr = tempfile::tempfile().map_err(|error| Error::io(std::env::temp_dir(), error))?;
-        command.stderr(stderr.try_clone().map_err(|error| Error::io(std::env::temp_dir(), error))?);
-        // Ctrl-C in a terminal reaches every process of its group; only this program may end ffmpeg.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut ffmpeg = command.spawn().map_err(|error| match error.kind() {
-            ErrorKind::NotFound => Error::unsupported(
-                out.display(),
-                "there is no ffmpeg on this machine's PATH to write a video with; install it, or export pictures instead",
-            ),
-            _ => Error::io("ffmpeg", error),
-        })?;
-        let pipe = ffmpeg.stdin.take();
-        Ok(Self { ffmpeg, pipe, stderr, unfinished: Some(unfinished), out: out.to_path_buf() })
+    /// `Unsupported` for another extension than `.mp4` or `.m4v` and for sides beyond 16384 pixels or pictures of more than 35 million;
+    /// `Io` where the folder cannot be written.
+    pub fn start(out: &Path, size: [usize; 2], frames_per_second: f64) -> Result<Self> {
+        let extension = out.extension().unwrap_or_default().to_ascii_lowercase();
+        if extension != "mp4" && extension != "m4v" {
+            let what = "videos are written as MP4; name it with .mp4, or export pictures for another program";
+            return Err(Error::unsupported(out.display(), what));
+        }
+        let [width, height] = size.map(|side| side.next_multiple_of(2));
+        let too_large = || {
+            let what = format!("no video can have {}×{} pixels; make it smaller", size[0], size[1]);
+            Error::unsupported(out.display(), what)
+        };
+        if width.max(height) > LONGEST_SIDE || width.min(height) == 0 {
+            return Err(too_large());
+        }
+        let blocks = width.div_ceil(16) * height.div_ceil(16);
+        let fits =
+            |level: &&(u8, usize, f64)| level.1 >= blocks && level.2 >= blocks as f64 * frames_per_second;
+        let (highest, most, _) = LEVELS[LEVELS.len() - 1];
+        if blocks > most {
+            return Err(too_large());
+        }
+        let mut config = EncoderConfig::new(width, height);
+        config.level_idc = LEVELS.iter().find(fits).map_or(highest, |level| level.0);
+        config.preset = Preset::Balanced;
+        config.qp = QUANTIZER;
+        config.framerate = frames_per_second as f32;
+        config.gop_size = (SECONDS_PER_KEY_PICTURE * frames_per_second).ceil().max(1.0) as u32;
+        // Each picture comes out as it goes in.
+        config.mbtree = false;
+        let encoder =
+            Encoder::new(config).map_err(|error| Error::unsupported(out.display(), error.to_string()))?;
+        let temporary = || tempfile::tempfile_in(whole_file::folder_of(out));
+        Ok(Self {
+            encoder,
+            track: Track {
+                size: [width, height].map(|side| side as u16),
+                frames_per_second,
+                parameter_sets: [Vec::new(), Vec::new()],
+                picture_bytes: Vec::new(),
+                key_pictures: Vec::new(),
+                is_equirectangular: false,
+            },
+            unfinished: whole_file::beside(out, ".mp4")?.into_temp_path(),
+            coded: BufWriter::new(temporary().map_err(|error| Error::io(out, error))?),
+            out: out.to_path_buf(),
+        })
+    }
+
+    /// Tells players that the pictures are equirectangular, so that they show a part to look around in.
+    pub fn mark_equirectangular(&mut self) {
+        self.track.is_equirectangular = true;
     }
 
     /// Adds a picture of the size given at the start. Holes are black.
     ///
     /// # Errors
-    /// `Invalid` with ffmpeg's error output, where it failed.
+    /// `Invalid` for a picture of another size, `Io` where the disk is full.
     pub fn add(&mut self, picture: &Picture) -> Result<()> {
-        let bytes: Vec<u8> =
-            picture.color.as_slice().iter().flatten().map(|channel| srgb8_from_linear(*channel)).collect();
-        let written = self.pipe.as_mut().map(|pipe| pipe.write_all(&bytes));
-        if matches!(written, Some(Ok(()))) {
-            return Ok(());
-        }
-        // It ended: the reason is in its error output.
-        self.pipe = None;
-        let status = self.ffmpeg.wait();
-        let ended = status.map_err(|error| error.to_string()).and_then(|status| self.check(status));
-        Err(self.failed(&ended.err().unwrap_or_else(|| "it takes no more pictures".to_owned())))
+        let size = self.track.size.map(usize::from);
+        let given = [picture.color.width(), picture.color.height()];
+        let planes = Planes::of(picture, size);
+        let views = YuvPlanes::tight(size[0], size[1], &planes.luma, &planes.blue, &planes.red);
+        let views = views.filter(|_| given.map(|side| side.next_multiple_of(2)) == size);
+        let coded = views.map(|views| self.encoder.encode_planes(&views));
+        let Some(Ok(coded)) = coded else {
+            let what = format!("a picture of {given:?} pixels does not fit a film of {size:?}");
+            return Err(Error::invalid(self.out.display(), what));
+        };
+        self.take(&coded).map_err(|error| Error::io(&self.out, error))
     }
 
-    /// Waits until the film is complete.
+    /// Writes a coded picture and keeps what the index says of it.
+    fn take(&mut self, coded: &[u8]) -> std::io::Result<()> {
+        for unit in h264::units(coded) {
+            match h264::kind(unit) {
+                h264::SEQUENCE_PARAMETERS => {
+                    let told = h264::with_color_space(unit).unwrap_or_else(|| unit.to_vec());
+                    self.track.parameter_sets[0] = told;
+                }
+                h264::PICTURE_PARAMETERS => self.track.parameter_sets[1] = unit.to_vec(),
+                // Every picture is one slice.
+                kind @ (h264::SLICE | h264::KEY_SLICE) => {
+                    if kind == h264::KEY_SLICE {
+                        self.track.key_pictures.push(self.track.picture_bytes.len() as u32);
+                    }
+                    self.track.picture_bytes.push(unit.len() as u32 + 4);
+                    self.coded.write_all(&(unit.len() as u32).to_be_bytes())?;
+                    self.coded.write_all(unit)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Completes the film.
     ///
     /// # Errors
-    /// `Invalid` with ffmpeg's error output, where it failed; `Io` where the film cannot take its name; `Cancelled`.
-    pub fn finish(mut self, job: &Job) -> Result<()> {
-        self.pipe = None;
-        let status = loop {
-            job.check()?;
-            match self.ffmpeg.try_wait().map_err(|error| Error::io("ffmpeg", error))? {
-                Some(status) => break status,
-                None => std::thread::sleep(POLL_INTERVAL),
-            }
+    /// `Io` where the disk is full or the film cannot take its name; `Cancelled`.
+    pub fn finish(self, job: &Job) -> Result<()> {
+        job.check()?;
+        let write = || {
+            let mut coded = self.coded.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+            coded.rewind()?;
+            let mut film = BufWriter::new(File::create(&self.unfinished)?);
+            mp4::write(&self.track, &mut coded, &mut film)?;
+            film.flush()
         };
-        self.check(status).map_err(|what| self.failed(&what))?;
-        let unfinished = self.unfinished.take();
-        unfinished.map_or(Ok(()), |unfinished| whole_file::persist(unfinished, &self.out))
-    }
-
-    /// The error output of ffmpeg, if it failed.
-    fn check(&mut self, status: ExitStatus) -> std::result::Result<(), String> {
-        if status.success() {
-            return Ok(());
-        }
-        let mut output = Vec::new();
-        let _ = self.stderr.rewind().and_then(|()| (&self.stderr).take(MAX_QUOTED).read_to_end(&mut output));
-        Err(format!("{status}: {}", String::from_utf8_lossy(&output).trim().replace('\n', "; ")))
-    }
-
-    fn failed(&self, what: &str) -> Error {
-        Error::invalid(self.out.display(), format!("ffmpeg failed: {what}"))
+        write().map_err(|error| Error::io(&self.out, error))?;
+        whole_file::persist(self.unfinished, &self.out)
     }
 }
 
-impl Drop for FilmEncoder {
-    fn drop(&mut self) {
-        // Both fail, without harm, if ffmpeg has ended.
-        let _ = self.ffmpeg.kill();
-        let _ = self.ffmpeg.wait();
+/// A picture as Rec. 709 brightness and two color differences of television range, these of four pixels each.
+struct Planes {
+    luma: Vec<u8>,
+    blue: Vec<u8>,
+    red: Vec<u8>,
+}
+
+/// Shares of red and blue in brightness.
+const RED: f32 = 0.2126;
+const BLUE: f32 = 0.0722;
+
+impl Planes {
+    fn of(picture: &Picture, [width, height]: [usize; 2]) -> Self {
+        let (columns, rows) = (picture.color.width(), picture.color.height());
+        let mut planes = Self {
+            luma: vec![16; width * height],
+            blue: vec![128; width * height / 4],
+            red: vec![128; width * height / 4],
+        };
+        let color = |x: usize, y: usize| {
+            let pixel = picture.color[(x.min(columns - 1), y.min(rows - 1))];
+            pixel.map(|channel| f32::from(srgb8_from_linear(channel)))
+        };
+        let brightness = |[red, green, blue]: [f32; 3]| RED * red + (1.0 - RED - BLUE) * green + BLUE * blue;
+        for y in 0..height / 2 {
+            for x in 0..width / 2 {
+                let mut mean = [0.0; 3];
+                for (column, row) in [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (2 * x + dx, 2 * y + dy))
+                {
+                    let pixel = color(column, row);
+                    planes.luma[row * width + column] = (16.5 + brightness(pixel) * 219.0 / 255.0) as u8;
+                    mean = [0, 1, 2].map(|channel| mean[channel] + pixel[channel] / 4.0);
+                }
+                let difference = |channel: f32, share: f32| {
+                    (128.5 + (channel - brightness(mean)) / (2.0 * (1.0 - share)) * 224.0 / 255.0) as u8
+                };
+                planes.blue[y * width / 2 + x] = difference(mean[2], BLUE);
+                planes.red[y * width / 2 + x] = difference(mean[0], RED);
+            }
+        }
+        planes
     }
 }

@@ -1,6 +1,8 @@
-//! Films: pictures along a camera path, rendered in order for files or for ffmpeg.
+//! Films: pictures along a camera path, rendered in order for files or a video.
 
 mod encoder;
+mod h264;
+mod mp4;
 mod path;
 
 pub use encoder::FilmEncoder;

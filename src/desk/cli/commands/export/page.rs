@@ -7,6 +7,7 @@ use clap::Args;
 use super::path::{self, Stops};
 use crate::cli::input;
 use crate::cli::output::{self, CommandError};
+use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::Result;
 use overlook_engine::page::{self, PageOptions, PagePath};
 use overlook_engine::store::file::StoreInfo;
@@ -45,7 +46,11 @@ impl PageArgs {
         }
         let playback = input::open_store(&self.store)?;
         let options = PageOptions {
-            path: self.path.as_ref().map(|path| page_path(path, playback.store().info())).transpose()?,
+            path: self
+                .path
+                .as_ref()
+                .map(|path| page_path(path, playback.store().info(), self.fps))
+                .transpose()?,
             title: self.title,
             text: self.text,
             frames_per_second: self.fps,
@@ -66,8 +71,9 @@ impl PageArgs {
     }
 }
 
-fn page_path(manifest: &std::path::Path, store: &StoreInfo) -> Result<PagePath> {
-    let Stops { vantages, .. } = path::along(manifest, store, path::Pace::default())?;
+fn page_path(manifest: &std::path::Path, store: &StoreInfo, rate: f64) -> Result<PagePath> {
+    let pace = path::Pace { frame: None, pictures: None, easing: Easing::Linear, rate };
+    let Stops { vantages, .. } = path::along(manifest, store, pace)?;
     Ok(PagePath {
         first_frame: vantages[0].frame,
         lens: vantages[0].camera.intrinsics,

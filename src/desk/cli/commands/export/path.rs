@@ -71,7 +71,8 @@ pub(crate) fn along(path: &Path, store: &StoreInfo, pace: Pace) -> Result<Stops>
         lens: first.camera.intrinsics,
         easing: pace.easing,
     };
-    let is_eased = pace.easing != Easing::Linear || file.easings.iter().any(|easing| *easing != Easing::Linear);
+    let is_eased =
+        pace.easing != Easing::Linear || file.easings.iter().any(|easing| *easing != Easing::Linear);
     match pace.pictures {
         Some(pictures) => film.spread(pictures),
         None if file.seconds.is_some() => film.spread(film.pictures_at(pace.rate)?),
@@ -202,7 +203,8 @@ impl Film<'_> {
     fn between(&self, time: f64) -> Camera {
         let first = &self.file.views[0].camera;
         let [from, to] = self.ends().unwrap_or([time; 2]);
-        let time = if to > from { from + (to - from) * self.easing.way((time - from) / (to - from)) } else { time };
+        let time =
+            if to > from { from + (to - from) * self.easing.way((time - from) / (to - from)) } else { time };
         let (leg, share) = self.leg(time);
         let [from, to] = leg.map(|view| self.keys[view].time);
         let eased = from + (to - from) * self.file.easings[leg[0]].way(share);

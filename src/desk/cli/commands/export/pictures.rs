@@ -63,7 +63,8 @@ impl FilmArgs {
     pub(crate) fn plan(&self, rate: f64) -> Result<Film, CommandError> {
         self.settings.only("render")?;
         if self.width.is_some() && self.projection == Projection::Perspective {
-            let what = "only equirectangular pictures have a width of their own; the path says that of others";
+            let what =
+                "only equirectangular pictures have a width of their own; the path says that of others";
             return Err(Error::invalid("--width", what).into());
         }
         whole_file::refuse_pipe(&self.path)?;

@@ -36,12 +36,15 @@ impl VideoArgs {
             encoder.mark_equirectangular();
         }
         let notice = output::watched(|job| {
-            let notice = film.paint(job, |_, picture| encoder.add(picture))?;
-            encoder.finish(job)?;
-            Ok(notice)
+            let painted = film.paint(job, |_, picture| encoder.add(picture));
+            painted.and_then(|notice| encoder.finish(job).map(|()| notice))
         })?;
         output::warn(notice.as_slice());
         output::warn(&film.playback.store().damage());
-        output::print(&format!("Wrote {} to {}", counted(film.stops.numbers.len(), "frame"), self.out.display()))
+        output::print(&format!(
+            "Wrote {} to {}",
+            counted(film.stops.numbers.len(), "frame"),
+            self.out.display()
+        ))
     }
 }

@@ -1,0 +1,206 @@
+//! `overlook export video`: films that other programs play, on machines without any other program.
+
+use std::path::Path;
+use std::process::Output;
+
+use rusty_h264_decoder::Decoder;
+use serde_json::json;
+
+use crate::command::{overlook, scene, succeed};
+
+/// A folder with the store of a small scene, and a camera path from its truth view of this size.
+fn stored(frames: &str, [width, height]: [usize; 2]) -> tempfile::TempDir {
+    let folder = scene(frames, "64x48");
+    succeed(overlook(folder.path(), &["preprocess", "scene", "--out", "scene.ovl"]));
+    let views = std::fs::read(folder.path().join("scene/novel/transforms.json")).unwrap();
+    let views: serde_json::Value = serde_json::from_slice(&views).unwrap();
+    let view = |frame: usize| {
+        let mut pose = views["frames"][0]["transform_matrix"].clone();
+        pose[0][3] = json!(pose[0][3].as_f64().unwrap() + 0.02 * frame as f64);
+        json!({"file_path": format!("{frame}.png"), "path_time": 0.5 * frame as f64, "transform_matrix": pose})
+    };
+    let path = json!({"w": width, "h": height, "fl_x": 50, "frame": 1, "frames": [view(0), view(1)]});
+    std::fs::write(folder.path().join("path.json"), path.to_string()).unwrap();
+    folder
+}
+
+fn film(folder: &Path, more: &[&str]) -> Output {
+    let arguments = ["export", "video", "scene.ovl", "--path", "path.json", "--backend", "cpu"];
+    overlook(folder, &[&arguments[..], more].concat()).env("PATH", folder).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The content of the box at the end of a path of names, where `skip` bytes stand before the boxes within it.
+fn content<'a>(mut boxes: &'a [u8], path: &[(&str, usize)]) -> &'a [u8] {
+    for (name, skip) in path {
+        let found = loop {
+            assert!(boxes.len() >= 8, "there is no {name}");
+            let size = u32::from_be_bytes(boxes[..4].try_into().unwrap()) as usize;
+            if &boxes[4..8] == name.as_bytes() {
+                break &boxes[8 + skip..size];
+            }
+            boxes = &boxes[size..];
+        };
+        boxes = found;
+    }
+    boxes
+}
+
+const TABLE: [(&str, usize); 5] = [("moov", 0), ("trak", 0), ("mdia", 0), ("minf", 0), ("stbl", 0)];
+/// The fields of a video before its own boxes.
+const ENTRY: [(&str, usize); 2] = [("stsd", 8), ("avc1", 78)];
+
+fn table<'a>(film: &'a [u8], path: &[(&str, usize)]) -> &'a [u8] {
+    content(film, &[&TABLE[..], path].concat())
+}
+
+fn numbers(bytes: &[u8]) -> Vec<usize> {
+    bytes.chunks_exact(4).map(|four| u32::from_be_bytes(four.try_into().unwrap()) as usize).collect()
+}
+
+/// The pictures of a film as a decoder shows them, sRGB.
+fn decoded(film: &[u8]) -> Vec<image::RgbImage> {
+    let decoder = table(film, &[&ENTRY[..], &[("avcC", 0)]].concat());
+    let mut stream = Vec::new();
+    let mut at = 6;
+    for _ in 0..2 {
+        let size = usize::from(u16::from_be_bytes([decoder[at], decoder[at + 1]]));
+        stream.extend([0, 0, 0, 1]);
+        stream.extend(&decoder[at + 2..at + 2 + size]);
+        at += 3 + size;
+    }
+    let mut start = numbers(table(film, &[("stco", 0)]))[2];
+    for size in &numbers(table(film, &[("stsz", 0)]))[3..] {
+        let unit = &film[start..start + size];
+        assert_eq!(numbers(&unit[..4]), [size - 4], "one unit is one picture");
+        stream.extend([0, 0, 0, 1]);
+        stream.extend(&unit[4..]);
+        start += size;
+    }
+    assert_eq!(start, film.len(), "the pictures end where the film does");
+    let frames = Decoder::new().decode_stream(&stream).unwrap();
+    let shown = |frame: &rusty_h264_common::YuvFrame| {
+        image::RgbImage::from_fn(frame.width as u32, frame.height as u32, |x, y| {
+            let color = y as usize / 2 * frame.width / 2 + x as usize / 2;
+            let luma = (f32::from(frame.y[y as usize * frame.width + x as usize]) - 16.0) * 255.0 / 219.0;
+            let [blue, red] =
+                [&frame.u, &frame.v].map(|plane| (f32::from(plane[color]) - 128.0) * 255.0 / 224.0);
+            // Rec. 709.
+            let rgb = [luma + 1.5748 * red, luma - 0.187_324 * blue - 0.468_124 * red, luma + 1.8556 * blue];
+            image::Rgb(rgb.map(|channel| (channel + 0.5).clamp(0.0, 255.0) as u8))
+        })
+    };
+    frames.iter().map(shown).collect()
+}
+
+#[test]
+fn a_film_shows_the_pictures_of_its_path_without_another_program() {
+    let folder = stored("3", [70, 50]);
+    let folder = folder.path();
+    let output = film(folder, &["--fps", "12", "--out", "film.mp4"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let bytes = std::fs::read(folder.join("film.mp4")).unwrap();
+    let shown = decoded(&bytes);
+    let pictures =
+        ["export", "pictures", "scene.ovl", "--path", "path.json", "--backend", "cpu", "--pictures", "7"];
+    succeed(overlook(folder, &[&pictures[..], &["--out", "pictures"]].concat()));
+    assert_eq!(shown.len(), 7, "half a second at 12 pictures a second, both ends included");
+    for (index, shown) in shown.iter().enumerate() {
+        let picture =
+            image::open(folder.join(format!("pictures/{:04}.png", index + 1))).unwrap().into_rgba8();
+        assert_eq!(shown.dimensions(), picture.dimensions());
+        let apart = shown.pixels().zip(picture.pixels()).flat_map(|(shown, true_color)| {
+            // Holes are black in a film.
+            let seen = true_color.0[3] > 0;
+            (0..3).map(move |c| f64::from(shown.0[c].abs_diff(if seen { true_color.0[c] } else { 0 })))
+        });
+        // A small picture of a lively scene: most of the difference is that four pixels share a color.
+        let mean = apart.sum::<f64>() / f64::from(3 * 70 * 50);
+        assert!(mean < 4.0, "picture {index}: {mean}");
+    }
+}
+
+#[test]
+fn a_film_says_its_size_its_pace_and_its_colors_before_its_pictures() {
+    let folder = stored("3", [71, 49]);
+    let folder = folder.path();
+    let output = film(folder, &["--fps", "29.97", "--pictures", "5", "--out", "film.mp4"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let bytes = std::fs::read(folder.join("film.mp4")).unwrap();
+    assert_eq!(&bytes[4..12], b"ftypisom");
+    let place = |name: &[u8]| bytes.windows(4).position(|four| four == name).unwrap();
+    assert!(place(b"moov") < place(b"mdat"), "it plays while it loads");
+    let media = numbers(content(&bytes, &[("moov", 0), ("trak", 0), ("mdia", 0), ("mdhd", 0)]));
+    assert_eq!(media[3..5], [29_970, 5_000], "ticks a second, and ticks");
+    assert_eq!(numbers(table(&bytes, &[("stts", 0)])), [0, 1, 5, 1000]);
+    assert_eq!(numbers(table(&bytes, &[("stss", 0)]))[2], 1, "the first picture needs no other");
+    let color = table(&bytes, &[&ENTRY[..], &[("colr", 0)]].concat());
+    assert_eq!(color, b"nclx\0\x01\0\x0d\0\x01\0", "Rec. 709, the curve of sRGB, television range");
+    // A side with an odd number of pixels has its last one twice.
+    assert!(decoded(&bytes).iter().all(|picture| picture.dimensions() == (72, 50)));
+}
+
+#[test]
+fn what_cannot_be_a_film_gives_one_line_and_leaves_nothing() {
+    let folder = stored("3", [20_000, 2]);
+    let folder = folder.path();
+    for (out, why) in
+        [("film.mp4", "20000×2 pixels"), ("film.webm", "written as MP4"), ("film", "written as MP4")]
+    {
+        let output = film(folder, &["--out", out]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(
+            said(&output).contains(why) && said(&output).trim().lines().count() == 1,
+            "{}",
+            said(&output)
+        );
+        assert!(!folder.join(out).exists());
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_film_that_is_stopped_leaves_nothing_and_an_earlier_one_stays() {
+    use rustix::process::{Pid, Signal, kill_process};
+    use std::time::{Duration, Instant};
+
+    let folder = stored("3", [64, 48]);
+    let folder = folder.path();
+    std::fs::write(folder.join("film.mp4"), "earlier").unwrap();
+    let films = || {
+        let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+        names.filter(|name| name.to_string_lossy().ends_with(".mp4")).count()
+    };
+    let arguments = ["export", "video", "scene.ovl", "--path", "path.json", "--backend", "cpu"];
+    let mut command =
+        overlook(folder, &[&arguments[..], &["--pictures", "99999", "--out", "film.mp4"]].concat());
+    let child = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let asked = Instant::now();
+    while films() < 2 {
+        assert!(asked.elapsed() < Duration::from_mins(1), "nothing happens");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    kill_process(Pid::from_child(&child), Signal::INT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), said(&output).as_str()), (Some(130), "overlook: cancelled\n"));
+    assert_eq!(films(), 1);
+    assert_eq!(std::fs::read(folder.join("film.mp4")).unwrap(), b"earlier");
+}
+
+#[test]
+fn a_film_of_all_directions_tells_players_so() {
+    let folder = stored("3", [64, 48]);
+    let folder = folder.path();
+    let all_around = ["--projection", "equirectangular", "--width", "128", "--pictures", "2"];
+    let output = film(folder, &[&all_around[..], &["--out", "film.mp4"]].concat());
+    assert!(output.status.success(), "{}", said(&output));
+    let bytes = std::fs::read(folder.join("film.mp4")).unwrap();
+    assert!(decoded(&bytes).iter().all(|picture| picture.dimensions() == (128, 64)));
+    let whole_sphere = table(&bytes, &[&ENTRY[..], &[("sv3d", 0), ("proj", 0), ("equi", 0)]].concat());
+    assert_eq!(numbers(whole_sphere), [0; 5]);
+    let output = film(folder, &["--width", "128", "--out", "plain.mp4"]);
+    assert!(said(&output).contains("only equirectangular pictures") && !folder.join("plain.mp4").exists());
+}
