@@ -57,6 +57,9 @@ fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() 
     assert_eq!(csv.lines().count(), points.len() + 1);
     assert!(csv.lines().next().unwrap().contains("settings.pruning.depth_tolerance"));
     is_picture(&folder.join("sweep/pareto.png"));
+    let drawn = std::fs::read(folder.join("sweep/pareto.svg")).unwrap();
+    let drawn = resvg::usvg::Tree::from_data(&drawn, &resvg::usvg::Options::default()).unwrap();
+    assert!(drawn.root().has_children(), "a chart for print");
     let rivals =
         ["triangle mesh per camera", "TSDF volume, voxels of 2 px", "nearest camera", "layered depth image"];
     assert!(rivals.iter().all(|rival| labels.contains(rival)), "{labels:?}");

@@ -19,8 +19,9 @@ pub struct Chart {
 const FAMILY: &str = "Ubuntu";
 
 impl Chart {
-    /// The chart as SVG.
-    pub(crate) fn svg(&self) -> String {
+    /// The chart as SVG, whose shapes are sharp at any size.
+    #[must_use]
+    pub fn svg(&self) -> String {
         self.svg.clone()
     }
 

@@ -20,7 +20,7 @@ pub(crate) struct StressArgs {
     capture: PathBuf,
     #[command(flatten)]
     truth: TruthArgs,
-    /// Folder for stress.csv, stress.json, stress.png, pictures at the breaking points, and report.html with all of it. An interrupted
+    /// Folder for stress.csv, stress.json, stress.png and .svg, pictures at the breaking points, and report.html with all of it. An interrupted
     /// run resumes from the results there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,

@@ -19,7 +19,7 @@ pub(crate) struct SweepArgs {
     captures: Vec<PathBuf>,
     #[command(flatten)]
     truth: TruthArgs,
-    /// Folder for sweep.csv, sweep.json, pareto.png, the worst viewpoints, and report.html with all of it. An interrupted sweep
+    /// Folder for sweep.csv, sweep.json, pareto.png and .svg, the worst viewpoints, and report.html with all of it. An interrupted sweep
     /// resumes from the results there.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,

@@ -131,7 +131,7 @@ fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
     whole_file::write_all(path, text + "\n")
 }
 
-/// Writes `NAME.json` and `NAME.csv` into a folder, and the chart as PNG under a name of its own.
+/// Writes `NAME.json` and `NAME.csv` into a folder, and the chart as PNG under a name of its own and as SVG beside it.
 pub(crate) fn write_results(
     folder: &Path,
     name: &str,
@@ -142,7 +142,9 @@ pub(crate) fn write_results(
 ) -> Result<()> {
     write_json(&folder.join(format!("{name}.json")), document)?;
     write_csv(&folder.join(format!("{name}.csv")), rows)?;
-    whole_file::write_all(&folder.join(picture), chart.png()?)
+    let picture = folder.join(picture);
+    whole_file::write_all(&picture.with_extension("svg"), chart.svg())?;
+    whole_file::write_all(&picture, chart.png()?)
 }
 
 /// Writes documents as CSV (RFC 4180): one per row, a column per number, text or truth value, named by its path. Lists are left
