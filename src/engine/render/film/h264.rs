@@ -27,8 +27,8 @@ pub(super) fn units(stream: &[u8]) -> impl Iterator<Item = &[u8]> {
     })
 }
 
-/// A sequence parameter set with the color space, and with the center of four pixels as the place of their color. `None` for one that
-/// says something of these already.
+/// A sequence parameter set with the color space, and with the center of four pixels as the place of their color. `None` where it
+/// does not end by the flag that nothing follows.
 pub(super) fn with_color_space(sequence_parameters: &[u8]) -> Option<Vec<u8>> {
     let mut bits = Bits::of(&without_escapes(sequence_parameters));
     // The last one only marks the end. Before it is the flag that more follows.
@@ -39,13 +39,18 @@ pub(super) fn with_color_space(sequence_parameters: &[u8]) -> Option<Vec<u8>> {
     bits.put(1, 1);
     // No aspect ratio, no overscan.
     bits.put(0, 2);
-    // The signal is of no named television standard, of television range, and its colors follow.
-    bits.put(0b1_101_0_1, 6);
+    // The signal follows: of no named television standard, of television range, with its colors.
+    bits.put(1, 1);
+    bits.put(5, 3);
+    bits.put(0, 1);
+    bits.put(1, 1);
     for number in COLOR_SPACE {
         bits.put(u32::from(number), 8);
     }
-    // Color lies in the center (number 1, coded as 010), in both fields.
-    bits.put(0b1_010_010, 7);
+    // Where color lies follows: in the center (number 1, coded as 010), in both fields.
+    bits.put(1, 1);
+    bits.put(0b010, 3);
+    bits.put(0b010, 3);
     // No timing, no buffer models, no timing of pictures, no restrictions.
     bits.put(0, 5);
     bits.put(1, 1);
@@ -114,7 +119,8 @@ mod tests {
             |from: usize, count: usize| bits[from..from + count].iter().fold(0, |n, bit| n * 2 + *bit);
         let colors = flag + 1 + 2 + 6;
         assert_eq!([0, 8, 16].map(|at| number(colors + at, 8)), COLOR_SPACE);
-        assert_eq!(with_color_space(&told), None, "the flag is set already, or the end is another");
+        assert_eq!(with_color_space(&[0x67, 0b1100_0000]), None, "the flag is set");
+        assert_eq!(with_color_space(&[]), None);
     }
 
     #[test]
