@@ -23,6 +23,9 @@ impl OverlookApp {
                 share.is_open = self.state.scene.is_some();
                 share.options.way = way.unwrap_or(share.options.way);
                 share.outcome = None;
+                // Of what lies below nothing keeps the keyboard.
+                let below = self.ctx.memory(egui::Memory::focused);
+                self.ctx.memory_mut(|memory| below.into_iter().for_each(|id| memory.surrender_focus(id)));
                 // Sizes are those of the frame that is shown.
                 self.state.timeline.playing = false;
                 self.state.inspector.path.playing = None;
@@ -114,10 +117,10 @@ impl OverlookApp {
         })
     }
 
-    /// The camera path as a page follows it: a pose for each of its pictures.
+    /// The camera path as a page follows it: a pose for each frame.
     fn page_path(&self) -> Option<PagePath> {
         let path = &self.state.inspector.path;
-        let vantages = path.vantages(self.state.export_size(), self.state.frame_count());
+        let vantages = path.vantage_of_each_frame(self.state.export_size(), self.state.frame_count());
         let first = vantages.first()?;
         Some(PagePath {
             first_frame: first.frame,
@@ -138,7 +141,7 @@ impl OverlookApp {
         if is_shared && self.state.share.is_open {
             self.state.inspector.log(NoticeKind::Done, format!("{title}: {text}"));
         } else {
-            self.state.notify(NoticeKind::Done, title, text);
+            self.state.notify_of_file(title, text, path);
         }
     }
 

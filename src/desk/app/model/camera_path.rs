@@ -97,6 +97,20 @@ impl CameraPath {
         vantages.map(view).collect()
     }
 
+    /// Where the path is as frame after frame passes, for pictures of `size` of a scene of `frames` frames: the first vantage at each frame
+    /// from the first key's to the last key's. Empty where time does not pass along the path.
+    pub(crate) fn vantage_of_each_frame(&self, size: [u32; 2], frames: usize) -> Vec<Vantage> {
+        let vantages = self.vantages(size, frames);
+        let (Some(first), Some(last)) = (vantages.first(), vantages.last()) else { return Vec::new() };
+        if last.frame <= first.frame {
+            return Vec::new();
+        }
+        let reached = |frame| vantages.iter().find(|vantage| vantage.frame >= frame);
+        (first.frame..=last.frame)
+            .filter_map(|frame| Some(Vantage { frame, ..reached(frame)?.clone() }))
+            .collect()
+    }
+
     /// Every picture's vantage, for pictures of `width` by `height` pixels of a scene of `frames` frames.
     pub(crate) fn vantages(&self, [width, height]: [u32; 2], frames: usize) -> Vec<Vantage> {
         let keys = (0..self.pictures()).filter_map(|picture| self.at(picture as f32));
@@ -189,6 +203,16 @@ mod tests {
             assert!((focal(picture) - expected).abs() < 1e-9, "{picture}: {}", focal(picture));
         }
         assert_eq!(path.at(8.0).unwrap().orbit.lens.width, 192);
+    }
+
+    #[test]
+    fn each_frame_that_passes_along_the_path_has_a_place_on_it() {
+        let mut path = path(&[DVec3::ZERO, DVec3::X, DVec3::new(2.0, 1.0, 0.0)]);
+        let places = path.vantage_of_each_frame([64, 48], 100);
+        assert!(places.iter().map(|vantage| vantage.frame).eq(0..=20));
+        assert!((places[20].camera.position_in_world() - DVec3::new(2.0, 1.0, 0.0)).length() < 1e-9);
+        path.keys.iter_mut().for_each(|key| key.frame = 3);
+        assert!(path.vantage_of_each_frame([64, 48], 100).is_empty(), "it stays at a moment");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Messages to the person, and the log.
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use super::view::DockView;
@@ -13,12 +14,14 @@ pub(crate) enum NoticeKind {
 }
 
 /// Where a message leads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum NoticeLink {
     /// A view that shows what it speaks of.
     View(DockView),
     /// The dialog that compares two readings of the capture.
     Readings,
+    /// The folder of a file that was written.
+    Folder(PathBuf),
 }
 
 /// A message to the person.

@@ -1,5 +1,6 @@
 //! Notices to the person: messages over the views, and the log.
 
+use std::path::Path;
 use std::time::Instant;
 
 use super::document::State;
@@ -10,6 +11,12 @@ impl State {
     /// Adds a message.
     pub(crate) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
         self.add_notice(kind, title.into(), text.into(), None, None);
+    }
+
+    /// Adds a message that a file was written.
+    pub(crate) fn notify_of_file(&mut self, title: impl Into<String>, text: impl Into<String>, path: &Path) {
+        let link = Some(NoticeLink::Folder(path.to_path_buf()));
+        self.add_notice(NoticeKind::Done, title.into(), text.into(), None, link);
     }
 
     /// Adds a warning about what is open.

@@ -3,7 +3,7 @@
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, ScrollArea, Stroke, Ui};
 use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_NOTES, ICON_WARNING};
 
-use crate::app::model::{Command, Commands, Notice, NoticeKind, NoticeLink, State};
+use crate::app::model::{Command, Commands, Notice, NoticeKind, NoticeLink, ShareCommand, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, icon_button};
 
@@ -56,14 +56,18 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                             .wrap()
                             .selectable(true),
                     );
-                    if let Some(link) = notice.link {
+                    if let Some(link) = &notice.link {
                         let (name, command) = match link {
                             NoticeLink::View(view) => {
-                                (format!("Show in {}", view.name_and_help().0), Command::OpenView(view))
+                                (format!("Show in {}", view.name_and_help().0), Command::OpenView(*view))
                             }
                             NoticeLink::Readings => {
                                 ("Compare readings…".to_owned(), Command::CompareReadings(true))
                             }
+                            NoticeLink::Folder(path) => (
+                                "Show in folder".to_owned(),
+                                Command::Share(ShareCommand::ShowInFolder(path.clone())),
+                            ),
                         };
                         if ui.button(name).clicked() {
                             commands.push(command);

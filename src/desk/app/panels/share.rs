@@ -162,8 +162,10 @@ fn make_ui(ui: &mut Ui, state: &State, options: &ShareOptions, commands: &mut Co
             let words = RichText::new(action(options.way)).color(tokens.on_accent);
             let make = ui.add(Button::new(words).fill(tokens.accent));
             let make = make.accessible_name(action(options.way));
-            // Enter goes on, as it does in the system's dialogs.
-            if missing.is_none() && ui.memory(|memory| memory.focused().is_none()) {
+            // Enter goes on, as it does in the system's dialogs; a field for the path has the keyboard to itself.
+            if state.typed_path.is_some() {
+                make.surrender_focus();
+            } else if missing.is_none() && ui.memory(|memory| memory.focused().is_none()) {
                 make.request_focus();
             }
             if make.clicked() {

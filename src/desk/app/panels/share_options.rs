@@ -31,6 +31,9 @@ const KINDS: [(bool, &str, &str); 2] = [
     (true, "EXR", "Linear color, coverage and depth."),
 ];
 
+const PATH: &str = "Whoever opens it can follow the camera path.";
+const NO_PATH: &str = "The camera path is not in it, as its keys are at one moment.";
+
 /// Which points.
 const POINTS: [(bool, &str, &str); 2] =
     [(false, "This frame", "One file."), (true, "Every frame", "A folder with a file for each frame.")];
@@ -56,8 +59,13 @@ pub(super) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
             let number = state.timeline.frame + 1;
             note(ui, format!("Such a file holds one frame: number {number}, which is shown."));
         }
+        ShareWay::Store if !state.live.cameras.shows_all() => {
+            note(ui, "Cameras that the live view leaves out are in it as well.");
+        }
         ShareWay::Page if state.inspector.path.pictures() > 0 => {
-            note(ui, "Whoever opens it can follow the camera path.");
+            let keys = &state.inspector.path.keys;
+            let passes_time = keys.first().map(|key| key.frame) < keys.last().map(|key| key.frame);
+            note(ui, if passes_time { PATH } else { NO_PATH });
         }
         _ => {}
     }
@@ -145,11 +153,6 @@ fn pictures_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands:
 fn store_ui(ui: &mut Ui, state: &State) {
     let cameras = state.scene.as_ref().map_or(0, |scene| scene.cameras.len());
     ui.label("Holds");
-    ui.vertical(|ui| {
-        ui.label(format!("{}, {}", counted(cameras, "camera"), counted(state.frame_count(), "frame")));
-        if !state.live.cameras.shows_all() {
-            note(ui, "Cameras that the live view leaves out are in it as well.");
-        }
-    });
+    ui.label(format!("{}, {}", counted(cameras, "camera"), counted(state.frame_count(), "frame")));
     ui.end_row();
 }
