@@ -19,7 +19,7 @@ fn stored(frames: &str, [width, height]: [usize; 2]) -> tempfile::TempDir {
         pose[0][3] = json!(pose[0][3].as_f64().unwrap() + 0.02 * frame as f64);
         json!({"file_path": format!("{frame}.png"), "path_time": 0.5 * frame as f64, "transform_matrix": pose})
     };
-    let path = json!({"w": width, "h": height, "fl_x": 50, "frame": 1, "frames": [view(0), view(1)]});
+    let path = json!({"w": width, "h": height, "fl_x": width, "frame": 1, "frames": [view(0), view(1)]});
     std::fs::write(folder.path().join("path.json"), path.to_string()).unwrap();
     folder
 }

@@ -160,7 +160,7 @@ mod tests {
             let mut picture = Picture::empty(width as usize, height as usize);
             for (x, y) in (0..height as usize).flat_map(|y| (0..width as usize).map(move |x| (x, y))) {
                 let ray = DVec3::new((x as f64 + 0.5 - cx) / fx, (y as f64 + 0.5 - cy) / fy, 1.0);
-                let world = (face.camera.world_from_camera.matrix3 * ray).normalize();
+                let world = (face.camera.world_from_camera.matrix3 * ray).normalize_or_zero();
                 picture.color[(x, y)] = (world * 0.5 + 0.5).as_vec3().to_array();
                 picture.inverse_depth[(x, y)] = (ray.length() / 4.0) as f32;
                 picture.image[(x, y)] = 0;

@@ -26,7 +26,7 @@ pub(super) struct Track {
 
 /// Writes the film. `pictures` has the coded pictures, one after another, each of its NAL units behind its length.
 pub(super) fn write(track: &Track, pictures: &mut impl Read, out: &mut impl Write) -> io::Result<()> {
-    let file_type = full(b"ftyp", [b"isom".as_slice(), &512_u32.to_be_bytes(), b"isomiso2avc1mp41"]);
+    let file_type = boxed("ftyp", [b"isom".as_slice(), &512_u32.to_be_bytes(), b"isomiso2avc1mp41"]);
     let data: u64 = track.picture_bytes.iter().map(|bytes| u64::from(*bytes)).sum();
     // A box of more than four gigabytes has its size behind its name.
     let mut header = Vec::new();
@@ -46,10 +46,10 @@ pub(super) fn write(track: &Track, pictures: &mut impl Read, out: &mut impl Writ
     io::copy(pictures, out).map(drop)
 }
 
-/// A box of parts.
-fn full<'a>(name: &[u8; 4], parts: impl IntoIterator<Item = &'a [u8]>) -> Vec<u8> {
+/// A box of parts; its name has four letters.
+fn boxed<'a>(name: &str, parts: impl IntoIterator<Item = &'a [u8]>) -> Vec<u8> {
     let mut bytes = vec![0; 4];
-    bytes.extend(name);
+    bytes.extend(name.as_bytes());
     for part in parts {
         bytes.extend(part);
     }
@@ -59,9 +59,9 @@ fn full<'a>(name: &[u8; 4], parts: impl IntoIterator<Item = &'a [u8]>) -> Vec<u8
 }
 
 /// A box of 32-bit numbers.
-fn numbers(name: &[u8; 4], numbers: impl IntoIterator<Item = u32>) -> Vec<u8> {
+fn numbers(name: &str, numbers: impl IntoIterator<Item = u32>) -> Vec<u8> {
     let bytes: Vec<u8> = numbers.into_iter().flat_map(u32::to_be_bytes).collect();
-    full(name, [bytes.as_slice()])
+    boxed(name, [bytes.as_slice()])
 }
 
 /// No turn, as 16.16 and 2.30 numbers.
@@ -86,30 +86,30 @@ fn movie(track: &Track, first_picture_at: u32) -> Vec<u8> {
     let track_header = track_header.chain([width << 16, height << 16]);
     // No language.
     let media_header = dates.into_iter().chain([ticks_per_second, length, 0x55c4_0000]);
-    let handler = full(b"hdlr", [&[0; 8], b"vide".as_slice(), &[0; 12], b"video\0"]);
-    let here = numbers(b"url ", [1]);
-    let references = full(b"dref", [[0, 0, 0, 0, 0, 0, 0, 1].as_slice(), &here]);
-    let places = full(b"dinf", [references.as_slice()]);
-    let video_header = numbers(b"vmhd", [1, 0, 0]);
+    let handler = boxed("hdlr", [&[0; 8], b"vide".as_slice(), &[0; 12], b"video\0"]);
+    let here = numbers("url ", [1]);
+    let references = boxed("dref", [[0, 0, 0, 0, 0, 0, 0, 1].as_slice(), &here]);
+    let places = boxed("dinf", [references.as_slice()]);
+    let video_header = numbers("vmhd", [1, 0, 0]);
     let table = sample_table(track, first_picture_at);
-    let information = full(b"minf", [video_header.as_slice(), &places, &table]);
-    let media_header = numbers(b"mdhd", media_header);
-    let media = full(b"mdia", [media_header.as_slice(), &handler, &information]);
-    let track = full(b"trak", [numbers(b"tkhd", track_header).as_slice(), &media]);
-    full(b"moov", [numbers(b"mvhd", movie_header).as_slice(), &track])
+    let information = boxed("minf", [video_header.as_slice(), &places, &table]);
+    let media_header = numbers("mdhd", media_header);
+    let media = boxed("mdia", [media_header.as_slice(), &handler, &information]);
+    let track = boxed("trak", [numbers("tkhd", track_header).as_slice(), &media]);
+    boxed("moov", [numbers("mvhd", movie_header).as_slice(), &track])
 }
 
 /// When, how long and where each picture is: all in one chunk.
 fn sample_table(track: &Track, first_picture_at: u32) -> Vec<u8> {
     let pictures = track.picture_bytes.len() as u32;
-    let description = full(b"stsd", [[0, 0, 0, 0, 0, 0, 0, 1].as_slice(), &sample_entry(track)]);
-    let times = numbers(b"stts", [0, 1, pictures, TICKS_PER_PICTURE]);
+    let description = boxed("stsd", [[0, 0, 0, 0, 0, 0, 0, 1].as_slice(), &sample_entry(track)]);
+    let times = numbers("stts", [0, 1, pictures, TICKS_PER_PICTURE]);
     let keys = [0, track.key_pictures.len() as u32];
-    let keys = numbers(b"stss", keys.into_iter().chain(track.key_pictures.iter().map(|key| key + 1)));
-    let chunks = numbers(b"stsc", [0, 1, 1, pictures, 1]);
-    let sizes = numbers(b"stsz", [0, 0, pictures].into_iter().chain(track.picture_bytes.iter().copied()));
-    let places = numbers(b"stco", [0, 1, first_picture_at]);
-    full(b"stbl", [description.as_slice(), &times, &keys, &chunks, &sizes, &places])
+    let keys = numbers("stss", keys.into_iter().chain(track.key_pictures.iter().map(|key| key + 1)));
+    let chunks = numbers("stsc", [0, 1, 1, pictures, 1]);
+    let sizes = numbers("stsz", [0, 0, pictures].into_iter().chain(track.picture_bytes.iter().copied()));
+    let places = numbers("stco", [0, 1, first_picture_at]);
+    boxed("stbl", [description.as_slice(), &times, &keys, &chunks, &sizes, &places])
 }
 
 /// The size, the parameter sets and the colors.
@@ -129,14 +129,14 @@ fn sample_entry(track: &Track) -> Vec<u8> {
         // 4:2:0, 8 bits, no extensions.
         decoder.extend([0xfd, 0xf8, 0xf8, 0]);
     }
-    let decoder = full(b"avcC", [decoder.as_slice()]);
+    let decoder = boxed("avcC", [decoder.as_slice()]);
     let [primaries, curve, matrix] = super::h264::COLOR_SPACE.map(u16::from).map(u16::to_be_bytes);
-    let color = full(b"colr", [b"nclx".as_slice(), &primaries, &curve, &matrix, &[0]]);
-    let square_pixels = numbers(b"pasp", [1, 1]);
+    let color = boxed("colr", [b"nclx".as_slice(), &primaries, &curve, &matrix, &[0]]);
+    let square_pixels = numbers("pasp", [1, 1]);
     let sphere = if track.is_equirectangular { equirectangular() } else { Vec::new() };
     let resolution = 0x48_0000_u32.to_be_bytes();
-    full(
-        b"avc1",
+    boxed(
+        "avc1",
         [
             [0, 0, 0, 0, 0, 0, 0, 1].as_slice(),
             &[0; 16],
@@ -157,11 +157,11 @@ fn sample_entry(track: &Track) -> Vec<u8> {
 
 /// Google's *Spherical Video V2*: one eye, the whole sphere.
 fn equirectangular() -> Vec<u8> {
-    let one_eye = full(b"st3d", [[0; 5].as_slice()]);
-    let source = full(b"svhd", [[0, 0, 0, 0].as_slice(), b"Overlook\0"]);
-    let pose = numbers(b"prhd", [0; 4]);
-    let whole = numbers(b"equi", [0; 5]);
-    let projection = full(b"proj", [pose.as_slice(), &whole]);
-    let sphere = full(b"sv3d", [source.as_slice(), &projection]);
+    let one_eye = boxed("st3d", [[0; 5].as_slice()]);
+    let source = boxed("svhd", [[0, 0, 0, 0].as_slice(), b"Overlook\0"]);
+    let pose = numbers("prhd", [0; 4]);
+    let whole = numbers("equi", [0; 5]);
+    let projection = boxed("proj", [pose.as_slice(), &whole]);
+    let sphere = boxed("sv3d", [source.as_slice(), &projection]);
     [one_eye, sphere].concat()
 }
