@@ -94,6 +94,8 @@ pub(crate) fn start_program(display: &str, folder: &Path, arguments: &[&Path]) -
     let said = folder.join("said.txt");
     let program = Command::new(env!("CARGO_BIN_EXE_overlook"))
         .args(arguments)
+        // A path that is typed in part lies with the rest of the test.
+        .current_dir(folder)
         .env("DISPLAY", display)
         .env_remove("WAYLAND_DISPLAY")
         .env("XDG_DATA_HOME", folder)

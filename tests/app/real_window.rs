@@ -60,6 +60,14 @@ fn the_program_opens_a_window_that_answers_and_closes() {
     quit(&display, program);
 }
 
+/// Presses the button of the dialog of all ways out that asks where; without a dialog of the system, which may take a while to find out,
+/// the field for a path appears.
+fn choose_where(display: &str) {
+    std::thread::sleep(Duration::from_secs(1));
+    xdotool(display, &["key", "Return"]).unwrap();
+    std::thread::sleep(Duration::from_secs(3));
+}
+
 #[test]
 fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     if !can_drive_a_window() {
@@ -85,9 +93,7 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     wait_for("the store", || {
         std::thread::sleep(Duration::from_secs(1));
         xdotool(&display, &["key", "ctrl+s"]).unwrap();
-        std::thread::sleep(Duration::from_secs(1));
-        xdotool(&display, &["key", "Return"]).unwrap();
-        std::thread::sleep(Duration::from_secs(1));
+        choose_where(&display);
         xdotool(&display, &["key", "ctrl+a"]).unwrap();
         xdotool(&display, &["type", "--delay", "20", path]).unwrap();
         xdotool(&display, &["key", "Return"]).unwrap();
@@ -192,9 +198,11 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     let [store, settings, film] = ["tuned.ovl", "tuned.toml", "film.mp4"].map(at);
     wait_for("the store", || {
         xdotool(&display, &["key", "ctrl+s"]).unwrap();
+        choose_where(&display);
         answer(&display, &store);
         store.exists().then_some(())
     });
+    xdotool(&display, &["key", "Escape"]).unwrap();
     say(&display, "save settings");
     answer(&display, &settings);
     say(&display, "open view: live view");
@@ -203,9 +211,11 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     xdotool(&display, &["key", "period", "k"]).unwrap();
     say(&display, "open view: camera path");
     keep_picture(&display, "10_path");
-    say(&display, "export a video");
+    say(&display, "share: video");
+    choose_where(&display);
     answer(&display, &film);
     wait_for("the film", || film.exists().then_some(()));
+    xdotool(&display, &["key", "Escape"]).unwrap();
     keep_picture(&display, "10_film");
 
     let (samples, _) = overlook_engine::store::read(&store, &overlook_engine::job::Job::new()).unwrap();

@@ -17,6 +17,7 @@ pub(super) fn other_ending(purpose: Purpose) -> String {
 /// The endings that a file of a purpose may have and no others, the usual one first; `None` where others may be typed on purpose.
 fn endings(purpose: Purpose) -> Option<&'static [&'static str]> {
     match purpose {
+        Purpose::ExportFilm => Some(&["mp4", "m4v"]),
         Purpose::ExportPage => Some(&["html", "htm"]),
         Purpose::ExportSplats(SplatFormat::Ply) | Purpose::ExportPoints => Some(&["ply"]),
         Purpose::ExportSplats(SplatFormat::Spz) => Some(&["spz"]),
@@ -69,7 +70,6 @@ pub(super) fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
         Purpose::SaveStore => "ovl",
         Purpose::SaveSettings => "toml",
         Purpose::SaveTable(_) => "csv",
-        Purpose::ExportFilm => "mp4",
         _ => match endings(purpose) {
             Some([usual, ..]) => usual,
             _ => return Some(path),
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(named(Purpose::SaveStore, "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
         assert_eq!(named(Purpose::SaveStore, "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
         assert_eq!(named(Purpose::SaveSettings, "/a/mine"), PathBuf::from("/a/mine.toml"));
-        assert_eq!(named(Purpose::ExportFilm, "/a/b.mkv"), PathBuf::from("/a/b.mkv"));
+        assert_eq!(named(Purpose::ExportFilm, "/a/b.m4v"), PathBuf::from("/a/b.m4v"));
         assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));
         assert_eq!(named(Purpose::ExportPage, "/a/scene"), PathBuf::from("/a/scene.html"));
         assert_eq!(named(Purpose::ExportPage, "/a/scene.HTM"), PathBuf::from("/a/scene.HTM"));

@@ -34,7 +34,7 @@ fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
         Purpose::ExportPage => ("Export", ".html file"),
         Purpose::ExportSplats(_) => ("Export", "file of splats"),
         Purpose::ExportPoints => ("Export", ".ply file"),
-        Purpose::ExportFilm => ("Export", ".mp4, .mkv or .mov file"),
+        Purpose::ExportFilm => ("Export", ".mp4 file"),
         Purpose::SavePath => ("Save", "transforms.json"),
         Purpose::LoadPath => ("Load", "transforms.json"),
         Purpose::OpenPictures => ("Load", "folder of pictures"),

@@ -178,7 +178,7 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         Purpose::SaveTable(_) => dialog.add_filter("CSV", &["csv"]).save_file(),
         Purpose::SavePicture => dialog.add_filter("PNG, EXR", &ENDINGS).save_file(),
         Purpose::SaveShot => dialog.add_filter("PNG", &["png"]).save_file(),
-        Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "mkv", "mov"]).save_file(),
+        Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "m4v"]).save_file(),
         Purpose::ExportPage => dialog.add_filter("HTML", &["html"]).save_file(),
         Purpose::ExportSplats(format) => dialog.add_filter("Splats", &[format.name()]).save_file(),
         Purpose::ExportPoints => dialog.add_filter("PLY", &["ply"]).save_file(),
