@@ -16,8 +16,8 @@ import sys
 import numpy as np
 import pyvista
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "assets", "vtk"))
-from overlook_capture import record, spheres
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python", "overlook"))
+from vtk_capture import record, spheres
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("folder")

@@ -9,7 +9,7 @@
 
 OVITO's renderers return pictures of 8 bits without depth. So what a pipeline computes is drawn by VTK: particles as exact spheres with
 their colors and radii, bonds as cylinders, the cell as lines. Particles of other shapes, surfaces, vectors and other visual elements are
-not drawn. It needs `overlook_capture.py` of `assets/vtk`, beside this file or there; see there for what else can be chosen.
+not drawn. It needs `python/overlook/vtk_capture.py`, beside this file or there; see there for what else can be chosen.
 """
 
 import argparse
@@ -19,8 +19,8 @@ import sys
 import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "vtk")]
-from overlook_capture import CaptureError, add_options, chosen_frames, first_line, record, record_by_options, run, spheres
+sys.path[:0] = [HERE, os.path.join(HERE, "..", "..", "python", "overlook")]
+from vtk_capture import CaptureError, add_options, chosen_frames, first_line, record, record_by_options, run, spheres
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -116,7 +116,7 @@ def scene_of_pipeline(pipeline, size, background="white"):
 
 
 def record_pipeline(pipeline, out, cameras=6, frames=None, size=(640, 480), background="white", **options):
-    """Records a pipeline; `frames` are all of it or their numbers, everything else is as in `overlook_capture.record`."""
+    """Records a pipeline; `frames` are all of it or their numbers, everything else is as in `vtk_capture.record`."""
     plotter, step = scene_of_pipeline(pipeline, size, background)
     record(plotter, out, cameras, range(pipeline.num_frames) if frames is None else frames, size, step, step_jumps=True, **options)
 

@@ -17,13 +17,13 @@ import numpy as np
 import OpenEXR
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "vtk"), os.path.dirname(HERE)]
+sys.path[:0] = [HERE, os.path.dirname(HERE)]
 from ovito.io import import_file
 from ovito.modifiers import CreateBondsModifier
 from ovito.vis import TachyonRenderer, Viewport
-from overlook_capture import Viewpoint
 from overlook_ovito import record_pipeline
 from score_capture import run
+from vtk_capture import Viewpoint
 
 SIZE = (240, 180)
 BOX = 12.0

@@ -68,6 +68,7 @@ class Player {
     click("help", () => this.showHelp());
     click("full", () => this.toggleFullScreen());
     click("link", () => this.copyAddress());
+    element("link").hidden = location.protocol === "about:";
     element("frame").max = scene.frames.length - 1;
     element("frame").addEventListener("input", (event) => this.seek(Number(event.target.value)));
     document.body.classList.toggle("still", scene.frames.length < 2);
@@ -196,7 +197,8 @@ class Player {
 
   keepAddress() {
     this.fragment = this.currentAddress();
-    if (location.hash === this.fragment) return;
+    // Within another document, as in a notebook, the address is that one's.
+    if (location.hash === this.fragment || location.protocol === "about:") return;
     try {
       history.replaceState(null, "", this.fragment);
     } catch {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Tries the script for real: records a small scene with `pyvista`, and opens it in Overlook.
+"""Tries `python/overlook/vtk_capture.py` for real: records a small scene with `pyvista`, and opens it in Overlook.
 
     pip install pyvista OpenEXR && python try_vtk.py OVERLOOK FOLDER
 
@@ -19,10 +19,11 @@ import OpenEXR
 import pyvista
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.dirname(HERE)]
-import overlook_capture
-from overlook_capture import CaptureError, record, spheres
+SCRIPT = os.path.join(HERE, "..", "..", "python", "overlook", "vtk_capture.py")
+sys.path[:0] = [os.path.dirname(SCRIPT), os.path.dirname(HERE)]
+import vtk_capture
 from score_capture import score_capture
+from vtk_capture import CaptureError, record, spheres
 
 FRAMES = 4
 RADIUS = 0.8
@@ -62,7 +63,7 @@ def channels(path):
 
 def check_sphere(folder, camera, frame):
     """Depth against the sphere's own, in pixels on its surface, and normals in degrees."""
-    view = overlook_capture.viewpoint("left", camera, SIZE, (0, 0, 1), 30.0)
+    view = vtk_capture.viewpoint("left", camera, SIZE, (0, 0, 1), 30.0)
     lens, pose = view.lens(SIZE), view.pose()
     found = channels(os.path.join(folder, "left", f"{frame:04d}.exr"))
     x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
@@ -158,7 +159,7 @@ def check_command(folder):
     series = os.path.join(scene, "series.pvd")
     with open(series, "w", encoding="utf-8") as file:
         file.write(f'<VTKFile type="Collection"><Collection>{entries}</Collection></VTKFile>')
-    command = [sys.executable, os.path.join(HERE, "overlook_capture.py")]
+    command = [sys.executable, SCRIPT]
     out = os.path.join(folder, "from_files")
     options = ["--out", out, "--cameras", "3", "--size", "160x120", "--color-by"]
     done = subprocess.run([*command, series, *options, "height"], capture_output=True, text=True, check=False)

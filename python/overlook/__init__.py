@@ -4,6 +4,7 @@
     store = capture.preprocess()                    # keeps the best-sampled pixel of every surface point
     camera = capture.cameras[0]
     color, depth, coverage = store.render(camera.pose, camera.lens, frame=0)
+    store.page()                                    # plays in a notebook; export_page writes it to a file
 
 Camera space: x right, y down, z forward. World space: right-handed, meters unless the capture says otherwise. Pixel (x, y) is
 column x and row y, its center at +0.5; arrays are indexed [y, x]. Color is linear Rec.709. Depth is planar z: infinite at the
@@ -16,13 +17,17 @@ from ._engine import (
     Error,
     Frame,
     Lens,
+    Page,
+    Placement,
     Samples,
+    Splats,
     Store,
     __version__,
     demo,
     evaluate,
     open,
     open_store,
+    place,
 )
 
 __all__ = [
@@ -31,10 +36,23 @@ __all__ = [
     "Error",
     "Frame",
     "Lens",
+    "Page",
+    "Placement",
     "Samples",
+    "Splats",
     "Store",
     "demo",
     "evaluate",
     "open",
     "open_store",
+    "place",
+    "record_pyvista",
 ]
+
+
+def record_pyvista(plotter, out, *arguments, **options):
+    """Records a pyvista.Plotter, a vtkRenderWindow or a vtkRenderer as a capture; see `overlook.vtk_capture.record`."""
+    # Nobody else needs it, and `python -m overlook.vtk_capture` runs it once.
+    from .vtk_capture import record
+
+    record(plotter, out, *arguments, **options)

@@ -1,6 +1,6 @@
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import Any, final
+from typing import Any, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,6 +133,77 @@ class Samples:
     def __len__(self) -> int: ...
 
 @final
+class Splats:
+    """The samples of a frame as flat Gaussians, one row each: n rows."""
+
+    @property
+    def center_in_world(self) -> NDArray[np.float64]:
+        """In the capture's unit, (n, 3)."""
+
+    @property
+    def rotation(self) -> NDArray[np.float32]:
+        """Unit quaternions w x y z, (n, 4), from the axes of the Gaussian to those of the world. The third axis is the normal of the
+        surface, on the side that was seen."""
+
+    @property
+    def scale(self) -> NDArray[np.float32]:
+        """Standard deviations along these axes in the capture's unit, (n, 3): the longest, the other on the surface, the thickness."""
+
+    @property
+    def color(self) -> NDArray[np.float32]:
+        """Linear Rec.709, 0 to 1, (n, 3), the same from everywhere."""
+
+    @property
+    def opacity(self) -> NDArray[np.float32]:
+        """0 to 1, (n,); lower for samples that no other camera confirms."""
+
+    def __len__(self) -> int: ...
+
+@final
+class Page:
+    """One HTML file that plays a scene. A notebook shows it."""
+
+    @property
+    def html(self) -> str: ...
+    def save(self, path: Path) -> None:
+        """Writes it to a file."""
+
+    def _repr_html_(self) -> str:
+        """A sentence, and the page in a frame."""
+
+@final
+class Placement:
+    """Cameras that were placed. Shares are of all surface that the coarse capture saw, 0 to 1; a surface counts in proportion to the
+    rate that is asked for."""
+
+    @property
+    def cameras(self) -> list[Camera]:
+        """By what each adds. Principal points are in the middle."""
+
+    @property
+    def adds(self) -> NDArray[np.float64]:
+        """What each adds to those before it, (n,)."""
+
+    @property
+    def seen(self) -> float:
+        """What all of them see."""
+
+    @property
+    def coarse_cameras_see(self) -> float:
+        """What the cameras of the coarse capture see."""
+
+    @property
+    def unseen(self) -> float:
+        """What none of the placed cameras sees at all."""
+
+    @property
+    def unseen_points_in_world(self) -> NDArray[np.float64]:
+        """Points of that surface, (m, 3)."""
+
+    def save(self, path: Path) -> None:
+        """Writes the poses as a manifest, which `record_pyvista` and the scripts for Blender and Mitsuba take for cameras."""
+
+@final
 class Store:
     """The kept samples of a capture, in memory or played from a file."""
 
@@ -154,6 +225,31 @@ class Store:
         """Writes the store to a file, rounded by the setting store.precision, and returns its size in bytes.
 
         An existing file is replaced once the new one is whole."""
+
+    def export_page(
+        self, path: Path, *, title: str | None = None, text: str | None = None, fps: float = 24.0, at_most: int | None = None
+    ) -> int:
+        """Writes one HTML file that plays the scene in any browser, as `overlook export page` does, and returns its size in bytes.
+
+        `title` is the name of the capture if it is not given; empty lines part the paragraphs of `text`. Beyond `at_most` bytes, samples
+        are merged where that shows least. Raises Error if no page is as small, or if the store holds no sample."""
+
+    def page(
+        self,
+        *,
+        title: str | None = None,
+        text: str | None = None,
+        fps: float = 24.0,
+        at_most: int = 8_000_000,
+        height: int = 480,
+    ) -> Page:
+        """The same page for a notebook, `height` CSS pixels high. The notebook keeps what it shows: hence the budget."""
+
+    def splats(self, frame: int = 0, *, at_most: int | None = None, sky: Literal["out", "dome"] = "out") -> Splats:
+        """The samples that show one frame as flat Gaussians, in world space.
+
+        Beyond `at_most` rows, samples are merged where that loses least. Samples at infinity are left out, or become a far dome.
+        Raises IndexError for an unknown frame, Error if the file is damaged or so few cannot be had."""
 
     def samples(self, frame: int | None = None, camera: int | None = None) -> Samples:
         """The samples that show one frame, or of all spans; of one camera, or of all.
@@ -185,6 +281,26 @@ def demo(
 ) -> Capture:
     """A built-in scene, "orrery", "nine-cameras" or "four-cameras", whose frames are traced when they are used."""
 
+def place(
+    capture: Capture,
+    cameras: int = 6,
+    *,
+    ring: bool = False,
+    within: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None,
+    size: tuple[int, int] | None = None,
+    rate: float | None = None,
+    settings: Settings | None = None,
+    progress: Progress | None = None,
+) -> Placement:
+    """The poses that together show most of what a first capture of few pixels saw, before the expensive pictures are made.
+
+    They stand between the cameras of the capture, or with `ring` anywhere around, as far and as high as these, or `within` a box, given
+    by its lowest and highest coordinates. `size` is columns and rows of their pictures, that of the capture if it is not given; the angle
+    of view is the capture's. Surfaces should be seen with `rate` pixels a unit, or else as finely as the finest picture of the capture
+    shows them.
+
+    Raises Error where nothing can be placed."""
+
 def open_store(path: Path) -> Store:
     """Opens a store; samples are read from the file when they are used."""
 
@@ -202,3 +318,35 @@ def evaluate(
     The truth is the manifest `views`, or the cameras named in `hold_out`, or else the folder `novel` of the capture. With
     `align_views`, each view is also scored at the pose that its own true picture shows. The keys are `as_set`, `no_pruning` and
     `first_camera`, each as `overlook evaluate --json` prints it."""
+
+Viewpoint = tuple[Any, ...] | Mapping[str, Any] | object
+"""A position and a focal point, with up direction and view angle in degrees or without; a mapping with these keys; or a vtkCamera."""
+
+def record_pyvista(
+    plotter: object,
+    out: Path,
+    cameras: int | str | Iterable[Viewpoint] | Mapping[str, Viewpoint] = 6,
+    frames: int | Iterable[int] = 1,
+    size: tuple[int, int] | None = None,
+    step: Callable[[int], object] | None = None,
+    *,
+    truth: int | str | Iterable[Viewpoint] | Mapping[str, Viewpoint] | None = None,
+    times: Iterable[float] | None = None,
+    up: tuple[float, float, float] = (0, 0, 1),
+    view_angle: float = 30.0,
+    bounds: tuple[float, float, float, float, float, float] | None = None,
+    lights: Literal["fixed", "as_set"] = "fixed",
+    antialias: int | None = None,
+    normals: bool = True,
+    step_jumps: bool = False,
+    overwrite: bool = False,
+) -> None:
+    """Records a pyvista.Plotter, a vtkRenderWindow or a vtkRenderer as a capture in the folder `out`. Needs VTK, which `pip install
+    pyvista` brings.
+
+    `cameras` and true views, `truth`, are given, or placed around the scene: a number or "ring:6", "sphere:12", "inside:6"; or they are
+    the content of a manifest, as `place` writes it. `frames` is a
+    number of frames, or their numbers; `step(frame)` changes the scene before each. `size` is columns and rows, that of the window if it
+    is not given. `overlook.vtk_capture.record` is the same function, and says the rest.
+
+    Raises overlook.vtk_capture.CaptureError, a ValueError, with one line on what is wrong."""

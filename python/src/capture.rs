@@ -62,7 +62,7 @@ enum TruthSource {
 /// What was recorded.
 #[pyclass(name = "Capture", module = "overlook", frozen)]
 pub struct PyCapture {
-    capture: Capture,
+    pub(super) capture: Capture,
     views: TruthSource,
 }
 

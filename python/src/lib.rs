@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! overlook.open(path), overlook.demo(name) ─▶ Capture ─ preprocess ─▶ Store ─ render ─▶ color, depth, coverage
-//!                                              │ frame ─▶ Frame        │ samples ─▶ Samples
+//!                                              │ frame ─▶ Frame        │ samples ─▶ Samples, splats ─▶ Splats, page ─▶ Page
 //! ```
 //!
 //! `python/overlook/__init__.pyi` documents every name with its types, shapes, units and frames. Numbers are those of the command
@@ -17,12 +17,18 @@ mod camera;
 mod capture;
 mod choices;
 mod exceptions;
+mod page;
+mod placement;
+mod splats;
 mod store;
 mod work;
 
 pub use camera::{PyCamera, PyLens};
 pub use capture::{PyCapture, PyFrame, demo, evaluate, open};
 pub use exceptions::Error;
+pub use page::PyPage;
+pub use placement::{PyPlacement, place};
+pub use splats::PySplats;
 pub use store::{PySamples, PyStore, open_store};
 
 /// The module `overlook._engine`, which the package `overlook` re-exports.
@@ -30,7 +36,8 @@ pub use store::{PySamples, PyStore, open_store};
 mod _engine {
     #[pymodule_export]
     use crate::{
-        Error, PyCamera, PyCapture, PyFrame, PyLens, PySamples, PyStore, demo, evaluate, open, open_store,
+        Error, PyCamera, PyCapture, PyFrame, PyLens, PyPage, PyPlacement, PySamples, PySplats, PyStore, demo,
+        evaluate, open, open_store, place,
     };
 
     use pyo3::prelude::*;

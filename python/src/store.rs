@@ -6,21 +6,25 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::{DVec2, DVec3};
 use half::f16;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyModule};
 
 use super::camera::{PyCamera, PyLens, pose_of};
 use super::choices::settings_over;
 use super::exceptions::to_exception;
+use super::page::PyPage;
+use super::splats::PySplats;
 use super::{arrays, work};
 use overlook_engine::capture::Camera;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
+use overlook_engine::page::{self, PageOptions};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::Preprocessed;
 use overlook_engine::render::{NO_IMAGE, Renderer, Vantage};
 use overlook_engine::samples::{SampleImage, SampleSet};
+use overlook_engine::splats::{self, SplatAmount, SplatSky};
 use overlook_engine::store::file::{Store, write};
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::store::write_again;
@@ -43,6 +47,9 @@ pub fn open_store(py: Python<'_>, path: PathBuf) -> PyResult<PyStore> {
         renderer: Mutex::default(),
     })
 }
+
+/// Most bytes of a page in a notebook, which keeps what it shows.
+const SHOWN_AT_MOST: u64 = 8_000_000;
 
 enum Samples {
     InMemory(Arc<SampleSet>),
@@ -73,6 +80,16 @@ pub struct PyStore {
 }
 
 impl PyStore {
+    /// Refuses a frame and a camera that there are not.
+    fn check_place(&self, frame: Option<usize>, camera: Option<usize>) -> PyResult<()> {
+        let (frames, cameras) = (self.outline.frame_count(), self.outline.cameras.len());
+        if frame.is_none_or(|frame| frame < frames) && camera.is_none_or(|camera| camera < cameras) {
+            return Ok(());
+        }
+        let (frames, cameras) = (counted(frames, "frame"), counted(cameras, "camera"));
+        Err(PyIndexError::new_err(format!("'{}' has {frames} and {cameras}", self.outline.name)))
+    }
+
     pub(super) fn of(Preprocessed { samples, report }: Preprocessed) -> PyResult<Self> {
         let warnings = report.warnings();
         let report = report.to_json().map_err(|error| to_exception(&error))?;
@@ -123,19 +140,59 @@ impl PyStore {
         })
     }
 
+    /// Writes one HTML file that plays the scene in any browser; gives its size in bytes.
+    #[pyo3(signature = (path, *, title=None, text=None, fps=24.0, at_most=None))]
+    fn export_page(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        title: Option<String>,
+        text: Option<String>,
+        fps: f64,
+        at_most: Option<u64>,
+    ) -> PyResult<u64> {
+        let options = page_options(title, text, fps, at_most)?;
+        work::run(py, None, |job| {
+            let samples = self.samples.at(None, job)?;
+            Ok(page::write_set(&path, &samples, &options, job)?.bytes)
+        })
+    }
+
+    /// The same page for a notebook, which shows it.
+    #[pyo3(signature = (*, title=None, text=None, fps=24.0, at_most=SHOWN_AT_MOST, height=480))]
+    fn page(
+        &self,
+        py: Python<'_>,
+        title: Option<String>,
+        text: Option<String>,
+        fps: f64,
+        at_most: u64,
+        height: u32,
+    ) -> PyResult<PyPage> {
+        let options = page_options(title, text, fps, Some(at_most))?;
+        let (page, of_store) = work::run(py, None, |job| {
+            let samples = self.samples.at(None, job)?;
+            Ok((page::page(&samples, &options, job)?, samples.sample_count()))
+        })?;
+        Ok(PyPage::new(options.title.unwrap_or_else(|| self.outline.name.clone()), page, of_store, height))
+    }
+
+    /// The samples that show one frame as flat Gaussians.
+    #[pyo3(signature = (frame=0, *, at_most=None, sky="out"))]
+    fn splats(&self, py: Python<'_>, frame: usize, at_most: Option<u64>, sky: &str) -> PyResult<PySplats> {
+        let sky = sky.parse::<SplatSky>().map_err(|what| PyValueError::new_err(format!("sky: {what}")))?;
+        self.check_place(Some(frame), None)?;
+        let found = work::run(py, None, |job| {
+            let samples = self.samples.at(Some(frame), job)?;
+            splats::arrays(&samples, frame, SplatAmount { at_most, sky }, job)
+        })?;
+        PySplats::of(py, found)
+    }
+
     /// The samples of one frame, or of all spans; of one camera, or of all.
     #[pyo3(signature = (frame=None, camera=None))]
     fn samples(&self, py: Python<'_>, frame: Option<usize>, camera: Option<usize>) -> PyResult<PySamples> {
-        let (frames, cameras) = (self.outline.frame_count(), self.outline.cameras.len());
-        if frame.is_some_and(|frame| frame >= frames) || camera.is_some_and(|camera| camera >= cameras) {
-            let what = format!(
-                "'{}' has {} and {}",
-                self.outline.name,
-                counted(frames, "frame"),
-                counted(cameras, "camera")
-            );
-            return Err(PyIndexError::new_err(what));
-        }
+        self.check_place(frame, camera)?;
         let rows = work::run(py, None, |job| {
             let samples = self.samples.at(frame, job)?;
             let is_wanted = |image: &&Arc<SampleImage>| {
@@ -191,6 +248,18 @@ impl PyStore {
         };
         format!("<overlook.Store '{}', {place}>", self.outline.name)
     }
+}
+
+fn page_options(
+    title: Option<String>,
+    text: Option<String>,
+    fps: f64,
+    at_most: Option<u64>,
+) -> PyResult<PageOptions> {
+    if !(fps > 0.0 && fps.is_finite()) {
+        return Err(PyValueError::new_err(format!("fps: {fps} is no number of frames a second")));
+    }
+    Ok(PageOptions { title, text, frames_per_second: fps, path: None, at_most })
 }
 
 type Rendered<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<bool>>);

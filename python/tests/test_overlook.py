@@ -1,5 +1,6 @@
 """The module against the command line on one small capture. OVERLOOK names the program to compare with."""
 
+import html
 import json
 import os
 import signal
@@ -183,3 +184,80 @@ def test_evaluation_gives_the_numbers_of_the_command_line(folder):
     assert ours["no_pruning"]["samples_kept"] == theirs["no_pruning"]["samples_kept"]
     held_out = overlook.evaluate(overlook.open(folder), hold_out=["left"])
     assert held_out["as_set"]["samples_kept"] < ours["as_set"]["samples_kept"]
+
+
+def test_a_page_is_that_of_the_command_line_and_a_notebook_shows_it_within_its_budget(store, tmp_path):
+    saved, theirs = tmp_path / "a.ovl", tmp_path / "theirs.html"
+    store.save(saved)
+    words = {"title": "Small <orrery>", "text": "One.\n\nTwo."}
+    run("export", "page", saved, "--out", theirs, "--title", words["title"], "--text", words["text"])
+    for played in (store, overlook.open_store(saved)):
+        ours = tmp_path / "ours.html"
+        assert played.export_page(ours, **words) == ours.stat().st_size
+        assert ours.read_bytes() == theirs.read_bytes()
+    page = store.page(**words)
+    assert page.html == theirs.read_text(encoding="utf-8")
+    shown = page._repr_html_()
+    sentence, _, frame = shown.partition("<iframe")
+    assert sentence.startswith("<p>'Small &lt;orrery&gt;' as a page of") and "<" not in sentence[3:-4]
+    srcdoc = frame.split('srcdoc="')[1].split('"')[0]
+    assert html.unescape(srcdoc) == page.html and 'height="480"' in frame
+    most = len(page.html) * 3 // 4
+    smaller = store.page(**words, at_most=most, height=300)
+    assert len(smaller.html) <= most and "merged from" in smaller._repr_html_()
+    smaller.save(tmp_path / "smaller.html")
+    assert (tmp_path / "smaller.html").read_text(encoding="utf-8") == smaller.html
+    with pytest.raises(overlook.Error, match="more than the 9"):
+        store.page(at_most=9)
+    with pytest.raises(ValueError, match="fps"):
+        store.page(fps=0)
+
+
+def test_splats_lie_on_the_samples_and_cover_their_pixels(store, tmp_path):
+    saved = tmp_path / "a.ovl"
+    store.save(saved)
+    for played in (store, overlook.open_store(saved)):
+        splats, samples = played.splats(1), played.samples(frame=1)
+        near = np.isfinite(samples.depth)
+        assert len(splats) == near.sum() and splats.center_in_world.dtype == np.float64
+        assert np.allclose(splats.center_in_world, samples.point_in_world[near], atol=1e-5)
+        assert np.allclose(splats.color, np.clip(samples.color[near], 0, 1)) and np.all((splats.opacity > 0) & (splats.opacity <= 1))
+        w, x, y, z = splats.rotation.astype(np.float64).T
+        normal = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
+        assert np.allclose(np.linalg.norm(normal, axis=1), 1, atol=1e-5)
+        eyes = np.stack([camera.pose[:3, 3] for camera in played.cameras])[samples.camera[near]]
+        assert np.all(np.sum((eyes - splats.center_in_world) * normal, axis=1) > -1e-6)
+        # The shorter radius is half of a pixel at this depth, off the axis somewhat more.
+        focal = np.array([camera.lens.fx for camera in played.cameras])[samples.camera[near]]
+        pixels = splats.scale[:, 1] / (0.5 * samples.depth[near] / focal)
+        assert np.all(pixels < 1.6) and np.median(np.abs(pixels - 1)) < 0.1
+    few = store.splats(1, at_most=len(splats) // 2)
+    assert len(splats) // 8 < len(few) <= len(splats) // 2
+    assert len(store.splats(1, sky="dome")) > len(splats)
+    with pytest.raises(IndexError):
+        store.splats(99)
+    with pytest.raises(ValueError, match="sky"):
+        store.splats(sky="blue")
+    with pytest.raises(overlook.Error, match="allow more"):
+        store.splats(at_most=1)
+
+
+def test_cameras_are_placed_as_by_the_command_line_and_their_manifest_holds_them(folder, tmp_path):
+    ours = overlook.place(overlook.open(folder), 3, ring=True, size=(192, 144))
+    command = [PROGRAM, "place", folder, "--cameras", "3", "--ring", "--size", "192x144", "--out", tmp_path / "theirs.json", "--json"]
+    told = subprocess.run(list(map(str, command)), check=True, capture_output=True, text=True)
+    theirs = json.loads(told.stdout)
+    assert [one["adds"] for one in theirs["cameras"]] == list(ours.adds) and theirs["unseen"] == ours.unseen
+    assert np.all(np.diff(ours.adds) <= 0) and np.isclose(ours.adds.sum(), ours.seen) and 0.5 < ours.seen <= 1
+    assert 0.5 < ours.coarse_cameras_see <= 1 and ours.unseen_points_in_world.shape[1] == 3
+    ours.save(tmp_path / "ours.json")
+    assert (tmp_path / "ours.json").read_text() == (tmp_path / "theirs.json").read_text()
+    manifest = json.loads((tmp_path / "ours.json").read_text())
+    for camera, view in zip(ours.cameras, manifest["frames"], strict=True):
+        lens, pose = lens_and_pose(view, manifest)
+        assert (camera.name, lens.width, lens.height) == (view["camera"], 192, 144)
+        assert np.allclose(pose, camera.pose) and np.isclose(lens.fx, camera.lens.fx)
+    with pytest.raises(overlook.Error, match="no camera"):
+        overlook.place(overlook.open(folder), 0)
+    with pytest.raises(ValueError, match="one of them"):
+        overlook.place(overlook.open(folder), ring=True, within=((0, 0, 0), (1, 1, 1)))

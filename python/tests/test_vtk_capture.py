@@ -2,15 +2,12 @@
 
 import json
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import overlook
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "assets" / "vtk"))
-import overlook_capture as script
+from overlook import vtk_capture as script
 
 SIZE = (40, 30)
 CENTER, RADIUS = np.array([0.3, -0.2, 0.1]), 0.8
@@ -102,3 +99,30 @@ def test_cameras_inside_look_into_every_direction():
             half = view.lens((64, 64))["fl_x"] / 32
             seen |= (back < 0) & (np.maximum(np.abs(x), np.abs(y)) * half < -back)
         assert seen.mean() > 0.98, number
+
+
+def test_recording_without_vtk_or_of_something_else_is_one_line(tmp_path, monkeypatch):
+    # As Python has it of what is not installed.
+    monkeypatch.setitem(sys.modules, "vtkmodules", None)
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(script.CaptureError, match="pip install pyvista") as raised:
+        overlook.record_pyvista(object(), tmp_path / "capture", cameras=2)
+    assert "\n" not in str(raised.value) and not (tmp_path / "capture").exists()
+    with pytest.raises(script.CaptureError, match="pip install pyvista"):
+        script.scene_of_files(["scene.vtp"], SimpleNamespace())
+
+
+def test_a_manifest_of_poses_gives_its_cameras_back(recorded, tmp_path):
+    folder, views, planned, _ = recorded
+    for given, expected in zip(script.viewpoints(planned, SIZE, None), views, strict=True):
+        assert given.name == expected.name and np.allclose(given.pose(), expected.pose(), atol=1e-9)
+        assert given.lens(SIZE) == pytest.approx(expected.lens(SIZE))
+    placed = overlook.place(overlook.open(folder), 2)
+    placed.save(tmp_path / "placed.json")
+    for given, camera in zip(script.viewpoints(json.loads((tmp_path / "placed.json").read_text()), SIZE, None), placed.cameras, strict=True):
+        np.testing.assert_allclose(given.pose() @ np.diag([1, -1, -1, 1]), camera.pose, atol=1e-6)
+        assert given.lens(SIZE)["fl_y"] == pytest.approx(camera.lens.fy)
+    shifted = {"frames": [{**planned["frames"][0], "cx": 3}]}
+    for wrong, said in (({"frames": [{"camera": "a"}]}, "no pose"), (shifted, "shifted lens")):
+        with pytest.raises(script.CaptureError, match=said):
+            script.viewpoints(wrong, SIZE, None)

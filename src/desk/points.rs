@@ -8,7 +8,8 @@
 use std::io::Write;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use half::f16;
 
 use overlook_engine::capture::Camera;
 use overlook_engine::color::srgb8_from_linear;
@@ -33,21 +34,46 @@ impl Precision {
     }
 }
 
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point {
+    /// World units.
+    pub(crate) point_in_world: DVec3,
+    /// Unit length; zero where none is known.
+    pub(crate) normal_in_world: Vec3,
+    /// Of a disk as large as it, world units.
+    pub(crate) radius: f64,
+    /// Linear Rec.709.
+    pub(crate) color: [f32; 3],
+}
+
 /// Writes the samples of some images and returns their number. Samples at infinity have no position and are left out.
 pub(crate) fn write<'a>(
     path: &Path,
     set: &SampleSet,
     images: impl Iterator<Item = &'a SampleImage> + Clone,
 ) -> Result<u64> {
+    let count = images.clone().map(SampleImage::placed_count).sum();
+    let points = images.flat_map(|image| points(image, &set.cameras[image.camera as usize]));
+    write_points(path, &set.name, &set.cameras, count, points)
+}
+
+/// Writes so many points, around cameras, of a capture of some name, and returns their number.
+pub(crate) fn write_points(
+    path: &Path,
+    name: &str,
+    cameras: &[Camera],
+    count: u64,
+    points: impl Iterator<Item = Point>,
+) -> Result<u64> {
     let io = |error| Error::io(path, error);
-    let points = images.clone().map(SampleImage::placed_count).sum();
-    let precision = Precision::of(&set.cameras);
+    let precision = Precision::of(cameras);
     whole_file::write(path, |target| {
-        target.write_all(header(&set.name, points, precision).as_bytes()).map_err(io)?;
-        for image in images {
-            write_points(target, image, &set.cameras[image.camera as usize], precision).map_err(io)?;
+        target.write_all(header(name, count, precision).as_bytes()).map_err(io)?;
+        for point in points {
+            write_point(target, &point, precision).map_err(io)?;
         }
-        Ok(points)
+        Ok(count)
     })
 }
 
@@ -65,31 +91,29 @@ fn header(name: &str, points: u64, precision: Precision) -> String {
     )
 }
 
-fn write_points(
-    target: &mut impl Write,
-    image: &SampleImage,
-    camera: &Camera,
-    precision: Precision,
-) -> std::io::Result<()> {
-    for PlacedSample { sample, ray_in_camera, depth, point_in_world } in image.placed(camera) {
+fn points<'a>(image: &'a SampleImage, camera: &'a Camera) -> impl Iterator<Item = Point> + 'a {
+    image.placed(camera).map(move |PlacedSample { sample, ray_in_camera, depth, point_in_world }| {
         let normals = image.normal.as_ref();
-        let normal = normals.map_or(glam::Vec3::ZERO, |normals| OctNormal::decode(normals[sample.index]));
-        let mut bytes = Vec::with_capacity(POINT_BYTES);
-        match precision {
-            Precision::Single => {
-                bytes.extend(point_in_world.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
-            }
-            Precision::Double => {
-                bytes.extend(point_in_world.to_array().into_iter().flat_map(f64::to_le_bytes));
-            }
+        let normal_in_world = normals.map_or(Vec3::ZERO, |normals| OctNormal::decode(normals[sample.index]));
+        let radius = radius(camera, ray_in_camera, depth, normal_in_world.as_dvec3());
+        let color = image.color[sample.index].map(f16::to_f32);
+        Point { point_in_world, normal_in_world, radius, color }
+    })
+}
+
+fn write_point(target: &mut impl Write, point: &Point, precision: Precision) -> std::io::Result<()> {
+    let Point { point_in_world, normal_in_world, radius, color } = *point;
+    let mut bytes = Vec::with_capacity(POINT_BYTES);
+    match precision {
+        Precision::Single => {
+            bytes.extend(point_in_world.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
         }
-        let radius = radius(camera, ray_in_camera, depth, normal.as_dvec3());
-        let floats = normal.to_array().into_iter().chain([radius as f32]);
-        bytes.extend(floats.flat_map(f32::to_le_bytes));
-        bytes.extend(image.color[sample.index].map(|channel| srgb8_from_linear(channel.to_f32())));
-        target.write_all(&bytes)?;
+        Precision::Double => bytes.extend(point_in_world.to_array().into_iter().flat_map(f64::to_le_bytes)),
     }
-    Ok(())
+    let floats = normal_in_world.to_array().into_iter().chain([radius as f32]);
+    bytes.extend(floats.flat_map(f32::to_le_bytes));
+    bytes.extend(color.map(srgb8_from_linear));
+    target.write_all(&bytes)
 }
 
 /// Radius of a disk with the area `z² cos α / (fx fy cos θ)` of a pixel on its surface, which faces the camera if it has no

@@ -17,6 +17,7 @@
 //! | sampling rate | `preprocess::layers` | of two samples of one point, which is denser? (the paper's `r`) |
 //! | spatial redundancy | [`preprocess::pruning`] | keeps the denser one; a sample is dropped only if a kept one represents it |
 //! | explanation | [`preprocess::inspect`] | gives for each pixel the rule that kept or dropped it |
+//! | placement | [`placement`] | tells from a coarse capture where cameras show the most |
 //! | storage | [`store`] | predicts every number from its neighbors and entropy-codes the rest (rANS), in the chunks of an IFF file |
 //! | rendering | [`render`] | paints foreground over background into any vantage |
 //! | sharing | [`page`], [`splats`] | packs a store into one HTML file that plays in a browser; writes it as Gaussians that viewers of splats open |
@@ -49,6 +50,7 @@ pub mod job;
 pub mod median;
 pub mod page;
 pub mod part;
+pub mod placement;
 pub mod plural;
 pub mod preprocess;
 pub mod random;

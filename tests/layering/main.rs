@@ -31,7 +31,7 @@ const LAYERS: [&[&str]; 14] = [
     &["engine/alignment"],
     &["engine/samples", "engine/demo"],
     &["engine/store", "engine/preprocess"],
-    &["engine/render"],
+    &["engine/render", "engine/placement"],
     &["engine/page"],
     &["engine/splats"],
     &["engine/lib"],

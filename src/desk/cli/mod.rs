@@ -23,6 +23,7 @@ Examples:
   overlook                                                  explore the built-in scene in a window
   overlook open 'scene.ovl#view=…&frame=…'                  at a view whose address was copied from a window or a page
   overlook demo orrery --out scene                          write a capture to try things on
+  overlook place coarse --cameras 6 --out placed.json       where cameras show the most, by a capture of few pixels
   overlook preprocess scene --out scene.ovl                 drop what is redundant
   overlook render scene.ovl --views scene/novel/transforms.json --out pictures
   overlook evaluate scene                                   accuracy against no pruning and first camera wins
@@ -68,6 +69,8 @@ enum CliCommand {
     },
     /// Write a built-in scene as a capture: EXR, transforms.json, and true pictures of new viewpoints in DIR/novel.
     Demo(commands::demo::DemoArgs),
+    /// Tell from a first capture of few pixels where cameras show the most, before the expensive pictures are made.
+    Place(commands::place::PlaceArgs),
     /// Print what a capture or a store holds.
     Info(commands::info::InfoArgs),
     /// Drop what is redundant in a capture and write the rest as a store.
@@ -152,6 +155,7 @@ impl Cli {
         match self.command {
             Some(CliCommand::Open { place }) => explore(Some(place), open_window),
             Some(CliCommand::Demo(args)) => args.run(),
+            Some(CliCommand::Place(args)) => args.run(),
             Some(CliCommand::Info(args)) => args.run(),
             Some(CliCommand::Preprocess(args)) => args.run(),
             Some(CliCommand::Render(args)) => args.run(),

@@ -51,14 +51,15 @@ pub struct PageSummary {
 /// `Io`, `Cancelled`; `Invalid` where the store holds no sample, or where no page of it is as small as `at_most`. Nothing is written
 /// then. Damaged parts of the store are left out: see [`Store::damage`].
 pub fn write(path: &Path, store: &Store, options: &PageOptions, job: &Job) -> Result<PageSummary> {
-    let set = store.read_all(job)?;
-    if set.sample_count() == 0 {
-        return Err(Error::invalid(
-            path.display(),
-            "is not written: the store holds no sample that can be shown",
-        ));
-    }
-    let text = page(&set, options, job).map_err(|error| match error {
+    write_set(path, &store.read_all(job)?, options, job)
+}
+
+/// Writes the page of samples that are in memory.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_set(path: &Path, set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageSummary> {
+    let text = page(set, options, job).map_err(|error| match error {
         Error::Invalid { what, .. } => Error::invalid(path.display(), what),
         other => other,
     })?;
@@ -71,15 +72,25 @@ pub fn write(path: &Path, store: &Store, options: &PageOptions, job: &Job) -> Re
 }
 
 /// A whole page, and the samples in it.
-struct PageText {
-    html: String,
-    samples: u64,
+#[derive(Clone, Debug)]
+pub struct PageText {
+    /// The file's text.
+    pub html: String,
+    /// Samples in the page.
+    pub samples: u64,
 }
 
 /// Halvings by which the largest page within a budget is searched for.
 const SEARCH_STEPS: usize = 7;
 
-fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageText> {
+/// The page of samples that are in memory, as text.
+///
+/// # Errors
+/// `Cancelled`; `Invalid` naming the capture where it holds no sample, or where no page of it is as small as `at_most`.
+pub fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageText> {
+    if set.sample_count() == 0 {
+        return Err(Error::invalid(&set.name, "is not written: the store holds no sample that can be shown"));
+    }
     let sky = header::sky_of(set)?;
     let written = |images: &[LeveledImage]| -> Result<PageText> {
         let packed = chunks::pack(set, images, job)?;

@@ -27,6 +27,7 @@ pub mod registration;
 pub mod temporal;
 mod traversal;
 
+pub(crate) use layers::{Rate, ViewingRays, footprint};
 pub use prepared_scan::PreparedScan;
 pub(crate) use prepared_scan::better_conventions;
 pub(crate) use traversal::prune_run;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::gaussian::{Gaussian, Look};
 use super::normals::normals;
-use super::options::{SplatOptions, SplatSky};
+use super::options::{SplatAmount, SplatSky};
 use super::sky::dome;
 use super::space::Space;
 use crate::capture::Camera;
@@ -61,12 +61,11 @@ fn places(image: &SampleImage) -> impl Iterator<Item = f32> {
 }
 
 impl<'a> Field<'a> {
-    /// Of a set: as few splats as the options ask for.
+    /// Of a set, in some axes: as few splats as are asked for.
     ///
     /// # Errors
-    /// `Invalid` where the set holds no sample with a place, or too many for the options at its coarsest; `Cancelled`.
-    pub(super) fn new(set: &'a SampleSet, options: &SplatOptions, job: &Job) -> Result<Self> {
-        let space = Space::of(set, options.format);
+    /// `Invalid` where the set holds no sample with a place, or too many at its coarsest; `Cancelled`.
+    pub(super) fn new(set: &'a SampleSet, space: Space, amount: SplatAmount, job: &Job) -> Result<Self> {
         let fine: Vec<_> = set.images.iter().map(|image| LeveledImage::fine(Arc::clone(image))).collect();
         let placed = placed_count(&fine);
         if placed == 0 {
@@ -74,9 +73,9 @@ impl<'a> Field<'a> {
                 "is not written: the store holds no sample that has a place; name another frame or store";
             return Err(Error::invalid(&set.name, what));
         }
-        let dome = if options.sky == SplatSky::Dome { dome(set, FARTHEST, &space)? } else { Vec::new() };
+        let dome = if amount.sky == SplatSky::Dome { dome(set, FARTHEST, &space)? } else { Vec::new() };
         let of_dome = dome.len() as u64;
-        let images = match options.at_most {
+        let images = match amount.at_most {
             Some(most) if placed + of_dome > most => fitting(set, most.saturating_sub(of_dome), job)?,
             _ => fine,
         };
@@ -194,7 +193,7 @@ fn fitting(set: &SampleSet, most: u64, job: &Job) -> Result<Vec<LeveledImage>> {
     best.ok_or_else(|| {
         // Nothing but the coarsest was tried.
         let what = format!(
-            "is not written: at its coarsest it takes {} besides the sky, more than the {most} that it may; allow more",
+            "takes {} at its coarsest besides the sky, more than the {most} that it may; allow more",
             counted(count, "splat")
         );
         Error::invalid(&set.name, what)

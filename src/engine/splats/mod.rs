@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! SampleSet ─ field: spans, budget ─▶ normals ─ gaussian ─▶ splats in the axes of a format ─ ply, spz, glb, usda ─▶ file
-//!                       sky: far dome ──────────────────────────────▲ space, color
+//!                       sky: far dome ──────────────────────────────▲ space, color   └▶ arrays: in the world, for programs
 //! ```
 //!
 //! A splat is centered on its sample, lies in its surface and is as wide as its pixel there: nothing is trained. Colors do not depend on
 //! direction. PLY and SPZ hold one frame; glTF and USD hold each splat once, with the span of frames over which it is seen.
 
+mod arrays;
 mod color;
 mod field;
 mod gaussian;
@@ -30,9 +31,11 @@ use crate::samples::SampleSet;
 use crate::whole_file;
 
 use field::Field;
+use space::Space;
 use timing::Timing;
 
-pub use options::{SplatFormat, SplatOptions, SplatSky};
+pub use arrays::{SplatArrays, arrays};
+pub use options::{SplatAmount, SplatFormat, SplatOptions, SplatSky};
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +76,8 @@ pub fn write(
         return Err(Error::invalid(path.display(), what));
     }
     let set = of_frame.as_ref().unwrap_or(set);
-    let written = Field::new(set, options, job).and_then(|field| {
+    let space = Space::of(set, options.format);
+    let written = Field::new(set, space, options.amount, job).and_then(|field| {
         whole_file::write(path, |target| write_field(target, path, set, &field, options, job))
     });
     // What is wrong is wrong with the file that is not written.
@@ -139,7 +143,11 @@ mod tests {
     }
 
     fn options(format: SplatFormat) -> SplatOptions {
-        SplatOptions { format, at_most: None, sky: SplatSky::Out, frames_per_second: 24.0 }
+        SplatOptions {
+            format,
+            amount: SplatAmount { at_most: None, sky: SplatSky::Out },
+            frames_per_second: 24.0,
+        }
     }
 
     fn exported(
@@ -181,14 +189,16 @@ mod tests {
             for (sky, most) in
                 [(SplatSky::Out, whole.splats / 3), (SplatSky::Dome, 10_000 + whole.splats / 2)]
             {
-                let asked = SplatOptions { at_most: Some(most), sky, ..options(format) };
+                let asked =
+                    SplatOptions { amount: SplatAmount { at_most: Some(most), sky }, ..options(format) };
                 let (fewer, _) = exported(&set, frame, &asked).unwrap();
                 let found = fewer.splats;
                 // A square of 32×32 pixels is merged as a whole.
                 assert!(found <= most && found + 3 * 256 > most, "{format}, {sky}: {found} of {most}");
                 assert_eq!(fewer.samples, whole.samples);
             }
-            let said = exported(&set, frame, &SplatOptions { at_most: Some(9), ..options(format) });
+            let amount = SplatAmount { at_most: Some(9), sky: SplatSky::Out };
+            let said = exported(&set, frame, &SplatOptions { amount, ..options(format) });
             let said = said.unwrap_err().to_string();
             assert!(said.contains("more than the 9") && said.contains("allow more"), "{said}");
         }

@@ -34,15 +34,22 @@ impl SplatFormat {
     }
 }
 
+/// How many splats there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SplatAmount {
+    /// Most splats, the dome's included; samples are merged where that loses least until they fit.
+    pub at_most: Option<u64>,
+    /// What becomes of samples at infinity.
+    pub sky: SplatSky,
+}
+
 /// How splats are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SplatOptions {
     /// The format.
     pub format: SplatFormat,
-    /// Most splats of a file, the dome's included; samples are merged where that loses least until they fit.
-    pub at_most: Option<u64>,
-    /// What becomes of samples at infinity.
-    pub sky: SplatSky,
+    /// How many splats a file has.
+    pub amount: SplatAmount,
     /// Frames a second, where the format holds time; above 0.
     pub frames_per_second: f64,
 }

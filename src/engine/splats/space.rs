@@ -53,13 +53,15 @@ impl Space {
                 DMat3::from_quat(DQuat::from_rotation_arc(up, DVec3::Z))
             }
         });
+        Self { turn: Axes::of(format).turn_of_z_up() * upright, ..Self::of_world(set) }
+    }
+
+    /// Of a set, in the axes of its world.
+    pub(super) fn of_world(set: &SampleSet) -> Self {
         let count = set.cameras.len().max(1) as f64;
         let middle = set.cameras.iter().map(|camera| camera.position_in_world() / count).sum::<DVec3>();
         let is_far = are_far_from_origin(&set.cameras);
-        Self {
-            turn: Axes::of(format).turn_of_z_up() * upright,
-            origin_in_world: if is_far { middle.round() } else { DVec3::ZERO },
-        }
+        Self { turn: DMat3::IDENTITY, origin_in_world: if is_far { middle.round() } else { DVec3::ZERO } }
     }
 
     /// A point of the world in the file.

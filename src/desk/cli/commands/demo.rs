@@ -120,7 +120,8 @@ fn is_of(cameras: &[Camera], view: &TruthView) -> bool {
 /// Far below the distance of two cameras, far above the error of writing and reading a pose.
 const SAME_POSE: f64 = 1e-6;
 
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
+/// Columns and rows.
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once(['x', '×']).ok_or("write it as WxH, as in 640x480")?;
     let side = |text: &str| text.trim().parse().map_err(|_| format!("'{text}' is not a number of pixels"));
     Ok((side(width)?, side(height)?))

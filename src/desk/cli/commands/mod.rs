@@ -6,6 +6,7 @@ pub(super) mod demo;
 pub(super) mod evaluate;
 pub(super) mod export;
 pub(super) mod info;
+pub(super) mod place;
 pub(super) mod preprocess;
 pub(super) mod render;
 pub(super) mod report;

@@ -112,6 +112,19 @@ fn write_manifest(path: &Path, facts: ManifestFacts, pictures: &[PictureToWrite]
     })
 }
 
+/// Writes a manifest of cameras at one frame, whose pictures are still to be made: where each is to lie, and how its depth is meant.
+///
+/// # Errors
+/// `Io`.
+pub fn write_cameras(path: &Path, cameras: &[Camera], frame_number: i64, up_in_world: DVec3) -> Result<()> {
+    let entries: Vec<PictureToWrite> = cameras
+        .iter()
+        .map(|camera| PictureToWrite { file_path: picture_name(camera, frame_number), camera, frame_number })
+        .collect();
+    let facts = ManifestFacts { up_in_world, has_normals: true, antialiased_color: true };
+    write_manifest(path, facts, &entries)
+}
+
 /// Writes every frame of a capture, and the vantages with their true pictures, below `folder`.
 ///
 /// Progress is counted in pictures; cancelling stops before the next one, and leaves no manifest: one that was there before is

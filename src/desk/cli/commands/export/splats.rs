@@ -10,7 +10,7 @@ use crate::cli::output::{self, CommandError};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
-use overlook_engine::splats::{self, SplatFormat, SplatOptions, SplatSky, SplatSummary};
+use overlook_engine::splats::{self, SplatAmount, SplatFormat, SplatOptions, SplatSky, SplatSummary};
 use overlook_engine::store::playback::Playback;
 
 #[derive(Debug, Args)]
@@ -60,8 +60,7 @@ impl SplatsArgs {
     fn write(&self, playback: &Playback, job: &Job) -> Result<Vec<SplatSummary>> {
         let options = SplatOptions {
             format: self.format,
-            at_most: self.at_most_splats,
-            sky: self.sky,
+            amount: SplatAmount { at_most: self.at_most_splats, sky: self.sky },
             frames_per_second: self.fps,
         };
         if let Some(number) = self.frame {

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """VTK and PyVista: records a scene over its time steps as a capture that Overlook opens.
 
-    from overlook_capture import record
-    record(plotter, "FOLDER", cameras="ring:6", frames=20, size=(640, 480), step=lambda frame: move(frame))
+    import overlook
+    overlook.record_pyvista(plotter, "FOLDER", cameras="ring:6", frames=20, size=(640, 480), step=lambda frame: move(frame))
 
-    python overlook_capture.py SCENE.pvd --out FOLDER --cameras 6 --color-by pressure
+    python -m overlook.vtk_capture SCENE.pvd --out FOLDER --cameras 6 --color-by pressure
 
 The first takes a `pyvista.Plotter`, a `vtkRenderWindow` or a `vtkRenderer`; `step(frame)` changes it before each frame. The second takes
-what PyVista reads; several files are time steps. Neither needs a display. Written are
+what PyVista reads; several files are time steps. Neither needs a display. This file also works alone, without the rest of the package: it
+is `from vtk_capture import record`, and `python vtk_capture.py`, there. Written are
 
     FOLDER/transforms.json, FOLDER/CAMERA/0000.exr ...       color, planar depth and world-space normals
     FOLDER/novel/transforms.json, FOLDER/novel/CAMERA/...    the same of true views (`truth`), which Overlook measures its accuracy against
@@ -104,13 +105,15 @@ class Viewpoint:
 def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, turned=0.0):
     """A list of Viewpoint of what is asked for: a number or "ring:6", "sphere:12", "inside:6", which are placed around `bounds` (xmin,
     xmax, ymin ...); a list, or an object by names, of (position, focal point[, up[, view angle]]), of objects with these keys, or of
-    vtkCamera. What is placed is `turned` by a share of a full turn."""
+    vtkCamera; or what a manifest holds, as `overlook place` writes it. What is placed is `turned` by a share of a full turn."""
     if isinstance(cameras, (int, str)):
         layout, _, number = str(cameras).rpartition(":")
         layout = layout or "ring"
         if layout not in ("ring", "sphere", "inside") or not number.isdigit() or int(number) == 0:
             raise CaptureError(f"cameras '{cameras}' are neither a number nor ring:N, sphere:N or inside:N")
         return placed(layout, int(number), size, bounds, up, view_angle, turned)
+    if isinstance(cameras, dict) and isinstance(cameras.get("frames"), list):
+        return viewpoints_of_manifest(cameras)
     named = cameras.items() if isinstance(cameras, dict) else ((None, it) for it in cameras)
     found = []
     for index, (name, camera) in enumerate(named):
@@ -120,6 +123,24 @@ def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, turned=0.0)
     if not found:
         raise CaptureError("there is no camera")
     return found
+
+
+def viewpoints_of_manifest(manifest):
+    """The cameras of a manifest of poses, each once. Their view angles are the manifest's; the size of pictures is the recording's."""
+    found = {}
+    for index, entry in enumerate(manifest["frames"]):
+        name = entry.get("camera") or f"camera{index + 1}"
+        try:
+            pose = np.array(entry["transform_matrix"], dtype=np.float64)[:3]
+            width, height, across, down, x, y = (float(entry.get(it, manifest.get(it))) for it in ("w", "h", "fl_x", "fl_y", "cx", "cy"))
+        except (KeyError, TypeError, ValueError) as error:
+            raise CaptureError(f"camera '{name}' of the manifest has no pose and lens: {first_line(error)}") from error
+        is_centered = abs(2 * x - width) < 1e-3 * width and abs(2 * y - height) < 1e-3 * height
+        if pose.shape != (3, 4) or abs(across / down - 1) > 1e-3 or not is_centered:
+            raise CaptureError(f"camera '{name}' of the manifest has a shifted lens, or pixels that are not square")
+        eye, angle = pose[:, 3], math.degrees(2 * math.atan(height / (2 * down)))
+        found.setdefault(name, Viewpoint(name, tuple(eye), tuple(eye - pose[:, 2]), tuple(pose[:, 1]), angle))
+    return list(found.values())
 
 
 def viewpoint(name, camera, size, up, view_angle):
@@ -277,8 +298,11 @@ def turns_with_the_camera(prop):
 
 def window_and_renderer(plotter):
     """The window and the renderer of a pyvista.Plotter, a vtkRenderWindow or a vtkRenderer, which gets a window if it has none."""
-    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (without it VTK draws nothing)
-    from vtkmodules.vtkRenderingCore import vtkRenderWindow
+    try:
+        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (without it VTK draws nothing)
+        from vtkmodules.vtkRenderingCore import vtkRenderWindow
+    except ImportError as error:
+        raise CaptureError(f"recording needs VTK: pip install pyvista ({first_line(error)})") from error
 
     if hasattr(plotter, "GetRenderers"):
         drawn = plotter.GetRenderers()
@@ -697,7 +721,10 @@ class Progress:
 
 def scene_of_files(files, options):
     """A plotter of what PyVista reads, the times of its frames, and what steps it."""
-    import pyvista
+    try:
+        import pyvista
+    except ImportError as error:
+        raise CaptureError(f"reading files needs PyVista: pip install pyvista ({first_line(error)})") from error
 
     pyvista.OFF_SCREEN = True
     for path in files:
@@ -765,7 +792,7 @@ def add_options(parser):
     size = lambda text: tuple(int(it) for it in numbers(2, text))
     add = parser.add_argument
     add("--out", required=True, metavar="FOLDER", help="folder of the capture")
-    add("--cameras", default="6", help="N or ring:N, sphere:N, inside:N, or a JSON file, whose form is below [ring:6]")
+    add("--cameras", default="6", help="N or ring:N, sphere:N, inside:N, or a JSON file: a manifest of poses, as `overlook place` writes it, or as below [ring:6]")
     add("--truth", metavar="CAMERAS", help="true views, in the same words: they go to FOLDER/novel")
     add("--size", type=size, default=(640, 480), metavar="WxH", help="columns and rows [640x480]")
     add("--view-angle", type=float, default=30.0, metavar="DEGREES", help="from top to bottom [30]")
