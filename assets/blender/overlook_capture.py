@@ -7,9 +7,11 @@ Cameras are marked there: as recording cameras, or as true views, which Overlook
     FOLDER/transforms.json, FOLDER/CAMERA/0001.exr ...       color, planar depth and world-space normals of recording cameras
     FOLDER/novel/transforms.json, FOLDER/novel/CAMERA/...    the same of true views
 
-Depth is planar z in Blender's units, taken at each pixel's center; color is linear and filtered. From a script:
+Depth is planar z in Blender's units, taken at each pixel's center; color is linear and filtered. "Add Cameras of a Manifest" makes recording
+cameras of the poses that `overlook place` writes. From a script:
 
     import overlook_capture
+    cameras = overlook_capture.add_cameras(scene, json.load(open("placed.json")))
     overlook_capture.render_capture(scene, folder, cameras, truth=others)
 """
 
@@ -197,6 +199,29 @@ def render_capture(scene, folder, cameras, truth=(), frames=None):
         pass
 
 
+def add_cameras(scene, manifest):
+    """Makes cameras of a manifest of poses, each once, marks them as recording cameras, and sets the size of the scene's pictures."""
+    made = {}
+    for entry in manifest["frames"]:
+        name = entry["camera"]
+        if name in made:
+            continue
+        width, height = int(entry["w"]), int(entry["h"])
+        if abs(entry["cx"] / width - 0.5) > 1e-3 or abs(entry["cy"] / height - 0.5) > 1e-3 or abs(entry["fl_x"] / entry["fl_y"] - 1) > 1e-3:
+            raise CaptureError(f"camera '{name}' has a shifted lens, or pixels that are not square")
+        data = bpy.data.cameras.new(name)
+        data.sensor_fit = "HORIZONTAL"
+        data.lens = entry["fl_x"] / width * data.sensor_width
+        made[name] = bpy.data.objects.new(name, data)
+        made[name].matrix_world = Matrix(entry["transform_matrix"])
+        scene.collection.objects.link(made[name])
+        if hasattr(data, "overlook_role"):
+            data.overlook_role = "RECORD"
+        render = scene.render
+        render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
+    return list(made.values())
+
+
 def cameras_of(scene, role):
     """The scene's cameras of a role, by name."""
     found = [it for it in scene.objects if it.type == "CAMERA" and it.data.overlook_role == role]
@@ -215,6 +240,31 @@ class OVERLOOK_OT_mark_all(bpy.types.Operator):
             if it.type == "CAMERA":
                 it.data.overlook_role = "RECORD"
         return {"FINISHED"}
+
+
+class OVERLOOK_OT_add_cameras(bpy.types.Operator):
+    """Add recording cameras at the poses of a manifest, as `overlook place` writes it"""
+
+    bl_idname = "overlook.add_cameras"
+    bl_label = "Add Cameras of a Manifest"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filepath: bpy.props.StringProperty(subtype="FILE_PATH")
+    filter_glob: bpy.props.StringProperty(default="*.json", options={"HIDDEN"})
+
+    def execute(self, context):
+        try:
+            with open(bpy.path.abspath(self.filepath), encoding="utf-8") as file:
+                made = add_cameras(context.scene, json.load(file))
+        except (CaptureError, OSError, ValueError, KeyError, TypeError) as error:
+            self.report({"ERROR"}, f"{self.filepath}: {error}")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Added {len(made)} cameras")
+        return {"FINISHED"}
+
+    def invoke(self, context, event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
 
 
 class OVERLOOK_OT_render(bpy.types.Operator):
@@ -287,13 +337,14 @@ class OVERLOOK_PT_capture(bpy.types.Panel):
                 row.label(text=it.name, icon="CAMERA_DATA")
                 row.prop(it.data, "overlook_role", text="")
         column.operator(OVERLOOK_OT_mark_all.bl_idname)
+        column.operator(OVERLOOK_OT_add_cameras.bl_idname)
         pictures = len(range(scene.frame_start, scene.frame_end + 1, scene.frame_step))
         pictures *= sum(len(cameras_of(scene, role)) for role in ("RECORD", "TRUTH"))
         column.label(text=f"{pictures} pictures")
         column.operator(OVERLOOK_OT_render.bl_idname, icon="RENDER_ANIMATION")
 
 
-CLASSES = (OVERLOOK_OT_mark_all, OVERLOOK_OT_render, OVERLOOK_PT_capture)
+CLASSES = (OVERLOOK_OT_mark_all, OVERLOOK_OT_add_cameras, OVERLOOK_OT_render, OVERLOOK_PT_capture)
 
 
 def register():

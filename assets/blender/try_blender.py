@@ -7,7 +7,9 @@ Two cameras record four frames of a ball that rolls over a textured floor; a thi
 there from the other two has to score above 30 dB, and nothing may be asked or warned of.
 """
 
+import json
 import os
+import subprocess
 import sys
 
 import bpy
@@ -76,6 +78,23 @@ def build():
     return scene
 
 
+def check_placed(overlook, folder, scene):
+    """Poses that are placed by the capture become cameras that stand and look as the manifest says."""
+    placed = os.path.join(folder, "placed.json")
+    subprocess.run([overlook, "place", folder, "--cameras", "2", "--size", "400x200", "--out", placed], check=True)
+    assert bpy.ops.overlook.add_cameras(filepath=placed) == {"FINISHED"}
+    with open(placed, encoding="utf-8") as file:
+        entries = json.load(file)["frames"]
+    bpy.context.view_layer.update()
+    for entry in entries:
+        added = scene.objects[entry["camera"]]
+        found = [value for row in overlook_capture.pose(added) for value in row]
+        assert all(abs(a - b) < 1e-5 for a, b in zip(found, sum(entry["transform_matrix"], []))), added.name
+        lens = overlook_capture.lens(scene, added)
+        assert all(abs(lens[key] - entry[key]) < 1e-3 * entry["w"] for key in lens), (lens, entry)
+        assert added.data.overlook_role == "RECORD"
+
+
 def main():
     overlook, folder = sys.argv[1], os.path.abspath(sys.argv[2])
     scene = build()
@@ -84,6 +103,7 @@ def main():
     assert bpy.ops.overlook.render() == {"FINISHED"}
     assert before == (scene.render.filepath, scene.render.image_settings.file_format, scene.camera), "settings are restored"
     score_capture(overlook, folder, f"Blender {bpy.app.version_string}", FRAMES)
+    check_placed(overlook, folder, scene)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@
     render_capture(lambda frame: mi.load_dict(scene(frame)), {"left": left, "right": right}, "FOLDER", frames=range(4), spp=256)
 
 Cameras are `perspective` sensors that stand still; `frames` are the numbers that the first argument makes scenes of. Color is what the
-scene's integrator gives. Depth and normals are not taken from its `aov` integrator, whose film filter blends them across silhouettes:
+scene's integrator gives. `sensors(manifest)` makes them of a manifest of poses, as `overlook place` writes it. Depth and normals are not taken from its `aov` integrator, whose film filter blends them across silhouettes:
 a ray is cast through the center of every pixel. Written are `FOLDER/CAMERA/0000.exr` with channels R G B Z N.X N.Y N.Z, and
 `FOLDER/transforms.json`. Render true views the same way into `FOLDER/novel`.
 """
@@ -47,6 +47,25 @@ def render_capture(scene_of_frame, cameras, folder, frames=(0,), spp=64, up=(0, 
     }
     with open(os.path.join(folder, "transforms.json"), "w", encoding="utf-8") as file:
         json.dump(manifest, file, indent=1)
+
+
+def sensors(manifest):
+    """The cameras of a manifest of poses, each once, by their names: `sensors(json.load(file))`."""
+    found = {}
+    for entry in manifest["frames"]:
+        width, height = int(entry["w"]), int(entry["h"])
+        to_world = np.array(entry["transform_matrix"], dtype=np.float64) @ np.diag([-1.0, 1.0, -1.0, 1.0])
+        sensor = {
+            "type": "perspective",
+            "fov_axis": "x",
+            "fov": float(np.degrees(2 * np.arctan(width / (2 * entry["fl_x"])))),
+            "principal_point_offset_x": 0.5 - entry["cx"] / width,
+            "principal_point_offset_y": 0.5 - entry["cy"] / height,
+            "to_world": mi.ScalarTransform4f(to_world.tolist()),
+            "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "gaussian"}},
+        }
+        found.setdefault(entry["camera"], sensor)
+    return {name: mi.load_dict(sensor) for name, sensor in found.items()}
 
 
 def camera_to_world(sensor):

@@ -7,7 +7,9 @@ Two cameras record four frames of a ball that rolls over a textured floor; a thi
 there from the other two has to score above 30 dB, and nothing may be asked or warned of.
 """
 
+import json
 import os
+import subprocess
 import sys
 
 import mitsuba as mi
@@ -16,6 +18,7 @@ import numpy as np
 mi.set_variant(sys.argv[3] if len(sys.argv) > 3 else "scalar_rgb")
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.dirname(HERE)]
+import overlook_capture
 from overlook_capture import render_capture
 from score_capture import score_capture
 
@@ -56,6 +59,20 @@ def camera(x):
     return mi.load_dict({"type": "perspective", "fov": 40, "principal_point_offset_x": 0.02, "principal_point_offset_y": -0.03, "to_world": view, "film": film})
 
 
+def check_placed(overlook, folder):
+    """Poses that are placed by the capture become sensors that stand and look as the manifest says."""
+    placed = os.path.join(folder, "placed.json")
+    subprocess.run([overlook, "place", folder, "--cameras", "2", "--size", "400x200", "--out", placed], check=True)
+    with open(placed, encoding="utf-8") as file:
+        manifest = json.load(file)
+    made = overlook_capture.sensors(manifest)
+    for entry in manifest["frames"]:
+        pose = overlook_capture.camera_to_world(made[entry["camera"]])
+        assert np.allclose(pose, entry["transform_matrix"], atol=1e-5)
+        lens = overlook_capture.pinhole(entry["camera"], made[entry["camera"]], pose)
+        assert all(abs(lens[key] - entry[key]) < 0.01 for key in lens), (lens, entry)
+
+
 def main():
     overlook, folder = sys.argv[1], os.path.abspath(sys.argv[2])
     load = lambda frame: mi.load_dict(scene(frame))
@@ -63,6 +80,7 @@ def main():
     novel = os.path.join(folder, "novel")
     render_capture(load, {"between": camera(0.0)}, novel, range(FRAMES))
     score_capture(overlook, folder, f"Mitsuba {mi.__version__}", FRAMES)
+    check_placed(overlook, folder)
 
 
 if __name__ == "__main__":

@@ -34,14 +34,14 @@ impl Precision {
     }
 }
 
-/// A point of a surface.
+/// A small disk on a surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Point {
+pub(crate) struct Disk {
     /// World units.
     pub(crate) point_in_world: DVec3,
     /// Unit length; zero where none is known.
     pub(crate) normal_in_world: Vec3,
-    /// Of a disk as large as it, world units.
+    /// World units.
     pub(crate) radius: f64,
     /// Linear Rec.709.
     pub(crate) color: [f32; 3],
@@ -64,7 +64,7 @@ pub(crate) fn write_points(
     name: &str,
     cameras: &[Camera],
     count: u64,
-    points: impl Iterator<Item = Point>,
+    points: impl Iterator<Item = Disk>,
 ) -> Result<u64> {
     let io = |error| Error::io(path, error);
     let precision = Precision::of(cameras);
@@ -91,18 +91,18 @@ fn header(name: &str, points: u64, precision: Precision) -> String {
     )
 }
 
-fn points<'a>(image: &'a SampleImage, camera: &'a Camera) -> impl Iterator<Item = Point> + 'a {
+fn points<'a>(image: &'a SampleImage, camera: &'a Camera) -> impl Iterator<Item = Disk> + 'a {
     image.placed(camera).map(move |PlacedSample { sample, ray_in_camera, depth, point_in_world }| {
         let normals = image.normal.as_ref();
         let normal_in_world = normals.map_or(Vec3::ZERO, |normals| OctNormal::decode(normals[sample.index]));
         let radius = radius(camera, ray_in_camera, depth, normal_in_world.as_dvec3());
         let color = image.color[sample.index].map(f16::to_f32);
-        Point { point_in_world, normal_in_world, radius, color }
+        Disk { point_in_world, normal_in_world, radius, color }
     })
 }
 
-fn write_point(target: &mut impl Write, point: &Point, precision: Precision) -> std::io::Result<()> {
-    let Point { point_in_world, normal_in_world, radius, color } = *point;
+fn write_point(target: &mut impl Write, point: &Disk, precision: Precision) -> std::io::Result<()> {
+    let Disk { point_in_world, normal_in_world, radius, color } = *point;
     let mut bytes = Vec::with_capacity(POINT_BYTES);
     match precision {
         Precision::Single => {

@@ -18,6 +18,7 @@ mod gpu_command;
 mod page_command;
 mod page_reader;
 mod parts;
+mod place_command;
 mod preprocess_command;
 mod preprocess_parts;
 mod result_places;

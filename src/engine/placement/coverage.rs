@@ -19,8 +19,11 @@ const NEARER: f64 = 0.5;
 /// Angles by which chosen cameras are turned, degrees, one after the other.
 const TURNS: [f64; 3] = [8.0, 3.0, 1.0];
 
-/// How often all chosen cameras are turned, each beside the others.
-const ROUNDS: usize = 2;
+/// How often all chosen cameras are exchanged and turned, each beside the others, at most.
+const ROUNDS: usize = 4;
+
+/// Candidates that are looked at together.
+const AT_ONCE: usize = 128;
 
 /// A place, and what is seen from it in all directions.
 struct Place {
@@ -41,10 +44,15 @@ struct Candidate {
 /// All that may be chosen, and what is shown by what was chosen.
 pub(super) struct Coverage<'a> {
     moments: &'a [Moment],
+    /// Every how many surfels one is counted.
+    every: usize,
     lens: Intrinsics,
     up_in_world: DVec3,
     places: Vec<Place>,
     candidates: Vec<Candidate>,
+    /// What each candidate adds to nothing: it never adds more.
+    alone: Vec<u64>,
+    is_empty: bool,
     /// Moment by moment, the best value of each surfel: 0 unseen, to [`FINEST`].
     best: Vec<Vec<u8>>,
     /// What all surfels together count for.
@@ -52,26 +60,30 @@ pub(super) struct Coverage<'a> {
 }
 
 impl<'a> Coverage<'a> {
-    pub(super) fn new(moments: &'a [Moment], lens: Intrinsics, up_in_world: DVec3) -> Self {
-        let weights =
-            moments.iter().flat_map(|moment| &moment.surfels).map(|surfel| u64::from(surfel.weight));
-        let total = weights.sum::<u64>() as f64 * f64::from(FINEST);
+    /// Of moments that hold a surfel; `every` how many surfels one is counted, at least 1.
+    pub(super) fn new(moments: &'a [Moment], every: usize, lens: Intrinsics, up_in_world: DVec3) -> Self {
         let mut coverage = Self {
             moments,
+            every,
             lens,
             up_in_world,
             places: Vec::new(),
             candidates: Vec::new(),
+            alone: Vec::new(),
+            is_empty: true,
             best: Vec::new(),
-            total,
+            total: 0.0,
         };
         coverage.forget();
+        let weights = coverage.valued().map(|(surfel, _)| u64::from(surfel.weight));
+        coverage.total = weights.sum::<u64>() as f64 * f64::from(FINEST);
         coverage
     }
 
     /// From now on nothing is shown.
     fn forget(&mut self) {
         self.best = self.moments.iter().map(|moment| vec![0; moment.surfels.len()]).collect();
+        self.is_empty = true;
     }
 
     /// Finds what is seen from further places.
@@ -81,7 +93,8 @@ impl<'a> Coverage<'a> {
     pub(super) fn look_from(&mut self, eyes: Vec<DVec3>, job: &Job) -> Result<()> {
         let look = |eye: DVec3| {
             job.check()?;
-            let seen = self.moments.iter().map(|moment| seen_from(&moment.surfels, eye)).collect();
+            let seen =
+                self.moments.iter().map(|moment| seen_from(&moment.surfels, self.every, eye)).collect();
             let surfels = self.moments.iter().flat_map(|moment| &moment.surfels);
             let nearest = surfels.map(|surfel| surfel.point_in_world.distance_squared(eye));
             let clearance = nearest.fold(f64::INFINITY, f64::min).sqrt();
@@ -103,29 +116,22 @@ impl<'a> Coverage<'a> {
         });
     }
 
-    /// The share that cameras see which stand at the first places, one each.
-    pub(super) fn share_of(&mut self, cameras: &[Camera]) -> f64 {
-        for (place, camera) in cameras.iter().enumerate() {
-            let camera = Camera { intrinsics: self.lens, ..camera.clone() };
-            self.add(&Candidate { place, camera });
-        }
-        let share = self.shown();
-        self.forget();
-        share
-    }
-
-    /// Makes cameras at all places the candidates, and gives their number. `cameras` stand at the first places, and are the first.
-    pub(super) fn point_everywhere(&mut self, cameras: &[Camera], middle: DVec3) -> usize {
+    /// Makes cameras at all places the candidates, and gives their number. `cameras` stand at the first places: where they `may_stay`
+    /// they come first, else these places are left out.
+    pub(super) fn point_everywhere(&mut self, cameras: &[Camera], may_stay: bool, middle: DVec3) -> usize {
         let targets = targets(cameras, middle);
-        let own = cameras.iter().enumerate().map(|(place, camera)| Candidate {
+        let staying = if may_stay { cameras } else { &[] };
+        let others = cameras.len() - staying.len();
+        let own = staying.iter().enumerate().map(|(place, camera)| Candidate {
             place,
             camera: Camera { intrinsics: self.lens, ..camera.clone() },
         });
-        let posed = self.places.iter().enumerate().flat_map(|(place, at)| {
+        let posed = self.places.iter().enumerate().skip(others).flat_map(|(place, at)| {
             let poses = poses(at.eye, &targets, self.lens, self.up_in_world);
             poses.into_iter().map(move |camera| Candidate { place, camera })
         });
         self.candidates = own.chain(posed).collect();
+        self.alone = self.candidates.par_iter().map(|candidate| self.gain(candidate)).collect();
         self.candidates.len()
     }
 
@@ -165,12 +171,13 @@ impl<'a> Coverage<'a> {
             best[moment][index] = best[moment][index].max(value);
         });
         self.best = best;
+        self.is_empty = false;
     }
 
     /// The surfels with the best value of each.
     fn valued(&self) -> impl Iterator<Item = (&Surfel, u8)> {
         let values = self.moments.iter().zip(&self.best);
-        values.flat_map(|(moment, best)| moment.surfels.iter().zip(best.iter().copied()))
+        values.flat_map(|(moment, best)| moment.surfels.iter().zip(best.iter().copied()).step_by(self.every))
     }
 
     /// The share that is shown.
@@ -179,29 +186,61 @@ impl<'a> Coverage<'a> {
         shown.sum::<u64>() as f64 / self.total
     }
 
-    /// Turns the chosen candidates, each to where it adds most beside the others, and gives them by what each adds. All of them are
-    /// shown afterwards.
-    pub(super) fn turned(&mut self, chosen: &[usize]) -> Vec<PlacedCamera> {
+    /// Exchanges each of the chosen candidates for the one that adds most beside the others, and turns it, as long as that helps.
+    pub(super) fn improved(&mut self, chosen: &[usize]) -> Vec<Camera> {
         let mut cameras: Vec<Candidate> =
             chosen.iter().map(|index| self.candidates[*index].clone()).collect();
+        let mut most_first: Vec<usize> = (0..self.candidates.len()).collect();
+        most_first.sort_by_key(|index| std::cmp::Reverse(self.alone[*index]));
         for _ in 0..ROUNDS {
+            let mut is_better = false;
             for nth in 0..cameras.len() {
                 self.forget();
                 for (_, other) in cameras.iter().enumerate().filter(|(other, _)| *other != nth) {
                     self.add(other);
                 }
-                cameras[nth] = self.best_turned(&cameras[nth]);
+                let exchanged = self.best_exchange(&cameras[nth], &most_first);
+                let turned = self.best_turned(&exchanged);
+                is_better |= turned.camera != cameras[nth].camera;
+                cameras[nth] = turned;
+            }
+            if !is_better {
+                break;
             }
         }
         self.forget();
+        cameras.into_iter().map(|candidate| candidate.camera).collect()
+    }
+
+    /// The candidate that adds most, or the given one where none adds more. Those that add less to nothing are not looked at.
+    fn best_exchange(&self, candidate: &Candidate, most_first: &[usize]) -> Candidate {
+        let mut best = (self.gain(candidate), candidate);
+        for some in most_first.chunks(AT_ONCE) {
+            if self.alone[some[0]] <= best.0 {
+                break;
+            }
+            let gains: Vec<u64> = some.par_iter().map(|index| self.gain(&self.candidates[*index])).collect();
+            for (index, gain) in some.iter().zip(gains) {
+                if gain > best.0 {
+                    best = (gain, &self.candidates[*index]);
+                }
+            }
+        }
+        best.1.clone()
+    }
+
+    /// Cameras that stand at the places, one each, by what each adds. All of them are shown afterwards.
+    pub(super) fn in_order(&mut self, cameras: Vec<Camera>) -> Vec<PlacedCamera> {
+        let candidates = cameras.into_iter().enumerate();
+        let mut left: Vec<Candidate> =
+            candidates.map(|(place, camera)| Candidate { place, camera }).collect();
         let mut placed: Vec<PlacedCamera> = Vec::new();
-        while let Some(most) = (0..cameras.len()).rev().max_by_key(|nth| self.gain(&cameras[*nth])) {
-            let candidate = cameras.remove(most);
+        self.forget();
+        while let Some(most) = (0..left.len()).rev().max_by_key(|nth| self.gain(&left[*nth])) {
+            let candidate = left.remove(most);
             let adds = self.gain(&candidate) as f64 / self.total;
             self.add(&candidate);
-            let name = format!("placed{}", placed.len() + 1);
-            let camera = Camera { name, ..candidate.camera };
-            placed.push(PlacedCamera { camera, adds, seen: self.shown() });
+            placed.push(PlacedCamera { camera: candidate.camera, adds, seen: self.shown() });
         }
         placed
     }
@@ -246,7 +285,7 @@ impl<'a> Coverage<'a> {
 
 impl CoveredSet for Coverage<'_> {
     fn added_by(&self, view: usize) -> u64 {
-        self.gain(&self.candidates[view])
+        if self.is_empty { self.alone[view] } else { self.gain(&self.candidates[view]) }
     }
 
     fn take(&mut self, view: usize) {

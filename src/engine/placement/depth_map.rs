@@ -8,8 +8,8 @@ use glam::{DVec3, Vec3};
 
 use super::surfels::Surfel;
 
-/// Columns and rows of a side: a pixel is about a degree wide.
-const SIDE: usize = 96;
+/// Columns and rows of a side: a pixel is about half a degree wide.
+const SIDE: usize = 160;
 
 /// Half of the pixels that a surfel covers, at most.
 const WIDEST: f32 = 6.0;
@@ -95,8 +95,8 @@ impl DepthMap {
     }
 }
 
-/// The indices of the surfels that are seen from a place, ascending.
-pub(super) fn seen_from(surfels: &[Surfel], eye: DVec3) -> Vec<u32> {
+/// The indices of the surfels that are seen from a place, ascending, of every first, second … one: all others only hide them.
+pub(super) fn seen_from(surfels: &[Surfel], every: usize, eye: DVec3) -> Vec<u32> {
     let map = DepthMap::of(surfels, eye);
     let is_seen = |surfel: &Surfel| {
         let Some(seen) = Seen::of(surfel, eye).filter(|seen| seen.cosine > EDGE_ON) else { return false };
@@ -104,5 +104,6 @@ pub(super) fn seen_from(surfels: &[Surfel], eye: DVec3) -> Vec<u32> {
         let across = 1.5 * PIXEL + 0.5 * surfel.width as f32 / seen.distance;
         seen.distance * (1.0 - SAME - across * tangent) <= map.0[seen.index()]
     };
-    (0..).zip(surfels).filter(|(_, surfel)| is_seen(surfel)).map(|(index, _)| index).collect()
+    let counted = (0..).zip(surfels).step_by(every);
+    counted.filter(|(_, surfel)| is_seen(surfel)).map(|(index, _)| index).collect()
 }

@@ -10,7 +10,7 @@
 //! Source: C. Connolly, *The Determination of Next Best Views*, 1985: the next view is the one that adds most, told from what is known so
 //! far. The views are taken by [`GreedyCover`], whose guarantee holds as what a view adds never grows. What differs: what is known is the
 //! whole first capture, so that all views are placed before any is taken; a surface counts by how finely it is seen, in proportion to what
-//! is asked for; and each chosen camera is turned afterwards to where it adds most beside the others.
+//! is asked for; and each chosen camera is exchanged and turned afterwards, as long as another pose adds more beside the others.
 //!
 //! A surface counts with the kept samples that show it: as many as the finest picture of it has pixels. With a rate that is asked for in
 //! pixels a unit, it counts with its area. Surfaces that the first capture did not see are not known, and count as empty space.
@@ -34,6 +34,9 @@ use surfels::{Moment, moments};
 
 pub use stands::Stand;
 pub use surfels::Surfel;
+
+/// About the most surfels that candidates are compared by.
+const COUNTED: usize = 15_000;
 
 /// Frames, evenly spread, at which surfaces are looked at.
 const FRAMES: usize = 3;
@@ -72,7 +75,7 @@ pub struct PlacedCamera {
 pub struct Placement {
     /// By what each adds; fewer than asked for where no other adds anything.
     pub cameras: Vec<PlacedCamera>,
-    /// The share that the cameras of the coarse capture see, measured the same way with the same lens.
+    /// The share that the cameras of the coarse capture see, measured the same way, were their pictures as large.
     pub coarse_cameras_see: f64,
     /// The share of surface that no placed camera sees at all, 0 to 1.
     pub unseen: f64,
@@ -92,7 +95,8 @@ pub struct Placement {
 pub fn place(capture: &Capture, options: &PlaceOptions, settings: &Settings, job: &Job) -> Result<Placement> {
     check(options)?;
     let lens = lens(&capture.cameras, options.size);
-    let asked = Asked::of(&capture.cameras, &lens, options.rate);
+    let scale = lens.fx / self::lens(&capture.cameras, None).fx;
+    let asked = options.rate.map_or(Asked::AsCoarse(1.0 / scale), |rate| Asked::Width(1.0 / rate));
     let capture = some_frames(capture);
     let mut settings = settings.clone();
     settings.store.normals = true;
@@ -105,13 +109,14 @@ pub fn place(capture: &Capture, options: &PlaceOptions, settings: &Settings, job
     let middle = middle(&capture.cameras, &moments);
     let places = stands::places(&options.stand, &capture.cameras, middle, capture.up_in_world);
     let own = capture.cameras.len();
-    let mut coverage = Coverage::new(&moments, lens, capture.up_in_world);
+    let surfels: usize = moments.iter().map(|moment| moment.surfels.len()).sum();
+    let mut coverage = Coverage::new(&moments, surfels.div_ceil(COUNTED), lens, capture.up_in_world);
     job.start("Looking from places", own + places.len());
     coverage.look_from(capture.cameras.iter().map(Camera::position_in_world).collect(), job)?;
-    let coarse_cameras_see = coverage.share_of(&capture.cameras);
     coverage.look_from(places, job)?;
     coverage.leave_out_places_too_near(own);
-    let candidates = coverage.point_everywhere(&capture.cameras, middle);
+    let may_stay = options.stand == Stand::Between;
+    let candidates = coverage.point_everywhere(&capture.cameras, may_stay, middle);
     if candidates == 0 {
         let what = "has surfaces everywhere where cameras may stand; allow other places";
         return Err(Error::invalid(&capture.name, what));
@@ -126,9 +131,32 @@ pub fn place(capture: &Capture, options: &PlaceOptions, settings: &Settings, job
         })
         .collect();
     job.check()?;
-    let cameras = coverage.turned(&chosen);
+    let cameras = coverage.improved(&chosen);
+    let coarse = capture.cameras.iter().map(|camera| scaled(camera, scale)).collect();
+    told(&capture, &moments, lens, [cameras, coarse], job)
+}
+
+/// What is told of the placed and of the coarse cameras, by every surfel.
+fn told(
+    capture: &Capture,
+    moments: &[Moment],
+    lens: Intrinsics,
+    [placed, coarse]: [Vec<Camera>; 2],
+    job: &Job,
+) -> Result<Placement> {
+    let shown_by = |cameras: Vec<Camera>| {
+        let mut coverage = Coverage::new(moments, 1, lens, capture.up_in_world);
+        coverage.look_from(cameras.iter().map(Camera::position_in_world).collect(), job)?;
+        let in_order = coverage.in_order(cameras);
+        Ok((coverage, in_order))
+    };
+    let (_, coarse) = shown_by(coarse)?;
+    let (coverage, mut cameras) = shown_by(placed)?;
+    for (nth, placed) in cameras.iter_mut().enumerate() {
+        placed.camera.name = format!("placed{}", nth + 1);
+    }
     Ok(Placement {
-        coarse_cameras_see,
+        coarse_cameras_see: coarse.last().map_or(0.0, |last| last.seen),
         unseen: coverage.unseen_share(),
         unseen_surfels: coverage.unseen_surfels(),
         cameras,
@@ -187,11 +215,19 @@ enum Asked {
     Width(f64),
 }
 
-impl Asked {
-    fn of(cameras: &[Camera], lens: &Intrinsics, rate: Option<f64>) -> Self {
-        let coarse = self::lens(cameras, None);
-        rate.map_or(Self::AsCoarse(coarse.fx / lens.fx), |rate| Self::Width(1.0 / rate))
-    }
+/// A camera whose pictures are so many times as wide and high.
+fn scaled(camera: &Camera, scale: f64) -> Camera {
+    let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;
+    let side = |side: u32| (f64::from(side) * scale).round() as u32;
+    let intrinsics = Intrinsics {
+        width: side(width),
+        height: side(height),
+        fx: fx * scale,
+        fy: fy * scale,
+        cx: cx * scale,
+        cy: cy * scale,
+    };
+    Camera { intrinsics, ..camera.clone() }
 }
 
 /// The capture with a few of its frames.

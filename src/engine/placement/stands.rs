@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use crate::capture::Camera;
 
 /// About how many places are tried.
-const PLACES: usize = 240;
+const PLACES: usize = 180;
 
 /// Cameras whose neighborhood places are found in: nearest ones to each.
 const NEIGHBORS: usize = 8;

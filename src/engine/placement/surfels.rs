@@ -39,7 +39,7 @@ pub(super) struct Moment {
 pub(super) fn moments(set: &SampleSet, asked: &Asked) -> Vec<Moment> {
     let frames = 0..set.frame_count();
     let samples: usize = frames.clone().flat_map(|frame| set.images_at(frame)).map(|image| image.len()).sum();
-    let step = (1..).find(|step| samples / (step * step) <= MOST).unwrap_or(1);
+    let step = (samples as f64 / MOST as f64).sqrt().ceil().max(1.0) as usize;
     let mut moments: Vec<Moment> = frames
         .map(|frame| {
             let images = set.images_at(frame);
@@ -56,7 +56,8 @@ pub(super) fn moments(set: &SampleSet, asked: &Asked) -> Vec<Moment> {
 fn of_image(image: &SampleImage, set: &SampleSet, asked: &Asked, step: usize) -> Vec<Surfel> {
     let camera = &set.cameras[image.camera as usize];
     let rays = ViewingRays::new(camera);
-    let is_chosen = |placed: &PlacedSample| placed.sample.x % step == 0 && placed.sample.y % step == 0;
+    let is_chosen =
+        |placed: &PlacedSample| [placed.sample.x, placed.sample.y].iter().all(|at| at.is_multiple_of(step));
     let surfel = |placed: PlacedSample| {
         let ray = (camera.world_from_camera.matrix3 * placed.ray_in_camera).as_vec3();
         let known = image.normal.as_ref().map_or(Vec3::ZERO, |normals| normals[placed.sample.index].decode());

@@ -140,7 +140,7 @@ fn document(placed: &Placement, seconds: f64) -> PlaceOutput {
 }
 
 fn write_unseen(path: &Path, capture: &Capture, surfels: &[Surfel]) -> Result<u64> {
-    let points = surfels.iter().map(|surfel| points::Point {
+    let points = surfels.iter().map(|surfel| points::Disk {
         point_in_world: surfel.point_in_world,
         normal_in_world: surfel.normal_in_world,
         radius: 0.5 * surfel.width,
