@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use glam::DQuat;
 use overlook_engine::capture::TruthView;
 use overlook_engine::color::srgb_from_linear;
+use overlook_engine::page::escaped;
 use overlook_lab::metrics::psnr_db;
 use serde_json::Value;
 
@@ -125,6 +126,29 @@ fn a_page_opens_from_disk_asks_for_nothing_plays_turns_and_reopens_its_view() {
     };
     let others: Vec<String> = browser.requests().into_iter().filter(|address| !own(address)).collect();
     assert!(others.is_empty(), "{others:?}");
+}
+
+#[test]
+fn a_page_within_another_document_as_in_a_notebook_plays_and_leaves_the_address_alone() {
+    let Some(mut browser) = browser([640, 480], &[]) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let page = std::fs::read_to_string(small_page(folder.path())).unwrap();
+    let outer = folder.path().join("notebook.html");
+    let frame = format!("<iframe srcdoc=\"{}\" width=\"600\" height=\"440\"></iframe>", escaped(&page));
+    std::fs::write(&outer, frame).unwrap();
+    browser.load(&outer, "");
+    browser.wait_for("frames[0]?.document?.documentElement?.dataset?.loaded && !frames[0].overlook.isAwake");
+    let address = browser.value("location.href");
+    let pose = "frames[0].overlook.view.pose.join()";
+    let before = browser.value(pose);
+    browser.drag([300.0, 200.0], [80.0, 20.0]);
+    browser.wait_for(&format!("{pose} !== '{}' && !frames[0].overlook.isAwake", before.as_str().unwrap()));
+    assert_eq!(
+        browser.value("[location.href, frames[0].location.href].join()"),
+        format!("{},about:srcdoc", address.as_str().unwrap())
+    );
+    assert_eq!(browser.value("frames[0].document.getElementById('link').hidden"), true);
+    assert_eq!(browser.problems(), Vec::<String>::new());
 }
 
 /// The address of a view through the lens that its true picture has.

@@ -3,7 +3,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::PlacedCamera;
 use super::depth_map::seen_from;
 use super::poses::{poses, targets, turned};
 use super::surfels::{FINEST, Moment, Surfel};
@@ -24,6 +23,17 @@ const ROUNDS: usize = 4;
 
 /// Candidates that are looked at together.
 const AT_ONCE: usize = 128;
+
+/// A camera that was placed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedCamera {
+    /// Its pose and lens. The principal point is in the middle.
+    pub camera: Camera,
+    /// The share of all surface that it adds to the cameras before it, 0 to 1; a surface counts in proportion to the rate asked for.
+    pub adds: f64,
+    /// The share that is seen with it and those before it.
+    pub seen: f64,
+}
 
 /// A place, and what is seen from it in all directions.
 struct Place {

@@ -30,8 +30,9 @@ use crate::median::median;
 use crate::preprocess::preprocess;
 use crate::settings::Settings;
 use coverage::Coverage;
-use surfels::{Moment, moments};
+use surfels::{Asked, Moment, moments};
 
+pub use coverage::PlacedCamera;
 pub use stands::Stand;
 pub use surfels::Surfel;
 
@@ -57,17 +58,6 @@ pub struct PlaceOptions {
     /// Pixels a world unit that each surface should be seen with; without it each surface should be seen as finely as the finest coarse
     /// picture shows it, were that of this size.
     pub rate: Option<f64>,
-}
-
-/// A camera that was placed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlacedCamera {
-    /// Its pose and lens. The principal point is in the middle.
-    pub camera: Camera,
-    /// The share of all surface that it adds to the cameras before it, 0 to 1; a surface counts in proportion to the rate asked for.
-    pub adds: f64,
-    /// The share that is seen with it and those before it.
-    pub seen: f64,
 }
 
 /// What was placed, and what stays unseen.
@@ -204,15 +194,6 @@ fn lens(cameras: &[Camera], size: Option<(u32, u32)>) -> Intrinsics {
         cx: f64::from(width) / 2.0,
         cy: f64::from(height) / 2.0,
     }
-}
-
-/// How finely surfaces should be seen.
-#[derive(Clone, Copy, Debug)]
-enum Asked {
-    /// Width of a pixel on the surface, as a share of that of the finest coarse picture.
-    AsCoarse(f64),
-    /// Width of a pixel on every surface, world units.
-    Width(f64),
 }
 
 /// A camera whose pictures are so many times as wide and high.

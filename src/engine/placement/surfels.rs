@@ -3,7 +3,6 @@
 use glam::{DVec3, Vec3};
 use half::f16;
 
-use super::Asked;
 use crate::capture::Camera;
 use crate::preprocess::{Rate, ViewingRays, footprint};
 use crate::samples::{PlacedSample, SampleImage, SampleSet};
@@ -11,6 +10,15 @@ use crate::settings::PruningSettings;
 
 /// About the most surfels of all frames together; of more samples every second, third … in both directions stands for all.
 const MOST: usize = 90_000;
+
+/// How finely surfaces should be seen.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Asked {
+    /// Width of a pixel on the surface, as a share of that of the finest coarse picture.
+    AsCoarse(f64),
+    /// Width of a pixel on every surface, world units.
+    Width(f64),
+}
 
 /// A small disk on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
