@@ -156,7 +156,7 @@ fn a_placement_is_the_same_every_time_whatever_the_number_of_threads() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_eq!(pool.install(|| placed(&shaft(), &options)), first);
     let heights: Vec<f64> = first.cameras.iter().map(|one| one.camera.position_in_world().z).collect();
-    assert!(heights.iter().all(|height| (1.4..4.1).contains(height)), "{heights:?}");
+    assert!(heights.iter().all(|height| (1.4..4.5).contains(height)), "{heights:?}");
 }
 
 #[test]
