@@ -19,7 +19,7 @@ const NEARER: f64 = 0.5;
 const TURNS: [f64; 3] = [8.0, 3.0, 1.0];
 
 /// How often all chosen cameras are exchanged and turned, each beside the others, at most.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 2;
 
 /// Candidates that are looked at together.
 const AT_ONCE: usize = 128;

@@ -37,7 +37,7 @@ pub use stands::Stand;
 pub use surfels::Surfel;
 
 /// About the most surfels that candidates are compared by.
-const COUNTED: usize = 15_000;
+const COUNTED: usize = 8_000;
 
 /// Frames, evenly spread, at which surfaces are looked at.
 const FRAMES: usize = 3;
