@@ -4,6 +4,7 @@ mod imports;
 mod plurals;
 #[path = "../common/private_words.rs"]
 mod private_words;
+mod sightings;
 mod words;
 
 use std::collections::BTreeMap;
@@ -83,7 +84,18 @@ const STAGES: [(&str, &[&str]); 8] = [
     ),
     (
         "engine/capture",
-        &["exr", "yuv", "pictures", "conventions", "colmap", "transforms", "miv", "recording", "readers"],
+        &[
+            "sighting",
+            "exr",
+            "yuv",
+            "pictures",
+            "conventions",
+            "colmap",
+            "transforms",
+            "miv",
+            "recording",
+            "readers",
+        ],
     ),
     ("engine/demo", &["tracer", "scenes"]),
     ("engine/store", &["container", "codec", "image", "file", "playback"]),

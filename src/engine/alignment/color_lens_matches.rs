@@ -7,9 +7,8 @@ use glam::DVec2;
 use super::color_lens::{BrightnessDifference, Matches};
 use super::reference_view::ReferenceView;
 use super::solver::Problem;
-
-/// Two depths are of one surface where they differ by less, relative.
-const SAME_DEPTH_RELATIVE: f64 = 0.03;
+use crate::capture::sighting::tolerances::COLOR_LENS_MATCHES;
+use crate::capture::sighting::{Sighting, compare};
 
 /// Samples of the first camera that the second one's depth confirms. Beside edges of depth pictures tell most of a lens that is wrong:
 /// they count, unless the matches are to judge. What lies behind without depth never counts.
@@ -35,7 +34,7 @@ pub(super) fn matches(problem: &Problem, pair: [usize; 2], judge: bool) -> Match
 /// Whether the view has this depth at an image position, away from edges and from what moves.
 fn is_confirmed(view: &ReferenceView, image: DVec2, depth: f64) -> bool {
     let surface = view.surface_at(image);
-    surface.is_some_and(|(_, _, here)| (f64::from(here) * depth - 1.0).abs() < SAME_DEPTH_RELATIVE)
+    surface.is_some_and(|(_, _, here)| compare(here, depth, COLOR_LENS_MATCHES) == Sighting::Same)
 }
 
 /// The values of differences at the same matches, which are in order.

@@ -4,6 +4,8 @@ use rayon::prelude::*;
 
 use super::reference_view::ReferenceView;
 use super::surface_samples::SurfaceSample;
+use crate::capture::sighting::tolerances::OVERLAPS;
+use crate::capture::sighting::{Sighting, look};
 
 /// A camera's samples are carried into this many others at most, in captures of more than [`FEW`] cameras.
 const MOST_TARGETS: usize = 8;
@@ -13,8 +15,6 @@ const FEW: usize = 10;
 const PROBES: usize = 96;
 /// Two cameras overlap where one sees this share of the other's samples.
 const LEAST_SHARE: f64 = 0.08;
-/// A sample counts as seen where depths differ by less, relative.
-const SAME_DEPTH_RELATIVE: f64 = 0.15;
 
 /// The pairs of source and target that overlap. In a large capture each camera is compared with some that see most of it and some
 /// that see less, so that all hang together.
@@ -49,15 +49,8 @@ fn share_seen(source: &ReferenceView, samples: &[SurfaceSample], target: &Refere
     for sample in samples.iter().step_by(step) {
         all += 1;
         let point = source.camera.unproject(sample.pixel, 1.0 / sample.inverse_depth);
-        let Some((image, depth)) = target.camera.project(point) else { continue };
-        let inside = image.x >= 0.0 && image.y >= 0.0;
-        let found = inside
-            .then(|| target.frame.inverse_depth.get(image.x as usize, image.y as usize))
-            .flatten()
-            .map_or(0.0, |depth| f64::from(*depth));
-        if (found * depth - 1.0).abs() < SAME_DEPTH_RELATIVE {
-            seen += 1;
-        }
+        let sighting = look(&target.camera, &target.frame.inverse_depth, point, OVERLAPS);
+        seen += u32::from(sighting == Sighting::Same);
     }
     f64::from(seen) / f64::from(all.max(1))
 }

@@ -4,6 +4,8 @@ use glam::{DVec2, Vec3};
 
 use super::color_lens::ColorLens;
 use crate::capture::pictures::{DepthGrid, RayCache, register};
+use crate::capture::sighting::tolerances::REGISTERED_NORMALS;
+use crate::capture::sighting::{Landing, Sighting};
 use crate::capture::{Camera, Capture, Frame, Intrinsics, with_changed_frames};
 use crate::grid::Grid;
 
@@ -24,9 +26,6 @@ fn registered(frame: &Frame, depth: &Camera, lens: &ColorLens, rays: &RayCache) 
     Frame { color: frame.color.clone(), inverse_depth, normal_in_world, ..*frame }
 }
 
-/// A normal is of the surface where its depth differs by less, relative.
-const SAME_DEPTH_RELATIVE: f64 = 0.02;
-
 /// The depth camera's normal of the surface at a position of the color picture; `None` where it has none.
 fn normal_behind(
     frame: &Frame,
@@ -41,14 +40,10 @@ fn normal_behind(
     }
     let point = lens.intrinsics.ray_in_camera(position) / f64::from(inverse_depth);
     let there = lens.color_from_depth.inverse().transform_point3(point);
-    let image = depth.project(there)?;
-    if image.x < 0.0 || image.y < 0.0 {
-        return None;
-    }
-    let at = (image.x as usize, image.y as usize);
-    let own = f64::from(*frame.inverse_depth.get(at.0, at.1)?);
-    let normal = normals[at];
-    let is_surface = (own * there.z - 1.0).abs() < SAME_DEPTH_RELATIVE;
+    let landing = Landing::through(depth, there, frame.size())?;
+    let normal = normals[landing.pixel];
+    let sighting = landing.compare(frame.inverse_depth[landing.pixel], REGISTERED_NORMALS);
+    let is_surface = sighting == Sighting::Same;
     (is_surface && Vec3::from_array(normal) != Vec3::ZERO).then_some(normal)
 }
 

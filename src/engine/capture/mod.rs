@@ -26,6 +26,7 @@ mod pivot;
 mod pose_convention;
 mod readers;
 mod recording;
+pub mod sighting;
 mod skipped;
 pub mod transforms;
 mod yuv;

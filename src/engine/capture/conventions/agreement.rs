@@ -9,6 +9,7 @@ use glam::{DAffine3, DVec3};
 use super::reading::{PixelRay, Reading};
 use super::views::ComparedView;
 use crate::capture::depth_claim::DepthMeasure;
+use crate::capture::sighting::{Landing, Sighting};
 use crate::median::median;
 
 /// What readings are tried on.
@@ -20,13 +21,6 @@ pub(super) struct Comparison {
     pub near_clip: f64,
     /// The convention of the matrices of [`ComparedView::world_from_camera`].
     pub claimed: Reading,
-}
-
-/// Whether a point that was carried into another view agrees with it.
-enum PointAgreement {
-    Agrees,
-    InFront,
-    Hidden,
 }
 
 /// Counts of points that were carried from view to view.
@@ -87,16 +81,16 @@ impl Comparison {
                     continue;
                 }
                 match self.vote(reading, target, point_in_target, &poses[to], tolerance) {
-                    Some(PointAgreement::Agrees) => votes.agree += 1,
-                    Some(PointAgreement::InFront) => votes.contradict += 1,
-                    Some(PointAgreement::Hidden) | None => {}
+                    Sighting::Same => votes.agree += 1,
+                    Sighting::Farther => votes.contradict += 1,
+                    Sighting::Nearer | Sighting::NoDepth | Sighting::Outside => {}
                 }
             }
         }
         votes
     }
 
-    /// Whether a point in front of a view agrees with it; `None` where the view has no depth there.
+    /// What a view sees of a point in front of it: something farther only where all that it sees around there is.
     fn vote(
         &self,
         reading: &Reading,
@@ -104,16 +98,15 @@ impl Comparison {
         point: DVec3,
         pose: &DAffine3,
         tolerance: f64,
-    ) -> Option<PointAgreement> {
-        let at = reading.lens.of(&target.intrinsics).project(point)?;
-        let (width, height) = target.intrinsics.size();
-        if !(at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 && at.y < height as f64) {
-            return None;
-        }
+    ) -> Sighting {
+        let lens = reading.lens.of(&target.intrinsics);
+        let Some(landing) = Landing::through(&lens, point, target.intrinsics.size()) else {
+            return Sighting::Outside;
+        };
         let ray = PixelRay::new(point / point.z);
         // Whether it is in front of all depths so far; `None` before the first one.
         let mut is_in_front = None;
-        for row in target.around(at) {
+        for row in target.around(landing.position) {
             for &value in row.iter().filter(|value| value.is_finite()) {
                 let there = reading.planar_z(f64::from(value), ray, pose, self.near_clip);
                 // Heights in world space are no distances from the camera: a share of them is allowed, not of the distance.
@@ -124,12 +117,12 @@ impl Comparison {
                     _ => there,
                 };
                 if (point.z - there).abs() <= tolerance * size.abs() {
-                    return Some(PointAgreement::Agrees);
+                    return Sighting::Same;
                 }
                 is_in_front = Some(is_in_front.unwrap_or(true) && point.z < there);
             }
         }
-        Some(if is_in_front? { PointAgreement::InFront } else { PointAgreement::Hidden })
+        is_in_front.map_or(Sighting::NoDepth, |is| if is { Sighting::Farther } else { Sighting::Nearer })
     }
 
     /// The median distance between compared cameras, as a share of the depth that they see; 0 if none can be compared.

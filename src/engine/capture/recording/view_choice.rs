@@ -12,14 +12,14 @@ use super::greedy_cover::{Addition, CoveredSet, GreedyCover};
 use crate::capture::camera::{Camera, PixelSide};
 use crate::capture::frame::Frame;
 use crate::capture::parts::Capture;
+use crate::capture::sighting::tolerances::CHOSEN_VIEWS;
+use crate::capture::sighting::{Landing, Sighting};
 use crate::error::Result;
 
 /// Views that are compared at most, spread evenly over a longer recording.
 const MAX_CANDIDATES: usize = 256;
 /// Points of each view that are looked for in the others, at most: columns and rows of a grid.
 const GRID: (usize, usize) = (16, 12);
-/// How far depths of one surface in two views may differ, relative: the noise of real sensors, which one pixel shows in full.
-const SAME_DEPTH: f64 = 0.03;
 /// Value of a point that is shown as finely as possible.
 const FINEST: u8 = 255;
 /// A view that adds less than this share of everything is not worth its pixels.
@@ -139,15 +139,12 @@ impl CandidateView {
 
     fn shows(&self, point: glam::DVec3, pixel: f64) -> u8 {
         let (width, height) = self.camera.intrinsics.size();
-        let Some((at, depth)) = self.camera.project(point) else { return 0 };
-        if !(at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 && at.y < height as f64) {
+        let Some(landing) = Landing::of(point, &self.camera, (width, height)) else { return 0 };
+        let seen = self.inverse_depth[landing.pixel.1 * width + landing.pixel.0];
+        if landing.compare(seen, CHOSEN_VIEWS) != Sighting::Same {
             return 0;
         }
-        let seen = f64::from(self.inverse_depth[at.y as usize * width + at.x as usize]) * depth;
-        if (seen - 1.0).abs() > SAME_DEPTH {
-            return 0;
-        }
-        (f64::from(FINEST) * (pixel / pixel_width(&self.camera, depth)).min(1.0)) as u8
+        (f64::from(FINEST) * (pixel / pixel_width(&self.camera, landing.depth)).min(1.0)) as u8
     }
 }
 

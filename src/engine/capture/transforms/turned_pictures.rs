@@ -11,6 +11,8 @@ use super::placed_entry::PlacedEntry;
 use crate::capture::camera::Camera;
 use crate::capture::frame::Frame;
 use crate::capture::pictures::{PictureRows, is_open};
+use crate::capture::sighting::tolerances::TURNED_PICTURES;
+use crate::capture::sighting::{Landing, Sighting};
 use crate::color::srgb_from_linear;
 use crate::median::median_f32;
 
@@ -20,8 +22,6 @@ const PAIRS: usize = 4;
 const POINTS: usize = 4000;
 /// With fewer points that both cameras see nothing is decided.
 const FEWEST_POINTS: usize = 48;
-/// How far two depths of one surface may be apart, relative.
-const SAME_DEPTH: f64 = 0.02;
 /// How many times as far apart colors have to be under the other reading.
 const CLEARLY: f32 = 1.5;
 
@@ -75,17 +75,11 @@ fn add_differences(cameras: [&Camera; 2], frames: [&Frame; 2], differences: &mut
             continue;
         }
         let point = camera.unproject(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 1.0 / inverse);
-        let Some((pixel, z)) = other.project(point) else { continue };
-        let (columns, rows) = seen.size();
-        let at = (pixel.x.floor(), pixel.y.floor());
-        if !(0.0..columns as f64).contains(&at.0) || !(0.0..rows as f64).contains(&at.1) {
+        let Some(landing) = Landing::of(point, other, seen.size()) else { continue };
+        if landing.compare(seen.inverse_depth[landing.pixel], TURNED_PICTURES) != Sighting::Same {
             continue;
         }
-        let at = (at.0 as usize, at.1 as usize);
-        if (f64::from(seen.inverse_depth[at]) * z - 1.0).abs() > SAME_DEPTH {
-            continue;
-        }
-        let colors = frame.color[(x, y)].iter().zip(&seen.color[at]);
+        let colors = frame.color[(x, y)].iter().zip(&seen.color[landing.pixel]);
         let encoded =
             colors.map(|(a, b)| (srgb_from_linear(a.to_f32()) - srgb_from_linear(b.to_f32())).abs());
         differences.push(encoded.sum());

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::capture::Camera;
+use crate::capture::sighting::Landing;
 use crate::median::median;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::ROOT;
@@ -126,12 +127,10 @@ fn add_misfits(
     for (center, depth) in lattice.filter_map(|(x, y)| depth_at(source, x, y)) {
         let point = cameras[source].unproject(center, depth);
         for &other in targets {
-            let Some((at, expected)) = cameras[other].project(point) else { continue };
-            let (width, height) = (layers[other].width as f64, layers[other].height() as f64);
-            if at.x >= 0.0 && at.y >= 0.0 && at.x < width && at.y < height {
-                let found = depth_at(other, at.x as usize, at.y as usize);
-                off.extend(found.map(|(_, found)| (found / expected - 1.0).abs()));
-            }
+            let size = (layers[other].width, layers[other].height());
+            let Some(landing) = Landing::of(point, &cameras[other], size) else { continue };
+            let found = depth_at(other, landing.pixel.0, landing.pixel.1);
+            off.extend(found.map(|(_, found)| (found / landing.depth - 1.0).abs()));
         }
     }
 }

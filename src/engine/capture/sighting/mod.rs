@@ -1,0 +1,161 @@
+//! What a camera sees of a point that another one saw.
+//!
+//! Purpose: the one place where a point is carried into a picture and its depth is compared with what the picture has there. For runs
+//! of samples in vectors, see [`crate::preprocess::registration`]. Source: none; a projection and a ratio.
+
+pub mod tolerances;
+
+use glam::{DVec2, DVec3};
+
+use super::camera::{Camera, Intrinsics};
+use crate::grid::Grid;
+
+/// What a camera sees where a point is expected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sighting {
+    /// The point is behind the camera or beside its picture.
+    Outside,
+    /// The picture has no depth there, or it is at infinity.
+    NoDepth,
+    /// Something nearer, which hides the point.
+    Nearer,
+    /// The surface of the point.
+    Same,
+    /// Something farther: the point would have been seen.
+    Farther,
+}
+
+/// How far depths of one surface may be apart, as a share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    share: f64,
+    /// Whether a difference of exactly `share` is of one surface.
+    includes_share: bool,
+    /// Whether the share is of the expected depth; else it is of the depth that was found.
+    is_of_expected: bool,
+}
+
+impl Tolerance {
+    /// Less than this share of the found depth.
+    #[must_use]
+    pub const fn below(share: f64) -> Self {
+        Self { share, includes_share: false, is_of_expected: false }
+    }
+
+    /// At most this share of the found depth.
+    #[must_use]
+    pub const fn up_to(share: f64) -> Self {
+        Self { share, includes_share: true, is_of_expected: false }
+    }
+
+    /// Less than this share of the expected depth.
+    #[must_use]
+    pub const fn found_below(share: f64) -> Self {
+        Self { share, includes_share: false, is_of_expected: true }
+    }
+}
+
+/// Where a point lies in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landing {
+    /// Column and row, within the picture.
+    pub pixel: (usize, usize),
+    /// Position in the image, pixels.
+    pub position: DVec2,
+    /// Planar depth of the point in the camera, above 0.
+    pub depth: f64,
+}
+
+impl Landing {
+    /// A point in world space in the picture of a camera, of `size` pixels; `None` behind the camera and beside the picture.
+    #[must_use]
+    pub fn of(point_in_world: DVec3, camera: &Camera, size: (usize, usize)) -> Option<Self> {
+        let (position, depth) = camera.project(point_in_world)?;
+        Self::at(position, depth, size)
+    }
+
+    /// A point in camera space in a picture of `size` pixels behind a lens; `None` behind the camera and beside the picture.
+    #[must_use]
+    pub fn through(lens: &Intrinsics, point_in_camera: DVec3, size: (usize, usize)) -> Option<Self> {
+        Self::at(lens.project(point_in_camera)?, point_in_camera.z, size)
+    }
+
+    /// An image position and a planar depth in a picture of `size` pixels; `None` beside the picture.
+    #[must_use]
+    pub fn at(position: DVec2, depth: f64, size: (usize, usize)) -> Option<Self> {
+        let is_inside = position.x >= 0.0
+            && position.y >= 0.0
+            && position.x < size.0 as f64
+            && position.y < size.1 as f64;
+        let pixel = (position.x as usize, position.y as usize);
+        is_inside.then_some(Self { pixel, position, depth })
+    }
+
+    /// What is seen where the picture has an inverse depth: 0 is at infinity, negative is none.
+    #[must_use]
+    pub fn compare(&self, inverse_depth: f32, tolerance: Tolerance) -> Sighting {
+        compare(inverse_depth, self.depth, tolerance)
+    }
+}
+
+/// What is seen of a point at the planar depth `depth` where the picture has an inverse depth.
+#[must_use]
+pub fn compare(inverse_depth: f32, depth: f64, tolerance: Tolerance) -> Sighting {
+    if inverse_depth <= 0.0 {
+        return Sighting::NoDepth;
+    }
+    let ratio = f64::from(inverse_depth) * depth;
+    let apart = if tolerance.is_of_expected { 1.0 / ratio - 1.0 } else { ratio - 1.0 }.abs();
+    if apart < tolerance.share || (tolerance.includes_share && apart <= tolerance.share) {
+        Sighting::Same
+    } else if ratio > 1.0 {
+        Sighting::Nearer
+    } else {
+        Sighting::Farther
+    }
+}
+
+/// What a camera with these inverse depths sees of a point in world space.
+#[must_use]
+pub fn look(
+    camera: &Camera,
+    inverse_depth: &Grid<f32>,
+    point_in_world: DVec3,
+    tolerance: Tolerance,
+) -> Sighting {
+    let landing = Landing::of(point_in_world, camera, inverse_depth.size());
+    landing.map_or(Sighting::Outside, |at| at.compare(inverse_depth[at.pixel], tolerance))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A camera at the origin that looks along z, with a wall at a depth of 2.
+    fn wall() -> (Camera, Grid<f32>) {
+        let intrinsics = Intrinsics::from_horizontal_angle(8, 6, 1.0);
+        let camera = Camera { name: "c".into(), intrinsics, world_from_camera: glam::DAffine3::IDENTITY };
+        (camera, Grid::from_fn(8, 6, |x, _| if x == 0 { -1.0 } else { 0.5 }))
+    }
+
+    #[test]
+    fn a_point_is_nearer_than_a_wall_on_it_or_behind_it() {
+        let (camera, wall) = wall();
+        let seen = |x: f64, z: f64| look(&camera, &wall, DVec3::new(x, 0.0, z), Tolerance::below(0.01));
+        assert_eq!(seen(0.0, 2.01), Sighting::Same);
+        assert_eq!(seen(0.0, 1.5), Sighting::Farther);
+        assert_eq!(seen(0.0, 2.5), Sighting::Nearer);
+        assert_eq!(seen(0.0, -2.0), Sighting::Outside);
+        assert_eq!(seen(9.0, 2.0), Sighting::Outside);
+        let left = camera.unproject(DVec2::new(0.5, 3.0), 2.0);
+        assert_eq!(look(&camera, &wall, left, Tolerance::below(0.01)), Sighting::NoDepth);
+    }
+
+    #[test]
+    fn a_tolerance_says_what_it_is_a_share_of_and_whether_it_is_within() {
+        // A wall at 2, a point at 2.5: a quarter of the found depth, a fifth of the expected one.
+        assert_eq!(compare(0.5, 2.5, Tolerance::up_to(0.25)), Sighting::Same);
+        assert_eq!(compare(0.5, 2.5, Tolerance::below(0.25)), Sighting::Nearer);
+        assert_eq!(compare(0.5, 2.5, Tolerance::found_below(0.21)), Sighting::Same);
+    }
+}
