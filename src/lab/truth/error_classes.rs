@@ -7,13 +7,12 @@ use rayon::prelude::*;
 
 use crate::metrics::{ClassMap, ErrorClass};
 use crate::rivals::RecordedView;
+use overlook_engine::capture::sighting::tolerances::SEEN_POINTS;
+use overlook_engine::capture::sighting::{Landing, Sighting};
 use overlook_engine::capture::{Camera, Capture, Frame, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
-
-/// A camera saw a surface point if one of the nine pixels around its projection has a depth within this share of the point's.
-const SAME_DEPTH: f64 = 0.015;
 
 /// Two pixels beside each other whose depths differ by more than this share have a step between them.
 const STEP: f64 = 0.05;
@@ -89,16 +88,12 @@ fn sees(RecordedView { camera, frame }: &RecordedView, point_in_world: glam::DVe
 /// Whether a picture has a surface of this depth at an image position, or one pixel beside it.
 pub(crate) fn is_surface_at(frame: &Frame, position: DVec2, depth: f64) -> bool {
     let (width, height) = frame.size();
-    if position.x < 0.0 || position.y < 0.0 || position.x >= width as f64 || position.y >= height as f64 {
-        return false;
-    }
-    let (x, y) = (position.x as usize, position.y as usize);
+    let Some(landing) = Landing::at(position, depth, (width, height)) else { return false };
+    let (x, y) = landing.pixel;
     let rows = y.saturating_sub(1)..(y + 2).min(height);
     let columns = || x.saturating_sub(1)..(x + 2).min(width);
-    rows.flat_map(|y| columns().map(move |x| (x, y))).any(|at| {
-        let inverse_depth = f64::from(frame.inverse_depth[at]);
-        inverse_depth > 0.0 && (1.0 / (inverse_depth * depth) - 1.0).abs() < SAME_DEPTH
-    })
+    rows.flat_map(|y| columns().map(move |x| (x, y)))
+        .any(|at| landing.compare(frame.inverse_depth[at], SEEN_POINTS) == Sighting::Same)
 }
 
 /// The pixels within [`REACH_PX`] of a step between two neighbors.
