@@ -11,7 +11,7 @@ use crate::app::work::{Export, ExportRequest, PathExport};
 use overlook_engine::error::Error;
 use overlook_engine::page::{PageOptions, PagePath};
 use overlook_engine::render::film::FilmSource;
-use overlook_engine::splats::SplatOptions;
+use overlook_engine::splats::{SplatAmount, SplatOptions};
 
 impl OverlookApp {
     /// Carries out what concerns the dialog; gives back what does not.
@@ -102,8 +102,7 @@ impl OverlookApp {
             Purpose::ExportSplats(format) => Export::Splats {
                 options: SplatOptions {
                     format,
-                    at_most: options.splats_at_most(),
-                    sky: options.sky,
+                    amount: SplatAmount { at_most: options.splats_at_most(), sky: options.sky },
                     frames_per_second,
                 },
                 frame: state.timeline.frame,

@@ -8,9 +8,9 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::demo::parse_size;
-use crate::points;
 use crate::cli::input::{self, SettingsArgs};
 use crate::cli::output::{self, CommandError};
+use crate::points;
 use overlook_engine::capture::Capture;
 use overlook_engine::capture::transforms::write_cameras;
 use overlook_engine::error::Result;
