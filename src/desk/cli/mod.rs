@@ -4,6 +4,7 @@
 //! success, 1 on bad input (with one line on what, where, and what to do) and 2 on bad usage.
 
 mod commands;
+mod freed_memory;
 mod input;
 mod output;
 
@@ -113,6 +114,10 @@ pub fn run(open_window: OpenWindow) -> ExitCode {
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
+    // A window draws pictures of the same size again and again.
+    if cli.command.is_some() {
+        freed_memory::give_back_large_blocks();
+    }
     match cli.run(open_window) {
         Ok(()) => ExitCode::SUCCESS,
         Err(CommandError::Usage(what)) => {
