@@ -42,7 +42,7 @@ fn placed_cameras_are_written_as_viewpoints_and_what_they_do_not_see_as_points()
     assert_eq!(points > 0, said["unseen"].as_f64().unwrap() > 0.0, "{header}");
 
     let table = placed(here, &arguments);
-    assert_eq!(table.lines().filter(|line| line.contains(" placed")).count(), 3, "{table}");
+    assert_eq!(table.lines().filter(|line| line.contains("  placed")).count(), 3, "{table}");
     assert!(table.contains("The 2 cameras of the capture see"), "{table}");
     assert!(table.contains("Wrote placed.json") && table.contains("to unseen.ply"), "{table}");
     // The program renders from there.

@@ -61,7 +61,7 @@ const STAGES: [(&str, &[&str]); 8] = [
             "interactive",
             "inspect",
             "diagnostics",
-            "views",
+            "traversal",
             "parts",
         ],
     ),

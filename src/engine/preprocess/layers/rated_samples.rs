@@ -20,6 +20,9 @@ use crate::preprocess::temporal::SpanLevel;
 use crate::samples::Record;
 use crate::simd::LANES;
 
+/// Pixels that are passed over at once where none has a sample of a level: most levels have few.
+const RUN: usize = 64;
+
 /// Samples of one level of a layer, in the order of their pixels.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RatedSamples {
@@ -67,8 +70,6 @@ impl RatedSamples {
     /// All samples of a level of `layer`, without normals.
     pub(crate) fn of_level(layer: &CameraLayer, level: SpanLevel) -> Self {
         let mut pixels = Vec::new();
-        // Most levels have few samples: runs without any are passed over sixteen or more bytes at a time.
-        const RUN: usize = 64;
         for (run, levels) in layer.level.chunks(RUN).enumerate().filter(|(_, levels)| levels.contains(&level))
         {
             let found = levels.iter().enumerate().filter(|(_, found)| **found == level);

@@ -24,7 +24,7 @@ use crate::samples::{ImageBuffer, Span, samples_in_memory};
 /// Bytes of a sample while it is worked on: itself, its verdict, and what is known between the parts of a search.
 const SAMPLE_BYTES: usize = 38 + 12 + 16;
 /// Bytes of a sample with all its candidates, about.
-const PREPARED_BYTES: usize = 256;
+const PREPARED_BYTES: usize = 160;
 
 /// What the steps of pruning share.
 pub(super) struct Pruner<'a> {
@@ -54,7 +54,7 @@ struct SpanStep<'s, 'a> {
     verdicts: VerdictStore,
 }
 
-impl<'a> Pruner<'a> {
+impl Pruner<'_> {
     /// Groups of cameras, each of which takes some memory for what is worked on.
     pub(super) fn groups(&self, samples: &[usize]) -> Vec<CameraGroup> {
         let all: Vec<usize> = (0..self.window.layers.len()).collect();
@@ -105,12 +105,13 @@ impl SpanStep<'_, '_> {
         PruningPass::new(pairs, &window.layers, statuses, level, &self.may_be_witnesses, recording.settings)
     }
 
-    /// Pieces of some cameras whose samples take no more than a share of memory together.
-    fn pieces(&self, cameras: &[usize]) -> Vec<Vec<usize>> {
+    /// Pieces of some cameras whose samples, and `more` of each, take no more than a share of memory together.
+    fn pieces(&self, cameras: &[usize], more: impl Fn(usize) -> usize) -> Vec<Vec<usize>> {
         if self.of.window.holds_all {
             return vec![cameras.to_vec()];
         }
-        let bytes: Vec<usize> = self.put.counts.iter().map(|count| count * SAMPLE_BYTES).collect();
+        let counts = self.put.counts.iter().enumerate();
+        let bytes: Vec<usize> = counts.map(|(camera, count)| count * SAMPLE_BYTES + more(camera)).collect();
         chunks_within(cameras, &bytes, self.of.recording.bound / 2)
     }
 
@@ -126,7 +127,8 @@ impl SpanStep<'_, '_> {
         }
         for group in self.groups.clone() {
             let in_parts = group.parts.len() > 1;
-            let pieces = if in_parts { vec![group.cameras.clone()] } else { self.pieces(&group.cameras) };
+            let pieces =
+                if in_parts { vec![group.cameras.clone()] } else { self.pieces(&group.cameras, |_| 0) };
             for cameras in pieces {
                 let samples = self.samples(&cameras)?;
                 let searches = cameras.iter().zip(&samples);
@@ -306,7 +308,9 @@ impl SpanStep<'_, '_> {
             prepared.retain(|known| known.len() > 0);
             let left = prepared.iter().map(Prepared::len).sum();
             if left == 0 || left == before {
-                asked.iter_mut().for_each(|asked| asked.sort_unstable());
+                for asked in asked.iter_mut() {
+                    asked.sort_unstable();
+                }
                 return Ok(());
             }
             before = left;
@@ -315,7 +319,7 @@ impl SpanStep<'_, '_> {
 
     /// Finds all candidates of some samples of each camera. Where they are very many, of some of them.
     fn prepare(&mut self, resolved: Vec<Resolved>, prepared: &mut Vec<Prepared>) -> Result<()> {
-        let mut room = self.of.recording.bound / 2 / PREPARED_BYTES;
+        let mut room = self.of.recording.bound / 4 * 3 / PREPARED_BYTES;
         let stuck: usize = resolved.iter().map(|resolved| resolved.stuck.len()).sum();
         // Samples that wait may be stuck later, when layers would be loaded for them again.
         let mut room_for_waiting = room.saturating_sub(stuck);
@@ -355,7 +359,7 @@ impl SpanStep<'_, '_> {
             self.of.window.smooth = Arc::new(SmoothDepths::new(self.of.pairs, put.level));
         }
         for group in self.groups.clone() {
-            for cameras in self.pieces(&group.cameras) {
+            for cameras in self.pieces(&group.cameras, |camera| self.of.window.bytes(camera)) {
                 // What is refined needs all that see it at once.
                 let held = if refines { group.parts.concat() } else { cameras.clone() };
                 self.hold(&held, false)?;

@@ -124,7 +124,7 @@ impl FilmEncoder {
         let views = views.filter(|_| given.map(|side| side.next_multiple_of(2)) == size);
         let coded = views.map(|views| self.encoder.encode_planes(&views));
         let Some(Ok(coded)) = coded else {
-            let what = format!("a picture of {given:?} pixels does not fit a film of {size:?}");
+            let what = format!("a picture of size {given:?} does not fit a film of size {size:?}");
             return Err(Error::invalid(self.out.display(), what));
         };
         self.take(&coded).map_err(|error| Error::io(&self.out, error))

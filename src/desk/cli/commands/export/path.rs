@@ -5,6 +5,7 @@ use std::path::Path;
 use overlook_engine::capture::transforms::{self, Easing, PathFile, PathView};
 use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::error::{Error, Result};
+use overlook_engine::plural::counted;
 use overlook_engine::render::Vantage;
 use overlook_engine::render::film::{PathKey, pose_at};
 use overlook_engine::store::file::StoreInfo;
@@ -164,7 +165,8 @@ impl Film<'_> {
         if pictures < MOST_PICTURES {
             return Ok(pictures as usize);
         }
-        let what = format!("a film of {seconds} seconds has too many pictures; path_time is in seconds");
+        let length = counted(seconds, "second");
+        let what = format!("a film of {length} has too many pictures; path_time is in seconds");
         Err(Error::invalid(self.path.display(), what))
     }
 
