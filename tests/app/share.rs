@@ -99,7 +99,7 @@ fn what_is_written_is_canceled_in_the_dialog_and_it_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    for _ in 0..12 {
+    for _ in 0..80 {
         window.key_press(Key::K);
         window.run_steps(2);
     }
