@@ -17,8 +17,9 @@ const WIDEST: f32 = 6.0;
 /// A surfel is seen if it is no farther than the nearest by more than this share of its distance.
 const SAME: f32 = 0.02;
 
-/// The largest slope of a surface, as the tangent of its slant, that widens this.
-const STEEPEST: f32 = 6.0;
+/// Or if it is no farther from the tangent plane of the nearest than so many widths of the wider of both: of a slanted surface, what is
+/// nearer in the same pixel is the surface itself.
+const SAME_PLANE_WIDTHS: f64 = 0.75;
 
 /// The smallest cosine of the slant at which a surfel is seen: from the side it shows nothing.
 const EDGE_ON: f32 = 0.05;
@@ -26,8 +27,8 @@ const EDGE_ON: f32 = 0.05;
 /// Pixel widths at distance 1 in the middle of a side, where they are the widest.
 const PIXEL: f32 = 2.0 / SIDE as f32;
 
-/// The distances of what is nearest in each direction.
-struct DepthMap(Vec<f32>);
+/// Distance and index of the surfel that is nearest in each direction.
+struct DepthMap(Vec<(f32, u32)>);
 
 /// A surfel as it lies from a place.
 struct Seen {
@@ -70,16 +71,16 @@ impl Seen {
 
 impl DepthMap {
     fn of(surfels: &[Surfel], eye: DVec3) -> Self {
-        let mut map = Self(vec![f32::INFINITY; 6 * SIDE * SIDE]);
-        for surfel in surfels {
+        let mut map = Self(vec![(f32::INFINITY, 0); 6 * SIDE * SIDE]);
+        for (index, surfel) in (0..).zip(surfels) {
             if let Some(seen) = Seen::of(surfel, eye) {
-                map.cover(&seen, surfel.width as f32);
+                map.cover(&seen, index, surfel.width as f32);
             }
         }
         map
     }
 
-    fn cover(&mut self, seen: &Seen, width: f32) {
+    fn cover(&mut self, seen: &Seen, index: u32, width: f32) {
         // A slanted disk is as wide as it is only across its slant.
         let half = (0.5 * width * seen.cosine.abs().max(0.2) / seen.distance / PIXEL).min(WIDEST);
         let range = |place: f32| {
@@ -89,10 +90,18 @@ impl DepthMap {
         for row in range(seen.y) {
             for column in range(seen.x) {
                 let nearest = &mut self.0[(seen.side * SIDE + row) * SIDE + column];
-                *nearest = nearest.min(seen.distance);
+                if seen.distance < nearest.0 {
+                    *nearest = (seen.distance, index);
+                }
             }
         }
     }
+}
+
+/// Whether a surfel lies in the tangent plane of another one.
+fn is_of_plane(surfel: &Surfel, other: &Surfel) -> bool {
+    let apart = (surfel.point_in_world - other.point_in_world).dot(other.normal_in_world.as_dvec3());
+    apart.abs() <= SAME_PLANE_WIDTHS * surfel.width.max(other.width)
 }
 
 /// The indices of the surfels that are seen from a place, ascending, of every first, second … one: all others only hide them.
@@ -100,9 +109,8 @@ pub(super) fn seen_from(surfels: &[Surfel], every: usize, eye: DVec3) -> Vec<u32
     let map = DepthMap::of(surfels, eye);
     let is_seen = |surfel: &Surfel| {
         let Some(seen) = Seen::of(surfel, eye).filter(|seen| seen.cosine > EDGE_ON) else { return false };
-        let tangent = ((1.0 - seen.cosine * seen.cosine).max(0.0).sqrt() / seen.cosine).min(STEEPEST);
-        let across = 1.5 * PIXEL + 0.5 * surfel.width as f32 / seen.distance;
-        seen.distance * (1.0 - SAME - across * tangent) <= map.0[seen.index()]
+        let (distance, nearest) = map.0[seen.index()];
+        seen.distance * (1.0 - SAME) <= distance || is_of_plane(surfel, &surfels[nearest as usize])
     };
     let counted = (0..).zip(surfels).step_by(every);
     counted.filter(|(_, surfel)| is_seen(surfel)).map(|(index, _)| index).collect()
