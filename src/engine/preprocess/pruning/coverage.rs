@@ -1,6 +1,8 @@
 //! The coverage guarantee: a sample is dropped once a candidate is known to be kept; and kept once all are known to be dropped,
 //! unless more cameras look past it than confirm it.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::decision::{Candidate, LevelVerdicts, Rule, Verdict, may_be_witness};
@@ -30,8 +32,7 @@ pub(crate) struct Unsettled<'a> {
 struct PendingSample {
     /// Index among the camera's samples.
     index: usize,
-    /// All candidates but the best, worst first; found only where the best was dropped. The verdict names the one that is
-    /// waited for.
+    /// The other candidates, worst first; found only where the best was dropped. The verdict names the one that is waited for.
     others: Option<Vec<Candidate>>,
 }
 
@@ -131,7 +132,8 @@ impl VectorLoop for ResolvePending<'_> {
         pending.retain_mut(|PendingSample { index, others }| {
             let find = || {
                 let mut found = candidates(pass, camera, samples, *index, &all);
-                leave_out_best(&mut found);
+                leave_out_needless(pass, &mut found);
+                found.reverse();
                 found
             };
             let pixel = samples.pixels[*index];
@@ -139,12 +141,8 @@ impl VectorLoop for ResolvePending<'_> {
             let verdict = &mut verdicts[*index - first];
             let tried = sample.tried(pass, verdict, || others.get_or_insert_with(find).pop());
             if tried == Tried::NoneLeft {
-                if pass.votes.contradicts(pass.pairs, pass.layers, camera, pixel) {
-                    *verdict = Verdict::without_witness(Rule::Contradicted);
-                    pass.set_status(camera, pixel, DROPPED);
-                } else {
-                    pass.set_status(camera, pixel, KEPT);
-                }
+                let is_contradicted = pass.votes.contradicts(pass.pairs, pass.layers, camera, pixel);
+                sample.end(pass, verdict, is_contradicted);
             }
             tried == Tried::Waits
         });
@@ -185,6 +183,15 @@ impl WaitingSample {
             };
             *verdict = Verdict::dropped_for(pass.settings.pruning.method, rank, next);
         }
+    }
+
+    /// Decides the sample once all its candidates are dropped.
+    #[inline(always)]
+    fn end(self, pass: &PruningPass<'_>, verdict: &mut Verdict, is_contradicted: bool) {
+        if is_contradicted {
+            *verdict = Verdict::without_witness(Rule::Contradicted);
+        }
+        pass.set_status(self.camera, self.pixel, if is_contradicted { DROPPED } else { KEPT });
     }
 }
 
@@ -229,79 +236,120 @@ pub(crate) fn resolve_camera(pass: &PruningPass<'_>, camera: usize, decided: &Le
     })
 }
 
-/// Samples of one camera for which all candidates are found, so that these are tried without any layer.
-pub(crate) struct Prepared {
+/// Samples of one camera while their candidates are looked for in the layers of others.
+pub(crate) struct Preparing<'a> {
     pub(crate) camera: usize,
-    /// Among the camera's samples, ascending.
-    indices: Vec<u32>,
-    samples: RatedSamples,
-    /// Candidates of each; once all are found, all but the best, worst first.
-    others: Vec<Vec<Candidate>>,
+    samples: &'a RatedSamples,
+    candidates: Vec<Vec<Candidate>>,
 }
 
-impl Prepared {
-    /// Nothing is found yet of the samples of a camera at `indices`, ascending.
-    pub(crate) fn new(camera: usize, samples: &RatedSamples, indices: Vec<u32>) -> Self {
-        let others = vec![Vec::new(); indices.len()];
-        Self { camera, samples: samples.at(&indices), indices, others }
-    }
-
-    /// Samples.
-    pub(crate) fn len(&self) -> usize {
-        self.indices.len()
-    }
-
-    /// Leaves out of some indices those of samples that are prepared already.
-    pub(crate) fn leave_out(&self, indices: &mut Vec<u32>) {
-        indices.retain(|index| self.indices.binary_search(index).is_err());
+impl<'a> Preparing<'a> {
+    /// Nothing is found yet of some samples of a camera.
+    pub(crate) fn new(camera: usize, samples: &'a RatedSamples) -> Self {
+        Self { camera, samples, candidates: vec![Vec::new(); samples.len()] }
     }
 
     /// Adds the candidates in the layers of some other cameras, which are there.
     pub(crate) fn compare(&mut self, pass: &PruningPass<'_>, targets: &[usize]) {
-        let (camera, samples) = (self.camera, &self.samples);
-        let others = self.others.par_iter_mut().with_min_len(CHUNK / 8).enumerate();
-        others.for_each(|(index, others)| others.extend(candidates(pass, camera, samples, index, targets)));
+        let (camera, samples) = (self.camera, self.samples);
+        let of_samples = self.candidates.par_iter_mut().with_min_len(CHUNK / 8).enumerate();
+        of_samples.for_each(|(index, found)| {
+            found.extend(candidates(pass, camera, samples, index, targets));
+            leave_out_needless(pass, found);
+        });
+    }
+}
+
+/// A sample whose candidates are found.
+struct PreparedSample {
+    /// Among the camera's samples.
+    index: u32,
+    pixel: u32,
+    rank: Rank,
+    /// Whether the others contradict it, should no candidate be kept.
+    is_contradicted: bool,
+    /// Where its candidates are: the best comes last.
+    candidates: Range<usize>,
+}
+
+/// Samples of one camera for which all candidates are found, so that these are tried without any layer.
+#[derive(Default)]
+pub(crate) struct Prepared {
+    /// By index, ascending.
+    waiting: Vec<PreparedSample>,
+    candidates: Vec<Candidate>,
+}
+
+impl Prepared {
+    /// Samples.
+    pub(crate) fn len(&self) -> usize {
+        self.waiting.len()
     }
 
-    /// Ends the preparation.
-    pub(crate) fn end(&mut self) {
-        self.others.par_iter_mut().for_each(leave_out_best);
+    /// Bytes in memory.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.waiting) + size_of_val(&*self.candidates)
     }
 
-    /// Decides the samples as far as possible, and keeps those that wait. Gives the samples that are kept if others do not contradict
-    /// them, ascending.
-    pub(crate) fn settle(&mut self, pass: &PruningPass<'_>, decided: &mut LevelVerdicts) -> Vec<u32> {
-        let camera = self.camera;
-        let (mut left, mut none_left) = (Vec::new(), Vec::new());
-        for (at, (&index, others)) in self.indices.iter().zip(&mut self.others).enumerate() {
-            let (pixel, rank) = (self.samples.pixels[at], self.samples.ranks[at]);
+    /// Leaves out of some indices those of samples that are prepared already.
+    pub(crate) fn leave_out(&self, indices: &mut Vec<u32>) {
+        indices.retain(|index| self.waiting.binary_search_by_key(index, |sample| sample.index).is_err());
+    }
+
+    /// Adds samples at `indices` of the same camera, which are not among these. Their candidates were looked for in the layers of all
+    /// others, and all others have voted on them.
+    pub(crate) fn add(&mut self, indices: &[u32], found: Preparing<'_>, is_contradicted: &[bool]) {
+        let Preparing { samples, candidates, .. } = found;
+        for (at, found) in candidates.into_iter().enumerate() {
+            let first = self.candidates.len();
+            self.candidates.extend(found.into_iter().rev());
+            self.waiting.push(PreparedSample {
+                index: indices[at],
+                pixel: samples.pixels[at],
+                rank: samples.ranks[at],
+                is_contradicted: is_contradicted[at],
+                candidates: first..self.candidates.len(),
+            });
+        }
+        self.waiting.sort_unstable_by_key(|sample| sample.index);
+    }
+
+    /// Decides the samples of `camera` as far as possible, and keeps those that wait.
+    pub(crate) fn settle(&mut self, pass: &PruningPass<'_>, camera: usize, decided: &mut LevelVerdicts) {
+        let mut left = Self::default();
+        for prepared in std::mem::take(&mut self.waiting) {
+            let PreparedSample { index, pixel, rank, is_contradicted, ref candidates } = prepared;
             if pass.status(camera, pixel) != UNDECIDED {
                 continue;
             }
             let sample = WaitingSample { camera, pixel, rank };
-            match sample.tried(pass, &mut decided.verdicts[index as usize], || others.pop()) {
+            let mut others = self.candidates[candidates.clone()].iter();
+            let verdict = &mut decided.verdicts[index as usize];
+            match sample.tried(pass, verdict, || others.next_back().copied()) {
                 Tried::Dropped => {}
-                Tried::Waits => left.push(at as u32),
-                Tried::NoneLeft => none_left.push(index),
+                Tried::Waits => {
+                    let first = left.candidates.len();
+                    left.candidates.extend(others);
+                    left.waiting
+                        .push(PreparedSample { candidates: first..left.candidates.len(), ..prepared });
+                }
+                Tried::NoneLeft => sample.end(pass, verdict, is_contradicted),
             }
         }
-        if left.len() < self.indices.len() {
-            self.samples = self.samples.at(&left);
-            let at = |place: &u32| *place as usize;
-            self.indices = left.iter().map(|place| self.indices[at(place)]).collect();
-            self.others = left.iter().map(|place| std::mem::take(&mut self.others[at(place)])).collect();
-        }
-        none_left
+        *self = left;
     }
 }
 
-/// Leaves all candidates but the best, worst first.
-fn leave_out_best(candidates: &mut Vec<Candidate>) {
-    candidates.sort_unstable_by(|a, b| b.cmp(a));
-    candidates.pop();
+/// Puts the best candidate first, and leaves out those that are worse than a kept one.
+fn leave_out_needless(pass: &PruningPass<'_>, candidates: &mut Vec<Candidate>) {
+    candidates.sort_unstable();
+    let is_kept = |found: &Candidate| pass.status(found.camera as usize, found.pixel) == KEPT;
+    if let Some(first_kept) = candidates.iter().position(is_kept) {
+        candidates.truncate(first_kept + 1);
+    }
 }
 
-/// The candidates of a sample in the layers of some other cameras.
+/// The candidates of a sample in the layers of some other cameras, without those that were dropped already.
 #[inline(always)]
 fn candidates(
     pass: &PruningPass<'_>,
@@ -325,9 +373,9 @@ fn candidates(
         }
         // Whether it is better is known at once, whether it is the same surface takes long.
         let candidate = Candidate::new(target, other, reprojected.pixel[0]);
-        // Samples of this level stay candidates after they are dropped: they are passed over later.
-        let is_own_level = candidate.level == pass.level;
-        let is_kept = pass.status(other, candidate.pixel) == KEPT;
+        let status = pass.status(other, candidate.pixel);
+        let is_own_level = candidate.level == pass.level && status != DROPPED;
+        let is_kept = status == KEPT;
         let point = SourceRun { layer: &pass.layers[camera], run: &point };
         let seen = TargetRun { layer: target, reprojected: &reprojected };
         if may_be_witness(is_own_level, is_kept, pass.settings.pruning.across_spans)

@@ -16,7 +16,7 @@ mod span_stack;
 
 pub(crate) use background::{StaticLayer, rated, static_layer, static_layers};
 pub(crate) use best_candidate::{ColumnBounds, OtherCamera, lanes_at, other_cameras};
-pub(crate) use coverage::{Prepared, Resolved, Unsettled, resolve_camera, settle_all};
+pub(crate) use coverage::{Prepared, Preparing, Resolved, Unsettled, resolve_camera, settle_all};
 pub(crate) use decision::{
     Candidate, LevelVerdicts, decide, is_better, is_dropped_as_mixed, may_be_witness, rule_of_dropped,
     rule_of_kept,

@@ -100,6 +100,12 @@ impl<'a> Search<'a> {
         Self { decided: LevelVerdicts { verdicts, ..search.decided }, ..search }
     }
 
+    /// Whether other cameras contradict each sample, once all have voted.
+    pub(crate) fn contradicted(&self, pass: &PruningPass<'_>) -> Vec<bool> {
+        let samples = self.between.iter().zip(&self.samples.packed_colors);
+        samples.map(|(known, color)| pass.votes.is_contradicted(known.votes, color.is_flying())).collect()
+    }
+
     /// The rows of the camera, cut into bands that hold something to decide.
     fn bands(&mut self) -> Vec<SearchBand<'_>> {
         let Self { camera, samples, decided, between } = self;

@@ -29,8 +29,9 @@ pub(super) struct CameraBytes<'a> {
     pub(super) bound: usize,
 }
 
-/// Layers that are put together at a time where not all fit: one for each of a few threads.
-pub(super) const LAYERS_AT_A_TIME: usize = 2;
+/// Layers that are held at a time where not all fit. With fewer, what is known of each sample is taken up more often; with more, there is
+/// room for fewer samples, and layers are read more often.
+pub(super) const LAYERS_AT_A_TIME: usize = 4;
 
 /// Groups of all cameras.
 pub(super) fn groups_within(pairs: &CameraPairs<'_>, bytes: &CameraBytes<'_>) -> Vec<CameraGroup> {

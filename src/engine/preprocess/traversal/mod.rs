@@ -19,6 +19,7 @@
 mod groups;
 mod looks;
 mod recording;
+mod settle;
 mod steps;
 mod verdict_store;
 mod window;
@@ -218,7 +219,7 @@ mod tests {
     use crate::demo::{Demo, DemoSpec};
     use crate::preprocess::{PreparedScan, inspect_frame};
     use crate::samples::SampleImage;
-    use crate::settings::{AlignSettings, CaptureSettings, MixedPixels, Settings};
+    use crate::settings::{AlignSettings, CaptureSettings, MixedPixels, Settings, SpanLevels};
 
     /// Views of each place where a demo stands.
     const AT_ONE_PLACE: usize = 6;
@@ -298,6 +299,51 @@ mod tests {
             let all_at_once: Vec<&SampleImage> =
                 inspection.samples.images.iter().map(|image| &**image).collect();
             assert_eq!(images.iter().map(|image| &**image).collect::<Vec<_>>(), all_at_once, "{scene}");
+        }
+    }
+
+    #[test]
+    fn a_moving_scene_is_pruned_alike_however_few_layers_are_held_at_a_time() {
+        let job = Job::new();
+        let plain = Settings { align: AlignSettings::OFF, ..Settings::default() };
+        let mut drops = plain.clone();
+        drops.pruning.mixed_pixels = MixedPixels::Drop;
+        drops.pruning.across_spans = false;
+        drops.store.normals = true;
+        let mut paper = plain.clone();
+        paper.spans.levels = SpanLevels::Paper;
+        let cases = [
+            ("orrery", 0.0, &plain),
+            ("orrery", 0.0, &drops),
+            ("nine-cameras", 0.0, &paper),
+            ("nine-cameras", 0.03, &plain),
+            ("nine-cameras", 0.03, &drops),
+        ];
+        for (scene, noise, settings) in cases {
+            let spec = DemoSpec::new(scene).cameras(AT_ONE_PLACE).frames(3).size((64, 48));
+            let demo = Demo::new(&spec).unwrap();
+            let source = demo.capture(&CaptureSettings::default());
+            let parts = CaptureParts { source: Arc::new(Noisy(demo, noise)), ..(*source).clone() };
+            let capture = Capture::new(parts, 1 << 20);
+            let scan: Arc<PreparedScan> = crate::preprocess::scan(&capture, settings, &job).unwrap();
+            let errors = vec![Vec::new(); AT_ONE_PLACE];
+            let of = |bound: usize, run: Span| {
+                let recording = Recording { bound, ..Recording::new(&capture, &scan, settings) };
+                let images = ImageBuffer::new(usize::MAX);
+                let (images, counts) = prune_recording(images, recording, &errors, run, &job).unwrap();
+                (images.into_images().unwrap(), counts)
+            };
+            for run in [all_frames(3), Span { start: 1, end: 3 }] {
+                let (images, counts) = of(usize::MAX, run);
+                assert!(!images.is_empty(), "{scene}");
+                for bound in [0, 4 * 64 * 48 * 43] {
+                    let (few, of_few) = of(bound, run);
+                    assert!(
+                        few == images && of_few == counts,
+                        "{scene}, noise {noise}, {bound} bytes, {run:?}"
+                    );
+                }
+            }
         }
     }
 }

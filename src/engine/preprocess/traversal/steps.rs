@@ -14,17 +14,14 @@ use crate::preprocess::agreement::{Consensus, SmoothDepths};
 use crate::preprocess::diagnostics::{LatticeRuns, Residuals, Tally};
 use crate::preprocess::layers::RatedSamples;
 use crate::preprocess::pruning::{
-    self, LevelVerdicts, Masks, Prepared, PruningPass, Resolved, Search, Statuses, Unsettled,
-    all_may_be_witnesses, resolve_camera,
+    self, LevelVerdicts, Masks, PruningPass, Search, Statuses, all_may_be_witnesses,
 };
 use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{ROOT, SpanLevel};
 use crate::samples::{ImageBuffer, Span, samples_in_memory};
 
 /// Bytes of a sample while it is worked on: itself, its verdict, and what is known between the parts of a search.
-const SAMPLE_BYTES: usize = 38 + 12 + 16;
-/// Bytes of a sample with all its candidates, about.
-const PREPARED_BYTES: usize = 160;
+pub(super) const SAMPLE_BYTES: usize = 38 + 12 + 16;
 
 /// What the steps of pruning share.
 pub(super) struct Pruner<'a> {
@@ -46,12 +43,12 @@ pub(super) struct PutSpan {
 }
 
 /// One span while its samples are decided.
-struct SpanStep<'s, 'a> {
-    of: &'s mut Pruner<'a>,
-    put: &'s PutSpan,
-    groups: Vec<CameraGroup>,
+pub(super) struct SpanStep<'s, 'a> {
+    pub(super) of: &'s mut Pruner<'a>,
+    pub(super) put: &'s PutSpan,
+    pub(super) groups: Vec<CameraGroup>,
     may_be_witnesses: Vec<bool>,
-    verdicts: VerdictStore,
+    pub(super) verdicts: VerdictStore,
 }
 
 impl Pruner<'_> {
@@ -99,7 +96,7 @@ impl Pruner<'_> {
 }
 
 impl SpanStep<'_, '_> {
-    fn pass(&self) -> PruningPass<'_> {
+    pub(super) fn pass(&self) -> PruningPass<'_> {
         let Pruner { recording, pairs, window, statuses, .. } = &*self.of;
         let level = self.put.level;
         PruningPass::new(pairs, &window.layers, statuses, level, &self.may_be_witnesses, recording.settings)
@@ -115,7 +112,7 @@ impl SpanStep<'_, '_> {
         chunks_within(cameras, &bytes, self.of.recording.bound / 2)
     }
 
-    fn samples(&self, cameras: &[usize]) -> Result<Vec<Arc<RatedSamples>>> {
+    pub(super) fn samples(&self, cameras: &[usize]) -> Result<Vec<Arc<RatedSamples>>> {
         cameras.par_iter().map(|camera| self.of.window.samples(*camera)).collect()
     }
 
@@ -159,196 +156,9 @@ impl SpanStep<'_, '_> {
         Ok(())
     }
 
-    fn hold(&mut self, part: &[usize], in_parts: bool) -> Result<()> {
+    pub(super) fn hold(&mut self, part: &[usize], in_parts: bool) -> Result<()> {
         let Pruner { window, job, .. } = &mut *self.of;
         if in_parts { window.hold_only(part, job) } else { window.hold(part, job) }
-    }
-
-    /// The samples of all cameras without a candidate that others are to vote on: where they were not asked yet.
-    fn without_candidate(&mut self) -> Result<Vec<Vec<u32>>> {
-        let mut all = Vec::new();
-        for camera in 0..self.put.counts.len() {
-            let decided = self.verdicts.take(camera)?;
-            all.push(pruning::left_open(&self.pass(), camera, &decided));
-            self.verdicts.put_back(camera, decided);
-        }
-        Ok(all)
-    }
-
-    /// Lets all other cameras vote on some samples of each camera, and gives the verdicts on these.
-    fn ask(&mut self, mut asked: Vec<Vec<u32>>) -> Result<()> {
-        let job = self.of.job;
-        while asked.iter().any(|asked| !asked.is_empty()) {
-            let mut room = self.of.recording.bound / 2 / SAMPLE_BYTES;
-            let mut samples: Vec<(usize, Vec<u32>, RatedSamples)> = Vec::new();
-            for (camera, asked) in asked.iter_mut().enumerate().filter(|(_, asked)| !asked.is_empty()) {
-                if room > 0 || samples.is_empty() {
-                    let rest = asked.split_off(room.max(1).min(asked.len()));
-                    let now = std::mem::replace(asked, rest);
-                    room = room.saturating_sub(now.len());
-                    let of_camera = self.of.window.samples(camera)?.at(&now);
-                    samples.push((camera, now, of_camera));
-                }
-            }
-            let mut searches = Vec::new();
-            for (camera, indices, samples) in &samples {
-                let decided = self.verdicts.take(*camera)?;
-                let verdicts = indices.iter().map(|index| decided.verdicts[*index as usize]).collect();
-                self.verdicts.put_back(*camera, decided);
-                searches.push(Search::of_asked(*camera, samples, verdicts));
-            }
-            if self.pass().votes.is_on() {
-                for search in &mut searches {
-                    self.hold(&[search.camera], false)?;
-                    pruning::look_at_own(&self.pass(), std::slice::from_mut(search), job)?;
-                }
-                self.ask_part_by_part(&mut searches)?;
-            }
-            pruning::conclude_all(&self.pass(), &mut searches, true, job)?;
-            for ((camera, indices, _), search) in samples.iter().zip(searches) {
-                let mut decided = self.verdicts.take(*camera)?;
-                for (index, verdict) in indices.iter().zip(&search.decided.verdicts) {
-                    decided.verdicts[*index as usize] = *verdict;
-                }
-                self.verdicts.put(*camera, decided)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn ask_part_by_part(&mut self, searches: &mut [Search<'_>]) -> Result<()> {
-        for group in self.of.groups(&vec![0; self.put.counts.len()]) {
-            let is_of_group = |search: &&mut Search<'_>| group.cameras.contains(&search.camera);
-            // The searches are in the order of the cameras, and so are groups of all of them.
-            let mut of_group: Vec<&mut Search<'_>> = searches.iter_mut().filter(is_of_group).collect();
-            let is_any = !of_group.is_empty();
-            for part in group.parts.iter().filter(|_| is_any) {
-                self.hold(part, group.parts.len() > 1)?;
-                pruning::ask_others(&self.pass(), &mut of_group, self.of.job)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Decides all samples.
-    fn settle_all(&mut self) -> Result<()> {
-        if self.of.window.holds_all {
-            return self.settle_at_once();
-        }
-        if self.pass().votes.is_on() && self.groups.iter().any(|group| group.parts.len() > 1) {
-            let asked = self.without_candidate()?;
-            self.ask(asked)?;
-        }
-        let mut prepared: Vec<Prepared> = Vec::new();
-        let mut asked = vec![Vec::new(); self.put.counts.len()];
-        loop {
-            self.settle_prepared(&mut prepared, &mut asked)?;
-            let resolved = self.resolve_all(&prepared)?;
-            if resolved.iter().any(|resolved| !resolved.stuck.is_empty()) {
-                self.prepare(resolved, &mut prepared)?;
-            } else if asked.iter().any(|asked| !asked.is_empty()) {
-                // Layers are loaded for this, so that it comes only when nothing else goes on.
-                self.ask(std::mem::replace(&mut asked, vec![Vec::new(); self.put.counts.len()]))?;
-            } else if prepared.is_empty() && resolved.iter().all(|resolved| resolved.waiting.is_empty()) {
-                return Ok(());
-            }
-        }
-    }
-
-    /// The same where all layers are there.
-    fn settle_at_once(&mut self) -> Result<()> {
-        let cameras: Vec<usize> = (0..self.put.counts.len()).collect();
-        let samples = self.samples(&cameras)?;
-        let mut unsettled = Vec::new();
-        for (&camera, samples) in cameras.iter().zip(&samples) {
-            unsettled.push(Unsettled::new(camera, self.verdicts.take(camera)?, samples));
-        }
-        pruning::settle_all(&self.pass(), &mut unsettled, self.of.job)?;
-        for (camera, unsettled) in cameras.into_iter().zip(unsettled) {
-            self.verdicts.put(camera, unsettled.decided)?;
-        }
-        Ok(())
-    }
-
-    /// Decides all that can be decided without any layer. Gives what is left by camera, but for samples that are prepared.
-    fn resolve_all(&mut self, prepared: &[Prepared]) -> Result<Vec<Resolved>> {
-        let mut before = usize::MAX;
-        loop {
-            let mut all = Vec::new();
-            for camera in 0..self.put.counts.len() {
-                self.of.job.check()?;
-                let decided = self.verdicts.take(camera)?;
-                let mut resolved = resolve_camera(&self.pass(), camera, &decided);
-                for known in prepared.iter().filter(|known| known.camera == camera) {
-                    known.leave_out(&mut resolved.stuck);
-                    known.leave_out(&mut resolved.waiting);
-                }
-                self.verdicts.put_back(camera, decided);
-                all.push(resolved);
-            }
-            let left = all.iter().map(|resolved| resolved.waiting.len() + resolved.stuck.len()).sum();
-            if left == 0 || left == before {
-                return Ok(all);
-            }
-            before = left;
-        }
-    }
-
-    /// Decides the samples that are prepared, as far as possible. Those that are kept if others do not contradict them are `asked` about
-    /// later.
-    fn settle_prepared(&mut self, prepared: &mut Vec<Prepared>, asked: &mut [Vec<u32>]) -> Result<()> {
-        let mut before = usize::MAX;
-        loop {
-            for known in prepared.iter_mut() {
-                self.of.job.check()?;
-                let mut decided = self.verdicts.take(known.camera)?;
-                asked[known.camera].extend(known.settle(&self.pass(), &mut decided));
-                self.verdicts.put(known.camera, decided)?;
-            }
-            prepared.retain(|known| known.len() > 0);
-            let left = prepared.iter().map(Prepared::len).sum();
-            if left == 0 || left == before {
-                for asked in asked.iter_mut() {
-                    asked.sort_unstable();
-                }
-                return Ok(());
-            }
-            before = left;
-        }
-    }
-
-    /// Finds all candidates of some samples of each camera. Where they are very many, of some of them.
-    fn prepare(&mut self, resolved: Vec<Resolved>, prepared: &mut Vec<Prepared>) -> Result<()> {
-        let mut room = self.of.recording.bound / 4 * 3 / PREPARED_BYTES;
-        let stuck: usize = resolved.iter().map(|resolved| resolved.stuck.len()).sum();
-        // Samples that wait may be stuck later, when layers would be loaded for them again.
-        let mut room_for_waiting = room.saturating_sub(stuck);
-        let mut new: Vec<Prepared> = Vec::new();
-        for (camera, Resolved { mut waiting, stuck: mut indices }) in resolved.into_iter().enumerate() {
-            waiting.truncate(room_for_waiting);
-            room_for_waiting -= waiting.len();
-            indices.extend(waiting);
-            indices.truncate(room.max(usize::from(new.is_empty())));
-            room = room.saturating_sub(indices.len());
-            indices.sort_unstable();
-            if !indices.is_empty() {
-                new.push(Prepared::new(camera, &*self.of.window.samples(camera)?, indices));
-            }
-        }
-        let bytes = vec![0; self.put.counts.len()];
-        for group in self.of.groups(&bytes) {
-            let mut of_group: Vec<&mut Prepared> =
-                new.iter_mut().filter(|prepared| group.cameras.contains(&prepared.camera)).collect();
-            let is_any = !of_group.is_empty();
-            for part in group.parts.iter().filter(|_| is_any) {
-                self.hold(part, group.parts.len() > 1)?;
-                let pass = self.pass();
-                of_group.par_iter_mut().for_each(|prepared| prepared.compare(&pass, part));
-            }
-        }
-        new.par_iter_mut().for_each(Prepared::end);
-        prepared.extend(new);
-        Ok(())
     }
 
     /// Packs what is kept.
