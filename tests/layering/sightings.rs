@@ -7,7 +7,7 @@ use super::{code, sources, untested};
 const ROOMS: [&str; 2] = ["engine/capture/sighting/", "engine/preprocess/registration/"];
 
 /// Files that carry points and compare something by a share, and what, since the rooms have no such rule.
-const OTHERS: [(&str, &str); 13] = [
+const OTHERS: [(&str, &str); 11] = [
     ("engine/alignment/exposure.rs", "compares pixels of one picture around a point"),
     (
         "engine/capture/conventions/agreement.rs",
@@ -22,8 +22,6 @@ const OTHERS: [(&str, &str); 13] = [
     ("lab/truth/error_classes.rs", "finds steps in one picture"),
     ("lab/truth/folds.rs", "compares in footprints of a pixel"),
     ("desk/app/views/guides.rs", "finds the axis among lines of the ground"),
-    ("desk/app/views/live_view.rs", "compares a mark with the picture that is shown"),
-    ("desk/app/work/live_image.rs", "compares what is shown with what was recorded"),
 ];
 
 /// What carries a point into a camera.

@@ -15,6 +15,8 @@ use crate::app::theme::Tokens;
 use crate::app::widgets::{
     self, icon_button, least_width_of_segments, one_line, picture, scrolled, segments_ui, waiting,
 };
+use overlook_engine::capture::sighting::tolerances::MARKED_SURFACE;
+use overlook_engine::capture::sighting::{Sighting, compare};
 use overlook_engine::render::NO_IMAGE;
 
 /// Radians of orbit per point that the pointer is dragged.
@@ -22,9 +24,6 @@ const ORBIT_PER_POINT: f64 = 0.008;
 
 /// Largest side of the live view in pixels that is asked for, so that turning stays smooth on large displays.
 const LARGEST_SIDE: f32 = 1600.0;
-
-/// Depths that differ by less than this share are taken for one surface.
-const NEARLY: f64 = 0.03;
 
 /// Width of `Holes` and what separates it, points.
 const LABEL_WIDTH: f32 = 66.0;
@@ -163,7 +162,9 @@ fn probe_ui(response: &Response, canvas: Rect, state: &State, commands: &mut Com
 fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
     let is_filled = state.live_carried.is_none()
         && pixel_at(state, canvas, at).is_some_and(|(picture, place)| picture.image[place] == NO_IMAGE);
-    !is_filled && inverse_depth_at(state, canvas, at).is_some_and(|w| (w * depth - 1.0).abs() < NEARLY)
+    !is_filled
+        && inverse_depth_at(state, canvas, at)
+            .is_some_and(|found| compare(found as f32, depth, MARKED_SURFACE) == Sighting::Same)
 }
 
 /// The surface point that the live picture shows at a place.

@@ -14,6 +14,8 @@ use crate::app::model::{
     ColorBy, Display, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE, ShownCameras,
 };
 use crate::app::theme::Tokens;
+use overlook_engine::capture::sighting::tolerances::PAINTED_SAMPLE;
+use overlook_engine::capture::sighting::{Sighting, compare};
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
@@ -190,9 +192,6 @@ struct LiveAgreement {
     of_camera: Vec<Option<Arc<Grid<Option<SampleAgreement>>>>>,
 }
 
-/// A point whose depth differs by more than this share from the camera's own picture is on another surface: its pixel is searched.
-const NEARLY: f64 = 0.01;
-
 impl LiveAgreement {
     fn of(key: &LiveKey) -> Self {
         let inspection = key.inspection.as_ref().filter(|_| key.color_by == ColorBy::Agreement);
@@ -211,7 +210,7 @@ impl LiveAgreement {
         let agreement = self.of_camera.get(camera)?.as_ref()?;
         let there = recorded_at(key, picture, x, y).filter(|(place, depth)| {
             let recorded = inspection.cameras[camera].frame.inverse_depth.get(place[0], place[1]);
-            recorded.is_some_and(|recorded| (f64::from(*recorded) * depth - 1.0).abs() < NEARLY)
+            recorded.is_some_and(|recorded| compare(*recorded, depth, PAINTED_SAMPLE) == Sighting::Same)
         });
         let [x, y] = match there {
             Some((place, _)) => place,

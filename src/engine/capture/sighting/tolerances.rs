@@ -19,3 +19,10 @@ pub const REGISTERED_NORMALS: Tolerance = Tolerance::below(0.02);
 
 /// Points of a true picture that a camera saw: one of nine pixels has to be as close, so that noise needs no wider tolerance.
 pub const SEEN_POINTS: Tolerance = Tolerance::found_below(0.015);
+
+/// The sample that a pixel of a rendered picture was painted from: the picture is as exact as the samples, so that what is farther off is
+/// another surface.
+pub const PAINTED_SAMPLE: Tolerance = Tolerance::below(0.01);
+
+/// A mark in the rendered picture: depths of surfaces that are splatted over each other are blended there.
+pub const MARKED_SURFACE: Tolerance = Tolerance::below(0.03);
