@@ -67,7 +67,7 @@ use together::{aligned_beside_lenses, problem};
 /// Cameras that are aligned all at once, at most. A capture with more is aligned one group after the other.
 const MOST_CAMERAS: usize = 400;
 /// Pixels of one frame of all cameras that are held in memory, at most. A capture with more is aligned in groups as well.
-const MOST_PIXELS: usize = 24 << 20;
+const MOST_PIXELS: usize = 18 << 20;
 /// Cameras of a group, with large pictures and with small ones.
 const GROUP: [usize; 2] = [8, 96];
 
