@@ -6,7 +6,7 @@
 //! ```sh
 //! cargo run --release --example many_views -- walk 1000 640x480
 //! cargo run --release --example many_views -- path/to/recording 1000
-//! cargo run --release --example many_views -- around 64 320x240 noisy --set capture.cache=64
+//! cargo run --release --example many_views -- around 64 320x240 noisy --set capture.memory=64
 //! ```
 
 use std::error::Error;

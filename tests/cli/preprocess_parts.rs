@@ -43,7 +43,7 @@ fn is_same_in_parts(folder: &Path, more: &[&str], of: usize) {
 fn a_store_in_parts_has_the_bytes_of_one_piece_whatever_the_number_of_frames_and_parts() {
     let folder = demo("nine-cameras", &["--cameras", "3", "--frames", "22", "--size", "60x44"]);
     is_same_in_parts(folder.path(), &[], 6);
-    is_same_in_parts(folder.path(), &["--set", "capture.cache=16"], 1);
+    is_same_in_parts(folder.path(), &["--set", "capture.memory=16"], 1);
     let folder = demo("orrery", &["--cameras", "2", "--frames", "3", "--size", "48x36"]);
     is_same_in_parts(folder.path(), &["--set", "store.normals=true"], 5);
 }

@@ -381,7 +381,7 @@ fn samples_that_do_not_fit_the_memory_wait_in_a_file_and_come_back_the_same() {
     let capture = scene.record(arc(3, 96), 24);
     let with_memory = |cache| {
         let mut settings = with_levels(SpanLevels::Tree);
-        settings.capture.cache = cache;
+        settings.capture.memory = cache;
         (settings.spans.color_tolerance, settings.spans.noise) = (0.0, 0.0);
         settings.pruning.method = PruningMethod::Off;
         preprocess(&capture, &settings, &Job::new()).unwrap().samples
@@ -402,7 +402,7 @@ fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
         let mut settings = with_levels(SpanLevels::Tree);
         (settings.spans.color_tolerance, settings.spans.noise) = (0.0, 0.0);
         settings.pruning.method = PruningMethod::Off;
-        settings.capture.cache = 16;
+        settings.capture.memory = 16;
         settings.store.precision = precision;
         let Preprocessed { samples, report } = preprocess(&capture, &settings, &Job::new()).unwrap();
         assert!(samples.bytes() > 1 << 20, "{} bytes: more than a sixteenth of the setting", samples.bytes());

@@ -202,7 +202,7 @@ impl Demo {
             warnings: Vec::new(),
             source: Arc::new(self.clone()),
         };
-        Capture::new(parts, settings.cache as usize * 1024 * 1024)
+        Capture::new(parts, settings.memory as usize * 1024 * 1024)
     }
 
     /// Vantages without a camera, with truth: three, each at up to five frames spread over the animation.

@@ -166,5 +166,5 @@ fn at_place(error: std::io::Error) -> Error {
 /// Bytes of the memory setting that samples take, before pruning and after, until they go to a temporary file.
 pub(crate) fn samples_in_memory(settings: &Settings) -> usize {
     const SHARE: usize = 16;
-    ((settings.capture.cache as usize) << 20) / SHARE
+    ((settings.capture.memory as usize) << 20) / SHARE
 }

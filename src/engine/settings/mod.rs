@@ -33,8 +33,9 @@ use section::section;
 section! {
     /// Reading the capture.
     pub struct CaptureSettings in "capture" {
-        /// Memory for decoded frames that may be needed again, and for what preprocessing holds of all cameras.
-        cache: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
+        /// Memory for decoded frames that may be needed again, and for what preprocessing holds of all cameras. Where that takes more,
+        /// it is worked on part by part, with temporary files, and the results are the same.
+        memory: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
         /// The largest number of views that are read. Those that together show the most are chosen: many views of a moving camera
         /// repeat others. 0 reads all.
         views: u32 = 0, "views", ValueKind::Integer { min: 0, max: 4096 };
@@ -341,7 +342,7 @@ mod tests {
             "pruning.depth_tolerance=-1",
             "pruning.depth_tolerance=nan",
             "nonsense",
-            "capture.cache=1.5",
+            "capture.memory=1.5",
         ] {
             let error = settings.set_text(text).unwrap_err().to_string();
             assert!(!error.contains('\n'), "{error}");

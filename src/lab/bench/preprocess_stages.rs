@@ -187,7 +187,7 @@ fn prune_views(bench: &Bench<'_>) -> Result<StageResult> {
     let mut settings = Settings { align: AlignSettings::OFF, ..Settings::default() };
     let capture = Demo::new(&spec)?.capture(&settings.capture);
     let pixels = capture.pixel_count();
-    settings.capture.cache = ((pixels * LAYER_BYTES) >> 20).max(16) as u32;
+    settings.capture.memory = ((pixels * LAYER_BYTES) >> 20).max(16) as u32;
     let scanned = scan(&capture, &settings, bench.job)?;
     let times = repeat(bench.budget, bench.job, || prune_capture(&capture, &scanned, &settings, bench.job))?;
     Ok((times, pixels, pixels * PIXEL_BYTES))

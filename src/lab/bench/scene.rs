@@ -152,7 +152,7 @@ impl BenchScene {
 fn recorded(size: (u32, u32), job: &Job) -> Result<(Demo, Capture)> {
     let spec = DemoSpec::new(SCENE).frames(FRAMES).size(size);
     let demo = Demo::new(&spec)?;
-    let capture = demo.capture(&CaptureSettings { cache: 4096, ..CaptureSettings::default() });
+    let capture = demo.capture(&CaptureSettings { memory: 4096, ..CaptureSettings::default() });
     let cameras = capture.cameras.len();
     job.start("Recording the scene", cameras * FRAMES);
     (0..cameras * FRAMES).into_par_iter().try_for_each(|index| {

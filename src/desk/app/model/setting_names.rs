@@ -16,7 +16,7 @@ pub(crate) const SECTIONS: &[(&str, &str, bool)] = &[
 
 /// What every setting is called, by its path: no two alike.
 const NAMES: &[(&str, &str)] = &[
-    ("capture.cache", "Frame cache"),
+    ("capture.memory", "Memory"),
     ("capture.views", "Views read"),
     ("align.poses", "Correct poses"),
     ("align.lens", "Correct color lens"),

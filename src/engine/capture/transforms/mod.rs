@@ -161,7 +161,7 @@ fn open_manifest(
             warnings,
             source: source.clone(),
         },
-        settings.cache as usize * 1024 * 1024,
+        settings.memory as usize * 1024 * 1024,
     );
     depth_presence::refuse_without_depth(&capture, &source)?;
     Ok(capture)

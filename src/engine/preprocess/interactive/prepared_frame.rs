@@ -143,7 +143,7 @@ impl FrameLayers {
 
 /// Bytes that the lists may take: half of the memory setting.
 fn lists_bound(settings: &Settings) -> usize {
-    (settings.capture.cache as usize) << 19
+    (settings.capture.memory as usize) << 19
 }
 
 impl CachedLists {

@@ -59,7 +59,7 @@ pub(crate) struct PreprocessArgs {
 
 /// The settings for frames that are read once.
 fn one_frame(settings: &Settings) -> CaptureSettings {
-    CaptureSettings { cache: 16, ..settings.capture.clone() }
+    CaptureSettings { memory: 16, ..settings.capture.clone() }
 }
 
 /// The tree of spans reads every frame once, the paper's two lengths twice.

@@ -72,9 +72,9 @@ impl Stages<'_> {
         format!("{}.{suffix}", self.out.file_name().unwrap_or_default().to_string_lossy())
     }
 
-    /// The inputs of all stages. The size of the cache is left out: it changes no result.
+    /// The inputs of all stages. The memory setting is left out: it changes no result.
     fn inputs(&self) -> Result<Inputs> {
-        let capture = CaptureSettings { cache: 0, ..self.settings.capture.clone() };
+        let capture = CaptureSettings { memory: 0, ..self.settings.capture.clone() };
         let settings = Settings { capture, ..self.settings.clone() };
         Ok(Inputs::default()
             .with("list of cameras and frames", &input::capture_state(self.path, self.capture)?)
