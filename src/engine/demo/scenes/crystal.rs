@@ -5,7 +5,7 @@
 //! Atoms of the melt drift by sums of sines, so that any moment is known without the moments before it. Where that
 //! brings two too close they are pushed apart (position-based dynamics: Matthias Müller et al., 2007).
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
@@ -87,6 +87,7 @@ pub(crate) fn stage(moment: f64) -> WorldBuilder {
     for (atom, position) in atoms.iter().zip(&positions) {
         stage.add(sphere(atom.radius()), CENTER + *position, atom.material());
     }
+    // Last, as there are more of them from moment to moment: what comes before keeps its number.
     bonds(&mut stage, &atoms, &positions, moment);
     stage
 }
@@ -115,14 +116,8 @@ fn indices() -> impl Iterator<Item = (u32, u32, u32)> {
 /// Where the atoms are at a moment, from the middle of the block, m.
 fn positions(atoms: &[Atom], moment: f64) -> Vec<DVec3> {
     let freedoms: Vec<f64> = atoms.iter().map(|atom| atom.freedom(moment)).collect();
-    let mut positions: Vec<DVec3> = atoms
-        .iter()
-        .zip(&freedoms)
-        .map(|(atom, freedom)| match freedom {
-            0.0 => atom.site,
-            freedom => atom.site.lerp(molten(atom, moment), *freedom),
-        })
-        .collect();
+    let placed = |(atom, freedom): (&Atom, &f64)| atom.site.lerp(molten(atom, moment), *freedom);
+    let mut positions: Vec<DVec3> = atoms.iter().zip(&freedoms).map(placed).collect();
     separate(atoms, &freedoms, &mut positions);
     positions
 }
@@ -229,8 +224,8 @@ fn uniform(number: u64, salt: u64) -> f64 {
 fn unit(number: u64, salt: u64) -> DVec3 {
     let [up, turn] = uniform_pair(mix(mix(number) ^ salt)).map(f64::from);
     let z = 2.0 * up - 1.0;
-    let (sin, cos) = (2.0 * PI * turn).sin_cos();
-    (DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt()) + DVec3::Z * z
+    let (sin, cos) = (TAU * turn).sin_cos();
+    DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + DVec3::Z * z
 }
 
 /// Six cameras before the block, the last close to the seed.

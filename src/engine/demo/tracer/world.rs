@@ -72,11 +72,11 @@ pub(crate) struct Light {
 /// The sky as a camera sees it, which need not be the one that lights. Colors are linear.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Backdrop {
-    /// From a good third of the way up to the zenith.
+    /// From 39° above the horizon up to the zenith.
     pub(crate) overhead: Vec3,
     /// At the horizon.
     pub(crate) horizon: Vec3,
-    /// From a third of the way down.
+    /// From 19° below the horizon down.
     pub(crate) below: Vec3,
 }
 
