@@ -234,9 +234,9 @@ pub(crate) fn cameras() -> SceneCameras {
     SceneCameras {
         cameras: vec![
             vantage("front", [0.3, -2.2, 1.3], middle, 50.0),
-            vantage("left", [-1.75, -1.3, 1.5], middle, 50.0),
-            vantage("right", [1.85, -1.15, 1.15], middle, 50.0),
-            vantage("high", [0.65, -1.4, 2.5], middle, 50.0),
+            vantage("left", [-1.2, -1.8, 1.45], middle, 50.0),
+            vantage("right", [1.5, -1.6, 1.15], middle, 50.0),
+            vantage("high", [0.5, -1.65, 2.4], middle, 50.0),
             vantage("low", [-0.75, -1.75, 0.1], middle, 50.0),
             vantage("seed", [-0.3, -1.2, 1.3], [0.02, -0.45, 1.06], 50.0),
         ],
