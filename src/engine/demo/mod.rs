@@ -1,8 +1,9 @@
 //! Built-in scenes, traced on demand: exact depth and normals at pixel centers, truth for any vantage.
 //!
 //! ```text
-//! scenes: orrery, nine_cameras, four_cameras, crystal ── tracer: world (solids, light) ──── trace ── Frame
-//!               └─ props, materials                        shapes, hits, bvh, shadow_map    └─ shade, texture, camera_noise
+//! scenes: orrery, nine_cameras, ─── tracer: world (solids, light) ──── trace ── Frame
+//!         four_cameras, crystal             shapes, hits, bvh, shadow_map    └─ shade, texture, camera_noise
+//!               └─ props, materials
 //! ```
 //!
 //! Surfaces are diffuse: a point has one color at a time, whoever looks. World space is in meters, z up.
