@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Compares how long two programs take for the default picture, with every default on: an orbit around two built-in scenes, each picture
+# Compares how long two programs take for the default picture, with every default on: an orbit around three built-in scenes, each picture
 # another viewpoint, the programs in turn. Fails if NEW takes over a tenth longer than OLD at any of the sizes.
 # Usage: benches/default_picture.sh OLD NEW [TURNS]   (two programs `overlook`; needs python3; keep the machine quiet meanwhile)
 set -euo pipefail
@@ -7,7 +7,7 @@ old=$(realpath "$1") new=$(realpath "$2") turns=${3:-5}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
-for scene in nine-cameras orrery; do
+for scene in nine-cameras orrery crystal; do
     "$new" demo "$scene" --frames 2 --out "$scene" >/dev/null 2>&1
     # Each program makes its own store, which the other need not know how to read.
     "$old" preprocess "$scene" --out "$scene.old.ovl" >/dev/null 2>&1
@@ -53,7 +53,7 @@ def milliseconds(program, store, views):
 
 
 worst = 0
-for scene in ("nine-cameras", "orrery"):
+for scene in ("nine-cameras", "orrery", "crystal"):
     for width, height in SIZES:
         views = f"{scene}.{width}.json"
         json.dump(orbit(scene, width, height), open(views, "w"))

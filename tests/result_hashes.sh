@@ -332,6 +332,7 @@ small_capture
 demo orrery 72x54 6
 demo nine-cameras 64x48 5
 demo four-cameras 100x70 9
+demo crystal 64x48 6
 for named in "$@"; do
     cd "$started"
     given "$named"

@@ -4,7 +4,7 @@
     assets/results/make.py target/release/overlook [CAPTURE...]
     assets/results/make.py --write-only
 
-The built-in demo scenes and assets/small_capture are measured always, some 10 minutes on two cores. A CAPTURE is a folder with true
+The built-in demo scenes and assets/small_capture are measured always, some 12 minutes on two cores. A CAPTURE is a folder with true
 pictures of further viewpoints in novel/transforms.json. With --only NAME, those of that name alone are measured, and the figures of all
 others stay, unless they are of other default settings. --write-only writes the page from results.json, without measuring.
 
@@ -37,6 +37,7 @@ DEMOS = [
     ("orrery-16", "the same by sixteen cameras", ["orrery", "--cameras", "16", "--frames", "8", "--size", "160x120"]),
     ("nine-cameras", "a living room, noisy color", ["nine-cameras", "--frames", "24", "--size", "320x240"]),
     ("four-cameras", "crystals that grow, exact", ["four-cameras", "--frames", "100"]),
+    ("crystal", "a melt that condenses, exact", ["crystal", "--frames", "24", "--size", "320x240"]),
 ]
 SMALL = ("small_capture", "an orrery by Blender, noisy color", ROOT / "assets/small_capture")
 

@@ -279,7 +279,7 @@ def open(path: Path, settings: Settings | None = None) -> Capture:
 def demo(
     name: str, *, cameras: int | None = None, frames: int | None = None, size: tuple[int, int] | None = None
 ) -> Capture:
-    """A built-in scene, "orrery", "nine-cameras" or "four-cameras", whose frames are traced when they are used."""
+    """A built-in scene, "orrery", "nine-cameras", "four-cameras" or "crystal", whose frames are traced when they are used."""
 
 def place(
     capture: Capture,

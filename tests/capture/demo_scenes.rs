@@ -58,6 +58,7 @@ fn the_papers_recordings_have_their_sizes() {
     assert_eq!(shape("orrery"), (5, 48, (480, 360), true, false));
     assert_eq!(shape("nine-cameras"), (9, 60, (640, 480), false, true));
     assert_eq!(shape("four-cameras"), (4, 300, (320, 240), true, false));
+    assert_eq!(shape("crystal"), (6, 60, (640, 480), true, true));
     assert_eq!(SCENES[0].0, "orrery");
 }
 
@@ -162,6 +163,24 @@ fn depth_is_the_distance_to_the_surface() {
         if let Some(normals) = frame.normal_in_world {
             assert_eq!(normals[(4, 4)], [0.0, 0.0, 1.0]);
         }
+    }
+}
+
+#[test]
+fn around_the_crystal_is_pure_white() {
+    let demo = small("crystal", (60, 45));
+    for camera in capture(&demo).cameras.clone() {
+        let frame = demo.render(&camera, 59);
+        let mut sky = 0;
+        for (x, y) in (1..44).flat_map(|y| (1..59).map(move |x| (x, y))) {
+            let beside = |x: usize, y: usize| frame.inverse_depth[(x, y)] == 0.0;
+            // A pixel at an edge holds some of the solid beside it.
+            if (y - 1..=y + 1).all(|y| (x - 1..=x + 1).all(|x| beside(x, y))) {
+                assert_eq!(frame.color[(x, y)], [f16::ONE; 3]);
+                sky += 1;
+            }
+        }
+        assert!(sky > 0 || camera.name == "seed", "'{}' sees nothing but atoms", camera.name);
     }
 }
 

@@ -139,7 +139,8 @@ fn random_captures_are_split_as_a_plain_implementation_splits_them() {
 
 #[test]
 fn built_in_scenes_are_split_as_a_plain_implementation_splits_them() {
-    for (scene, cameras, frames) in [("nine-cameras", 3, 6), ("orrery", 2, 5), ("four-cameras", 2, 5)] {
+    let scenes = [("nine-cameras", 3, 6), ("orrery", 2, 5), ("four-cameras", 2, 5), ("crystal", 2, 6)];
+    for (scene, cameras, frames) in scenes {
         let spec = DemoSpec::new(scene).cameras(cameras).frames(frames).size((64, 48));
         let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
         let [background, foreground] = assert_agree(&capture);

@@ -1,8 +1,9 @@
 //! Built-in scenes, traced on demand: exact depth and normals at pixel centers, truth for any vantage.
 //!
 //! ```text
-//! scenes: orrery, nine_cameras, four_cameras ── tracer: world (solids, light) ──── trace ── Frame
-//!               └─ props, materials               shapes, hits, bvh, shadow_map    └─ shade, texture, camera_noise
+//! scenes: orrery, nine_cameras, ─── tracer: world (solids, light) ──── trace ── Frame
+//!         four_cameras, crystal             shapes, hits, bvh, shadow_map    └─ shade, texture, camera_noise
+//!               └─ props, materials
 //! ```
 //!
 //! Surfaces are diffuse: a point has one color at a time, whoever looks. World space is in meters, z up.
@@ -27,6 +28,7 @@ pub const SCENES: &[(&str, &str)] = &[
     (ORRERY.name, ORRERY.description),
     (NINE_CAMERAS.name, NINE_CAMERAS.description),
     (FOUR_CAMERAS.name, FOUR_CAMERAS.description),
+    (CRYSTAL.name, CRYSTAL.description),
 ];
 
 /// Most cameras a demo is recorded with.
@@ -149,7 +151,20 @@ const FOUR_CAMERAS: DemoScene = DemoScene {
     seed: 3,
 };
 
-const ALL: [&DemoScene; 3] = [&ORRERY, &NINE_CAMERAS, &FOUR_CAMERAS];
+const CRYSTAL: DemoScene = DemoScene {
+    name: "crystal",
+    description: "a melt that condenses into rock salt: 6 cameras, 60 frames, anti-aliased color, normals, white around",
+    stage: scenes::crystal::stage,
+    cameras: scenes::crystal::cameras,
+    frames: 60,
+    size: (640, 480),
+    noise: 0.0,
+    antialiased: true,
+    normals: true,
+    seed: 4,
+};
+
+const ALL: [&DemoScene; 4] = [&ORRERY, &NINE_CAMERAS, &FOUR_CAMERAS, &CRYSTAL];
 
 /// A built-in scene with its recording decided.
 #[derive(Clone, Debug)]

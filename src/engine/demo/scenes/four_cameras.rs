@@ -12,7 +12,7 @@ use super::camera_arcs::{SceneCameras, vantage};
 use super::materials::{brass, dark_brass, marble, plaster, rgb, slate, turned_wood, two_tone, walnut};
 use super::props;
 use crate::demo::tracer::{
-    Light, Material, Pattern, SolidShape, WorldBuilder, block, cone, cylinder, hash, sphere, torus,
+    Backdrop, Light, Material, Pattern, SolidShape, WorldBuilder, block, cone, cylinder, hash, sphere, torus,
     upright_to,
 };
 
@@ -28,6 +28,7 @@ pub(crate) fn stage(moment: f64) -> WorldBuilder {
         zenith: Vec3::new(0.32, 0.37, 0.46),
         horizon: Vec3::new(0.47, 0.48, 0.5),
         ground: Vec3::new(0.2, 0.17, 0.14),
+        backdrop: Backdrop::EVENING,
         contact: 0.09,
         lamp: None,
     });

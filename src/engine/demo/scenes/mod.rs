@@ -1,6 +1,7 @@
 //! The built-in scenes.
 
 mod camera_arcs;
+pub(crate) mod crystal;
 pub(crate) mod four_cameras;
 mod materials;
 pub(crate) mod nine_cameras;

@@ -10,7 +10,9 @@ use super::materials::{
     brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, two_tone, walnut,
 };
 use super::props;
-use crate::demo::tracer::{Light, Material, Pattern, WorldBuilder, block, cone, cylinder, sphere, torus};
+use crate::demo::tracer::{
+    Backdrop, Light, Material, Pattern, WorldBuilder, block, cone, cylinder, sphere, torus,
+};
 
 const TRACK_CENTER: DVec3 = DVec3::new(0.25, -0.35, 0.0);
 const TRACK_RADIUS_M: f64 = 0.8;
@@ -24,6 +26,7 @@ pub(crate) fn stage(moment: f64) -> WorldBuilder {
         zenith: Vec3::new(0.30, 0.38, 0.53),
         horizon: Vec3::new(0.56, 0.52, 0.46),
         ground: Vec3::new(0.24, 0.18, 0.13),
+        backdrop: Backdrop::EVENING,
         contact: 0.3,
         lamp: None,
     });

@@ -10,7 +10,7 @@ use super::materials::{
 };
 use super::props;
 use crate::demo::tracer::{
-    Lamp, Light, Material, Pattern, SolidShape, WorldBuilder, block, cone, cylinder, sphere, torus,
+    Backdrop, Lamp, Light, Material, Pattern, SolidShape, WorldBuilder, block, cone, cylinder, sphere, torus,
 };
 
 const TABLE_TOP_M: f64 = 0.76;
@@ -46,6 +46,7 @@ pub(crate) fn stage(moment: f64) -> WorldBuilder {
         zenith: Vec3::new(0.27, 0.36, 0.52),
         horizon: Vec3::new(0.52, 0.49, 0.44),
         ground: Vec3::new(0.20, 0.15, 0.11),
+        backdrop: Backdrop::EVENING,
         contact: 0.22,
         lamp: Some(Lamp { position: SUN, color: Vec3::new(2.0, 1.25, 0.5), reach: 0.95 }),
     });

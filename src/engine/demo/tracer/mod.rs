@@ -14,4 +14,4 @@ pub(crate) use camera_noise::RenderNoise;
 pub use camera_noise::with_render_noise;
 pub(crate) use shapes::{SolidShape, block, cone, cylinder, sphere, torus};
 pub(crate) use texture::{Material, Pattern, hash};
-pub(crate) use world::{Lamp, Light, World, WorldBuilder, upright_to};
+pub(crate) use world::{Backdrop, Lamp, Light, World, WorldBuilder, upright_to};

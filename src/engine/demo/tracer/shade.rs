@@ -8,7 +8,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::world::{Light, SurfaceHit, World};
+use super::world::{Backdrop, Light, SurfaceHit, World};
 
 /// Heights above the surface at which its surroundings are felt, as shares of [`Light::contact`], and their weights, the
 /// highest first.
@@ -19,16 +19,13 @@ const SHADOW_START_M: f64 = 1e-3;
 const SHADOW_STEP_M: f64 = 3e-3;
 const SHADOW_STEPS: usize = 40;
 
-/// Linear color of the backdrop in a direction: a clear evening sky over haze.
-pub(crate) fn sky(direction: DVec3) -> Vec3 {
-    const OVERHEAD: Vec3 = Vec3::new(0.16, 0.32, 0.58);
-    const HORIZON: Vec3 = Vec3::new(0.86, 0.72, 0.54);
-    const HAZE: Vec3 = Vec3::new(0.42, 0.36, 0.32);
+/// Linear color of the backdrop in a direction.
+pub(crate) fn sky(backdrop: &Backdrop, direction: DVec3) -> Vec3 {
     let up = direction.normalize_or_zero().z as f32;
     if up >= 0.0 {
-        HORIZON.lerp(OVERHEAD, (1.6 * up).min(1.0).sqrt())
+        backdrop.horizon.lerp(backdrop.overhead, (1.6 * up).min(1.0).sqrt())
     } else {
-        HORIZON.lerp(HAZE, (-3.0 * up).min(1.0))
+        backdrop.horizon.lerp(backdrop.below, (-3.0 * up).min(1.0))
     }
 }
 

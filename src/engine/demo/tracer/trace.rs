@@ -96,7 +96,7 @@ impl<'a> CameraRays<'a> {
 fn surfel(world: &World, ray: Ray) -> Surfel {
     let Some(hit) = world.hit(ray) else {
         return Surfel {
-            color: shade::sky(ray.1),
+            color: shade::sky(&world.light.backdrop, ray.1),
             irradiance: Vec3::ZERO,
             inverse_depth: 0.0,
             normal: [0.0; 3],
@@ -117,7 +117,7 @@ fn surfel(world: &World, ray: Ray) -> Surfel {
 /// center's serves every sample of the same surface; texture and silhouettes are sampled.
 fn filtered(world: &World, center: &Surfel, rays: [Ray; SUBPIXELS.len()]) -> Vec3 {
     let samples = rays.map(|ray| {
-        let Some(hit) = world.hit(ray) else { return shade::sky(ray.1) };
+        let Some(hit) = world.hit(ray) else { return shade::sky(&world.light.backdrop, ray.1) };
         let is_same_surface = hit.solid as u32 == center.solid
             && hit.normal.as_vec3().dot(center.normal.into()) > SAME_SURFACE_COSINE;
         let irradiance = if is_same_surface { center.irradiance } else { shade::irradiance(world, &hit) };

@@ -61,10 +61,34 @@ pub(crate) struct Light {
     pub(crate) horizon: Vec3,
     /// What the ground sends back up.
     pub(crate) ground: Vec3,
+    /// What a camera sees where there is no solid.
+    pub(crate) backdrop: Backdrop,
     /// Solids within this distance darken each other's skylight, m; beyond it nothing changes.
     pub(crate) contact: f64,
     /// A lamp in the scene.
     pub(crate) lamp: Option<Lamp>,
+}
+
+/// The sky as a camera sees it, which need not be the one that lights. Colors are linear.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Backdrop {
+    /// From 39° above the horizon up to the zenith.
+    pub(crate) overhead: Vec3,
+    /// At the horizon.
+    pub(crate) horizon: Vec3,
+    /// From 19° below the horizon down.
+    pub(crate) below: Vec3,
+}
+
+impl Backdrop {
+    /// A clear evening sky over haze.
+    pub(crate) const EVENING: Self = Self {
+        overhead: Vec3::new(0.16, 0.32, 0.58),
+        horizon: Vec3::new(0.86, 0.72, 0.54),
+        below: Vec3::new(0.42, 0.36, 0.32),
+    };
+    /// White paper.
+    pub(crate) const WHITE: Self = Self { overhead: Vec3::ONE, horizon: Vec3::ONE, below: Vec3::ONE };
 }
 
 /// A lamp that lights what is within its reach, without shadows.
