@@ -210,7 +210,7 @@ impl LiveAgreement {
         let agreement = self.of_camera.get(camera)?.as_ref()?;
         let there = recorded_at(key, picture, x, y).filter(|(place, depth)| {
             let recorded = inspection.cameras[camera].frame.inverse_depth.get(place[0], place[1]);
-            recorded.is_some_and(|recorded| compare(*recorded, depth, PAINTED_SAMPLE) == Sighting::Same)
+            recorded.is_some_and(|recorded| compare(*recorded, *depth, PAINTED_SAMPLE) == Sighting::Same)
         });
         let [x, y] = match there {
             Some((place, _)) => place,
