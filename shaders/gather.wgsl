@@ -15,6 +15,8 @@ const EXACT: f32 = 0.005;
 const SUBPIXEL_WIDTH: f32 = 2.5;
 // Most sub-pixels along each side of a pixel.
 const MAX_SUBPIXELS: f32 = 4.0;
+// A pixel shows samples from this share on that they cover.
+const LEAST_SHOWN: f32 = 0.5;
 
 // Where between the 2×2 samples the pixel's line of sight meets the surface that the camera itself saw, at `depth`.
 fn corrected(camera: u32, reprojected: Reprojected, at: vec2<f32>, depth: f32) -> vec2<f32> {
@@ -136,12 +138,12 @@ struct SharedSurface {
     w: f32,
 }
 
-// The surfaces of one pixel, a nearer and a farther one for each sub-pixel at most, and the sub-pixels that show any.
+// The surfaces of one pixel, a nearer and a farther one for each sub-pixel at most, and how many of the sub-pixels they cover.
 const MOST_SURFACES: u32 = 8u;
 struct PixelParts {
     surfaces: array<SharedSurface, MOST_SURFACES>,
     count: u32,
-    shown: u32,
+    shown: f32,
 }
 
 // The surfaces of the pixel of the picture whose first sub-pixel this is, joined where they are the same.
@@ -153,13 +155,13 @@ fn parts_of(first: vec2<u32>) -> PixelParts {
         if found.near.y == 0u {
             continue;
         }
-        parts.shown++;
         for (var side = 0u; side < 2u; side++) {
             let key = select(found.near, found.far, side == 1u);
             let share = select(found.share, 1.0 - found.share, side == 1u);
             if key.y == 0u || share <= 0.0 {
                 continue;
             }
+            parts.shown += share;
             let w = inverse_depth_of(key.y);
             var same = 0u;
             for (; same < parts.count; same++) {
@@ -184,7 +186,9 @@ fn parts_of(first: vec2<u32>) -> PixelParts {
 // Paints the pixel of the picture whose first sub-pixel this is.
 fn paint(first: vec2<u32>) {
     let parts = parts_of(first);
-    let all = f32(parts.shown);
+    let all = parts.shown;
+    let subpixels = f32(stage.subpixels * stage.subpixels);
+    let coverage = min(all / subpixels, 1.0);
     var farthest = bitcast<f32>(0x7f800000u);
     for (var nth = 0u; nth < parts.count; nth++) {
         farthest = min(farthest, parts.surfaces[nth].w / parts.surfaces[nth].share);
@@ -195,35 +199,35 @@ fn paint(first: vec2<u32>) {
         let surface = parts.surfaces[nth];
         before += select(0.0, surface.share, surface.w / surface.share > farthest);
     }
-    let has_front = parts.count > 1u && 2.0 * before >= all;
+    let has_front = parts.count > 1u;
+    // Most of what is shown lies in front of the farthest surface.
+    let shows_front = has_front && 2.0 * before >= all;
     var color = vec3<f32>(0.0);
     var front = vec3<f32>(0.0);
     var shown_key = vec2<u32>(0u);
     var shown_w = -1.0;
     var largest = 0.0;
-    // At least half of the sub-pixels must show a sample.
-    if 2u * parts.shown >= stage.subpixels * stage.subpixels {
-        for (var nth = 0u; nth < parts.count; nth++) {
-            let surface = parts.surfaces[nth];
-            let w = surface.w / surface.share;
-            let found = surface_color(surface.key, surface.at / surface.share, w);
-            let is_front = has_front && w > farthest;
-            color += surface.share / all * found;
-            if is_front {
-                front += surface.share / before * found;
-            }
-            if surface.share > largest && (is_front || !has_front) {
-                largest = surface.share;
-                shown_key = surface.key;
-                shown_w = w;
-            }
+    for (var nth = 0u; nth < parts.count; nth++) {
+        let surface = parts.surfaces[nth];
+        let w = surface.w / surface.share;
+        let found = surface_color(surface.key, surface.at / surface.share, w);
+        let is_front = has_front && w > farthest;
+        color += surface.share / all * found;
+        if is_front {
+            front += surface.share / before * found;
+        }
+        if surface.share > largest && (is_front || !shows_front) && coverage >= LEAST_SHOWN {
+            largest = surface.share;
+            shown_key = surface.key;
+            shown_w = w;
         }
     }
     let place = first / stage.subpixels;
     let pixel = place.y * (stage.width / stage.subpixels) + place.x;
     set_pixel(pixel, shown_key, shown_w, color);
+    set_coverage(pixel, coverage);
     if stage.with_fronts == 1u {
-        set_front(pixel, front, select(-1.0, farthest, has_front && shown_key.y != 0u));
+        set_front(pixel, front, select(-1.0, farthest, has_front), select(0.0, before / subpixels, has_front));
     }
 }
 

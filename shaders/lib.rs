@@ -36,6 +36,8 @@ pub const OPEN_HOLES: &str = include_str!("finish/open_holes.wgsl");
 pub const OPEN_SKY: &str = include_str!("finish/open_sky.wgsl");
 /// The stage `pull`.
 pub const PULL: &str = include_str!("finish/pull.wgsl");
+/// The stage `put_over`.
+pub const PUT_OVER: &str = include_str!("finish/put_over.wgsl");
 /// The stage `ray_masks`.
 pub const RAY_MASKS: &str = include_str!("finish/ray_masks.wgsl");
 /// The stage `resolve`.

@@ -205,13 +205,14 @@ fn decide(pixel: vec2<i32>, at: vec2<f32>) -> PixelSurfaces {
         share = 1.0;
     }
     // Without the votes' support there is no crack to close but a real gap.
-    if is_crack && share < 0.5 {
+    if is_crack && share < 0.5 && own.y != 0u {
         return only_own;
     }
-    if far.y == 0u {
-        return PixelSurfaces(select(near, nothing, share < 0.5), nothing, 1.0);
+    // Of a whole pixel beside a hole no share is kept.
+    if far.y == 0u && stage.subpixels == 1u {
+        share = select(1.0, 0.0, share < 0.5);
     }
-    return PixelSurfaces(near, far, share);
+    return PixelSurfaces(select(near, nothing, far.y == 0u && share <= 0.0), far, share);
 }
 
 @compute @workgroup_size(16, 16)

@@ -15,9 +15,8 @@ fn sky_color(direction: vec3<f32>) -> vec3<f32> {
     return sum.xyz / sum.w;
 }
 
-// Shows the sky in a pixel.
-fn show_sky(at: vec2<u32>, pixel: u32) {
+// The color of the sky in a pixel.
+fn sky_at(at: vec2<u32>) -> vec3<f32> {
     let line = finish.first_ray + finish.ray_across * f32(at.x) + finish.ray_down * f32(at.y);
-    set_color(pixel, sky_color(normalize(line)));
-    set_depth(pixel, 0.0);
+    return sky_color(normalize(line));
 }

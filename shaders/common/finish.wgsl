@@ -1,8 +1,9 @@
 // What the stages that finish a painted picture share: its pixels, and what is known about its holes. Twin: src/engine/render/finish.rs.
 //
 //   picture   as in picture.wgsl
-//   planes    a word per pixel for each of two planes: until where its line of sight is hidden, later whether its color may be
-//             blended with one that is no longer shown; and its mark
+//   planes    a word per pixel for each of three planes: until where its line of sight is hidden, later whether its color may be
+//             blended with one that is no longer shown; and its mark; and the share of its line of sight that is hidden, negative
+//             where parts of a surface face each other across an open hole. Then three words per pixel: the color of what is shown in part
 
 struct Finish {
     // Size of the picture, pixels.
@@ -23,7 +24,8 @@ struct Finish {
     with_fronts: u32,
     // 1 if lines of sight are tested.
     tests_lines: u32,
-    padding_0: u32,
+    // 1 if the picture tells which shares of pixels are shown.
+    with_coverage: u32,
     padding_1: u32,
     padding_2: u32,
 }
@@ -51,6 +53,11 @@ const HOLE: f32 = -1.0;
 const OPEN_HOLE: f32 = -0x1.fffffep+126f;
 const SKY_HOLE: f32 = -0x1.fffffep+127f;
 const SHOWN: f32 = 1.0;
+
+// A pixel shows samples from this share on that they cover.
+const LEAST_SHOWN: f32 = 0.5;
+// From this share on a pixel is shown as a whole.
+const WHOLE: f32 = 0.999;
 
 // Where in the environment is told how often the sky was seen: behind all grids.
 const SKY_SEEN_AT: u32 = 299593u;
@@ -85,12 +92,36 @@ fn image_at(pixel: u32) -> u32 {
     return picture[4u * pixel_count() + pixel];
 }
 
+// Whether a pixel is shown in part.
+fn is_partial(pixel: u32) -> bool {
+    let share = bitcast<f32>(picture[5u * pixel_count() + pixel]);
+    return finish.with_coverage != 0u && share > 0.0 && share < WHOLE;
+}
+
+// Where the color of a pixel that is shown in part is kept.
+fn kept_at(pixel: u32) -> u32 {
+    return 3u * (pixel_count() + pixel);
+}
+
+// Where is told which share of a line of sight is hidden.
+fn hidden_share_at(pixel: u32) -> u32 {
+    return 2u * pixel_count() + pixel;
+}
+
+// The share of a pixel that lies in front of its farthest surface.
+fn front_share_at(pixel: u32) -> f32 {
+    if finish.with_fronts == 0u {
+        return 0.0;
+    }
+    return bitcast<f32>(picture[6u * pixel_count() + 5u * pixel + 4u]);
+}
+
 // What a pixel shows in front of its farthest surface, and the inverse depth of that one; negative if there is but one.
 fn front_at(pixel: u32) -> vec4<f32> {
     if finish.with_fronts == 0u {
         return vec4<f32>(0.0, 0.0, 0.0, -1.0);
     }
-    let at = 5u * pixel_count() + 4u * pixel;
+    let at = 6u * pixel_count() + 5u * pixel;
     return vec4<f32>(
         bitcast<f32>(picture[at]),
         bitcast<f32>(picture[at + 1u]),

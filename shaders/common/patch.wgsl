@@ -143,7 +143,8 @@ fn load_patch(block: vec2<u32>, thread: u32, both: bool) {
     visible_tiles = select(stage.background_tiles, stage.all_tiles, both);
 }
 
-// The surfaces of a pixel: the keys of a nearer and a farther one, and the share of the nearer, which is 1 if there is no other.
+// The surfaces of a pixel: the keys of a nearer and a farther one, and the share of the nearer; what a farther one of key 0 takes is a
+// hole.
 struct PixelSurfaces {
     near: vec2<u32>,
     far: vec2<u32>,

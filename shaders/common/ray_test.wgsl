@@ -12,6 +12,8 @@ struct LineOfSight {
     kind: u32,
     // The inverse depth at which the longest hidden part ends.
     end: f32,
+    // Share of the tested inverse depths that is hidden.
+    share: f32,
 }
 
 // At which of 32 inverse depths from number `first` on, other than those in `known`, a camera saw a line of sight free, and at which it
@@ -58,9 +60,10 @@ fn test_line(at: vec2<f32>, near: f32, far: f32) -> LineOfSight {
     }
     blocked &= ~free;
     if any(blocked != vec2<u32>(0u)) {
-        return LineOfSight(HIDDEN, near - step * f32(end_of_longest_run(blocked)));
+        let share = f32(countOneBits(blocked.x) + countOneBits(blocked.y)) / 64.0;
+        return LineOfSight(HIDDEN, near - step * f32(end_of_longest_run(blocked)), share);
     }
-    return LineOfSight(select(UNSEEN_IN_PART, FREE, all(free == vec2<u32>(0xffffffffu))), 0.0);
+    return LineOfSight(select(UNSEEN_IN_PART, FREE, all(free == vec2<u32>(0xffffffffu))), 0.0, 0.0);
 }
 
 // The position after the longest run of set bits.

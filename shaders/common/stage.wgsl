@@ -52,7 +52,7 @@ fn picture_pixels() -> u32 {
 
 // Words of a pixel of the picture.
 fn picture_words() -> u32 {
-    return 5u + 4u * stage.with_fronts;
+    return 6u + 5u * stage.with_fronts;
 }
 
 // Workgroups in a row of a dispatch; further ones go into further rows, as one dimension holds 65535 at most.

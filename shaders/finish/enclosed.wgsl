@@ -1,5 +1,5 @@
 // The stage that marks pixels that nearer surfaces enclose and whose line of sight is hidden. Where such a pixel shows something in
-// front of its farthest surface, it shows that alone. Twin: `MarkSquares` in src/engine/render/free_space/hidden.rs.
+// front of its farthest surface, it shows that alone. Twins: `MarkSquares` and `show_fronts` in src/engine/render/free_space/hidden.rs.
 
 // Directions that must lead to a nearer surface.
 const ENOUGH: u32 = 7u;
@@ -37,11 +37,19 @@ fn enclosed(@builtin(global_invocation_id) at: vec3<u32>) {
     if hidden_until >= 0.0 {
         let here = vec2<i32>(at.xy);
         if is_enclosed(here, farthest_shown(pixel, shown_at(here))) {
-            let front = front_at(pixel);
-            if front.w >= 0.0 {
-                set_color(pixel, front.xyz);
-            } else {
-                mark = HOLE - hidden_until;
+            mark = HOLE - hidden_until;
+            if farthest_shown(pixel, shown_at(here)) > 0.0 {
+                planes[hidden_share_at(pixel)] = 0x1.fffffep+127f;
+            }
+            if image_at(pixel) != NO_IMAGE {
+                let front = front_at(pixel);
+                let share = select(0.0, front_share_at(pixel), front.w >= 0.0);
+                if share >= LEAST_SHOWN {
+                    mark = SHOWN;
+                }
+                let is_shown = share > 0.0 && (mark == SHOWN || finish.with_coverage != 0u);
+                set_color(pixel, select(vec3<f32>(0.0), front.xyz, is_shown));
+                picture[5u * pixel_count() + pixel] = bitcast<u32>(share);
             }
         }
     }

@@ -12,6 +12,11 @@ const MAX_BLOCK_RATIO: f32 = 8.0;
 // Filling a pixel ends when less than this share of it is open.
 const MAX_OPEN_SHARE: f32 = 0.015625;
 const LARGEST: f32 = 0x1.fffffep+127f;
+// Densities of surfaces in hidden space, and the share of the sky within nearer surfaces where hardly anything is hidden.
+// Twin: src/engine/render/free_space/sky_share.rs.
+const FACING_DENSITY: f32 = 16.0;
+const ENCLOSED_DENSITY: f32 = 24.0;
+const ENCLOSED_SKY: f32 = 0.9;
 
 struct HoleSurface {
     is_found: bool,
@@ -145,6 +150,14 @@ fn push(set_of: u32, at: vec2<u32>, surface: HoleSurface) -> WeightedMean {
     return surface.mean;
 }
 
+// The share of a hole that shows the sky, by its mark and the share of its line of sight that is hidden.
+fn sky_share(hole: f32, hidden: f32) -> f32 {
+    if hole != OPEN_HOLE {
+        return ENCLOSED_SKY * exp(-ENCLOSED_DENSITY * hidden);
+    }
+    return select(1.0, exp(FACING_DENSITY * hidden), hidden < 0.0);
+}
+
 @compute @workgroup_size(16, 16)
 fn fill(@builtin(global_invocation_id) at: vec3<u32>) {
     if at.x >= finish.width || at.y >= finish.height || !has_filling() {
@@ -159,7 +172,13 @@ fn fill(@builtin(global_invocation_id) at: vec3<u32>) {
     let surface = surface_behind(set_of, at.xy, hidden_surface_limit(hole));
     let filling = push(set_of, at.xy, surface);
     if filling.weight > 0.0 {
-        set_color(pixel, filling.color);
-        set_depth(pixel, filling.inverse_depth);
+        var share = 0.0;
+        var sky = vec3<f32>(0.0);
+        if knows_sky() && hole < HOLE {
+            share = sky_share(hole, planes[hidden_share_at(pixel)]);
+            sky = sky_at(at.xy);
+        }
+        set_color(pixel, filling.color + share * (sky - filling.color));
+        set_depth(pixel, select(0.0, filling.inverse_depth, share < 0.5));
     }
 }

@@ -107,6 +107,7 @@ fn lines_of_sight(
         let line = test_line(vec2<f32>(at.xy), range_x, far);
         if line.kind == HIDDEN {
             planes[pixel] = line.end;
+            planes[hidden_share_at(pixel)] = line.share;
         }
     }
 }

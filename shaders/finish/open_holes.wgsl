@@ -3,16 +3,17 @@
 
 const COARSE: u32 = 4u;
 
-fn mark_of_open_hole(at: vec2<u32>) -> f32 {
+// The mark of holes, and the share of their line of sight that is hidden.
+fn mark_of_open_hole(at: vec2<u32>) -> vec2<f32> {
     let range = range_around(at);
     if range.x == 0.0 {
-        return SKY_HOLE;
+        return vec2<f32>(SKY_HOLE, 0.0);
     }
     let line = test_line(vec2<f32>(at + COARSE / 2u), range.x, range.y * BEYOND_FARTHEST);
     switch line.kind {
-        case FREE: { return SKY_HOLE; }
-        case HIDDEN: { return OPEN_HOLE; }
-        default: { return HOLE; }
+        case FREE: { return vec2<f32>(SKY_HOLE, 0.0); }
+        case HIDDEN: { return vec2<f32>(OPEN_HOLE, line.share); }
+        default: { return vec2<f32>(HOLE, 0.0); }
     }
 }
 
@@ -37,6 +38,8 @@ fn open_holes(@builtin(global_invocation_id) square: vec3<u32>) {
     for (; open != 0u; open &= open - 1u) {
         let nth = firstTrailingBit(open);
         let at = first + vec2<u32>(nth % COARSE, nth / COARSE);
-        planes[pixel_count() + at.y * finish.width + at.x] = mark;
+        let pixel = at.y * finish.width + at.x;
+        planes[pixel_count() + pixel] = mark.x;
+        planes[hidden_share_at(pixel)] = mark.y;
     }
 }

@@ -1,4 +1,4 @@
-// The stage that fills open holes with the sky where they see some of it and no surface goes on through them.
+// The stage that tells open holes that see some of the sky, and through which no surface goes on, from others.
 // Twin: `is_open_to_sky` in src/engine/render/fill/mod.rs.
 
 // Surfaces that face each other across a hole in more of the four directions go on through it.
@@ -27,7 +27,7 @@ fn open_sky(@builtin(global_invocation_id) at: vec3<u32>) {
         return;
     }
     let pixel = at.y * finish.width + at.x;
-    if depth_at(pixel) == OPEN_HOLE && is_open_to_sky(at.xy) {
-        show_sky(at.xy, pixel);
+    if depth_at(pixel) == OPEN_HOLE && !is_open_to_sky(at.xy) {
+        planes[hidden_share_at(pixel)] *= -1.0;
     }
 }

@@ -7,6 +7,7 @@ fn sky(@builtin(global_invocation_id) at: vec3<u32>) {
     }
     let pixel = at.y * finish.width + at.x;
     if depth_at(pixel) == SKY_HOLE {
-        show_sky(at.xy, pixel);
+        set_color(pixel, sky_at(at.xy));
+        set_depth(pixel, 0.0);
     }
 }

@@ -233,7 +233,8 @@ impl CpuRenderer {
             .filter(|kept| kept.image.size() == picture.image.size())
             .unwrap_or_else(|| Arc::new(Picture::empty(picture.image.width(), picture.image.height())));
         let planes = Arc::make_mut(&mut copy);
-        let Picture { color, inverse_depth, image, .. } = planes;
+        let Picture { color, inverse_depth, image, coverage, .. } = planes;
+        coverage.clone_from(&picture.coverage);
         rayon::join(
             || color.as_mut_slice().copy_from_slice(picture.color.as_slice()),
             || {
@@ -303,6 +304,7 @@ fn paint_all(
         .filter(|picture| picture.color.size() == input.picture_size())
         .unwrap_or_else(|| Picture::empty(input.picture_size().0, input.picture_size().1));
     picture.fronts.resize(if cache.key.with_fronts { picture.image.len() } else { 0 }, NO_FRONT);
+    picture.coverage.resize(if input.subpixels > 1 { picture.image.len() } else { 0 }, 1.0);
     let front = (!frame.foreground_tiles().is_empty()).then_some(&cache.foreground);
     input.resolve(&cache, front, None, &BlockSet::all(width, height), &mut picture)?;
     let (holes, touched) = (picture.holes(), cache.touched.clone());

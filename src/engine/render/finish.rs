@@ -88,7 +88,8 @@ impl Finisher {
             self.planes = planes;
         }
         clock.end(Stage::FreeSpace);
-        fill_from(picture, camera, settings, environment.as_deref(), &blended);
+        let hidden_share = &self.planes.hidden_share;
+        fill_from(picture, camera, settings, environment.as_deref(), &blended, hidden_share);
         clock.end(Stage::Fill);
         Ok(())
     }

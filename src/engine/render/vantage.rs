@@ -73,16 +73,23 @@ pub struct Picture {
     pub inverse_depth: Grid<f32>,
     /// Index in `SampleSet::images` of the image whose sample is nearest; [`NO_IMAGE`] in holes, filled or not.
     pub image: Grid<u32>,
-    /// For pixels that show more than one surface, most of them nearer than the farthest: the color without the farthest one, and
-    /// its inverse depth. Negative inverse depths elsewhere; empty unless lines of sight are to be tested.
+    /// For pixels that show more than one surface: what they show without the farthest one. Negative inverse depths elsewhere; empty
+    /// unless lines of sight are to be tested.
     pub fronts: Vec<FrontColor>,
+    /// Share of each pixel that is shown, 0 to 1, row-major; `color` is that of the shown part, in pixels that count as holes as well.
+    /// Empty where pixels are shown all or not at all, and where holes are filled.
+    pub coverage: Vec<f32>,
 }
 
-/// Red, green and blue of what a pixel shows in front of its farthest surface, linear Rec.709, and the inverse depth of that one.
-pub(crate) type FrontColor = [f32; 4];
+/// Red, green and blue of what a pixel shows in front of its farthest surface, linear Rec.709, the inverse depth of that one, and the
+/// share of the pixel that lies in front, 0 to 1.
+pub(crate) type FrontColor = [f32; 5];
 
 /// Of a pixel that shows one surface.
-pub(crate) const NO_FRONT: FrontColor = [0.0, 0.0, 0.0, -1.0];
+pub(crate) const NO_FRONT: FrontColor = [0.0, 0.0, 0.0, -1.0, 0.0];
+
+/// A pixel shows samples from this share on that they cover; with less it is a hole.
+pub(crate) const LEAST_SHOWN: f32 = 0.5;
 
 impl Picture {
     /// A picture of holes.
@@ -93,7 +100,16 @@ impl Picture {
             inverse_depth: Grid::filled(width, height, -1.0),
             image: Grid::filled(width, height, NO_IMAGE),
             fronts: Vec::new(),
+            coverage: Vec::new(),
         }
+    }
+
+    /// Share of a pixel that shows a sample or the filling of a hole, 0 to 1.
+    #[must_use]
+    pub fn alpha(&self, pixel: (usize, usize)) -> f32 {
+        let all_or_nothing = || f32::from(u8::from(self.shows(pixel)));
+        let share = self.coverage.get(pixel.1 * self.image.width() + pixel.0);
+        share.copied().unwrap_or_else(all_or_nothing)
     }
 
     /// Whether a pixel shows anything: a sample or the filling of a hole.

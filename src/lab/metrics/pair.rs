@@ -163,6 +163,7 @@ mod tests {
             inverse_depth: Grid::filled(4, 1, 0.5),
             image: Grid::filled(4, 1, 0),
             fronts: Vec::new(),
+            coverage: Vec::new(),
         };
         let truth = Frame {
             color: Grid::filled(4, 1, [half::f16::ONE; 3]),

@@ -315,6 +315,7 @@ mod tests {
             inverse_depth: Grid::filled(4, 1, 0.5),
             image: Grid::filled(4, 1, 0),
             fronts: Vec::new(),
+            coverage: Vec::new(),
         };
         painted.image[(2, 0)] = NO_IMAGE;
         let sides = [of_picture(&painted), side([Some(255), Some(255), Some(0), Some(255)])];

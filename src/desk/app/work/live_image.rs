@@ -295,6 +295,7 @@ mod tests {
             inverse_depth: Grid::filled(1, 1, 0.5),
             image: Grid::filled(1, 1, NO_IMAGE),
             fronts: Vec::new(),
+            coverage: Vec::new(),
         };
         let (red, hatched) = (Color32::from_rgb(255, 0, 0), Tokens::of(true).hole);
         assert_eq!(colored(&picture, &key)[(0, 0)], red);

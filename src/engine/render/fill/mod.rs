@@ -17,8 +17,10 @@
 //!      near  near | hole | near  near                             one surface on both sides: a gap in it
 //! ```
 //!
-//! The mask is kept: [`Picture::image`] stays [`NO_IMAGE`] in filled pixels, and painted pixels are not touched.
+//! The mask is kept: [`Picture::image`] stays [`NO_IMAGE`] in filled pixels, and pixels that are painted as a whole are not touched. What
+//! is painted of others is put over what fills the rest (`partial`).
 
+mod partial;
 mod pyramid;
 mod rays;
 mod surface;
@@ -26,10 +28,11 @@ mod surface;
 use rayon::prelude::*;
 
 use super::environment::{Environment, PixelDirections};
-use super::free_space::{HOLE, OPEN_HOLE, SKY_HOLE, hidden_surface_limit};
+use super::free_space::{HOLE, HolePlace, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, sky_share};
 use super::vantage::{NO_IMAGE, Picture};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
+use partial::PartialPixels;
 use pyramid::Pyramid;
 use rays::HoleRays;
 use surface::{SurfaceTolerance, WeightedMean, surface_behind};
@@ -40,40 +43,49 @@ const MOST_FACING: usize = 1;
 /// Fills the holes of `picture` as the settings demand. Sets color and inverse depth, which is then 0 or more; [`Picture::image`]
 /// stays [`NO_IMAGE`]. A picture without any sample is left as it is.
 pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
-    fill_from(picture, target, settings, None, &[]);
+    fill_from(picture, target, settings, None, &[], &[]);
 }
 
-/// As [`fill`], but with the sky where holes show it. Where they hide a surface, colors of pixels that may be `blended` with the
-/// sky are not used.
+/// As [`fill`], but with the sky where holes show it, as much as the `hidden_share` of their lines of sight lets it be seen. Where they
+/// hide a surface, colors of pixels that may be `blended` with the sky are not used.
 pub(super) fn fill_from(
     picture: &mut Picture,
     target: &Camera,
     settings: &RenderSettings,
     environment: Option<&Environment>,
     blended: &[usize],
+    hidden_share: &[f32],
 ) {
-    let width = picture.image.width();
-    let image = picture.image.as_slice();
-    let is_hole = |image: &u32| *image == NO_IMAGE;
-    let nothing_to_do = settings.fill == Fill::None
-        || !image.par_iter().with_min_len(4096).any(is_hole)
-        || image.par_iter().with_min_len(4096).all(is_hole);
-    if nothing_to_do {
+    if settings.fill == Fill::None {
         return;
     }
+    let image = picture.image.as_slice();
+    let is_hole = |image: &u32| *image == NO_IMAGE;
+    let nothing_to_do =
+        !image.par_iter().with_min_len(4096).any(is_hole) || image.par_iter().with_min_len(4096).all(is_hole);
+    if nothing_to_do {
+        picture.coverage.clear();
+        return;
+    }
+    let partial = PartialPixels::take(picture);
+    fill_holes(picture, target, settings, environment, blended, hidden_share);
+    partial.put_over(picture);
+}
+
+/// Fills all holes as [`fill_from`] does, as if none were shown in part.
+fn fill_holes(
+    picture: &mut Picture,
+    target: &Camera,
+    settings: &RenderSettings,
+    environment: Option<&Environment>,
+    blended: &[usize],
+    hidden_share: &[f32],
+) {
+    let width = picture.image.width();
     if let Some(environment) = environment {
         fill_sky(picture, target, environment, |_, depth| depth == SKY_HOLE);
-        if picture.inverse_depth.as_slice().contains(&OPEN_HOLE) {
-            let stops = sources_where(picture, |depth| depth != OPEN_HOLE);
-            let rays = HoleRays::cast(&stops, picture.image.size());
-            let depths = picture.inverse_depth.as_slice();
-            let is_open = |pixel: usize| {
-                depths[pixel] == OPEN_HOLE && is_open_to_sky(&rays, depths, (pixel % width, pixel / width))
-            };
-            let open: Vec<bool> = (0..depths.len()).into_par_iter().with_min_len(4096).map(is_open).collect();
-            fill_sky(picture, target, environment, |pixel, _| open[pixel]);
-        }
     }
+    let sky = environment.map(|environment| HoleSky::new(picture, target, environment, hidden_share));
     let depths = picture.inverse_depth.as_slice();
     let is_unfilled = |depth: &f32| *depth < 0.0;
     // Where a surface is hidden, the sky is not among what the hole is filled from.
@@ -92,6 +104,10 @@ pub(super) fn fill_from(
             let surface = surface_behind(depths, &seen, limit, tolerance);
             let pushed = sources.pyramid.push((x, y), surface.as_ref(), tolerance);
             let filling = pushed.or_else(|| Some(surface.as_ref()?.mean(picture, &seen)))?;
+            let filling = match &sky {
+                Some(sky) => sky.beside((x, y), y * width + x, row[x], filling),
+                None => filling,
+            };
             Some((x, filling))
         };
         let mut filled = Vec::with_capacity(row.iter().filter(|depth| is_unfilled(depth)).count());
@@ -106,6 +122,52 @@ pub(super) fn fill_from(
             (colors[x], inverse_depths[x]) = (filling.color, filling.inverse_depth);
         }
     });
+}
+
+/// The sky in holes that may show it.
+struct HoleSky<'a> {
+    environment: &'a Environment,
+    directions: PixelDirections,
+    /// As in [`fill_from`].
+    hidden_share: &'a [f32],
+    /// Whether each pixel is an open hole that shows the sky rather than a surface; empty without open holes.
+    is_open: Vec<bool>,
+}
+
+impl<'a> HoleSky<'a> {
+    fn new(
+        picture: &Picture,
+        target: &Camera,
+        environment: &'a Environment,
+        hidden_share: &'a [f32],
+    ) -> Self {
+        let (width, depths) = (picture.image.width(), picture.inverse_depth.as_slice());
+        let mut is_open = Vec::new();
+        if depths.contains(&OPEN_HOLE) {
+            let stops = sources_where(picture, |depth| depth != OPEN_HOLE);
+            let rays = HoleRays::cast(&stops, picture.image.size());
+            let opens = |pixel: usize| {
+                depths[pixel] == OPEN_HOLE && is_open_to_sky(&rays, depths, (pixel % width, pixel / width))
+            };
+            is_open = (0..depths.len()).into_par_iter().with_min_len(4096).map(opens).collect();
+        }
+        Self { environment, directions: PixelDirections::new(target), hidden_share, is_open }
+    }
+
+    /// The sky and a surface that fills a hole, each by its share. `hole` is the hole's inverse depth.
+    fn beside(&self, at: (usize, usize), pixel: usize, hole: f32, surface: WeightedMean) -> WeightedMean {
+        let place = match hole {
+            HOLE.. => return surface,
+            OPEN_HOLE if self.is_open[pixel] => HolePlace::Open,
+            OPEN_HOLE => HolePlace::Facing,
+            _ => HolePlace::Enclosed,
+        };
+        let share = sky_share(place, self.hidden_share[pixel]);
+        let sky = self.environment.color(self.directions.at(at));
+        let mix = |channel: usize| surface.color[channel] + share * (sky[channel] - surface.color[channel]);
+        let inverse_depth = if share < 0.5 { surface.inverse_depth } else { 0.0 };
+        WeightedMean { color: [0, 1, 2].map(mix), inverse_depth, weight: surface.weight }
+    }
 }
 
 /// The pixels that holes are filled from.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::ray_test::{LineOfSight, RayTest};
 use super::surroundings::{REACH, SQUARE, Surroundings};
-use crate::render::vantage::{FrontColor, NO_IMAGE, Picture};
+use crate::render::vantage::{FrontColor, LEAST_SHOWN, NO_FRONT, NO_IMAGE, Picture};
 use crate::simd::{self, VectorLoop, mask};
 
 /// The inverse depth of a hole that may show anything.
@@ -38,6 +38,8 @@ pub(crate) struct MarkPlanes {
     surroundings: Surroundings,
     /// As in [`TestSquares`], of the whole picture.
     hidden_until: Vec<f32>,
+    /// Share of each line of sight that is hidden, as far as it is known; infinite where a surface is hidden behind it in any case.
+    pub(crate) hidden_share: Vec<f32>,
     /// [`SHOWN`], or the mark of a hole.
     marks: Vec<f32>,
 }
@@ -61,18 +63,31 @@ pub(crate) fn mark_holes(
     planes: &mut MarkPlanes,
 ) -> Vec<usize> {
     let width = picture.image.width();
-    let MarkPlanes { surroundings, hidden_until, marks } = planes;
+    let MarkPlanes { surroundings, hidden_until, hidden_share, marks } = planes;
     surroundings.set(picture);
     hidden_until.resize(picture.image.len(), NOT_HIDDEN);
-    hidden_until.par_chunks_mut(width * SQUARE).enumerate().for_each(|(row, hidden_until)| {
+    hidden_share.resize(picture.image.len(), 0.0);
+    let rows = hidden_until.par_chunks_mut(width * SQUARE).zip(hidden_share.par_chunks_mut(width * SQUARE));
+    rows.enumerate().for_each(|(row, (hidden_until, hidden_share))| {
         hidden_until.fill(NOT_HIDDEN);
-        simd::run(TestSquares { test, surroundings, fronts, width, row, hidden_until });
+        simd::run(TestSquares { test, surroundings, fronts, width, row, hidden_until, hidden_share });
     });
     let images = picture.image.as_slice();
     marks.resize(picture.image.len(), SHOWN);
-    marks.par_chunks_mut(width * SQUARE).enumerate().for_each(|(row, marks)| {
+    let rows = marks.par_chunks_mut(width * SQUARE).zip(hidden_share.par_chunks_mut(width * SQUARE));
+    rows.enumerate().for_each(|(row, (marks, hidden_share))| {
         marks.fill(SHOWN);
-        simd::run(MarkSquares { test, surroundings, fronts, hidden_until, images, width, row, marks });
+        simd::run(MarkSquares {
+            test,
+            surroundings,
+            fronts,
+            hidden_until,
+            images,
+            width,
+            row,
+            marks,
+            hidden_share,
+        });
     });
     show_fronts(picture, fronts, marks);
     let rims: Vec<_> = beside_turned(picture.image.as_slice(), marks, width)
@@ -86,13 +101,12 @@ pub(crate) fn mark_holes(
             None => blended.push(pixel),
         }
     }
-    let color = picture.color.as_mut_slice().par_chunks_mut(width);
-    let planes = color.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
+    let planes = picture.inverse_depth.as_mut_slice().par_chunks_mut(width);
     let planes = planes.zip(picture.image.as_mut_slice().par_chunks_mut(width));
     let rows = planes.zip(marks.par_chunks(width)).filter(|(_, marks)| has_mark(marks));
-    rows.for_each(|(((color, inverse_depth), image), marks)| {
+    rows.for_each(|((inverse_depth, image), marks)| {
         for (x, mark) in marks.iter().enumerate().filter(|(_, mark)| **mark != SHOWN) {
-            (color[x], inverse_depth[x], image[x]) = ([0.0; 3], *mark, NO_IMAGE);
+            (inverse_depth[x], image[x]) = (*mark, NO_IMAGE);
         }
     });
     blended
@@ -109,16 +123,26 @@ fn has_mark(marks: &[f32]) -> bool {
     marks.iter().fold(false, |any, mark| any | (*mark != SHOWN))
 }
 
-/// Shows only what is in front where a pixel's farthest surface is hidden, instead of a hole.
+/// Shows only what is in front where a pixel's farthest surface is hidden: in a hole if that is less than half of the pixel.
 fn show_fronts(picture: &mut Picture, fronts: &[FrontColor], marks: &mut [f32]) {
     let width = picture.image.width();
-    let rows = picture.color.as_mut_slice().par_chunks_mut(width).zip(fronts.par_chunks(width));
-    let rows = rows.zip(marks.par_chunks_mut(width)).filter(|(_, marks)| has_mark(marks));
-    rows.for_each(|((colors, fronts), marks)| {
-        for ((color, front), mark) in colors.iter_mut().zip(fronts).zip(marks) {
-            if *mark != SHOWN && front[3] >= 0.0 {
-                *color = [front[0], front[1], front[2]];
+    let images = picture.image.as_slice().par_chunks(width);
+    let mut coverage: Vec<&mut [f32]> = picture.coverage.chunks_mut(width).collect();
+    coverage.resize_with(images.len(), Default::default);
+    let rows = picture.color.as_mut_slice().par_chunks_mut(width).zip(coverage).zip(images);
+    let rows = rows.zip(marks.par_chunks_mut(width)).enumerate().filter(|(_, (_, marks))| has_mark(marks));
+    rows.for_each(|(y, (((colors, coverage), images), marks))| {
+        let turned = marks.iter_mut().enumerate();
+        for (x, mark) in turned.filter(|(x, mark)| **mark != SHOWN && images[*x] != NO_IMAGE) {
+            let front = fronts.get(y * width + x).filter(|front| front[3] >= 0.0);
+            let [red, green, blue, _, share] = *front.unwrap_or(&NO_FRONT);
+            if share >= LEAST_SHOWN {
                 *mark = SHOWN;
+            }
+            let is_shown = *mark == SHOWN || !coverage.is_empty();
+            colors[x] = if is_shown { [red, green, blue] } else { [0.0; 3] };
+            if let Some(coverage) = coverage.get_mut(x) {
+                *coverage = share;
             }
         }
     });
@@ -134,6 +158,8 @@ struct TestSquares<'a> {
     row: usize,
     /// Inverse depth at which the hidden part of each line of sight ends; else [`NOT_HIDDEN`].
     hidden_until: &'a mut [f32],
+    /// Share of each of them that is hidden.
+    hidden_share: &'a mut [f32],
 }
 
 impl VectorLoop for TestSquares<'_> {
@@ -141,10 +167,11 @@ impl VectorLoop for TestSquares<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { test, surroundings, fronts, width, row, hidden_until } = self;
+        let Self { test, surroundings, fronts, width, row, hidden_until, hidden_share } = self;
         for column in (0..width.div_ceil(SQUARE)).filter(|column| surroundings.may_enclose(*column, row)) {
             let range = surroundings.range_at((column * SQUARE, row * SQUARE));
-            for (below, line) in hidden_until.chunks_mut(width).enumerate() {
+            let lines = hidden_until.chunks_mut(width).zip(hidden_share.chunks_mut(width));
+            for (below, (line, shares)) in lines.enumerate() {
                 let y = row * SQUARE + below;
                 let left = column * SQUARE;
                 let at = surroundings.at((left, y));
@@ -165,8 +192,8 @@ impl VectorLoop for TestSquares<'_> {
                     tested &= tested - 1;
                     let (x, far) =
                         (left + i, (shown[i] * BEFORE_SHOWN).max(range.farthest * BEYOND_FARTHEST));
-                    if let LineOfSight::Hidden(end) = test.test((x as f32, y as f32), range.nearest, far) {
-                        line[x] = end;
+                    if let LineOfSight::Hidden(part) = test.test((x as f32, y as f32), range.nearest, far) {
+                        (line[x], shares[x]) = (part.end, part.share);
                     }
                 }
             }
@@ -187,6 +214,8 @@ struct MarkSquares<'a> {
     width: usize,
     row: usize,
     marks: &'a mut [f32],
+    /// As in [`TestSquares`].
+    hidden_share: &'a mut [f32],
 }
 
 impl VectorLoop for MarkSquares<'_> {
@@ -194,7 +223,7 @@ impl VectorLoop for MarkSquares<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { test, surroundings, fronts, hidden_until, images, width, row, marks } = self;
+        let Self { test, surroundings, fronts, hidden_until, images, width, row, marks, hidden_share } = self;
         let (top, first) = (row * SQUARE, row * SQUARE * width);
         let is_hidden = |there: usize| {
             // Only positions in the picture are looked up: beyond it every surface counts as nearer.
@@ -210,6 +239,9 @@ impl VectorLoop for MarkSquares<'_> {
             let w = farthest_shown(fronts, first + pixel, surroundings.w[at]);
             if surroundings.is_enclosed(at, w, is_hidden) {
                 *mark = HOLE - hidden_until;
+                if w > 0.0 {
+                    hidden_share[pixel] = f32::INFINITY;
+                }
             }
         }
         let rows = marks.len() / width;
@@ -225,10 +257,10 @@ impl VectorLoop for MarkSquares<'_> {
                 let pixels = || rows.clone().flat_map(|y| columns.clone().map(move |x| y * width + x));
                 let is_open_hole = |pixel: &usize| images[*pixel] == NO_IMAGE && marks[*pixel] == SHOWN;
                 if pixels().any(|pixel| is_open_hole(&pixel)) {
-                    let mark = mark_of_open_hole(test, surroundings, (column, top + row));
+                    let (mark, share) = mark_of_open_hole(test, surroundings, (column, top + row));
                     for pixel in pixels() {
                         if images[pixel] == NO_IMAGE && marks[pixel] == SHOWN {
-                            marks[pixel] = mark;
+                            (marks[pixel], hidden_share[pixel]) = (mark, share);
                         }
                     }
                 }
@@ -237,18 +269,19 @@ impl VectorLoop for MarkSquares<'_> {
     }
 }
 
-/// The mark of holes that nothing encloses in the square of [`COARSE`] columns and rows that begins at a pixel.
+/// The mark of holes that nothing encloses in the square of [`COARSE`] columns and rows that begins at a pixel, and the share of their
+/// line of sight that is hidden.
 #[inline(always)]
-fn mark_of_open_hole(test: &RayTest<'_>, surroundings: &Surroundings, (x, y): (usize, usize)) -> f32 {
+fn mark_of_open_hole(test: &RayTest<'_>, surroundings: &Surroundings, (x, y): (usize, usize)) -> (f32, f32) {
     let range = surroundings.range_at((x, y));
     if range.nearest == 0.0 {
-        return SKY_HOLE;
+        return (SKY_HOLE, 0.0);
     }
     let middle = ((x + COARSE / 2) as f32, (y + COARSE / 2) as f32);
     match test.test(middle, range.nearest, range.farthest * BEYOND_FARTHEST) {
-        LineOfSight::Free => SKY_HOLE,
-        LineOfSight::Hidden(_) => OPEN_HOLE,
-        LineOfSight::Unseen => HOLE,
+        LineOfSight::Free => (SKY_HOLE, 0.0),
+        LineOfSight::Hidden(part) => (OPEN_HOLE, part.share),
+        LineOfSight::Unseen => (HOLE, 0.0),
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A sample behind a nearer surface shows that its own line of sight is free, not that the vantage's is. Where nearer surfaces
 //! enclose a pixel, it shows what is behind them only if cameras have seen its whole line of sight free. Else the surfaces
-//! around it go on there, and the pixel is a hole to be filled from them.
+//! around it may go on there, and the pixel is a hole to be filled from them and from the sky: the less of its line of sight was
+//! seen free, the more from the surfaces (`sky_share`).
 //!
 //! ```text
 //!     N N N N     N: nearer surface     .: the sky, or something at least twice as far
@@ -19,8 +20,10 @@
 mod hidden;
 mod ray_test;
 mod seen_depth;
+mod sky_share;
 mod surroundings;
 
 pub(crate) use hidden::{HOLE, MarkPlanes, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, mark_holes};
 pub(crate) use ray_test::{RayTest, behind_ratio, cameras_to_ask};
 pub(crate) use seen_depth::{BORDER as CELL_BORDER, SeenDepths};
+pub(crate) use sky_share::{HolePlace, sky_share};

@@ -23,8 +23,17 @@ pub(super) enum LineOfSight {
     Free,
     /// Some of it was in no camera's picture, and the rest was seen free.
     Unseen,
-    /// Some of it is behind what every camera saw there; the inverse depth at which the longest such part ends.
-    Hidden(f32),
+    /// Some of it is behind what every camera saw there.
+    Hidden(HiddenPart),
+}
+
+/// What of a line of sight is behind what every camera saw there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct HiddenPart {
+    /// Its share of the tested inverse depths, 0 to 1.
+    pub(super) share: f32,
+    /// The inverse depth at which the longest stretch of it ends.
+    pub(super) end: f32,
 }
 
 /// Tests lines of sight of the vantage.
@@ -94,7 +103,11 @@ impl<'a> RayTest<'a> {
             blocked |= u64::from(group_blocked & !group_free) << (group * LANES);
         }
         if blocked != 0 {
-            return LineOfSight::Hidden(near - step * end_of_longest_run(blocked) as f32);
+            let end = near - step * end_of_longest_run(blocked) as f32;
+            return LineOfSight::Hidden(HiddenPart {
+                share: blocked.count_ones() as f32 / DEPTHS as f32,
+                end,
+            });
         }
         if free == u64::MAX >> (64 - DEPTHS) { LineOfSight::Free } else { LineOfSight::Unseen }
     }

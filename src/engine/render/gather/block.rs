@@ -226,11 +226,10 @@ fn push_surfaces(surfaces: PixelSurfaces, mut push: impl FnMut(u64, PixelShares)
             key
         }
         PixelSurfaces::Two { near, far, share } => {
-            let has_front = (0.5..1.0).contains(&share);
-            if has_front {
-                front[3] = inverse_depth_of(far);
+            if share > 0.0 && share < 1.0 {
+                (front[3], front[4]) = (inverse_depth_of(far), share);
             }
-            let front_share = if has_front { 1.0 } else { 0.0 };
+            let front_share = if share < 1.0 { 1.0 } else { 0.0 };
             for (key, pixel, front) in [(near, share, front_share), (far, 1.0 - share, 0.0)] {
                 if pixel > 0.0 {
                     push(key, PixelShares { pixel, front });

@@ -63,7 +63,7 @@ pub(super) enum PixelSurfaces {
     Hole,
     /// One surface.
     One(u64),
-    /// A nearer surface over a farther one, and the share of the nearer.
+    /// A nearer surface over a farther one, and the share of the nearer. The farther one is a hole if its key is 0.
     Two { near: u64, far: u64, share: f32 },
 }
 
@@ -101,8 +101,9 @@ impl EdgePixel {
         let decides = votes.total > MIN_VOTES * votes.max_weight;
         let share = decides.then(|| snapped(offset + gain * votes.agree / votes.total));
         let blend = |near, far, share| match far {
-            0 if share < 0.5 => PixelSurfaces::Hole,
-            0 => PixelSurfaces::One(near),
+            // Of a whole pixel no share is kept.
+            0 if subpixels == 1 && share < 0.5 || share <= 0.0 => PixelSurfaces::Hole,
+            0 if subpixels == 1 || share >= 1.0 => PixelSurfaces::One(near),
             far => PixelSurfaces::Two { near, far, share },
         };
         match *self {

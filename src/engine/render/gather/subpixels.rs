@@ -12,13 +12,10 @@ use super::target::{BLOCK, PictureRows, set_images};
 use super::visibility_votes::VisibilityVotes;
 use crate::render::input::FrameSamples;
 use crate::render::splat::{inverse_depth_of, slot_of};
-use crate::render::vantage::{FrontColor, NO_FRONT, NO_IMAGE};
+use crate::render::vantage::{FrontColor, LEAST_SHOWN, NO_FRONT, NO_IMAGE};
 
 /// The sub-pixels of a pixel, from its first column and row.
 const SUBPIXELS: [(usize, usize); 4] = [(0, 0), (1, 0), (0, 1), (1, 1)];
-
-/// A pixel shows samples if at least this many of its sub-pixels do; it is a hole otherwise.
-const LEAST_SHOWN: usize = 2;
 
 /// Pixels along a block.
 const PAIRS: usize = BLOCK / 2;
@@ -53,8 +50,8 @@ struct SharedSurface {
 struct PixelParts {
     surfaces: [SharedSurface; MOST_SURFACES],
     count: usize,
-    /// Sub-pixels that show a sample.
-    shown: usize,
+    /// How many of the sub-pixels samples cover.
+    shown: f32,
 }
 
 impl PixelParts {
@@ -64,9 +61,10 @@ impl PixelParts {
         let parts = match surfaces {
             PixelSurfaces::Hole => return,
             PixelSurfaces::One(key) => [(key, 1.0), (key, 0.0)],
+            PixelSurfaces::Two { near, far: 0, share } => [(near, share), (near, 0.0)],
             PixelSurfaces::Two { near, far, share } => [(near, share), (far, 1.0 - share)],
         };
-        self.shown += 1;
+        self.shown += parts[0].1 + parts[1].1;
         for (key, share) in parts.into_iter().filter(|(_, share)| *share > 0.0) {
             let w = inverse_depth_of(key);
             let is_same = |surface: &SharedSurface| {
@@ -131,6 +129,9 @@ pub(super) fn set_surfaces_of_pairs(
                 if let Some(front) = rows.fronts.get_mut(at) {
                     *front = NO_FRONT;
                 }
+                if let Some(coverage) = rows.coverage.get_mut(at) {
+                    *coverage = 1.0;
+                }
                 rows.image[at] = frame.image_of(slot_of(key));
                 continue;
             }
@@ -138,9 +139,13 @@ pub(super) fn set_surfaces_of_pairs(
             for ((right, below), surfaces) in SUBPIXELS.into_iter().zip(surfaces) {
                 parts.add(surfaces, (x + right as f32, y + below as f32), patch.surface_ratio);
             }
-            let ResolvedPixel { inverse_depth, image, front } = push_parts(&parts, frame, at, points);
+            let ResolvedPixel { inverse_depth, image, front, coverage } =
+                push_parts(&parts, frame, at, points);
             rows.inverse_depth[at] = inverse_depth;
             rows.image[at] = image;
+            if let Some(place) = rows.coverage.get_mut(at) {
+                *place = coverage;
+            }
             if let Some(place) = rows.fronts.get_mut(at) {
                 *place = front;
             }
@@ -171,6 +176,9 @@ fn set_row_of_pairs(
     rows.inverse_depth[pixels.clone()].copy_from_slice(&w);
     if let Some(fronts) = rows.fronts.get_mut(pixels.clone()) {
         fronts.fill(NO_FRONT);
+    }
+    if let Some(coverage) = rows.coverage.get_mut(pixels.clone()) {
+        coverage.fill(1.0);
     }
     let cameras = set_images(&keys, frame, &mut rows.image[pixels]);
     let (x, y) = (patch.left as f32 + 0.5, (patch.top + row) as f32 + 0.5);
@@ -207,9 +215,11 @@ struct ResolvedPixel {
     image: u32,
     /// Without a color yet.
     front: FrontColor,
+    /// Share of the pixel that its surfaces cover.
+    coverage: f32,
 }
 
-/// Lists the surfaces of a pixel, unless it is a hole.
+/// Lists the surfaces of a pixel.
 #[inline(always)]
 fn push_parts(
     parts: &PixelParts,
@@ -217,20 +227,22 @@ fn push_parts(
     at: usize,
     points: &mut SurfacePoints,
 ) -> ResolvedPixel {
-    let mut pixel = ResolvedPixel { inverse_depth: inverse_depth_of(0), image: NO_IMAGE, front: NO_FRONT };
-    if parts.shown < LEAST_SHOWN {
-        return pixel;
-    }
+    let mut pixel =
+        ResolvedPixel { inverse_depth: inverse_depth_of(0), image: NO_IMAGE, front: NO_FRONT, coverage: 0.0 };
     let surfaces = &parts.surfaces[..parts.count];
-    let all = parts.shown as f32;
+    let all = parts.shown;
+    pixel.coverage = (all / SUBPIXELS.len() as f32).min(1.0);
+    let is_hole = pixel.coverage < LEAST_SHOWN;
     let farthest = surfaces.iter().fold(f32::INFINITY, |least, surface| least.min(surface.w / surface.share));
     let is_farthest = |surface: &SharedSurface| surface.w / surface.share <= farthest;
     let before: f32 =
         surfaces.iter().filter(|surface| !is_farthest(surface)).map(|surface| surface.share).sum();
-    let has_front = parts.count > 1 && 2.0 * before >= all;
+    let has_front = parts.count > 1;
     if has_front {
-        pixel.front[3] = farthest;
+        (pixel.front[3], pixel.front[4]) = (farthest, before / SUBPIXELS.len() as f32);
     }
+    // Most of what is shown lies in front of the farthest surface.
+    let shows_front = has_front && 2.0 * before >= all;
     let mut largest = 0.0;
     for surface in surfaces {
         let mean = 1.0 / surface.share;
@@ -241,7 +253,7 @@ fn push_parts(
         let front_share = if is_front { surface.share / before } else { 0.0 };
         let shares = PixelShares { pixel: surface.share / all, front: front_share };
         points.push(surface.key, w, own, place, shares);
-        if surface.share > largest && (is_front || !has_front) {
+        if surface.share > largest && (is_front || !shows_front) && !is_hole {
             largest = surface.share;
             (pixel.inverse_depth, pixel.image) = (w, frame.image_of(slot_of(surface.key)));
         }
@@ -280,7 +292,7 @@ mod tests {
     fn sub_pixels_of_one_surface_are_looked_up_once_in_their_middle() {
         let one = |w| PixelSurfaces::One(sample(w));
         let same = parts([one(1.0), one(1.004), one(1.0), one(1.004)]);
-        assert_eq!((same.shown, same.count), (4, 1));
+        assert_eq!((same.shown, same.count), (4.0, 1));
         let [(share, at, w)] = found(&same)[..] else { panic!("one surface") };
         assert!(share == 4.0 && at == [0.5, 0.5] && (w - 1.002).abs() < 1e-6, "{share} {at:?} {w}");
         let both = parts([one(1.0), one(0.5), one(1.0), one(0.5)]);
@@ -293,9 +305,17 @@ mod tests {
         let blend = PixelSurfaces::Two { near, far, share: 0.25 };
         let one = PixelSurfaces::One(near);
         let mixed = parts([one, one, blend, PixelSurfaces::Hole]);
-        assert_eq!((mixed.shown, mixed.count), (3, 2));
+        assert_eq!((mixed.shown, mixed.count), (3.0, 2));
         let shares: Vec<f32> = found(&mixed).iter().map(|(share, ..)| *share).collect();
         assert_eq!(shares, [2.25, 0.75]);
+    }
+
+    #[test]
+    fn a_surface_that_ends_at_a_hole_within_a_sub_pixel_covers_a_share_of_it() {
+        let one = PixelSurfaces::One(sample(1.0));
+        let rim = PixelSurfaces::Two { near: sample(1.0), far: 0, share: 0.25 };
+        let part = parts([one, rim, one, PixelSurfaces::Hole]);
+        assert_eq!((part.shown, part.count), (2.25, 1));
     }
 
     #[test]

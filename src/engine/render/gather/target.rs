@@ -26,6 +26,8 @@ pub(crate) struct PictureRows<'a> {
     pub(crate) image: &'a mut [u32],
     /// Empty unless it is wanted.
     pub(crate) fronts: &'a mut [FrontColor],
+    /// As in a picture; empty unless pixels have sub-pixels.
+    pub(crate) coverage: &'a mut [f32],
 }
 
 impl PictureRows<'_> {

@@ -112,7 +112,7 @@ pub(super) struct GpuFinish {
     pub(super) ray_down: [f32; 3],
     pub(super) with_fronts: u32,
     pub(super) tests_lines: u32,
-    pub(super) padding_0: u32,
+    pub(super) with_coverage: u32,
     pub(super) padding_1: u32,
     pub(super) padding_2: u32,
 }
@@ -158,7 +158,10 @@ pub(super) const KEY_WORDS: u64 = 2;
 pub(super) const PICTURE_WORDS: u64 = 5;
 
 /// Words of what a pixel shows in front of its farthest surface, where pictures tell it.
-pub(super) const FRONT_WORDS: u64 = 4;
+pub(super) const FRONT_WORDS: u64 = 5;
+
+/// Words of the share of a pixel that is shown, between these.
+pub(super) const COVERAGE_WORDS: u64 = 1;
 
 /// Words of the surfaces of a pixel of the z-buffer, which the gather stage reads: two keys, and the share of the nearer one.
 pub(super) const SURFACE_WORDS: u64 = 5;
@@ -248,7 +251,7 @@ mod tests {
         assert_same_layout! {
             &module, "Finish", GpuFinish,
             width, height, step, view_count, first_ray, footprints, ray_across, focal, ray_down, with_fronts,
-            tests_lines, padding_0, padding_1, padding_2
+            tests_lines, with_coverage, padding_1, padding_2
         }
         assert_same_layout! {
             &module, "CellView", GpuCellView,

@@ -42,13 +42,13 @@ use super::vantage::{Picture, RenderStats, Vantage};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
-use crate::settings::RenderSettings;
+use crate::settings::{Fill, RenderSettings};
 use average::AveragePass;
 use commands::{Commands, Stopwatch, TimedPasses};
 use context::Context;
 use display::DisplayPass;
 use finish::{CardFinisher, Painted};
-use layout::{FRONT_WORDS, PICTURE_WORDS, SURFACE_WORDS};
+use layout::{COVERAGE_WORDS, FRONT_WORDS, PICTURE_WORDS, SURFACE_WORDS};
 use memory::SampleMemory;
 use pipelines::Pipelines;
 use recorder::Recorder;
@@ -188,7 +188,7 @@ impl GpuRenderer {
             self.paint(samples, vantage, settings, job, |context, target, mut commands| {
                 target.record_readback(&mut commands.encoder);
                 let timed = commands.submit(context);
-                Ok((target.read(context)?, timed))
+                Ok((target.read(context, settings.fill != Fill::None)?, timed))
             })?;
         let (holes, milliseconds) = (picture.holes(), started.elapsed().as_secs_f64() * 1e3);
         Ok((Arc::new(picture), RenderStats { holes, milliseconds, ..stats }))
@@ -215,7 +215,7 @@ impl GpuRenderer {
         let painted = self.paint(samples, finer, settings, job, |context, target, mut commands| {
             let averaged = average.record(context, target, &mut commands, factor)?;
             let timed = commands.submit(context);
-            Ok((read_picture(context, &averaged.readback, averaged.size)?, timed))
+            Ok((read_picture(context, &averaged.readback, averaged.size, false)?, timed))
         });
         self.average = Some(average);
         let (picture, stats) = painted?;
@@ -334,7 +334,8 @@ fn subpixels_on(
 ) -> usize {
     let wanted = subpixels(samples, vantage, settings);
     let pixels = (vantage.camera.intrinsics.pixel_count() * wanted * wanted) as u64;
-    let fits = 4 * (PICTURE_WORDS + FRONT_WORDS + SURFACE_WORDS) * pixels <= context.max_binding();
+    let words = PICTURE_WORDS + COVERAGE_WORDS + FRONT_WORDS + SURFACE_WORDS;
+    let fits = 4 * words * pixels <= context.max_binding();
     if fits { wanted } else { 1 }
 }
 

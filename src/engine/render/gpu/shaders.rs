@@ -125,7 +125,7 @@ pub(super) const FILL_SKY: Shader = Shader {
 };
 
 /// The stages that finish a picture, in the order in which they first run.
-pub(super) const FINISH: [Shader; 12] = [
+pub(super) const FINISH: [Shader; 13] = [
     Shader {
         entry: "square_ranges",
         pieces: &[common::FINISH, common::SURROUNDINGS, overlook_shaders::SQUARE_RANGES],
@@ -165,14 +165,7 @@ pub(super) const FINISH: [Shader; 12] = [
     },
     Shader {
         entry: "open_sky",
-        pieces: &[
-            common::FINISH,
-            common::SKY_GRIDS,
-            common::ENVIRONMENT,
-            common::HOLE_RAYS,
-            common::SOURCES,
-            overlook_shaders::OPEN_SKY,
-        ],
+        pieces: &[common::FINISH, common::HOLE_RAYS, common::SOURCES, overlook_shaders::OPEN_SKY],
     },
     Shader { entry: "kinds", pieces: &[common::FINISH, common::TALLY, overlook_shaders::KINDS] },
     Shader {
@@ -187,8 +180,16 @@ pub(super) const FINISH: [Shader; 12] = [
     },
     Shader {
         entry: "fill",
-        pieces: &[common::FINISH, common::HOLE_RAYS, common::PYRAMID, overlook_shaders::FILL],
+        pieces: &[
+            common::FINISH,
+            common::SKY_GRIDS,
+            common::ENVIRONMENT,
+            common::HOLE_RAYS,
+            common::PYRAMID,
+            overlook_shaders::FILL,
+        ],
     },
+    Shader { entry: "put_over", pieces: &[common::FINISH, overlook_shaders::PUT_OVER] },
 ];
 
 #[cfg(test)]

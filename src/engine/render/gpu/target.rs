@@ -1,7 +1,7 @@
 //! The buffers of a picture: two layers, the resolved picture, and a buffer that the CPU can read.
 
 use super::context::Context;
-use super::layout::{FRONT_WORDS, KEY_WORDS, PICTURE_WORDS, SUM_WORDS, SURFACE_WORDS};
+use super::layout::{COVERAGE_WORDS, FRONT_WORDS, KEY_WORDS, PICTURE_WORDS, SUM_WORDS, SURFACE_WORDS};
 use super::pipelines::{Pipelines, bind};
 use crate::error::Result;
 use crate::grid::Grid;
@@ -45,6 +45,13 @@ pub(super) struct TargetLayout {
     pub(super) with_fronts: bool,
 }
 
+impl TargetLayout {
+    /// Whether the picture tells which shares of pixels are shown.
+    pub(super) fn has_coverage(&self) -> bool {
+        self.subpixels > 1
+    }
+}
+
 /// The buffers of a picture.
 #[derive(Debug)]
 pub(super) struct GpuTarget {
@@ -64,12 +71,13 @@ impl GpuTarget {
         let blends = matches!(kernel, Kernel::Block | Kernel::Surfel);
         let layer = || PaintedImages::new(context, pipelines, pixels, blends);
         let layers = [layer()?, layer()?];
-        let words = PICTURE_WORDS + if with_fronts { FRONT_WORDS } else { 0 };
+        let words = PICTURE_WORDS + COVERAGE_WORDS + if with_fronts { FRONT_WORDS } else { 0 };
         let bytes = 4 * words * pixels / (subpixels * subpixels) as u64;
         // The gather stage finds the surfaces of all pixels of the z-buffer behind the picture.
         let surfaces = if kernel == Kernel::Gather { 4 * SURFACE_WORDS * pixels } else { 0 };
         let picture = context.buffer("picture", bytes + surfaces, Usage::STORAGE | Usage::COPY_SRC)?;
-        let read_bytes = 4 * PICTURE_WORDS * pixels / (subpixels * subpixels) as u64;
+        let read_words = PICTURE_WORDS + if layout.has_coverage() { COVERAGE_WORDS } else { 0 };
+        let read_bytes = 4 * read_words * pixels / (subpixels * subpixels) as u64;
         let readback = context.buffer("readback", read_bytes, Usage::MAP_READ | Usage::COPY_DST)?;
         let buffers = [&layers[0].keys, &layers[0].sums, &layers[1].keys, &layers[1].sums, &picture];
         let resources = buffers.map(wgpu::Buffer::as_entire_binding);
@@ -93,9 +101,9 @@ impl GpuTarget {
         encoder.copy_buffer_to_buffer(&self.picture, 0, &self.readback, 0, self.readback.size());
     }
 
-    /// Waits for the picture and reads it.
-    pub(super) fn read(&self, context: &Context) -> Result<Picture> {
-        read_picture(context, &self.readback, self.picture_size())
+    /// Waits for the picture and reads it; the shares of pixels that are shown only if holes were not `filled`.
+    pub(super) fn read(&self, context: &Context, filled: bool) -> Result<Picture> {
+        read_picture(context, &self.readback, self.picture_size(), self.layout.has_coverage() && !filled)
     }
 }
 
@@ -104,17 +112,20 @@ pub(super) fn read_picture(
     context: &Context,
     buffer: &wgpu::Buffer,
     (width, height): (usize, usize),
+    with_coverage: bool,
 ) -> Result<Picture> {
     let pixels = width * height;
     read_words(context, buffer, |words| {
         let (color, rest) = words.split_at(3 * pixels);
         let (depth, rest) = rest.split_at(pixels);
+        let (image, rest) = rest.split_at(pixels);
         let color: &[[f32; 3]] = bytemuck::cast_slice(color);
         Picture {
             color: Grid::from_vec(width, height, color.to_vec()),
             inverse_depth: Grid::from_vec(width, height, bytemuck::cast_slice(depth).to_vec()),
-            image: Grid::from_vec(width, height, rest[..pixels].to_vec()),
+            image: Grid::from_vec(width, height, image.to_vec()),
             fronts: Vec::new(),
+            coverage: if with_coverage { bytemuck::cast_slice(&rest[..pixels]).to_vec() } else { Vec::new() },
         }
     })
 }

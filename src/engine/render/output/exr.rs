@@ -15,7 +15,7 @@ use crate::render::vantage::{NO_IMAGE, Picture};
 pub fn write_exr(path: &Path, picture: &Picture) -> Result<()> {
     let share = |is_there: bool| f32::from(u8::from(is_there));
     let (width, height) = picture.color.size();
-    let shown = Grid::from_fn(width, height, |x, y| share(picture.shows((x, y))));
+    let shown = Grid::from_fn(width, height, |x, y| picture.alpha((x, y)));
     let sampled = picture.image.map(|image| share(*image != NO_IMAGE));
     write_picture(path, &picture.color, [&shown, &sampled], &picture.inverse_depth)
 }
@@ -32,6 +32,7 @@ mod tests {
             inverse_depth: Grid::from_vec(3, 1, vec![1.0, -1.0, 0.0]),
             image: Grid::from_vec(3, 1, vec![0, NO_IMAGE, NO_IMAGE]),
             fronts: Vec::new(),
+            coverage: Vec::new(),
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.exr");

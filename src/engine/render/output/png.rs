@@ -9,8 +9,8 @@ use crate::error::{Error, Result};
 use crate::render::vantage::Picture;
 use crate::whole_file;
 
-/// Writes a picture as 8-bit sRGB with alpha, which is 0 only in holes that were not filled. The file takes its name when it is
-/// complete.
+/// Writes a picture as 8-bit sRGB with alpha, the share of each pixel that is no hole, or a hole that was filled. The file takes its
+/// name when it is complete.
 ///
 /// # Errors
 /// `Io` where the file cannot be written, `Invalid` where a PNG cannot hold the picture.
@@ -28,7 +28,7 @@ fn png_of(picture: &Picture) -> RgbaImage {
     RgbaImage::from_fn(width as u32, height as u32, |x, y| {
         let pixel = (x as usize, y as usize);
         let [r, g, b] = picture.color[pixel].map(srgb8_from_linear);
-        Rgba([r, g, b, if picture.shows(pixel) { 255 } else { 0 }])
+        Rgba([r, g, b, (255.0 * picture.alpha(pixel) + 0.5) as u8])
     })
 }
 
@@ -45,6 +45,7 @@ mod tests {
             inverse_depth: Grid::from_vec(3, 1, vec![1.0, -1.0, 0.0]),
             image: Grid::from_vec(3, 1, vec![0, NO_IMAGE, NO_IMAGE]),
             fronts: Vec::new(),
+            coverage: Vec::new(),
         };
         let png = png_of(&picture);
         assert_eq!([0, 1, 2].map(|x| png[(x, 0)].0[3]), [255, 0, 255]);

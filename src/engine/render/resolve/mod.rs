@@ -33,20 +33,23 @@ pub(crate) fn resolve(input: &ResolveInput<'_>, which: &BlockSet, picture: &mut 
     let tall = if is_tall { TALL } else { 1 };
     let (width, rows) = (width / input.subpixels, BLOCK / input.subpixels);
     let strip = tall * rows * width;
-    // As many chunks as of the other planes, if this one is empty.
+    // As many chunks as of the other planes, if these are empty.
+    let strips = picture.image.len().div_ceil(strip);
     let mut fronts: Vec<&mut [FrontColor]> = picture.fronts.chunks_mut(strip).collect();
-    fronts.resize_with(picture.image.len().div_ceil(strip), Default::default);
+    fronts.resize_with(strips, Default::default);
+    let mut coverage: Vec<&mut [f32]> = picture.coverage.chunks_mut(strip).collect();
+    coverage.resize_with(strips, Default::default);
     let color = picture.color.as_mut_slice().par_chunks_mut(strip);
     let depth = picture.inverse_depth.as_mut_slice().par_chunks_mut(strip);
     let image = picture.image.as_mut_slice().par_chunks_mut(strip);
     let cameras = input.stage.frame.set.cameras.len();
-    color.zip(depth).zip(image).zip(fronts).enumerate().try_for_each_init(
+    color.zip(depth).zip(image).zip(fronts).zip(coverage).enumerate().try_for_each_init(
         || input.scratches.borrow(cameras),
-        |scratch, (nth, (((color, inverse_depth), image), fronts))| {
+        |scratch, (nth, ((((color, inverse_depth), image), fronts), coverage))| {
             input.stage.job.check()?;
             let row = rows * width;
             let rows = color.chunks_mut(row).zip(inverse_depth.chunks_mut(row)).zip(image.chunks_mut(row));
-            let mut fronts = fronts.chunks_mut(row);
+            let (mut fronts, mut coverage) = (fronts.chunks_mut(row), coverage.chunks_mut(row));
             let strips = rows.enumerate().map(|(below, ((color, inverse_depth), image))| Strip {
                 input,
                 row: nth * tall + below,
@@ -57,6 +60,7 @@ pub(crate) fn resolve(input: &ResolveInput<'_>, which: &BlockSet, picture: &mut 
                     inverse_depth,
                     image,
                     fronts: fronts.next().unwrap_or_default(),
+                    coverage: coverage.next().unwrap_or_default(),
                 },
             });
             simd::run(StripGroup { input, which, scratch: scratch.get(cameras), strips: strips.collect() });

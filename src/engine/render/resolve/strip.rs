@@ -57,7 +57,10 @@ impl Strip<'_> {
             put(&mut self.rows.inverse_depth[to.clone()], &from.inverse_depth.as_slice()[source.clone()]);
             put(&mut self.rows.image[to.clone()], &from.image.as_slice()[source.clone()]);
             if !self.rows.fronts.is_empty() {
-                put(&mut self.rows.fronts[to], &from.fronts[source]);
+                put(&mut self.rows.fronts[to.clone()], &from.fronts[source.clone()]);
+            }
+            if !self.rows.coverage.is_empty() {
+                put(&mut self.rows.coverage[to], &from.coverage[source]);
             }
         }
     }

@@ -4,7 +4,7 @@
 //! samples ─ seen: carry ─ free depths, once a frame ─────┐
 //!         ─ sky: sum ─ halve ─ fill, once a frame ───────┤
 //! picture ─ square ranges ─ lines of sight ─ enclosed ─ open holes ─ rims ─ holes ─ sky ─ ray masks ─ open sky      free space
-//!         ─ kinds ─ ray masks ─ pull, once a level ─ fill ─▶ picture                                                fill
+//!         ─ kinds ─ ray masks ─ pull, once a level ─ fill ─ put over ─▶ picture                                     fill
 //! ```
 //!
 //! What differs from the CPU: stages run over all pixels, and the first ones tell by counts on the adapter what later ones may skip,
@@ -107,7 +107,8 @@ impl CardFinisher {
             return Ok(());
         }
         let (width, height) = target.picture_size();
-        let layout = FinishLayout { width, height, tests_lines, fills };
+        let has_coverage = target.layout.has_coverage();
+        let layout = FinishLayout { width, height, tests_lines, fills, has_coverage };
         let planes = match self.planes.take().filter(|planes| planes.layout == layout) {
             Some(planes) => planes,
             None => FinishPlanes::new(context, layout)?,

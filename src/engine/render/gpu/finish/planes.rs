@@ -37,9 +37,16 @@ pub(super) struct FinishLayout {
     /// Whether lines of sight are tested, and whether holes are filled.
     pub(super) tests_lines: bool,
     pub(super) fills: bool,
+    /// Whether the picture tells which shares of pixels are shown.
+    pub(super) has_coverage: bool,
 }
 
 impl FinishLayout {
+    /// Words of the planes for each pixel, as in `finish.wgsl`.
+    fn plane_words(&self) -> u64 {
+        if self.has_coverage { 6 } else { 3 }
+    }
+
     /// Words of the masks of a set of sources: see `hole_rays.wgsl`.
     pub(super) fn mask_words(&self) -> u64 {
         let Self { width, height, .. } = *self;
@@ -75,7 +82,7 @@ pub(super) struct FinishPlanes {
 
 impl FinishPlanes {
     pub(super) fn new(context: &Context, layout: FinishLayout) -> Result<Self> {
-        let FinishLayout { width, height, tests_lines, fills } = layout;
+        let FinishLayout { width, height, tests_lines, fills, has_coverage } = layout;
         let if_wanted = |wanted: bool, bytes: u64| if wanted { bytes } else { 0 };
         let squares = (width.div_ceil(SQUARE) * height.div_ceil(SQUARE)) as u64;
         let cells: u64 = layout.levels().iter().map(|level| (level.0 * level.1) as u64).sum();
@@ -83,7 +90,10 @@ impl FinishPlanes {
         Ok(Self {
             layout,
             counts: context.buffer("counts", 4 * COUNTS, Usage::STORAGE | Usage::COPY_DST)?,
-            planes: buffer("marks", if_wanted(tests_lines, 8 * (width * height) as u64))?,
+            planes: buffer(
+                "marks",
+                if_wanted(tests_lines || has_coverage, 4 * layout.plane_words() * (width * height) as u64),
+            )?,
             squares: buffer("surroundings", if_wanted(tests_lines, 16 * squares))?,
             masks: buffer("masks", if_wanted(fills, 4 * SETS * layout.mask_words()))?,
             pyramid: buffer("pyramid", if_wanted(fills, 4 * SETS * CELL_WORDS * cells))?,
@@ -135,6 +145,7 @@ impl FinishPlanes {
             ray_down,
             with_fronts: u32::from(target.layout.with_fronts),
             tests_lines: u32::from(self.layout.tests_lines),
+            with_coverage: u32::from(self.layout.has_coverage),
             ..GpuFinish::zeroed()
         };
         (0..self.layout.levels().len().max(LEAST_STEPS)).map(of_step).collect()

@@ -36,6 +36,7 @@ pub(super) struct FinishStages {
     kinds: wgpu::ComputePipeline,
     pull: wgpu::ComputePipeline,
     fill: wgpu::ComputePipeline,
+    put_over: wgpu::ComputePipeline,
 }
 
 impl FinishStages {
@@ -58,6 +59,7 @@ impl FinishStages {
             kinds,
             pull,
             fill,
+            put_over,
         ] = compiled;
         Self {
             layout,
@@ -73,6 +75,7 @@ impl FinishStages {
             kinds,
             pull,
             fill,
+            put_over,
         }
     }
 
@@ -136,6 +139,12 @@ impl FinishStages {
         }
         pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
         over_pixels(&mut pass, &self.fill, planes);
+        if planes.layout.has_coverage {
+            for step in [0, 1] {
+                pass.set_bind_group(1, group, &FinishPlanes::at_step(step));
+                over_pixels(&mut pass, &self.put_over, planes);
+            }
+        }
     }
 }
 
