@@ -287,7 +287,7 @@ fn filling_brings_real_pictures_nearer_to_the_truth_and_says_what_it_invented() 
         assert_eq!(with.coverage, without.coverage);
         // Sampled pixels that a hole reaches into are blended with what fills it, where the kernel tells their shares.
         if *kernel == Kernel::Gather {
-            let [with, without] = [with, without].map(|scores| scores.psnr_db.unwrap());
+            let [with, without] = [&with, &without].map(|scores| scores.psnr_db.unwrap());
             assert!(with > without - 0.1, "{with} after {without}");
         } else {
             assert_eq!(with.psnr_db, without.psnr_db);
