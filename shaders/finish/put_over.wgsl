@@ -21,11 +21,18 @@ fn filling_beside(at: vec2<u32>) -> vec4<f32> {
 
 @compute @workgroup_size(16, 16)
 fn put_over(@builtin(global_invocation_id) at: vec3<u32>) {
-    if at.x >= finish.width || at.y >= finish.height || !has_filling() {
+    if at.x >= finish.width || at.y >= finish.height {
         return;
     }
     let pixel = at.y * finish.width + at.x;
     let is_hole = image_at(pixel) == NO_IMAGE;
+    if !has_filling() {
+        // What covers less than half of a pixel is not shown without anything that fills the rest.
+        if is_hole {
+            set_color(pixel, vec3<f32>(0.0));
+        }
+        return;
+    }
     if !is_partial(pixel) || is_hole != (finish.step == 1u) {
         return;
     }

@@ -61,10 +61,13 @@ pub(super) fn fill_from(
     }
     let image = picture.image.as_slice();
     let is_hole = |image: &u32| *image == NO_IMAGE;
-    let nothing_to_do =
-        !image.par_iter().with_min_len(4096).any(is_hole) || image.par_iter().with_min_len(4096).all(is_hole);
-    if nothing_to_do {
+    let are_all_holes = image.par_iter().with_min_len(4096).all(is_hole);
+    if are_all_holes || !image.par_iter().with_min_len(4096).any(is_hole) {
         picture.coverage.clear();
+        if are_all_holes {
+            // What covers less than half of a pixel is not shown without anything that fills the rest.
+            picture.color.as_mut_slice().fill([0.0; 3]);
+        }
         return;
     }
     let partial = PartialPixels::take(picture);
