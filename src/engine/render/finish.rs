@@ -3,7 +3,7 @@
 use std::sync::{Arc, Weak};
 
 use super::environment::{Environment, SkySums};
-use super::fill::fill_from;
+use super::fill::{TestedHoles, fill_tested};
 use super::free_space::{MarkPlanes, RayTest, SeenDepths, cameras_to_ask, mark_holes};
 use super::geometry::focal;
 use super::input::{FrameImages, FrameSamples};
@@ -88,8 +88,12 @@ impl Finisher {
             self.planes = planes;
         }
         clock.end(Stage::FreeSpace);
-        let hidden_share = &self.planes.hidden_share;
-        fill_from(picture, camera, settings, environment.as_deref(), &blended, hidden_share);
+        let tested = TestedHoles {
+            environment: environment.as_deref(),
+            blended: &blended,
+            hidden_share: &self.planes.hidden_share,
+        };
+        fill_tested(picture, camera, settings, tested);
         clock.end(Stage::Fill);
         Ok(())
     }

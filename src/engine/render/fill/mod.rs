@@ -43,18 +43,26 @@ const MOST_FACING: usize = 1;
 /// Fills the holes of `picture` as the settings demand. Sets color and inverse depth, which is then 0 or more; [`Picture::image`]
 /// stays [`NO_IMAGE`]. A picture without any sample is left as it is.
 pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
-    fill_from(picture, target, settings, None, &[], &[]);
+    fill_tested(picture, target, settings, TestedHoles::default());
 }
 
-/// As [`fill`], but with the sky where holes show it, as much as the `hidden_share` of their lines of sight lets it be seen. Where they
-/// hide a surface, colors of pixels that may be `blended` with the sky are not used.
-pub(super) fn fill_from(
+/// What is known of holes whose lines of sight were tested; nothing by default.
+#[derive(Clone, Copy, Default)]
+pub(super) struct TestedHoles<'a> {
+    /// The sky, where any camera saw it.
+    pub(super) environment: Option<&'a Environment>,
+    /// Pixels whose colors may be blended with the sky.
+    pub(super) blended: &'a [usize],
+    /// Per pixel, the share of its line of sight that is hidden: the more of it, the less of the sky is shown.
+    pub(super) hidden_share: &'a [f32],
+}
+
+/// As [`fill`], but with the sky where holes show it. Where they hide a surface, colors that may be blended with the sky are not used.
+pub(super) fn fill_tested(
     picture: &mut Picture,
     target: &Camera,
     settings: &RenderSettings,
-    environment: Option<&Environment>,
-    blended: &[usize],
-    hidden_share: &[f32],
+    tested: TestedHoles<'_>,
 ) {
     if settings.fill == Fill::None {
         return;
@@ -71,19 +79,13 @@ pub(super) fn fill_from(
         return;
     }
     let partial = PartialPixels::take(picture);
-    fill_holes(picture, target, settings, environment, blended, hidden_share);
+    fill_holes(picture, target, settings, tested);
     partial.put_over(picture);
 }
 
-/// Fills all holes as [`fill_from`] does, as if none were shown in part.
-fn fill_holes(
-    picture: &mut Picture,
-    target: &Camera,
-    settings: &RenderSettings,
-    environment: Option<&Environment>,
-    blended: &[usize],
-    hidden_share: &[f32],
-) {
+/// Fills all holes as [`fill_tested`] does, as if none were shown in part.
+fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings, tested: TestedHoles<'_>) {
+    let TestedHoles { environment, blended, hidden_share } = tested;
     let width = picture.image.width();
     if let Some(environment) = environment {
         fill_sky(picture, target, environment, |_, depth| depth == SKY_HOLE);
@@ -131,7 +133,7 @@ fn fill_holes(
 struct HoleSky<'a> {
     environment: &'a Environment,
     directions: PixelDirections,
-    /// As in [`fill_from`].
+    /// As in [`TestedHoles`].
     hidden_share: &'a [f32],
     /// Whether each pixel is an open hole that shows the sky rather than a surface; empty without open holes.
     is_open: Vec<bool>,

@@ -5,7 +5,8 @@
 //! the surface behind it by that share, which errs least in the mean.
 //!
 //! Source: the exponential transmittance of random media (Blinn, *Light Reflection Functions for Simulation of Clouds and Dusty
-//! Surfaces*, SIGGRAPH 1982), here of what was not seen. Densities were fitted once to traced scenes of leaves, heaps and rooms.
+//! Surfaces*, SIGGRAPH 1982), here of what was not seen. The densities were chosen by hand where traced scenes have their truth: leaves,
+//! heaps, spheres, an orrery and a room.
 
 /// The density between parts of a surface on both sides, and where no sky is seen across the hole.
 const FACING_DENSITY: f32 = 16.0;
