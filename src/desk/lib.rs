@@ -5,3 +5,4 @@ mod address;
 pub mod app;
 pub mod cli;
 mod points;
+mod pruned_store;

@@ -44,6 +44,8 @@ pub mod alignment;
 pub mod capture;
 pub mod color;
 pub mod demo;
+pub mod edited_store;
+pub mod edits;
 pub mod error;
 pub mod grid;
 pub mod job;

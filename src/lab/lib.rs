@@ -26,7 +26,6 @@ pub mod chart;
 pub mod metrics;
 pub mod report;
 pub mod rivals;
-mod sample_filter;
 mod scoring;
 pub mod stress;
 pub mod sweep;

@@ -12,6 +12,7 @@ mod skip;
 
 mod bench_command;
 mod commands;
+mod edit_command;
 mod export_command;
 mod film_paths;
 mod gpu_command;

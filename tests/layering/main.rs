@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use imports::Imports;
 
 /// Modules from the bottom up, each after its crate. A module may use those before it and itself.
-const LAYERS: [&[&str]; 14] = [
+const LAYERS: [&[&str]; 15] = [
     &[
         "engine/color",
         "engine/cover",
@@ -31,13 +31,14 @@ const LAYERS: [&[&str]; 14] = [
     &["engine/capture"],
     &["engine/alignment"],
     &["engine/samples", "engine/demo"],
+    &["engine/edits"],
     &["engine/store", "engine/preprocess"],
-    &["engine/render", "engine/placement"],
+    &["engine/render", "engine/placement", "engine/edited_store"],
     &["engine/page"],
     &["engine/splats"],
     &["engine/lib"],
     &["lab"],
-    &["desk/address", "desk/points"],
+    &["desk/address", "desk/points", "desk/pruned_store"],
     &["desk/cli", "desk/app", "python"],
     &["desk/lib"],
     &["desk/main"],

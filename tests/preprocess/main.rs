@@ -4,10 +4,13 @@
 mod coverage;
 #[path = "../common/draws.rs"]
 mod draws;
+#[path = "../common/moving.rs"]
+mod moving;
 #[path = "../common/scene.rs"]
 mod scene;
 
 mod agreement;
+mod edits;
 mod paper_levels;
 mod pixel_argument;
 mod preprocessing_promises;

@@ -87,6 +87,7 @@ pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands
         DockView::Live => views::live_view_ui(ui, state, commands),
         DockView::Compare => views::compare_view_ui(ui, state, commands),
         DockView::Color => panels::color_panel_ui(ui, state, commands),
+        DockView::Edits => panels::edits_ui(ui, state, commands),
         DockView::View => panels::view_panel_ui(ui, state, commands),
         DockView::Path => panels::path_ui(ui, state, commands),
         DockView::Tradeoff => views::tradeoff_ui(ui, state, commands),

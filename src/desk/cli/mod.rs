@@ -27,6 +27,7 @@ Examples:
   overlook place coarse --cameras 6 --out placed.json       where cameras show the most, by a capture of few pixels
   overlook preprocess scene --out scene.ovl                 drop what is redundant
   overlook render scene.ovl --views scene/novel/transforms.json --out pictures
+  overlook edit scene.ovl --edits edits.toml --out cleaned.ovl      without what was deleted by hand
   overlook evaluate scene                                   accuracy against no pruning and first camera wins
   overlook align scene --out aligned.json                   poses without what the rig got wrong
   overlook sweep scene --out sweep                          accuracy against time and bytes, for many settings
@@ -76,6 +77,8 @@ enum CliCommand {
     Info(commands::info::InfoArgs),
     /// Drop what is redundant in a capture and write the rest as a store.
     Preprocess(commands::preprocess::PreprocessArgs),
+    /// Apply an edit list to a store: delete regions, bad cameras or samples that few cameras confirm, and write what is left.
+    Edit(commands::edit::EditArgs),
     /// Render a store from any viewpoints, and score the pictures where the truth is known.
     Render(commands::render::RenderArgs),
     /// Measure errors of the rig, and write corrected poses for other programs.
@@ -162,6 +165,7 @@ impl Cli {
             Some(CliCommand::Demo(args)) => args.run(),
             Some(CliCommand::Place(args)) => args.run(),
             Some(CliCommand::Info(args)) => args.run(),
+            Some(CliCommand::Edit(args)) => args.run(),
             Some(CliCommand::Preprocess(args)) => args.run(),
             Some(CliCommand::Render(args)) => args.run(),
             Some(CliCommand::Align(args)) => args.run(),

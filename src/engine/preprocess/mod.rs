@@ -39,6 +39,7 @@ use rayon::prelude::*;
 
 use crate::alignment::Alignment;
 use crate::capture::Capture;
+use crate::edits::{self, CutByHand, EditList, EditedImages, SampleVotes};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
@@ -85,7 +86,8 @@ impl BufferedResult {
 /// # Errors
 /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be used, and `Cancelled`.
 pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    preprocess_into(ImageBuffer::new(usize::MAX), capture, settings, job)?.into_memory()
+    let images = ImageBuffer::new(usize::MAX);
+    preprocess_into(images, capture, settings, &EditList::default(), job)?.into_memory()
 }
 
 /// The same for a sequence of any length: what is kept waits in a temporary file where it takes more than a share of the memory
@@ -94,20 +96,69 @@ pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<P
 /// # Errors
 /// As [`preprocess`].
 pub fn preprocess_buffered(capture: &Capture, settings: &Settings, job: &Job) -> Result<BufferedResult> {
-    preprocess_into(ImageBuffer::new(samples_in_memory(settings)), capture, settings, job)
+    preprocess_edited(capture, settings, &EditList::default(), job)
+}
+
+/// The same with edits: cameras that are left out take part in nothing, removed pixels count as pixels without depth, and the rest of the
+/// list acts on what is kept. The report says what was cut.
+///
+/// # Errors
+/// As [`preprocess`], and as [`edits::cut`].
+pub fn preprocess_edited(
+    capture: &Capture,
+    settings: &Settings,
+    edits: &EditList,
+    job: &Job,
+) -> Result<BufferedResult> {
+    preprocess_into(ImageBuffer::new(samples_in_memory(settings)), capture, settings, edits, job)
 }
 
 fn preprocess_into(
     images: ImageBuffer,
     capture: &Capture,
     settings: &Settings,
+    edits: &EditList,
     job: &Job,
 ) -> Result<BufferedResult> {
     let started = Instant::now();
-    let scan = scan(capture, settings, job)?;
-    let mut spooled = prune_into(images, capture, &scan, settings, job)?;
+    settings.validate("settings")?;
+    let left = edits::with_cameras_left(capture, edits)?;
+    let scan = PreparedScan::edited(&left, settings, edits, job)?;
+    let pruned = prune_into(images, &left, &scan, settings, job)?;
+    let mut spooled = if edits.is_idle() { pruned } else { cut_by_hand(pruned, &scan, edits, job)? };
     spooled.report.seconds = started.elapsed().as_secs_f64();
     Ok(spooled)
+}
+
+/// What edits leave of what was kept, with a report that says so.
+fn cut_by_hand(
+    pruned: BufferedResult,
+    scan: &PreparedScan,
+    edits: &EditList,
+    job: &Job,
+) -> Result<BufferedResult> {
+    let BufferedResult { outline, images, mut report } = pruned;
+    let capture = scan.capture();
+    let left_out = edits.cameras_left_out();
+    let votes = if edits.asks_for_votes() {
+        Some(SampleVotes::of(&images, &outline.cameras, capture, job)?)
+    } else {
+        None
+    };
+    let EditedImages { images, dropped, dropped_pixels, .. } =
+        edits::cut(&images, &outline, edits, votes.as_ref(), "edits")?;
+    for (camera, removed) in report.cameras.iter_mut().zip(scan.removed_pixels()) {
+        camera.invalid = camera.invalid.saturating_sub(*removed);
+    }
+    let cut = CutByHand {
+        edits: edits.to_toml(),
+        cameras: left_out.into_iter().map(str::to_owned).collect(),
+        pixels: scan.removed_pixels().iter().sum(),
+        samples: dropped,
+        sample_pixels: dropped_pixels,
+    };
+    report.note_cut(cut, images.facts());
+    Ok(BufferedResult { outline, images, report })
 }
 
 /// The pass over all frames: the samples of every span, before any pruning. No pruning threshold touches it.

@@ -14,12 +14,16 @@ use super::temporal::{self, TemporalScan};
 use crate::alignment::{self, Aligned, Alignment};
 use crate::capture::conventions::{self, Finding};
 use crate::capture::{Camera, Capture};
+use crate::edits::{self, EditList};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{
     AgreementRule, AlignSettings, MixedPixels, NormalSettings, PruningMethod, RateModel, Settings,
     SpanSettings,
 };
+
+/// Frames without the pixels that edits remove are kept in this share of the memory setting.
+const EDITED_SHARE: usize = 4;
 
 /// The pass over all frames of one capture, with the last results made from it.
 #[derive(Debug)]
@@ -28,6 +32,7 @@ pub struct PreparedScan {
     aligned: Aligned,
     conventions: Option<Finding>,
     align: AlignSettings,
+    removed_pixels: Vec<u64>,
     static_layers: Last<StaticKey, Arc<Vec<StaticLayer>>>,
     frame: Last<PreparedFrameKey, Arc<FrameLayers>>,
     normal_errors: Last<f32, AllNormalErrors>,
@@ -39,10 +44,27 @@ impl PreparedScan {
     /// # Errors
     /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be written, and `Cancelled`.
     pub(crate) fn new(capture: &Capture, settings: &Settings, job: &Job) -> Result<Self> {
+        Self::edited(capture, settings, &EditList::default(), job)
+    }
+
+    /// The same of a capture from which edits remove pixels, after the rig's errors are corrected.
+    ///
+    /// # Errors
+    /// As [`PreparedScan::new`].
+    pub(crate) fn edited(
+        capture: &Capture,
+        settings: &Settings,
+        edits: &EditList,
+        job: &Job,
+    ) -> Result<Self> {
         let conventions = better_conventions(capture)?;
-        let aligned = alignment::align(capture, &settings.align, job)?;
+        let mut aligned = alignment::align(capture, &settings.align, job)?;
+        let cache_bytes = settings.capture.memory as usize * (1 << 20) / EDITED_SHARE;
+        let (edited, removed) = edits::without_removed_pixels(&aligned.capture, edits, cache_bytes, job)?;
+        aligned.capture = edited;
         let scan = temporal::scan(&aligned.capture, settings, job)?;
-        Ok(Self::of(scan, aligned, conventions, &settings.align))
+        let scanned = Self::of(scan, aligned, conventions, &settings.align);
+        Ok(Self { removed_pixels: removed, ..scanned })
     }
 
     /// A scan of a capture that was aligned with these settings; `conventions` are those that would fit far better than its own.
@@ -57,6 +79,7 @@ impl PreparedScan {
             aligned,
             conventions,
             align: align.clone(),
+            removed_pixels: Vec::new(),
             static_layers: Last::default(),
             frame: Last::default(),
             normal_errors: Last::default(),
@@ -73,6 +96,11 @@ impl PreparedScan {
     #[must_use]
     pub fn alignment(&self) -> Option<&Alignment> {
         self.aligned.alignment.as_ref()
+    }
+
+    /// For each camera the pixels with depth that edits removed, over all frames; empty where no edit was asked.
+    pub(crate) fn removed_pixels(&self) -> &[u64] {
+        &self.removed_pixels
     }
 
     /// How poses and depth would fit far better between cameras than as the capture says, where they would.

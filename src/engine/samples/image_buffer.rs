@@ -130,12 +130,30 @@ impl ImageBuffer {
         Self { images: images.iter().map(place).collect(), ..Self::new(usize::MAX) }
     }
 
+    /// An empty buffer that holds as much in memory as this one may.
+    pub(crate) fn empty_like(&self) -> Self {
+        Self::new(self.spill.bound)
+    }
+
     /// Takes an image.
     ///
     /// # Errors
     /// `Io` where the temporary file cannot be written.
-    pub fn push(&mut self, image: SampleImage) -> Result<()> {
+    pub fn push(&mut self, image: impl Into<Arc<SampleImage>>) -> Result<()> {
+        let image = image.into();
         self.images.push((ImageFacts::of(&image), self.spill.put(image)?));
+        Ok(())
+    }
+
+    /// Takes an image, joined with the one of the same camera and span if there is one; no pixel is in both.
+    ///
+    /// # Errors
+    /// As [`ImageBuffer::push`] and [`ImageBuffer::get`].
+    pub(crate) fn join(&mut self, image: SampleImage) -> Result<()> {
+        let same = |(facts, _): &(ImageFacts, _)| (facts.camera, facts.span) == (image.camera, image.span);
+        let Some(at) = self.images.iter().position(same) else { return self.push(image) };
+        let joined = self.get(at)?.joined_with(&[image]);
+        self.images[at] = (ImageFacts::of(&joined), self.spill.put(joined)?);
         Ok(())
     }
 
@@ -157,7 +175,7 @@ impl ImageBuffer {
     }
 
     /// What is known of every image, in order.
-    pub fn facts(&self) -> impl ExactSizeIterator<Item = &ImageFacts> {
+    pub fn facts(&self) -> impl ExactSizeIterator<Item = &ImageFacts> + Clone {
         self.images.iter().map(|(facts, _)| facts)
     }
 
@@ -192,7 +210,7 @@ impl ImageBuffer {
     ///
     /// # Errors
     /// `Io` as [`ImageBuffer::get`].
-    pub(crate) fn into_images(self) -> Result<Vec<Arc<SampleImage>>> {
+    pub fn into_images(self) -> Result<Vec<Arc<SampleImage>>> {
         (0..self.len()).map(|index| self.get(index)).collect()
     }
 }

@@ -3,6 +3,7 @@
 mod coarser;
 mod depth_plane;
 mod image_buffer;
+mod image_parts;
 mod oct_normal;
 mod placed;
 mod record_stream;

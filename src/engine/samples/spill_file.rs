@@ -57,11 +57,12 @@ impl SpillFile {
     ///
     /// # Errors
     /// `Io` naming the folder of temporary files.
-    pub(crate) fn put<T: Record>(&mut self, record: T) -> Result<RecordPlace<T>> {
+    pub(crate) fn put<T: Record>(&mut self, record: impl Into<Arc<T>>) -> Result<RecordPlace<T>> {
+        let record = record.into();
         let held = self.held.saturating_add(record.bytes());
         if held <= self.bound {
             self.held = held;
-            return Ok(RecordPlace::Memory(Arc::new(record)));
+            return Ok(RecordPlace::Memory(record));
         }
         Ok(RecordPlace::File(self.file.append(&record.planes())?, record.shape()))
     }

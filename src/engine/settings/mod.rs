@@ -201,11 +201,7 @@ impl Settings {
     /// # Errors
     /// [`Error::Invalid`] for broken TOML, an unknown key, or a value out of range.
     pub fn from_toml(text: &str, place: &str) -> Result<Self> {
-        let settings: Self = toml::from_str(text).map_err(|error| {
-            let place =
-                error.span().map_or_else(|| place.to_owned(), |at| line_and_column(place, text, at.start));
-            Error::invalid(place, error.message().replace('\n', " "))
-        })?;
+        let settings: Self = toml::from_str(text).map_err(|error| toml_error(&error, place, text))?;
         settings.validate(place)?;
         Ok(settings)
     }
@@ -308,6 +304,12 @@ impl Settings {
         }
         Ok(())
     }
+}
+
+/// What is wrong with TOML text, in one line, with line and column.
+pub(crate) fn toml_error(error: &toml::de::Error, place: &str, text: &str) -> Error {
+    let place = error.span().map_or_else(|| place.to_owned(), |at| line_and_column(place, text, at.start));
+    Error::invalid(place, error.message().replace('\n', " "))
 }
 
 /// Line and character of the byte at `offset` of a text, both counted from 1.

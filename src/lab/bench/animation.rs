@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use crate::sample_filter::samples_where;
 use overlook_engine::capture::{Camera, Intrinsics, pivot};
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Result;
@@ -67,8 +66,7 @@ impl Animation {
 
 /// The samples that are not at infinity.
 fn without_sky(samples: &SampleSet) -> SampleSet {
-    let images =
-        samples.images.iter().map(|image| Arc::new(samples_where(image, image.span, |_, w| w > 0.0)));
+    let images = samples.images.iter().map(|image| Arc::new(image.part(image.span, |_, w| w > 0.0)));
     SampleSet { images: images.collect(), ..samples.clone() }
 }
 

@@ -12,7 +12,6 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::animation::{self, Animation};
-use crate::sample_filter::samples_where;
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Result;
@@ -205,7 +204,7 @@ fn split(set: &SampleSet, object: &Ball) -> SampleSet {
                 object.holds(point_in_world(camera(image), center, inverse_depth))
             };
             let foreground = span != ALL_FRAMES;
-            Arc::new(samples_where(image, span, |sample, w| shows_object(sample, w) == foreground))
+            Arc::new(image.part(span, |sample, w| shows_object(sample, w) == foreground))
         })
     };
     let images = of_span(ALL_FRAMES).chain(frames.flat_map(of_span));

@@ -11,7 +11,6 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::sample_filter::samples_where;
 use overlook_engine::median::{median, median_f32};
 use overlook_engine::random::mix;
 use overlook_engine::samples::{SampleImage, SampleSet, Span};
@@ -105,7 +104,7 @@ fn thinned(set: &SampleSet, count: u64, rank: &dyn Fn(usize, usize) -> u64) -> S
         .images
         .par_iter()
         .zip(&keep)
-        .map(|(image, keep)| Arc::new(samples_where(image, image.span, |sample, _| keep[sample.index])));
+        .map(|(image, keep)| Arc::new(image.part(image.span, |sample, _| keep[sample.index])));
     SampleSet { images: images.filter(|image| !image.is_empty()).collect(), ..set.clone() }
 }
 

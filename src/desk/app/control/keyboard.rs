@@ -4,10 +4,11 @@ use std::collections::HashSet;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
+use overlook_engine::edits::Action;
 
 use crate::app::model::{
-    Area, Command, CommandPalette, Commands, HelpPage, Purpose, ShareCommand, ShareWay, State, ViewCommand,
-    Workspace,
+    Area, Command, CommandPalette, Commands, EditCommand, HelpPage, Purpose, ShareCommand, ShareWay, State,
+    ViewCommand, Workspace,
 };
 
 /// A heading, and keys or mouse actions with what they do.
@@ -65,6 +66,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("[ and ]", "fly slower, faster"),
             ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
             ("M", "measure a distance between two points"),
+            ("Delete", "delete what is selected"),
             ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
             ("Home, double-click", "reset to the start view"),
             ("H", "hatch holes, or fill them"),
@@ -121,7 +123,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         ctx.data_mut(|data| data.insert_temp(given_up_id(), frame));
     }
     // What is typed is undone by the field it is typed into.
-    if state.has_capture() && !typing && !edits {
+    if state.scene.is_some() && !typing && !edits {
         if pressed(ctx, Modifiers::COMMAND, Key::Y)
             || pressed(ctx, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
         {
@@ -131,10 +133,19 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         }
     }
     let held = held_keys(ctx);
-    if ctx.egui_wants_keyboard_input() || typing || state.scene.is_none() {
+    if typing || edits || state.scene.is_none() {
         return;
     }
+    // A focused button takes plain letters, Space and Enter, and nothing else.
     window_keys(ctx, state, commands);
+    let numbers: Vec<Command> = ctx.input(|input| input.events.iter().filter_map(number_key).collect());
+    let (workspaces, others): (Vec<_>, Vec<_>) =
+        numbers.into_iter().partition(|command| matches!(command, Command::Workspace(_)));
+    commands.extend(workspaces);
+    if ctx.egui_wants_keyboard_input() {
+        return;
+    }
+    commands.extend(others);
     ctx.input_mut(|input| {
         commands.extend(axis_keys(input));
         commands.extend(time_keys(input, state));
@@ -154,6 +165,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             (Key::OpenBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed / FASTER))),
             (Key::CloseBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed * FASTER))),
             (Key::Home, Command::Home),
+            (Key::Delete, Command::Edit(EditCommand::Act(Action::Delete))),
         ] {
             if input.consume_key(Modifiers::NONE, key) {
                 commands.push(command);
@@ -165,8 +177,6 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             let page = state.inspector.help.is_none().then_some(HelpPage::Shortcuts);
             commands.push(Command::Help(page));
         }
-        // With Shift, number keys type something else on every layout: their place on the keyboard counts.
-        commands.extend(input.events.iter().filter_map(number_key));
         commands.extend(input.events.iter().filter_map(clipboard));
     });
     if let Some(steps) = ctx.input(|input| flight(input, &held)) {
@@ -286,6 +296,7 @@ fn edits_text(ctx: &egui::Context) -> bool {
     })
 }
 
+/// With Shift, number keys type something else on every layout: their place on the keyboard counts.
 fn number_key(event: &egui::Event) -> Option<Command> {
     let egui::Event::Key { key, physical_key, pressed: true, modifiers, .. } = event else { return None };
     let place = physical_key.unwrap_or(*key);

@@ -2,6 +2,7 @@
 
 mod address;
 mod comparison;
+mod edits;
 mod inspect;
 mod keyboard;
 mod observed;

@@ -231,13 +231,14 @@ impl OverlookApp {
     /// Asks before the window closes with something unsaved, half written or half measured.
     fn watch_closing(&mut self) {
         let is_unsaved = self.state.is_unsaved();
+        let has_work = self.state.unsaved_work().is_some();
         let inspector = &mut self.state.inspector;
         let closing = &mut inspector.closing;
         closing.writing = !self.workers.file.is_idle() || !self.workers.export.is_idle();
         if closing.anyway || !self.ctx.input(|input| input.viewport().close_requested()) {
             return;
         }
-        if is_unsaved || inspector.closing.writing || inspector.unsaved_work().is_some() {
+        if is_unsaved || inspector.closing.writing || has_work {
             self.ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             inspector.closing.asks = true;
         }

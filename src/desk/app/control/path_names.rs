@@ -44,10 +44,12 @@ pub(super) fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
         Purpose::ExportFilm => "video.mp4".to_owned(),
         Purpose::SavePath => "transforms.json".to_owned(),
+        Purpose::SaveEdits => "edits.toml".to_owned(),
         Purpose::OpenFile
         | Purpose::OpenFolder
         | Purpose::LoadSettings
         | Purpose::LoadPath
+        | Purpose::LoadEdits
         | Purpose::OpenPictures => String::new(),
     }
 }
@@ -68,7 +70,7 @@ pub(super) fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
     let ending = match purpose {
         Purpose::SavePicture => return with_ending(path),
         Purpose::SaveStore => "ovl",
-        Purpose::SaveSettings => "toml",
+        Purpose::SaveSettings | Purpose::SaveEdits => "toml",
         Purpose::SaveTable(_) => "csv",
         _ => match endings(purpose) {
             Some([usual, ..]) => usual,

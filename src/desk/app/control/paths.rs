@@ -67,7 +67,7 @@ impl OverlookApp {
         let Destination { purpose, path } = destination;
         if !purpose.writes() {
             let command = Command::OpenPath(path.clone());
-            if taken && self.state.inspector.unsaved_work().is_some() {
+            if taken && self.state.unsaved_work().is_some() {
                 self.state.open_after_question = Some(command);
             } else {
                 // A path that does not exist fails to open like any other, and the open scene stays.
@@ -155,6 +155,12 @@ impl OverlookApp {
                     self.workers.file.submit(FileRequest::LoadPath { path, scene });
                 }
             }
+            Purpose::SaveEdits => self.save_edits(path),
+            Purpose::LoadEdits => {
+                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                    self.workers.file.submit(FileRequest::LoadEdits { path, scene });
+                }
+            }
             Purpose::OpenPictures => {
                 if let Some(scene) = self.state.scene.clone() {
                     self.workers.file.submit(FileRequest::OpenPictures { path, scene });
@@ -224,8 +230,13 @@ impl OverlookApp {
 
     fn save_store(&mut self, path: PathBuf) {
         let Some(scene) = &self.state.scene else { return };
+        let edits = self.state.edits.list.clone();
         if let Content::Store { playback, .. } = &scene.content {
-            self.workers.file.submit(FileRequest::SaveAgain { path, playback: playback.clone() });
+            let playback = playback.clone();
+            self.workers.file.submit(FileRequest::SaveAgain { path, playback, edits });
+        } else if !edits.is_idle() {
+            let (scene, settings) = (scene.clone(), self.state.settings.clone());
+            self.workers.file.submit(FileRequest::SaveEdited { path, scene, settings, edits });
         } else if let Some(whole) = &self.state.whole {
             // The store records the rendering settings of now, so that it looks the same when it is opened.
             let mut samples = (*whole.samples).clone();
@@ -265,6 +276,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         | Purpose::ExportPointsOfFrames => ("Nothing to export yet", no_samples()),
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
+        Purpose::SaveEdits | Purpose::LoadEdits => ("No scene for edits", no_scene()),
         Purpose::OpenPictures => (
             "Nothing to compare pictures with",
             no_capture("Open a capture first: a store has no viewpoints with true pictures."),

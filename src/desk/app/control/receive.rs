@@ -11,7 +11,7 @@ use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
     self, Accuracy, CarriedLook, Display, DockView, LiveKey, LivePicture, Message, NoticeKind, NoticeLink,
-    OpenScene, OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneSource, ShownCameras,
+    OpenScene, OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneEdits, SceneSource, ShownCameras,
     ShownCarried, ShownPicture, SourceLook, Spot, State, Texture, Unit, Whole, WorkKind, method_of,
 };
 use overlook_engine::capture::Camera;
@@ -115,6 +115,9 @@ impl OverlookApp {
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
             Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),
             Message::PicturesOpened { folder, .. } => self.pictures_opened(folder),
+            Message::Edited { key, edited } => self.edited(*key, edited),
+            Message::EditsSaved { path, list } => self.edits_saved(&path, list),
+            Message::EditsLoaded { path, list, .. } => self.edits_loaded(&path, list),
             Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
             Message::DestinationChecked { destination, taken } => {
@@ -250,6 +253,7 @@ impl OverlookApp {
         }
         state.inspector.close_scene();
         state.share.close_scene();
+        state.edits = SceneEdits::default();
         state.source_shown = None;
         (state.live_shown, state.live_carried) = (None, None);
         state.timeline.frame = 0;

@@ -77,6 +77,7 @@ impl OverlookApp {
     fn change_settings_by(&mut self, number: Option<&'static str>, settings: Settings) {
         if settings != self.state.settings {
             self.state.inspector.history.record(&self.state.settings, number, Instant::now());
+            self.state.edits.is_latest = false;
             self.put_settings(settings);
         }
     }

@@ -65,7 +65,10 @@ impl OverlookApp {
     pub(super) fn export(&mut self, purpose: Purpose, path: PathBuf) {
         let Some(samples) = self.state.whole_samples().cloned() else { return };
         let Some(what) = self.exported_as(purpose) else { return };
+        let edited = self.state.edited_samples().cloned();
         let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
+        let playback = playback.filter(|_| edited.is_none());
+        let samples = edited.unwrap_or(samples);
         let source = playback.map_or_else(
             || {
                 // As a store does, a page takes the rendering settings of now.

@@ -19,6 +19,7 @@ impl OverlookApp {
         self.state.timeline.plays_once_ready &= only_looks(&command);
         let rest = self
             .apply_to_typed_path(command)
+            .and_then(|command| self.apply_to_edits(command))
             .and_then(|command| self.apply_to_settings(command))
             .and_then(|command| self.apply_to_timeline(command))
             .and_then(|command| self.apply_to_inspector(command))
@@ -142,7 +143,7 @@ impl OverlookApp {
     /// Opens something, after a question where a camera path or measured points are lost by it.
     fn ask_to_open(&mut self, command: Command) {
         match command {
-            _ if self.state.inspector.unsaved_work().is_none() => self.open(command),
+            _ if self.state.unsaved_work().is_none() => self.open(command),
             // First whether there is anything: nobody should give up work for a path that does not exist.
             Command::OpenPath(path) => {
                 let path = lasting(path);
@@ -231,6 +232,9 @@ impl OverlookApp {
             || std::mem::take(&mut self.state.share.is_open)
             || self.state.notices.pop().is_some()
         {
+            return;
+        }
+        if self.state.edits.tool.take().is_some() || self.state.edits.selection.take().is_some() {
             return;
         }
         if self.state.live.ruler.active {

@@ -29,8 +29,10 @@ pub(super) fn tree_of(workspace: Workspace) -> Tree<DockView> {
     let root = match workspace {
         Workspace::Explore => {
             let live = tabs(&mut tiles, &[DockView::Live, DockView::Compare]);
-            let side =
-                tabs(&mut tiles, &[DockView::View, DockView::Color, DockView::Path, DockView::Thresholds]);
+            let side = tabs(
+                &mut tiles,
+                &[DockView::View, DockView::Color, DockView::Path, DockView::Edits, DockView::Thresholds],
+            );
             beside(&mut tiles, [live, side], 1.0 - SIDE_SHARE)
         }
         Workspace::Inspect => {
@@ -121,7 +123,10 @@ pub(super) fn put_below(tree: &mut Tree<DockView>, pane: TileId) {
 
 /// Two rows of views, and the settings beside both.
 fn with_side(tiles: &mut Tiles<DockView>, rows: [TileId; 2]) -> TileId {
-    let side = tabs(tiles, &[DockView::Thresholds, DockView::Report, DockView::View, DockView::Color]);
+    let side = tabs(
+        tiles,
+        &[DockView::Thresholds, DockView::Report, DockView::View, DockView::Color, DockView::Edits],
+    );
     let rows = tiles.insert_container(Linear::new_binary(LinearDir::Vertical, rows, 1.0 - LOWER_SHARE));
     beside(tiles, [rows, side], 1.0 - SIDE_SHARE)
 }

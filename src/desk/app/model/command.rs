@@ -8,6 +8,7 @@ use super::chart_axis::Quantity;
 use super::charts::Study;
 use super::comparison::CompareLook;
 use super::display::Display;
+use super::edits::EditCommand;
 use super::live_picture::{ColorBy, HoleDisplay};
 use super::picture_zoom::PictureZoom;
 use super::pixel::Spot;
@@ -98,6 +99,8 @@ pub(crate) enum Command {
     Workspace(Workspace),
     /// What concerns the live view's camera and what surrounds its picture.
     View(ViewCommand),
+    /// What concerns edits of the samples.
+    Edit(EditCommand),
     /// What concerns the dialog of all ways out.
     Share(ShareCommand),
     /// Show colors otherwise in both views.

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::command::{Command, HelpPage};
 use super::display::Display;
+use super::edits::SceneEdits;
 use super::inspector::Inspector;
 use super::live_picture::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried};
 use super::notice::Notice;
@@ -137,6 +138,7 @@ pub(crate) struct State {
     pub typed_path: Option<TypedPath>,
     /// The dialog of all ways out.
     pub share: ShareDialog,
+    pub edits: SceneEdits,
     /// What is to be opened, while the question is whether what is lost by it may be.
     pub open_after_question: Option<Command>,
     pub dark: bool,
@@ -368,6 +370,7 @@ impl Default for State {
             inspector: Inspector::default(),
             typed_path: None,
             share: ShareDialog::default(),
+            edits: SceneEdits::default(),
             open_after_question: None,
             dark: true,
             look: WindowLook::default(),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::camera_path::{CameraPath, Exported};
 use super::comparison::{CompareKey, PictureDifference};
+use super::edits::{EditKey, EditedScene};
 use super::histogram::ThresholdHistogram;
 use super::live_picture::{CarriedLook, CarryKey, LiveKey, LivePicture};
 use super::picture_folder::PictureFolder;
@@ -18,6 +19,7 @@ use super::source_picture::{SourceKey, SourcePicture};
 use super::work_kind::WorkKind;
 use overlook_engine::capture::conventions::Finding;
 use overlook_engine::capture::transforms::PathView;
+use overlook_engine::edits::EditList;
 use overlook_engine::error::Error;
 use overlook_engine::preprocess::{PreparedScan, Preprocessed};
 use overlook_engine::settings::Settings;
@@ -136,6 +138,22 @@ pub(crate) enum Message {
         scene: u64,
         folder: PictureFolder,
     },
+    /// What edits leave of the samples, or why they cannot be applied.
+    Edited {
+        key: Box<EditKey>,
+        edited: Result<Box<EditedScene>, String>,
+    },
+    /// An edit list is written.
+    EditsSaved {
+        path: PathBuf,
+        list: EditList,
+    },
+    /// An edit list is read.
+    EditsLoaded {
+        scene: u64,
+        path: PathBuf,
+        list: EditList,
+    },
     SettingsLoaded {
         path: PathBuf,
         settings: Settings,
@@ -190,7 +208,9 @@ impl Message {
             | Self::SizesMeasured { scene, .. }
             | Self::ReadingsChecked { scene, .. }
             | Self::ReadingsShown { scene, .. }
+            | Self::EditsLoaded { scene, .. }
             | Self::PathLoaded { scene, .. } => Some(*scene),
+            Self::Edited { key, .. } => Some(key.scene.id),
             Self::SourcePainted { key, .. } => Some(key.scene),
             Self::LivePainted { key, .. } => Some(key.scene),
             Self::LiveCarried { key, .. } => Some(key.scene),

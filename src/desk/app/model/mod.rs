@@ -16,6 +16,8 @@ mod comparison;
 pub(crate) mod csv;
 mod display;
 mod document;
+mod edited_samples;
+mod edits;
 mod frame_timer;
 mod held_memory;
 mod histogram;
@@ -64,6 +66,10 @@ pub(crate) use comparison::{
 };
 pub(crate) use display::{Background, Channel, Display, EXPOSURES, LEVELS, PictureHistogram, ToneCurve};
 pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
+pub(crate) use edits::{
+    Combine, EditCommand, EditKey, EditTime, EditedScene, OutlineTool, SceneEdits, last_shape,
+    words as region_words,
+};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
 pub(crate) use live_picture::{

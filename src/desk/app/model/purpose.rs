@@ -44,6 +44,10 @@ pub(crate) enum Purpose {
     LoadPath,
     /// Read pictures that another program made.
     OpenPictures,
+    /// Write the edit list as TOML.
+    SaveEdits,
+    /// Read an edit list from TOML.
+    LoadEdits,
 }
 
 impl Purpose {
@@ -51,7 +55,12 @@ impl Purpose {
     pub(crate) fn writes(self) -> bool {
         !matches!(
             self,
-            Self::OpenFile | Self::OpenFolder | Self::LoadSettings | Self::LoadPath | Self::OpenPictures
+            Self::OpenFile
+                | Self::OpenFolder
+                | Self::LoadSettings
+                | Self::LoadPath
+                | Self::OpenPictures
+                | Self::LoadEdits
         )
     }
 
@@ -92,6 +101,8 @@ impl Purpose {
             Self::SavePath => "Save the camera path",
             Self::LoadPath => "Open a camera path",
             Self::OpenPictures => "Open pictures of another program",
+            Self::SaveEdits => "Save the edits",
+            Self::LoadEdits => "Open edits",
             Self::ExportFilm => "Share a video",
             Self::ExportPage => "Share an interactive page",
             Self::ExportSplats(_) => "Share splats",
@@ -115,6 +126,8 @@ impl Purpose {
             Self::SavePath => "Save camera path to path…",
             Self::LoadPath => "Open camera path from path…",
             Self::OpenPictures => "Open pictures from path…",
+            Self::SaveEdits => "Save edits to path…",
+            Self::LoadEdits => "Open edits from path…",
             Self::SaveStore
             | Self::SavePicture
             | Self::SaveShot

@@ -19,11 +19,12 @@ pub(crate) enum DockView {
     Log,
     View,
     Color,
+    Edits,
 }
 
 impl DockView {
     /// Every view in the order of the menu: its name on its tab, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 16] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 17] = [
         (Self::Source, "Source", "What a camera saw, and what became of each of its pixels."),
         (Self::Live, "Live view", "The kept samples, rendered from any viewpoint."),
         (
@@ -50,6 +51,11 @@ impl DockView {
             "Color",
             "How both views show color: exposure, tone curve, channel, background; histograms.",
         ),
+        (
+            Self::Edits,
+            "Edits",
+            "Select samples by place, outline or evidence; delete them, keep them alone, leave cameras out.",
+        ),
         (Self::Path, "Camera path", "A camera path: set keys, play it, export it as pictures."),
         (Self::Log, "Log", "What happened, in order."),
     ];
@@ -64,7 +70,7 @@ impl DockView {
         match self {
             Self::Source => Some(Area::Source),
             Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => None,
-            Self::Thresholds | Self::Report | Self::View | Self::Color => Some(Area::Side),
+            Self::Thresholds | Self::Report | Self::View | Self::Color | Self::Edits => Some(Area::Side),
             _ => Some(Area::Lower),
         }
     }
@@ -73,7 +79,7 @@ impl DockView {
     pub(crate) fn neighbor(self) -> Self {
         match self {
             Self::Source | Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => Self::Live,
-            Self::Thresholds | Self::Report | Self::View | Self::Color => Self::Thresholds,
+            Self::Thresholds | Self::Report | Self::View | Self::Color | Self::Edits => Self::Thresholds,
             _ => Self::Pixel,
         }
     }

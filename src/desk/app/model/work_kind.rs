@@ -25,6 +25,8 @@ pub(crate) enum WorkKind {
     Histograms,
     Compare,
     CompareReadings,
+    /// What edits leave of the samples.
+    EditSamples,
     Export,
     /// A sweep or a stress test.
     Study,
@@ -52,6 +54,7 @@ impl WorkKind {
             Self::Histograms => "Could not count the histograms",
             Self::Compare => "Could not compare",
             Self::CompareReadings => "Could not compare readings",
+            Self::EditSamples => "Could not apply the edits",
             Self::Export => "Could not export",
             Self::Study => "Could not measure",
         }

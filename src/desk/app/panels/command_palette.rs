@@ -5,12 +5,13 @@ use egui::{Id, Key, Modal, ScrollArea, TextEdit, Ui};
 use super::palette_words::asks_for;
 use crate::address;
 use crate::app::model::{
-    ColorBy, Command, CommandPalette, Commands, DockView, HelpPage, HoleDisplay, Overlay, PRESETS, Purpose,
-    State, Study, ViewCommand, setting_names,
+    ColorBy, Command, CommandPalette, Commands, DockView, EditCommand, HelpPage, HoleDisplay, OutlineTool,
+    Overlay, PRESETS, Purpose, State, Study, ViewCommand, setting_names,
 };
 use crate::app::theme::space;
 use crate::app::widgets::{note, weak};
 use overlook_engine::demo::SCENES;
+use overlook_engine::edits::Action;
 use overlook_engine::settings::{Settings, ValueKind};
 
 /// Something to do: its name, its keys, and the wish.
@@ -167,13 +168,20 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 32] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 39] {
     [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
         ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
         ("Open path", "", Command::TypePath(Purpose::OpenFile)),
         ("Save settings", "", Command::AskPath(Purpose::SaveSettings)),
         ("Load settings", "", Command::AskPath(Purpose::LoadSettings)),
+        ("Save edits", "", Command::AskPath(Purpose::SaveEdits)),
+        ("Open edits", "", Command::AskPath(Purpose::LoadEdits)),
+        ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
+        ("Edit: keep only the selection", "", Command::Edit(EditCommand::Act(Action::KeepOnly))),
+        ("Edit: select by rectangle", "", Command::Edit(EditCommand::Tool(Some(OutlineTool::Rectangle)))),
+        ("Edit: select by lasso", "", Command::Edit(EditCommand::Tool(Some(OutlineTool::Lasso)))),
+        ("Edit: select nothing", "", Command::Edit(EditCommand::SelectNothing)),
         ("Save settings as a preset", "", Command::NamePreset(Some(String::new()))),
         ("Copy picture", "", Command::CopyPicture),
         ("Copy explanation", "Ctrl+Shift+C", Command::CopyExplanation),

@@ -4,6 +4,7 @@ mod alignment;
 mod camera_list;
 mod color_panel;
 mod command_palette;
+mod edits;
 mod help;
 mod histogram;
 mod matrix;
@@ -31,6 +32,7 @@ mod workspaces;
 
 pub(crate) use color_panel::color_panel_ui;
 pub(crate) use command_palette::palette_ui;
+pub(crate) use edits::edits_ui;
 pub(crate) use help::help_ui;
 pub(crate) use memory_view::memory_ui;
 pub(crate) use notices::{log_ui, notices_ui};

@@ -26,7 +26,7 @@ fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
             ("Open", "folder of a capture, transforms.json, .ovl file, or the address of a view")
         }
         Purpose::SaveStore => ("Save", ".ovl file"),
-        Purpose::SaveSettings => ("Save", ".toml file"),
+        Purpose::SaveSettings | Purpose::SaveEdits => ("Save", ".toml file"),
         Purpose::SaveTable(_) => ("Save", ".csv file"),
         Purpose::SaveShot => ("Save", ".png file"),
         Purpose::SavePicture => ("Save", ".png or .exr file"),
@@ -38,7 +38,7 @@ fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
         Purpose::SavePath => ("Save", "transforms.json"),
         Purpose::LoadPath => ("Load", "transforms.json"),
         Purpose::OpenPictures => ("Load", "folder of pictures"),
-        Purpose::LoadSettings => ("Load", ".toml file"),
+        Purpose::LoadSettings | Purpose::LoadEdits => ("Load", ".toml file"),
     }
 }
 

@@ -93,6 +93,10 @@ fn rule_words(rule: &str) -> (String, &'static str) {
             "More cameras contradict the point than confirm it: one camera misread it, or it flies between foreground and background.",
         ),
         "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),
+        "cut" => (
+            "Cut by hand",
+            "An edit deletes it: its camera was left out, or it is in a region that was deleted.",
+        ),
         other => return (model::words(other), ""),
     };
     (words.to_owned(), help)
@@ -100,13 +104,16 @@ fn rule_words(rule: &str) -> (String, &'static str) {
 
 fn rules_ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
-    ui.heading("What was redundant, and why");
-    let mut rules: Vec<_> = report.pruned.iter().filter(|(_, count)| **count > 0).collect();
-    rules.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    ui.heading("What was dropped, and why");
+    let account = report.pixel_account();
+    let others = [("no_sample", account.without_depth), ("cut", account.cut)];
+    let rules = report.pruned.iter().map(|(rule, count)| (rule.as_str(), *count));
+    let mut rules: Vec<_> = rules.chain(others).filter(|(_, count)| *count > 0).collect();
+    rules.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     if rules.is_empty() {
         weak(ui, "Nothing was pruned.");
     }
-    for (rule, &count) in rules {
+    for (rule, count) in rules {
         let (words, help) = rule_words(rule);
         let figure = format!("{}  {}", model::count(count), model::percent(count, report.samples_in));
         share_ui(

@@ -66,6 +66,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ("Open path…", "", Command::TypePath(Purpose::OpenFile)),
             ("Load settings…", "", Command::AskPath(Purpose::LoadSettings)),
             ("Load settings from path…", "", Command::TypePath(Purpose::LoadSettings)),
+            ("Open edits from path…", "", Command::TypePath(Purpose::LoadEdits)),
         ] {
             if ui.add(item(name, keys)).accessible_name(name).clicked() {
                 commands.push(command);
@@ -103,6 +104,7 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
             ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
             ("Save settings to path…", "", true, Command::TypePath(Purpose::SaveSettings)),
+            ("Save edits to path…", "", opened, Command::TypePath(Purpose::SaveEdits)),
         ] {
             let button = ui
                 .add_enabled(enabled, item(name, keys))

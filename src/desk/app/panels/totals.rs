@@ -6,7 +6,7 @@ use crate::app::model::{self, Accuracy, Content, State};
 use crate::app::theme::{Tokens, figure_style};
 use crate::app::widgets::one_line;
 use overlook_engine::plural::counted;
-use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
 
 /// Height of a figure with its name.
 const FIGURE: f32 = 38.0;
@@ -113,13 +113,14 @@ fn figures(state: &State) -> Vec<KeyFigure> {
             "The samples kept, of all pixels of all frames of all cameras.",
         ),
         figure(
-            "Redundant",
+            "Dropped",
             true,
             report.map(|r| {
-                let pruned = r.samples_in.saturating_sub(r.samples_kept);
-                [model::percent(pruned, r.samples_in), "pruned".to_owned()]
+                let account = r.pixel_account();
+                let redundant = model::percent(account.represented(), account.pixels);
+                [model::percent(account.not_kept(), account.pixels), format!("{redundant} redundant")]
             }),
-            "Share of all pixels that another, kept sample represents at least as well.",
+            &report.map_or_else(String::new, |r| dropped_help(&r.pixel_account())),
         ),
         figure(
             "Memory",
@@ -142,6 +143,25 @@ fn figures(state: &State) -> Vec<KeyFigure> {
             "Milliseconds that rendering the live view took, and the share of it that samples reached.",
         ),
     ]
+}
+
+/// The parts of what is not kept, which add up.
+fn dropped_help(account: &PixelAccount) -> String {
+    let parts = [
+        (account.repeated, "repeated over time"),
+        (account.redundant, "redundant between cameras"),
+        (account.without_depth, "without depth"),
+        (account.mixed, "blended at an edge"),
+        (account.contradicted, "contradicted"),
+        (account.cut, "cut by hand"),
+    ];
+    let parts = parts.into_iter().filter(|(pixels, _)| *pixels > 0);
+    let parts = parts.map(|(pixels, what)| format!("{} {what}", model::percent(pixels, account.pixels)));
+    format!(
+        "Share of all pixels of all frames of all cameras that are not kept: {}. Redundant are those that a kept sample represents at \
+         least as well.",
+        parts.collect::<Vec<_>>().join(", ")
+    )
 }
 
 fn accuracy_figure(

@@ -68,7 +68,7 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
     }
     let modal = Modal::new(Id::unique("closing")).show(ctx, |ui| {
         ui.set_width(420.0);
-        let unsaved_work = state.inspector.unsaved_work();
+        let unsaved_work = state.unsaved_work();
         let (title, text) = match (state.inspector.closing.writing, state.is_unsaved()) {
             _ if !closes => ("Open something else?", None),
             (true, _) => ("Close before all is written?", Some(WRITING)),

@@ -1,5 +1,6 @@
 //! What the window does between commands and answers, without a picture of it.
 
+mod edits;
 mod motion;
 mod paths;
 mod sharing;

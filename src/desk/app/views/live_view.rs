@@ -5,6 +5,7 @@ use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
 use super::cameras_overlay::{self, camera_at, seen_cameras};
+use super::edit_shapes;
 use super::legend;
 use super::live_pixels::{inverse_depth_at, pixel_at};
 use super::source_view::{self, FOOTER};
@@ -103,7 +104,9 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     let seen = state.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
-    let is_taken = cameras_overlay::answer(ui, &response, state, pointed_at, commands);
+    let draws = edit_shapes::outline_ui(ui, &response, &painter, canvas, state, commands);
+    let is_taken = draws || cameras_overlay::answer(ui, &response, state, pointed_at, commands);
+    let is_taken = edit_shapes::shape_ui(ui, &painter, canvas, state, commands) || is_taken;
     motion(ui, &response, canvas, state, is_taken, commands);
     guides::guides_ui(ui, &painter, canvas, state, commands);
     mark_probe(&painter, canvas, state);
@@ -191,7 +194,8 @@ fn motion(
         commands.push(Command::Home);
         return;
     }
-    let delta = response.drag_delta();
+    let is_drawn = state.edits.tool.is_some() && response.dragged_by(PointerButton::Primary);
+    let delta = if is_drawn { egui::Vec2::ZERO } else { response.drag_delta() };
     let delta = DVec2::new(f64::from(delta.x), f64::from(delta.y));
     if delta != DVec2::ZERO {
         let shifts = response.dragged_by(PointerButton::Secondary)

@@ -9,8 +9,11 @@ use super::other_pictures;
 use super::requests::FileRequest;
 use crate::address;
 use crate::app::model::{Background, Destination, Display, Message, Purpose};
+use crate::pruned_store;
 use overlook_engine::capture::Capture;
 use overlook_engine::capture::transforms::{PathView, open_path, path_to_json};
+use overlook_engine::edited_store::write_edited_store;
+use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::render::Picture;
@@ -92,9 +95,26 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
             let bytes = store::file::write_with(&path, &samples, &extras, job)?;
             (path, Some(bytes), Some((scene.id, samples.settings.clone())))
         }
-        FileRequest::SaveAgain { path, playback } => {
-            let bytes = store::write_again(&path, playback.store(), None, job)?;
+        FileRequest::SaveAgain { path, playback, edits } => {
+            let store = playback.store();
+            let bytes = if edits.is_idle() {
+                store::write_again(&path, store, None, job)?
+            } else {
+                write_edited_store(&path, store, &edits, None, job)?.0
+            };
             (path, Some(bytes), None)
+        }
+        FileRequest::SaveEdited { path, scene, settings, edits } => {
+            let (_, bytes) = pruned_store::prune_into_store(scene.source()?, &settings, &edits, &path, job)?;
+            (path, Some(bytes), Some((scene.id, settings)))
+        }
+        FileRequest::SaveEdits { path, list } => {
+            whole_file::write_all(&path, list.to_toml())?;
+            return Ok(Message::EditsSaved { path, list });
+        }
+        FileRequest::LoadEdits { path, scene } => {
+            let list = EditList::load(&path)?;
+            return Ok(Message::EditsLoaded { scene, path, list });
         }
         FileRequest::SaveSettings { path, settings } => {
             whole_file::write_all(&path, settings.to_toml())?;
@@ -171,6 +191,8 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
             .add_filter("All files", &["*"])
             .pick_file(),
         Purpose::LoadSettings => dialog.add_filter("Settings", &["toml"]).pick_file(),
+        Purpose::LoadEdits => dialog.add_filter("Edits", &["toml"]).pick_file(),
+        Purpose::SaveEdits => dialog.add_filter("Edits", &["toml"]).save_file(),
         Purpose::SavePath => dialog.add_filter("Camera path", &["json"]).save_file(),
         Purpose::LoadPath => dialog.add_filter("Camera path", &["json"]).pick_file(),
         Purpose::SaveStore => dialog.add_filter("Store", &["ovl"]).save_file(),

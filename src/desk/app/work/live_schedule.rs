@@ -86,7 +86,9 @@ impl LiveSchedule {
 
     /// What is to be painted now, and how long until that changes.
     fn key(&mut self, state: &State, changed_at: Option<Instant>) -> Option<(LiveKey, Option<Duration>)> {
-        let (scene, samples) = (state.scene.as_ref()?, state.samples_here()?);
+        let scene = state.scene.as_ref()?;
+        let edited = state.edited().map(|edited| &edited.shown);
+        let samples = edited.or_else(|| state.samples_here())?;
         let orbit = state.live.orbit.as_ref()?;
         let frame = state.timeline.frame;
         let rests_in =
@@ -109,7 +111,8 @@ impl LiveSchedule {
         let key = LiveKey {
             scene: scene.id,
             samples: samples.clone(),
-            playback: scene.playback().cloned(),
+            // What edits leave is in memory.
+            playback: scene.playback().filter(|_| edited.is_none()).cloned(),
             vantage: Vantage { camera: state.live_camera(size)?, frame },
             settings,
             color_by: state.live.color_by,

@@ -10,6 +10,7 @@ mod compare;
 mod compare_place;
 mod develop;
 mod difference;
+mod edits;
 mod facts;
 mod files;
 mod histograms;

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::app::model::{CameraPath, Display, ExportTarget, OpenScene, Study};
 use overlook_engine::demo::DemoSpec;
+use overlook_engine::edits::EditList;
 use overlook_engine::page::PageOptions;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::Report;
@@ -64,6 +65,23 @@ pub(crate) enum FileRequest {
     SaveAgain {
         path: PathBuf,
         playback: Arc<Playback>,
+        /// What is cut out of it.
+        edits: EditList,
+    },
+    /// Prune a scene again with edits, and write the store.
+    SaveEdited {
+        path: PathBuf,
+        scene: Arc<OpenScene>,
+        settings: Settings,
+        edits: EditList,
+    },
+    SaveEdits {
+        path: PathBuf,
+        list: EditList,
+    },
+    LoadEdits {
+        path: PathBuf,
+        scene: u64,
     },
     SaveSettings {
         path: PathBuf,
@@ -115,6 +133,8 @@ impl FileRequest {
         match self {
             Self::SaveStore { path, .. }
             | Self::SaveAgain { path, .. }
+            | Self::SaveEdited { path, .. }
+            | Self::SaveEdits { path, .. }
             | Self::SaveSettings { path, .. }
             | Self::SaveText { path, .. }
             | Self::SavePicture { path, .. }
@@ -122,7 +142,10 @@ impl FileRequest {
             | Self::SavePath { path, .. } => {
                 ("Saving stopped", format!("Nothing was written to {}.", path.display()))
             }
-            Self::LoadSettings { path } | Self::LoadPath { path, .. } | Self::OpenPictures { path, .. } => {
+            Self::LoadSettings { path }
+            | Self::LoadPath { path, .. }
+            | Self::LoadEdits { path, .. }
+            | Self::OpenPictures { path, .. } => {
                 ("Loading stopped", format!("Nothing was read from {}.", path.display()))
             }
         }

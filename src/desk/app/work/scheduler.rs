@@ -9,8 +9,8 @@ use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
 use super::worker::Worker;
 use super::workers::Workers;
 use crate::app::model::{
-    CompareKey, DockView, OpenScene, ProbeKey, SceneSource, SettingsSlot, ShareKey, SourceKey, Spot, State,
-    method_of,
+    CompareKey, DockView, EditKey, OpenScene, ProbeKey, SceneSource, SettingsSlot, ShareKey, SourceKey, Spot,
+    State, method_of,
 };
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::samples::SampleSet;
@@ -69,6 +69,7 @@ pub(crate) struct Scheduler {
     checked: Option<u64>,
     shown_readings: Option<u64>,
     sizes: Option<ShareKey>,
+    edits: Option<EditKey>,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
 }
@@ -80,7 +81,11 @@ impl Scheduler {
         let source = !state.has_capture()
             || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
         let live = self.live.is_up_to_date(state);
-        whole && source && live && (self.is_inspected(state) || !state.has_capture())
+        let edits = !state.edits.are_in_use()
+            || state.samples_to_edit().is_none()
+            || state.edits.trouble.is_some()
+            || state.edits.edited.as_ref().map(|(key, _)| key) == self.edits.as_ref();
+        whole && source && live && edits && (self.is_inspected(state) || !state.has_capture())
     }
 
     /// Whether the last inspection that was requested came back.
@@ -101,6 +106,7 @@ impl Scheduler {
     ) -> Option<Duration> {
         self.request_inspection(state, workers);
         let preparation = self.request_preparation(state, workers);
+        self.request_edits(state, workers);
         self.request_source(state, workers);
         let rest = self.live.request(state, workers, self.changed_at);
         self.request_accuracy(state, workers);
@@ -146,6 +152,20 @@ impl Scheduler {
         workers.prepare.submit(prune_request(state, scene));
         self.prepare.clone_from(&self.inspect);
         None
+    }
+
+    /// Applies edits to the samples, and shows what is selected of them.
+    fn request_edits(&mut self, state: &State, workers: &Workers) {
+        let samples = state.samples_to_edit().filter(|_| state.edits.are_in_use());
+        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        let key = EditKey {
+            scene: scene.clone(),
+            samples: samples.clone(),
+            scan: state.scan.clone(),
+            list: state.edits.list.clone(),
+            selection: state.edits.selection.clone(),
+        };
+        submit_new(&workers.edits, &mut self.edits, key);
     }
 
     fn request_source(&mut self, state: &State, workers: &Workers) {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::accuracy::measure;
 use super::compare::Comparer;
+use super::edits::SampleEditor;
 use super::readings::{self, ReadingRequest};
 use super::requests::{
     ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
@@ -15,8 +16,8 @@ use super::{
     carry, facts, files, histograms, live_image, opening, pruning, share_facts, sharing, source_image, study,
 };
 use crate::app::model::{
-    CarryKey, CompareKey, Destination, LiveKey, Message, OpenScene, ProbeKey, Purpose, ShareKey, SourceKey,
-    WorkKind as Kind,
+    CarryKey, CompareKey, Destination, EditKey, LiveKey, Message, OpenScene, ProbeKey, Purpose, ShareKey,
+    SourceKey, WorkKind as Kind,
 };
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -53,6 +54,8 @@ pub(crate) struct Workers {
     pub sizes: Worker<ShareKey>,
     pub show_in_folder: Worker<PathBuf>,
     pub study: Worker<StudyRequest>,
+    /// What edits leave of the samples.
+    pub edits: Worker<EditKey>,
     /// How the capture is read, and how it would fit better.
     pub readings: Worker<ReadingRequest>,
 }
@@ -102,6 +105,8 @@ impl Workers {
         let (progress, points) = (outbox.clone(), outbox.clone());
         let mut renderer = Renderer::sharing(shared);
         let mut filter = live_image::CameraFilter::default();
+        let mut editor = SampleEditor::default();
+        let editing = rendering.clone();
         let mut comparer = Comparer::new(studying.clone());
         let mut meter = share_facts::StoreMeter::default();
         Ok(Self {
@@ -165,6 +170,9 @@ impl Workers {
             readings: Worker::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
             })?,
+            edits: Worker::start(Kind::EditSamples, Never, outbox, move |key, job| {
+                editing.install(|| editor.answer(key, job))
+            })?,
             study: Worker::start(Kind::Study, Always, outbox, move |request, job| {
                 studying.install(|| study::study(request, &points, job))
             })?,
@@ -192,6 +200,7 @@ impl Workers {
             && self.sizes.is_idle()
             && self.study.is_idle()
             && self.readings.is_idle()
+            && self.edits.is_idle()
     }
 }
 

@@ -237,13 +237,14 @@ impl Info {
             ),
             Contents::Store { samples, bytes, sizes, spans, report, .. } => write!(
                 text,
-                "  {} ({} of {}) over {} in {}\n{}{}Next: overlook {path}",
+                "  {} ({} of {}) over {} in {}\n{}{}{}Next: overlook {path}",
                 output::count_of(*samples, "sample"),
                 output::percent(*samples, report.samples_in),
                 output::count_of(report.samples_in, "pixel"),
                 counted(*spans, "span"),
                 output::bytes(*bytes),
                 output::without_depth(report).unwrap_or_default(),
+                output::cut_by_hand(report),
                 sizes.text()
             ),
         };

@@ -3,6 +3,7 @@
 pub(super) mod align;
 pub(super) mod bench;
 pub(super) mod demo;
+pub(super) mod edit;
 pub(super) mod evaluate;
 pub(super) mod export;
 pub(super) mod info;

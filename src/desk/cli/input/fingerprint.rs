@@ -1,19 +1,12 @@
 //! Identity of the files that a command reads.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
-
-use rayon::prelude::*;
 
 use overlook_engine::capture::transforms::{manifest_path, picture_places};
 use overlook_engine::capture::{Capture, Source};
 use overlook_engine::error::{Error, Result};
-use overlook_engine::job::Job;
-use overlook_engine::store::file::InputFiles;
 
 /// A text that changes with any camera of a capture, any byte of its manifest or of its truth's, and any rewritten picture.
 pub(crate) fn state(path: &Path, capture: &Capture, views: Option<&Path>) -> Result<String> {
@@ -55,69 +48,12 @@ pub(crate) fn pictures_state(pictures: &[PathBuf]) -> Result<String> {
     files_state(&[], pictures)
 }
 
-/// Length and checksum of all files of a capture; `None` if it does not come from files.
-pub(crate) fn input_files(capture: &Capture, job: &Job) -> Result<Option<InputFiles>> {
-    let files = capture.files();
-    let sums = sums_of(&files, job)?;
-    Ok(summed_up(files.into_iter().zip(sums)))
-}
-
-/// Length and CRC-32 of each file.
-pub(crate) fn sums_of(files: &[PathBuf], job: &Job) -> Result<Vec<(u64, u32)>> {
-    job.start("Summing the input up", files.len());
-    let read = files.par_iter().map(|path| {
-        job.check()?;
-        let sums = sum_of(path).map_err(|error| Error::io(path, error))?;
-        job.advance(1);
-        Ok(sums)
-    });
-    read.collect()
-}
-
-/// All files of a capture in one sum; `None` without files.
-pub(crate) fn summed_up(files: impl Iterator<Item = (PathBuf, (u64, u32))>) -> Option<InputFiles> {
-    let files: BTreeMap<PathBuf, (u64, u32)> = files.collect();
-    // Names are relative to the folder common to all files, so that a capture may move as a whole.
-    let root = files.keys().skip(1).fold(files.keys().next().and_then(|path| path.parent()), |root, path| {
-        root.and_then(|root| root.ancestors().find(|root| path.starts_with(root)))
-    });
-    let root = root.unwrap_or(Path::new(""));
-    let named = files.iter().map(|(path, (bytes, crc))| {
-        (path.strip_prefix(root).unwrap_or(path).display().to_string(), *bytes, *crc)
-    });
-    let mut named: Vec<(String, u64, u32)> = named.collect();
-    named.sort();
-    let lines: Vec<String> =
-        named.iter().map(|(name, bytes, crc)| format!("{crc:08x} {bytes} {name}\n")).collect();
-    let list = lines.concat();
-    (!named.is_empty()).then(|| InputFiles {
-        files: named.len() as u64,
-        bytes: named.iter().map(|(_, bytes, _)| bytes).sum(),
-        crc32: crc32fast::hash(list.as_bytes()),
-    })
-}
-
-/// Length and CRC-32 of a file, read piece by piece through one small buffer.
-fn sum_of(path: &Path) -> std::io::Result<(u64, u32)> {
-    let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
-    let (mut bytes, mut crc32) = (0, crc32fast::Hasher::new());
-    loop {
-        let piece = file.fill_buf()?;
-        if piece.is_empty() {
-            return Ok((bytes, crc32.finalize()));
-        }
-        crc32.update(piece);
-        let length = piece.len();
-        bytes += length as u64;
-        file.consume(length);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use overlook_engine::capture::transforms::{MANIFEST_NAME, open, write_capture};
     use overlook_engine::demo::{Demo, DemoSpec};
+    use overlook_engine::job::Job;
     use overlook_engine::settings::CaptureSettings;
 
     fn record(folder: &Path, noise: Option<f32>) {

@@ -7,6 +7,7 @@ use indicatif::{DecimalBytes, HumanCount};
 use serde::Serialize;
 
 use super::command_error::CommandError;
+use overlook_engine::edits::CutByHand;
 use overlook_engine::error::Error;
 use overlook_engine::part::Part;
 use overlook_engine::plural::noun;
@@ -73,6 +74,24 @@ pub(crate) fn bytes(number: u64) -> String {
 pub(crate) fn without_depth(report: &Report) -> Option<String> {
     let pixels = report.without_depth();
     (pixels > 0).then(|| format!("  without depth {:>10}\n", count(pixels)))
+}
+
+/// A line for each time that something was cut by hand.
+pub(crate) fn cut_by_hand(report: &Report) -> String {
+    let line = |cut: &CutByHand| {
+        let mut parts = Vec::new();
+        if !cut.cameras.is_empty() {
+            parts.push(format!("without {}", cut.cameras.join(", ")));
+        }
+        if cut.pixels > 0 {
+            parts.push(format!("{} before pruning", count_of(cut.pixels, "pixel")));
+        }
+        if cut.samples > 0 || parts.is_empty() {
+            parts.push(count_of(cut.samples, "sample"));
+        }
+        format!("  cut by hand: {}\n", parts.join("; "))
+    };
+    report.cut.iter().map(line).collect()
 }
 
 /// `part` of `whole` in percent.

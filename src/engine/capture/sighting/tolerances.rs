@@ -26,3 +26,6 @@ pub const PAINTED_SAMPLE: Tolerance = Tolerance::below(0.01);
 
 /// A mark in the rendered picture: depths of surfaces that are splatted over each other are blended there.
 pub const MARKED_SURFACE: Tolerance = Tolerance::below(0.03);
+
+/// Kept samples that other cameras confirm or look past, after pruning: the noise of real sensors, as for the choice of views.
+pub const KEPT_SAMPLES: Tolerance = Tolerance::up_to(0.03);

@@ -1,5 +1,6 @@
 //! The report of preprocessing: counts, timings, warnings.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -11,10 +12,11 @@ use super::pair_table::PairTable;
 use super::suspect::Suspect;
 use crate::alignment::Alignment;
 use crate::capture::conventions::Finding;
+use crate::edits::CutByHand;
 use crate::error::{Error, Result};
 use crate::preprocess::normals::{self, NormalErrors};
 use crate::preprocess::temporal::RangeFacts;
-use crate::samples::Span;
+use crate::samples::{ImageFacts, Span};
 
 /// One camera's part of a [`Report`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -141,6 +143,9 @@ pub struct Report {
     /// found if the settings keep mixed pixels or the first camera wins. Blended ones are found only if the capture's color is filtered,
     /// flying ones only with agreement, and neither if their neighbors live in shorter spans.
     pub mixed_pixels: BTreeMap<String, u64>,
+    /// What was cut by hand, in the order in which it was: it is neither kept, nor in `pruned`, nor without depth.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cut: Vec<CutByHand>,
     /// All input pixels as 8-bit color and 32-bit depth.
     pub bytes_raw: u64,
     /// The kept samples in memory.
@@ -177,6 +182,57 @@ impl Report {
     #[must_use]
     pub fn without_depth(&self) -> u64 {
         self.cameras.iter().fold(0, |sum, camera| sum.saturating_add(camera.invalid))
+    }
+
+    /// Counts the images that are kept.
+    pub(crate) fn count_images<'a>(&mut self, images: impl Iterator<Item = &'a ImageFacts>) {
+        let mut spans = BTreeMap::<_, u64>::new();
+        (self.samples_kept, self.samples_doubtful, self.bytes_memory) = (0, 0, 0);
+        for image in images {
+            *spans.entry((Reverse(image.span.len()), image.span)).or_default() += image.samples as u64;
+            self.samples_kept += image.samples as u64;
+            self.samples_doubtful += image.doubtful as u64;
+            self.bytes_memory += image.bytes as u64;
+        }
+        self.spans = spans.into_iter().map(|((_, span), samples)| SpanReport { span, samples }).collect();
+    }
+
+    /// Notes what was cut by hand, which left these images. A sample that is gone, or holds at fewer frames than before, repeats as
+    /// many pixels less.
+    pub(crate) fn note_cut<'a>(
+        &mut self,
+        cut: CutByHand,
+        images: impl Iterator<Item = &'a ImageFacts> + Clone,
+    ) {
+        let kept = self.samples_kept;
+        self.count_images(images.clone());
+        let repeated = (cut.sample_pixels + self.samples_kept).saturating_sub(kept);
+        if let Some(of_rule) = self.pruned.get_mut(STATIC_RULE) {
+            *of_rule = of_rule.saturating_sub(repeated);
+        }
+        let frames = self.foreground_per_frame.len();
+        self.foreground_per_frame.fill(0);
+        for camera in &mut self.cameras {
+            (camera.background_kept, camera.foreground_kept) = (0, 0);
+        }
+        for image in images {
+            let samples = image.samples as u64;
+            let Some(camera) = self.cameras.get_mut(image.camera as usize) else { continue };
+            if image.span.len() == frames {
+                camera.background_kept += samples;
+                continue;
+            }
+            camera.foreground_kept += samples;
+            for at_frame in self
+                .foreground_per_frame
+                .iter_mut()
+                .take(image.span.end as usize)
+                .skip(image.span.start as usize)
+            {
+                *at_frame += samples;
+            }
+        }
+        self.cut.push(cut);
     }
 
     /// Notes how else the capture is to be read, which explains what samples say of depth alone.

@@ -1,13 +1,12 @@
 //! What was counted over a run of frames, to be added to what was counted over others.
 
-use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::pair_residuals::{PairHistograms, residuals_of};
 use super::pair_table::{keeps_all_pairs, others_kept};
-use super::report::{Report, SpanReport};
+use super::report::Report;
 use crate::samples::ImageFacts;
 
 /// Counts and residuals of a run of frames. All are whole numbers that add up, or the same for all runs.
@@ -47,14 +46,7 @@ impl RunCounts {
     /// The report of all runs of this many cameras, given the images that are kept.
     pub(crate) fn finish<'a>(self, cameras: usize, images: impl Iterator<Item = &'a ImageFacts>) -> Report {
         let Self { mut report, readings } = self;
-        let mut spans = BTreeMap::<_, u64>::new();
-        for image in images {
-            *spans.entry((Reverse(image.span.len()), image.span)).or_default() += image.samples as u64;
-            report.samples_kept += image.samples as u64;
-            report.samples_doubtful += image.doubtful as u64;
-            report.bytes_memory += image.bytes as u64;
-        }
-        report.spans = spans.into_iter().map(|((_, span), samples)| SpanReport { span, samples }).collect();
+        report.count_images(images);
         report.residuals = residuals_of(&readings, cameras);
         if !keeps_all_pairs(cameras) {
             report.witnesses_left_out = report.witnesses.keep_largest(others_kept(cameras));

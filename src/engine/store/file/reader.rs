@@ -94,7 +94,7 @@ impl Store {
     }
 
     /// Where it was opened.
-    pub(super) fn path(&self) -> &Path {
+    pub fn path(&self) -> &Path {
         &self.path
     }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::path::{self, Stops};
-use crate::cli::input;
+use crate::cli::input::EditsArgs;
 use crate::cli::output::{self, CommandError};
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::Result;
@@ -16,6 +16,8 @@ use overlook_engine::store::file::StoreInfo;
 pub(crate) struct PageArgs {
     /// The store.
     store: PathBuf,
+    #[command(flatten)]
+    edits: EditsArgs,
     /// The page, as in scene.html.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -40,11 +42,12 @@ impl PageArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         output::check_file(&self.out, "scene.html")?;
         output::refuse_input(&self.store, &self.out)?;
+        self.edits.refuse_inputs(&self.out)?;
         output::refuse_store(&self.out)?;
         if let Some(path) = &self.path {
             output::refuse_view_files(path, &self.out)?;
         }
-        let playback = input::open_store(&self.store)?;
+        let playback = self.edits.open_store(&self.store)?;
         let options = PageOptions {
             path: self
                 .path

@@ -7,7 +7,7 @@ use clap::Args;
 use glam::DVec3;
 
 use super::path::{self, Pace, Stops};
-use crate::cli::input::{self, PaintingArgs, SettingsArgs, choice};
+use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs, choice};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::{Error, Result};
@@ -24,6 +24,8 @@ use overlook_engine::whole_file;
 pub(crate) struct FilmArgs {
     /// The store.
     store: PathBuf,
+    #[command(flatten)]
+    edits: EditsArgs,
     /// The camera path: views at some frames, between which the camera moves smoothly, or every picture of a film, as the window and
     /// nerfstudio's viewer write it. Of a scene of one frame every view is a picture.
     #[arg(long, value_name = "TRANSFORMS")]
@@ -54,6 +56,7 @@ impl FilmArgs {
     /// Refuses a file that the film is made from, and any other store.
     pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<()> {
         output::refuse_input(&self.store, out)?;
+        self.edits.refuse_inputs(out)?;
         output::refuse_store(out)?;
         self.settings.refuse_inputs(out)?;
         output::refuse_view_files(&self.path, out)
@@ -68,7 +71,7 @@ impl FilmArgs {
             return Err(Error::invalid("--width", what).into());
         }
         whole_file::refuse_pipe(&self.path)?;
-        let playback = input::open_store(&self.store)?;
+        let playback = self.edits.open_store(&self.store)?;
         let info = playback.store().info();
         let mut settings: Settings = self.settings.over(info.settings.clone())?;
         self.painting.apply(&mut settings.render);

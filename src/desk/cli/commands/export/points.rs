@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::frame_files::{frame_index, write_frames};
-use crate::cli::input;
+use crate::cli::input::EditsArgs;
 use crate::cli::output::{self, CommandError};
 use crate::points;
 use overlook_engine::error::Result;
@@ -18,6 +18,8 @@ use overlook_engine::store::playback::Playback;
 pub(crate) struct PointsArgs {
     /// The store.
     store: PathBuf,
+    #[command(flatten)]
+    edits: EditsArgs,
     /// The PLY file; without --frame and --static a folder, in which each frame gets a file.
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
@@ -32,13 +34,14 @@ pub(crate) struct PointsArgs {
 impl PointsArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         output::refuse_input(&self.store, &self.out)?;
+        self.edits.refuse_inputs(&self.out)?;
         if self.frame.is_some() || self.still {
             output::check_file(&self.out, "points.ply")?;
             output::refuse_store(&self.out)?;
         } else {
             output::check_folder(&self.out)?;
         }
-        let playback = input::open_store(&self.store)?;
+        let playback = self.edits.open_store(&self.store)?;
         let (files, points) = output::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());
         let (points, out) = (output::count_of(points, "point"), self.out.display());

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::frame_files::{frame_index, write_frames};
-use crate::cli::input;
+use crate::cli::input::EditsArgs;
 use crate::cli::output::{self, CommandError};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -17,6 +17,8 @@ use overlook_engine::store::playback::Playback;
 pub(crate) struct SplatsArgs {
     /// The store.
     store: PathBuf,
+    #[command(flatten)]
+    edits: EditsArgs,
     /// The file format.
     #[arg(long, value_parser = input::choice::<SplatFormat>(SplatFormat::NAMES))]
     format: SplatFormat,
@@ -40,13 +42,14 @@ pub(crate) struct SplatsArgs {
 impl SplatsArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         output::refuse_input(&self.store, &self.out)?;
+        self.edits.refuse_inputs(&self.out)?;
         if self.is_one_file() {
             output::check_file(&self.out, &format!("scene.{}", self.format))?;
             output::refuse_store(&self.out)?;
         } else {
             output::check_folder(&self.out)?;
         }
-        let playback = input::open_store(&self.store)?;
+        let playback = self.edits.open_store(&self.store)?;
         let written = output::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());
         output::print(&self.said(&written))

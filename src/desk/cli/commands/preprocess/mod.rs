@@ -13,15 +13,15 @@ use serde::Serialize;
 
 use crate::cli::input::{self, HoldOutArgs, PartArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
+use crate::pruned_store;
 use overlook_engine::capture::{self, Capture};
+use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::part::Part;
 use overlook_engine::plural::counted;
-use overlook_engine::preprocess::diagnostics::{CameraReport, Report};
-use overlook_engine::preprocess::{BufferedResult, preprocess_buffered};
+use overlook_engine::preprocess::diagnostics::{CameraReport, PixelAccount, Report};
 use overlook_engine::settings::{CaptureSettings, Settings, SpanLevels};
-use overlook_engine::store::file::{self, Extras, InputFiles, Provenance};
 use overlook_lab::truth::{self, ViewCorrections};
 use stages::{PreprocessStage, Stages};
 
@@ -39,6 +39,10 @@ pub(crate) struct PreprocessArgs {
     /// Use only the cameras that this file names, one a line, as `overlook tune --fewest-views` writes it.
     #[arg(long, value_name = "FILE")]
     only: Option<PathBuf>,
+    /// Obey this edit list (TOML, as the window saves it): cameras that are left out take no part, and what is deleted in a region counts
+    /// as pixels without depth before pruning, so that no other pixel brings it back.
+    #[arg(long, value_name = "FILE", conflicts_with = "stage")]
+    edits: Option<PathBuf>,
     /// Read at most this many views: those that together show the most [default: as in the settings].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     views: Option<u32>,
@@ -75,22 +79,6 @@ enum Work {
     Join(PreprocessStage, u32),
 }
 
-/// Writes a store, and gives its report and its bytes.
-fn store(
-    capture: &Capture,
-    result: BufferedResult,
-    inputs: Option<InputFiles>,
-    out: &Path,
-    job: &Job,
-) -> Result<(Report, u64)> {
-    let BufferedResult { outline, images, report } = result;
-    let frames_are_ranked = capture.frames_are_ranked();
-    let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
-    let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
-    let bytes = file::write_spooled(out, &outline, &images, &extras, job)?;
-    Ok((report, bytes))
-}
-
 #[derive(Serialize)]
 struct PreprocessOutput {
     samples_in: u64,
@@ -105,6 +93,8 @@ struct PreprocessOutput {
     seconds_decode_only: Option<f64>,
     peak_rss_bytes: Option<u64>,
     pruned: BTreeMap<String, u64>,
+    /// What became of every pixel, in numbers that add up to `samples_in`.
+    pixels: PixelAccount,
     threads: usize,
     report: Report,
 }
@@ -115,6 +105,7 @@ impl PreprocessArgs {
         settings.capture.views = self.views.unwrap_or(settings.capture.views);
         output::check_file(&self.out, "scene.ovl")?;
         self.settings.refuse_inputs(&self.out)?;
+        let edits = self.edits()?;
         let capture = self.open(&frame_cache(&settings))?;
         output::refuse_capture_files(&self.capture, None, &self.out)?;
         output::warn(&capture.warnings);
@@ -124,9 +115,7 @@ impl PreprocessArgs {
         let stages = Stages { path: &self.capture, capture: &capture, out: &self.out, settings: &settings };
         let (report, bytes_store) = match self.work()? {
             Work::Whole => output::watched(|job| {
-                let result = preprocess_buffered(&capture, &settings, job)?;
-                let inputs = input::input_files(&capture, job)?;
-                store(&capture, result, inputs, &self.out, job)
+                pruned_store::prune_into_store(&capture, &settings, &edits, &self.out, job)
             })?,
             Work::Measure => {
                 return self.left(&output::watched(|job| stages.measure(job))?, "--stage scan --part 1/N");
@@ -143,7 +132,7 @@ impl PreprocessArgs {
             }
             Work::Join(PreprocessStage::Prune, of) => output::watched(|job| {
                 let (result, inputs) = stages.join_pruned(of, job)?;
-                store(&capture, result, inputs, &self.out, job)
+                pruned_store::write(&capture, result, inputs, &self.out, job)
             })?,
             Work::Join(_, of) => {
                 let next = format!("--stage prune --part 1/{of}");
@@ -161,6 +150,7 @@ impl PreprocessArgs {
             seconds_decode_only,
             peak_rss_bytes: output::peak_rss_bytes(),
             pruned: report.pruned.clone(),
+            pixels: report.pixel_account(),
             threads: rayon::current_num_threads(),
             report,
         };
@@ -191,6 +181,13 @@ impl PreprocessArgs {
             return output::print_json(&serde_json::json!({ "files": [file] }));
         }
         output::print(&format!("Wrote {}\nNext: the same command with {next}", file.display()))
+    }
+
+    /// The list of edits, empty where none is named.
+    fn edits(&self) -> Result<EditList> {
+        let Some(file) = &self.edits else { return Ok(EditList::default()) };
+        output::refuse_input(file, &self.out)?;
+        EditList::load(file)
     }
 
     fn open(&self, settings: &CaptureSettings) -> Result<Capture> {
@@ -235,6 +232,7 @@ impl PreprocessArgs {
             );
         }
         text += &output::without_depth(&result.report).unwrap_or_default();
+        text += &output::cut_by_hand(&result.report);
         for (outcome, samples) in result.report.mixed_pixels.iter().filter(|(_, samples)| **samples > 0) {
             let _ = writeln!(text, "  mixed across a silhouette, {outcome}: {}", output::count(*samples));
         }

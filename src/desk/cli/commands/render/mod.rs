@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::{self, PaintingArgs, SettingsArgs};
+use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::{TruthView, transforms};
 use overlook_engine::error::{Error, Result};
@@ -21,6 +21,8 @@ use views::ViewPainting;
 pub(crate) struct RenderArgs {
     /// The store.
     store: PathBuf,
+    #[command(flatten)]
+    edits: EditsArgs,
     /// The viewpoints: a manifest of the same form as a capture's. Its pictures are the truth, if they exist.
     #[arg(long, value_name = "TRANSFORMS")]
     views: PathBuf,
@@ -49,7 +51,7 @@ impl RenderArgs {
         self.settings.only("render")?;
         output::check_folder(&self.out)?;
         whole_file::refuse_pipe(&self.views)?;
-        let playback = input::open_store(&self.store)?;
+        let playback = self.edits.open_store(&self.store)?;
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
         let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;

@@ -1,0 +1,129 @@
+//! Edits in the window: what is selected and deleted is shown, taken back and saved, with the bytes that lists give elsewhere.
+
+use std::path::{Path, PathBuf};
+
+use super::{OverlookApp, ready, settle, wait};
+use crate::app::model::{Command, EditCommand, Purpose};
+use crate::pruned_store;
+use overlook_engine::capture;
+use overlook_engine::edited_store::write_edited_store;
+use overlook_engine::edits::{Action, EditList, Region};
+use overlook_engine::job::Job;
+use overlook_engine::render::Picture;
+use overlook_engine::store::file::Store;
+
+fn small_capture() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")
+}
+
+fn open(app: &mut OverlookApp, path: &Path, is_capture: bool) {
+    let before = app.state.scene.as_ref().map(|scene| scene.id);
+    app.state.edits.saved = app.state.edits.list.clone();
+    app.open_path(path);
+    wait(app, "the scene", |app| {
+        app.state.scene.as_ref().is_some_and(|scene| Some(scene.id) != before) && app.state.has_capture() == is_capture
+    });
+    settle(app);
+}
+
+fn edit(app: &mut OverlookApp, command: EditCommand) {
+    app.apply(Command::Edit(command));
+    settle(app);
+}
+
+fn delete(app: &mut OverlookApp, region: Region) {
+    edit(app, EditCommand::Select(region));
+    assert!(app.state.edited().unwrap().selected > 0);
+    edit(app, EditCommand::Act(Action::Delete));
+}
+
+fn picture(app: &OverlookApp) -> Picture {
+    Picture::clone(app.state.live_shown.as_ref().unwrap().picture.rendered().unwrap())
+}
+
+fn shows_same(a: &Picture, b: &Picture) -> bool {
+    a.color == b.color && a.inverse_depth == b.inverse_depth
+}
+
+fn middle(app: &OverlookApp, radius: f64) -> Region {
+    let center = app.state.scene.as_ref().unwrap().pivot_in_world.to_array();
+    Region::Sphere { center, radius: radius * app.state.live.orbit.as_ref().unwrap().pivot_distance }
+}
+
+#[test]
+fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_when_it_is_opened_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let [list, store, again, beside] =
+        ["edits.toml", "clean.ovl", "again.ovl", "beside.ovl"].map(|name| folder.path().join(name));
+    let mut app = ready(2, 1);
+    open(&mut app, &small_capture(), true);
+    let before = picture(&app);
+    let region = middle(&app, 0.3);
+    edit(&mut app, EditCommand::Select(region.clone()));
+    assert!(!shows_same(&picture(&app), &before), "the selection is in a color of its own");
+    edit(&mut app, EditCommand::SelectNothing);
+    assert!(shows_same(&picture(&app), &before));
+    delete(&mut app, region);
+    let deleted = app.state.edited().unwrap().deleted;
+    assert!(deleted > 0 && !shows_same(&picture(&app), &before));
+    app.apply(Command::Undo);
+    settle(&mut app);
+    assert!(shows_same(&picture(&app), &before) && app.state.edited_samples().is_none());
+    app.apply(Command::Redo);
+    settle(&mut app);
+    assert_eq!(app.state.edited().unwrap().deleted, deleted);
+    delete(&mut app, Region::ConfirmedByFewerThan(1));
+    edit(&mut app, EditCommand::LeaveOut(1));
+    assert!(app.state.unsaved_work().is_some_and(|work| work.contains("3 edits")));
+    app.take_path(Purpose::SaveEdits, list.clone());
+    app.take_path(Purpose::SaveStore, store.clone());
+    settle(&mut app);
+    assert_eq!(app.state.unsaved_work(), None);
+
+    let edits = EditList::load(&list).unwrap();
+    assert_eq!(edits, app.state.edits.list);
+    let settings = app.state.settings.clone();
+    let capture = capture::open(&small_capture(), &settings.capture).unwrap();
+    let (report, _) = pruned_store::prune_into_store(&capture, &settings, &edits, &beside, &Job::new()).unwrap();
+    let bytes = |path: &Path| std::fs::read(path).unwrap();
+    assert!(bytes(&store) == bytes(&beside));
+    assert_eq!(report.cut[0].cameras, [capture.cameras[1].name.clone()]);
+    assert_eq!(report.pixel_account().sum(), report.pixel_account().pixels);
+
+    open(&mut app, &small_capture(), true);
+    assert!(app.state.edits.list.edits.is_empty());
+    app.take_path(Purpose::LoadEdits, list);
+    wait(&mut app, "the list", |app| app.state.edits.list.edits.len() == 3);
+    settle(&mut app);
+    app.take_path(Purpose::SaveStore, again.clone());
+    settle(&mut app);
+    assert!(bytes(&again) == bytes(&store));
+    open(&mut app, &store, false);
+    let cleaned = picture(&app);
+    open(&mut app, &again, false);
+    assert!(shows_same(&picture(&app), &cleaned));
+}
+
+#[test]
+fn a_store_is_cleaned_and_shows_the_same_once_it_is_opened_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let [all, clean, beside] = ["all.ovl", "clean.ovl", "beside.ovl"].map(|name| folder.path().join(name));
+    let mut app = ready(3, 2);
+    app.take_path(Purpose::SaveStore, all.clone());
+    settle(&mut app);
+    open(&mut app, &all, false);
+    let region = middle(&app, 0.2);
+    delete(&mut app, region);
+    let edited = picture(&app);
+    app.take_path(Purpose::SaveStore, clean.clone());
+    settle(&mut app);
+    let edits = app.state.edits.list.clone();
+    let store = Store::open(&all).unwrap();
+    let (_, deleted) = write_edited_store(&beside, &store, &edits, None, &Job::new()).unwrap();
+    assert!(deleted > 0 && std::fs::read(&clean).unwrap() == std::fs::read(&beside).unwrap());
+    open(&mut app, &clean, false);
+    assert!(shows_same(&picture(&app), &edited));
+    // A store does not hold who confirms its samples.
+    edit(&mut app, EditCommand::Select(Region::Contradicted));
+    assert!(app.state.edits.trouble.as_ref().is_some_and(|trouble| trouble.contains("store")));
+}

@@ -1,0 +1,78 @@
+//! Stores after edits: what a store holds, without what a list deletes.
+
+use std::path::Path;
+
+use crate::capture::Capture;
+use crate::edits::{self, CutByHand, EditList, SampleVotes};
+use crate::error::Result;
+use crate::job::Job;
+use crate::preprocess::diagnostics::Report;
+use crate::samples::{ImageBuffer, SampleSet};
+use crate::store::file::{Extras, Store, StoreInfo, write_with};
+
+/// What a list leaves of a store.
+#[derive(Clone, Debug)]
+pub struct EditedStore {
+    /// Its samples.
+    pub samples: SampleSet,
+    /// Its report, as JSON, with what was cut; as it was where nothing was.
+    pub report: String,
+    /// Samples that are gone.
+    pub dropped: u64,
+}
+
+/// Applies edits to all samples of a store. Edits that ask which cameras confirm samples need the capture that it was made from: its
+/// frames as recorded, seen by the store's cameras.
+///
+/// # Errors
+/// `Io`, `Invalid` where some of the store is damaged, as [`EditList::check`] and as [`edits::cut`]; `Cancelled`.
+pub fn edit_store(
+    store: &Store,
+    edits: &EditList,
+    capture: Option<&Capture>,
+    job: &Job,
+) -> Result<EditedStore> {
+    let place = store.path().display().to_string();
+    edits.check(&store.info().cameras, &place)?;
+    let set = store.read_undamaged(job)?;
+    let images = ImageBuffer::of(&set.images);
+    let votes = match capture.filter(|_| edits.asks_for_votes()) {
+        Some(capture) => Some(SampleVotes::of(&images, &set.cameras, capture, job)?),
+        None => None,
+    };
+    let left = edits::cut(&images, &set, edits, votes.as_ref(), &place)?;
+    let mut report = store.info().report.clone();
+    if left.is_changed {
+        let mut counted = Report::from_json(&report, &place)?;
+        let cut = CutByHand {
+            edits: edits.to_toml(),
+            samples: left.dropped,
+            sample_pixels: left.dropped_pixels,
+            ..CutByHand::default()
+        };
+        counted.note_cut(cut, left.images.facts());
+        report = counted.to_json()?;
+    }
+    let outline = SampleSet { images: Vec::new(), ..set };
+    let samples = SampleSet { images: left.images.into_images()?, ..outline };
+    Ok(EditedStore { samples, report, dropped: left.dropped })
+}
+
+/// Writes what a list leaves of a store, in the precision of the store. Gives its size in bytes, and the samples that are gone. A list
+/// that deletes nothing gives the bytes of the store written again.
+///
+/// # Errors
+/// As [`edit_store`], and as [`crate::store::file::write`].
+pub fn write_edited_store(
+    path: &Path,
+    store: &Store,
+    edits: &EditList,
+    capture: Option<&Capture>,
+    job: &Job,
+) -> Result<(u64, u64)> {
+    let EditedStore { samples, report, dropped } = edit_store(store, edits, capture, job)?;
+    let StoreInfo { provenance, .. } = store.info().clone();
+    let held_to = Some(samples.settings.store.clone());
+    let extras = Extras { report, provenance, unknown: store.unknown_chunks()?, held_to };
+    Ok((write_with(path, &samples, &extras, job)?, dropped))
+}

@@ -1,0 +1,349 @@
+//! Edits of samples: what pruning kept, or what a store holds.
+//!
+//! ```text
+//! span of an image     |───────────────────|
+//! edit of some frames       |─────|            ─▶ cut into segments; a sample stays where no edit deletes it:
+//! what stays of it     |────|     |────────|       in one image of its span, or in images of shorter ones
+//! ```
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use half::f16;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::list::{Action, Edit, EditList, Reach};
+use super::region::Region;
+use super::region_test::RegionTest;
+use super::seen::{PixelRays, Seen, Votes};
+use super::votes::SampleVotes;
+use crate::capture::Camera;
+use crate::error::{Error, Result};
+use crate::samples::{ImageBuffer, Sample, SampleImage, SampleSet, Span};
+
+/// What was cut by hand, apart from what rules dropped.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CutByHand {
+    /// The edit list, as TOML.
+    pub edits: String,
+    /// Cameras that were left out of all frames before pruning.
+    pub cameras: Vec<String>,
+    /// Pixels with depth, over all frames, that counted as pixels without depth before pruning.
+    pub pixels: u64,
+    /// Samples that were deleted after pruning, or from a store.
+    pub samples: u64,
+    /// Pixels, over all frames, that these samples stood for.
+    pub sample_pixels: u64,
+}
+
+/// What edits leave of samples.
+#[derive(Debug)]
+pub struct EditedImages {
+    /// Ordered as [`SampleSet::images`].
+    pub images: ImageBuffer,
+    /// Samples that are gone.
+    pub dropped: u64,
+    /// Pixels, over all frames, that deleted samples stood for.
+    pub dropped_pixels: u64,
+    /// Whether anything changed.
+    pub is_changed: bool,
+}
+
+/// An edit made ready for one camera.
+struct SampleEdit {
+    action: Action,
+    /// Indices of frames; `None` for all.
+    frames: Option<Range<usize>>,
+    reach: Reach,
+    test: RegionTest,
+}
+
+impl SampleEdit {
+    /// `None` where the edit changes nothing of the camera.
+    fn new(edit: &Edit, camera: &Camera, frame_numbers: &[i64]) -> Option<Self> {
+        let test = RegionTest::new(&edit.region, camera);
+        let is_idle = match (edit.action, &test) {
+            (Action::KeepOnly, RegionTest::Constant(inside)) => *inside,
+            (_, RegionTest::Constant(inside)) => !inside,
+            _ => false,
+        };
+        let frames = edit.frames.map(|[first, last]| {
+            let start = frame_numbers.partition_point(|number| *number < first);
+            start..frame_numbers.partition_point(|number| *number <= last).max(start)
+        });
+        let is_never = frames.as_ref().is_some_and(Range::is_empty);
+        (!is_idle && !is_never).then_some(Self { action: edit.action, frames, reach: edit.reach, test })
+    }
+
+    /// The frames of a span that it acts at.
+    fn frames_within(&self, span: Span) -> Range<usize> {
+        let all = span.start as usize..span.end as usize;
+        let Some(frames) = &self.frames else { return all };
+        let some = frames.start.max(all.start)..frames.end.min(all.end);
+        match (some.is_empty(), self.reach) {
+            (true, _) => 0..0,
+            (false, Reach::Span) => all,
+            (false, Reach::Frames) => some,
+        }
+    }
+}
+
+/// What stays of an image.
+enum Left {
+    All,
+    /// Parts of shorter spans, and that of its own span, none of them empty.
+    Parts(Vec<SampleImage>),
+}
+
+/// The edits of one camera, with what its samples may be asked.
+struct CameraEdits<'a> {
+    rays: PixelRays,
+    edits: Vec<SampleEdit>,
+    camera: &'a Camera,
+}
+
+impl CameraEdits<'_> {
+    /// The edits that act on samples of a span, each with its frames there.
+    fn acting(&self, span: Span) -> Vec<(&SampleEdit, Range<usize>)> {
+        let of_span = self.edits.iter().map(|edit| (edit, edit.frames_within(span)));
+        of_span.filter(|(_, frames)| !frames.is_empty()).collect()
+    }
+
+    fn left_of(&self, image: &SampleImage, votes: &[Votes]) -> Result<Left> {
+        let acting = self.acting(image.span);
+        if acting.is_empty() {
+            return Ok(Left::All);
+        }
+        let segments = segments_of(image.span, &acting);
+        let inverse_depths = image.inverse_depths();
+        // For each run of segments that samples stay in: the span, and which samples.
+        let mut runs: Vec<(Span, Vec<bool>)> = Vec::new();
+        let mut is_changed = false;
+        let evidence = Evidence::new(image, votes, &acting, self.camera)?;
+        let mut inside = vec![false; acting.len()];
+        for sample in image.samples() {
+            let mut seen = self.rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
+            evidence.add_to(&mut seen, &sample);
+            for (inside, (edit, _)) in inside.iter_mut().zip(&acting) {
+                *inside = edit.test.contains(&seen);
+            }
+            let stays_at = |segment: &Range<usize>| {
+                acting.iter().zip(&inside).fold(true, |stays, ((edit, frames), inside)| {
+                    let acts = frames.start <= segment.start && segment.end <= frames.end;
+                    if acts { edit.action.leaves(stays, *inside) } else { stays }
+                })
+            };
+            let mut open: Option<Range<usize>> = None;
+            let mut close = |run: Option<Range<usize>>| {
+                let Some(run) = run else { return };
+                let span = Span { start: run.start as u32, end: run.end as u32 };
+                is_changed |= span != image.span;
+                let at = runs.iter().position(|(known, _)| *known == span).unwrap_or_else(|| {
+                    runs.push((span, vec![false; image.len()]));
+                    runs.len() - 1
+                });
+                runs[at].1[sample.index] = true;
+            };
+            let mut is_whole = true;
+            for segment in &segments {
+                if stays_at(segment) {
+                    open = Some(open.map_or(segment.start, |run| run.start)..segment.end);
+                } else {
+                    is_whole = false;
+                    close(open.take());
+                }
+            }
+            close(open);
+            is_changed |= !is_whole;
+        }
+        if !is_changed {
+            return Ok(Left::All);
+        }
+        let parts = runs.iter().map(|(span, keep)| image.part(*span, |sample, _| keep[sample.index]));
+        Ok(Left::Parts(parts.collect()))
+    }
+}
+
+/// What of a region's questions only the image answers.
+struct Evidence<'a> {
+    image: &'a SampleImage,
+    votes: &'a [Votes],
+}
+
+impl<'a> Evidence<'a> {
+    fn new(
+        image: &'a SampleImage,
+        votes: &'a [Votes],
+        acting: &[(&SampleEdit, Range<usize>)],
+        camera: &Camera,
+    ) -> Result<Self> {
+        if image.normal.is_none() && acting.iter().any(|(edit, _)| edit.test.asks_for_normals()) {
+            return Err(Error::invalid(
+                format!("camera '{}'", camera.name),
+                "an edit asks for the angle of view, and its samples have no normals; preprocess with --set store.normals=true",
+            ));
+        }
+        Ok(Self { image, votes })
+    }
+
+    fn add_to(&self, seen: &mut Seen, sample: &Sample) {
+        seen.votes = self.votes.get(sample.index).copied().unwrap_or_default();
+        seen.is_doubtful = !self.image.doubtful.is_empty() && self.image.is_doubtful(sample.x, sample.y);
+        if let Some(normals) = &self.image.normal {
+            seen.normal_in_world = normals[sample.index].decode().as_dvec3();
+        }
+    }
+}
+
+/// A span, cut where an edit begins or ends to act.
+fn segments_of(span: Span, acting: &[(&SampleEdit, Range<usize>)]) -> Vec<Range<usize>> {
+    let mut bounds = vec![span.start as usize, span.end as usize];
+    bounds.extend(acting.iter().flat_map(|(_, frames)| [frames.start, frames.end]));
+    bounds.sort_unstable();
+    bounds.dedup();
+    bounds.windows(2).map(|pair| pair[0]..pair[1]).collect()
+}
+
+/// Images that are edited at a time: enough for every thread, few enough to be held in memory.
+const BATCH: usize = 64;
+
+/// What a list leaves of the images of a set, which may be in a file; `outline` is all but the images. `votes` are those on the images
+/// as they are given; `place` is named in errors.
+///
+/// The same input gives the same images, whatever the number of threads. An image that nothing is deleted from is shared.
+///
+/// # Errors
+/// As [`EditList::check`]; `Invalid` where the list asks for votes or normals that are not there; `Io` as [`ImageBuffer::get`].
+pub fn cut(
+    images: &ImageBuffer,
+    outline: &SampleSet,
+    edits: &EditList,
+    votes: Option<&SampleVotes>,
+    place: &str,
+) -> Result<EditedImages> {
+    if edits.asks_for_votes() && votes.is_none() {
+        return Err(Error::invalid(
+            place,
+            "an edit asks which cameras confirm a sample, which a store does not hold; use overlook edit with --capture FOLDER, the capture that it was made from",
+        ));
+    }
+    let in_order = edits.in_order();
+    let of_camera = |camera| {
+        let ready = in_order.iter().filter_map(|edit| SampleEdit::new(edit, camera, &outline.frame_numbers));
+        CameraEdits { rays: PixelRays::of(camera), edits: ready.collect(), camera }
+    };
+    let cameras: Vec<CameraEdits<'_>> = outline.cameras.iter().map(of_camera).collect();
+    let mut left = images.empty_like();
+    let (mut shorter, mut is_changed) = (Vec::new(), false);
+    for first in (0..images.len()).step_by(BATCH) {
+        let batch = (first..images.len().min(first + BATCH)).into_par_iter();
+        let edited: Vec<(Arc<SampleImage>, Left)> = batch
+            .map(|index| {
+                let image = images.get(index)?;
+                let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
+                let left = cameras[image.camera as usize].left_of(&image, votes)?;
+                Ok((image, left))
+            })
+            .collect::<Result<_>>()?;
+        for (image, of_image) in edited {
+            match of_image {
+                Left::All => left.push(image)?,
+                Left::Parts(parts) => {
+                    is_changed = true;
+                    let (own, others): (Vec<_>, Vec<_>) =
+                        parts.into_iter().partition(|part| part.span == image.span);
+                    own.into_iter().try_for_each(|part| left.push(part))?;
+                    shorter.extend(others);
+                }
+            }
+        }
+    }
+    shorter.into_iter().try_for_each(|part| left.join(part))?;
+    left.sort();
+    let samples = |images: &ImageBuffer| images.facts().map(|image| image.samples as u64).sum::<u64>();
+    let pixels = |images: &ImageBuffer| {
+        images.facts().map(|image| image.samples as u64 * image.span.len() as u64).sum::<u64>()
+    };
+    Ok(EditedImages {
+        dropped: samples(images).saturating_sub(samples(&left)),
+        dropped_pixels: pixels(images).saturating_sub(pixels(&left)),
+        images: left,
+        is_changed,
+    })
+}
+
+/// What a list leaves of samples in memory, and how many are gone. Votes are those of the set's images.
+///
+/// # Errors
+/// As [`cut`], and as [`EditList::check`].
+pub fn edit_samples(
+    set: &SampleSet,
+    edits: &EditList,
+    votes: Option<&SampleVotes>,
+    place: &str,
+) -> Result<(SampleSet, u64)> {
+    edits.check(&set.cameras, place)?;
+    let EditedImages { images, dropped, .. } = cut(&ImageBuffer::of(&set.images), set, edits, votes, place)?;
+    let outline = SampleSet { images: Vec::new(), ..set.clone() };
+    Ok((SampleSet { images: images.into_images()?, ..outline }, dropped))
+}
+
+/// How much of its own color a selected sample keeps where selections are shown.
+const OWN_COLOR: f32 = 0.35;
+
+/// A set whose samples in a region have another color (linear Rec.709) mixed into their own, and how many these are: how a selection is
+/// shown. An image without any is shared.
+///
+/// # Errors
+/// As [`edit_samples`].
+pub fn selected(
+    set: &SampleSet,
+    region: &Region,
+    color: [f32; 3],
+    votes: Option<&SampleVotes>,
+    place: &str,
+) -> Result<(SampleSet, u64)> {
+    let edit = Edit::new("selection", Action::Delete, region.clone());
+    let list = EditList { edits: vec![edit] };
+    list.check(&set.cameras, place)?;
+    if list.asks_for_votes() && votes.is_none() {
+        return Err(Error::invalid(place, "which cameras confirm samples is not known of a store"));
+    }
+    let edits = &list.edits[0];
+    let tinted: Vec<(Arc<SampleImage>, u64)> = set
+        .images
+        .par_iter()
+        .enumerate()
+        .map(|(index, image)| {
+            let camera = &set.cameras[image.camera as usize];
+            let Some(ready) = SampleEdit::new(edits, camera, &set.frame_numbers) else {
+                return Ok((image.clone(), 0));
+            };
+            let acting = [(&ready, 0..1)];
+            let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
+            let evidence = Evidence::new(image, votes, &acting, camera)?;
+            let (rays, inverse_depths) = (PixelRays::of(camera), image.inverse_depths());
+            let (mut colors, mut count) = (image.color.clone(), 0);
+            for sample in image.samples() {
+                let mut seen = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
+                evidence.add_to(&mut seen, &sample);
+                if ready.test.contains(&seen) {
+                    count += 1;
+                    let own = &mut colors[sample.index];
+                    *own = std::array::from_fn(|channel| {
+                        let mixed = OWN_COLOR * own[channel].to_f32() + (1.0 - OWN_COLOR) * color[channel];
+                        f16::from_f32(mixed)
+                    });
+                }
+            }
+            let tinted =
+                (count > 0).then(|| Arc::new(SampleImage { color: colors, ..SampleImage::clone(image) }));
+            Ok((tinted.unwrap_or_else(|| image.clone()), count))
+        })
+        .collect::<Result<_>>()?;
+    let count = tinted.iter().map(|(_, count)| count).sum();
+    let outline = SampleSet { images: Vec::new(), ..set.clone() };
+    Ok((SampleSet { images: tinted.into_iter().map(|(image, _)| image).collect(), ..outline }, count))
+}

@@ -1,0 +1,182 @@
+//! Edit lists as text: TOML, a table an edit.
+//!
+//! ```toml
+//! version = 1
+//!
+//! [[edit]]
+//! name = "the box of the desk"
+//! do = "keep_only"
+//! region = { box = { center = [0.0, 0.0, 1.0], half_size = [1.0, 1.0, 0.5] } }
+//! ```
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::list::{Action, Edit, EditList, Reach, edit_place};
+use super::region::Region;
+use crate::error::{Error, Result};
+use crate::settings::toml_error;
+use crate::whole_file;
+
+/// The version that is written, and the highest that is read.
+const VERSION: u32 = 1;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileForm {
+    /// Read before, so that it is known here.
+    #[serde(rename = "version")]
+    _version: u32,
+    #[serde(default)]
+    edit: Vec<EditForm>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EditForm {
+    #[serde(default)]
+    name: String,
+    #[serde(default = "yes")]
+    on: bool,
+    #[serde(rename = "do")]
+    action: Action,
+    region: Region,
+    frames: Option<[i64; 2]>,
+    #[serde(default)]
+    reach: Reach,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Reads the version alone, so that a newer file is refused by that, not by a key that is new.
+#[derive(Deserialize)]
+struct VersionForm {
+    version: u32,
+}
+
+impl EditList {
+    /// Reads a list from TOML text; `place` is named in errors.
+    ///
+    /// # Errors
+    /// `Invalid` for broken TOML, unknown keys, numbers that make no region; `Unsupported` for a newer version.
+    pub fn from_toml(text: &str, place: &str) -> Result<Self> {
+        let version: VersionForm = toml::from_str(text).map_err(|error| toml_error(&error, place, text))?;
+        if version.version != VERSION {
+            let what = format!(
+                "it has version {}, this Overlook reads version {VERSION}; use the Overlook that wrote it",
+                version.version
+            );
+            return Err(Error::unsupported(place, what));
+        }
+        let form: FileForm = toml::from_str(text).map_err(|error| toml_error(&error, place, text))?;
+        let edits = form.edit.into_iter().map(|form| {
+            let EditForm { name, on: is_on, action, region, frames, reach } = form;
+            Edit { name, is_on, action, region, frames, reach }
+        });
+        let list = Self { edits: edits.collect() };
+        for (index, edit) in list.edits.iter().enumerate() {
+            if let Some(fault) = edit.fault() {
+                return Err(Error::invalid(edit_place(place, index, edit), fault));
+            }
+        }
+        Ok(list)
+    }
+
+    /// Reads a list from a file.
+    ///
+    /// # Errors
+    /// `Io` where it cannot be read, and as [`EditList::from_toml`].
+    pub fn load(path: &Path) -> Result<Self> {
+        Self::from_toml(&whole_file::short_text(path)?, &path.display().to_string())
+    }
+
+    /// This list as TOML, which reads back as it is.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let mut text = format!("version = {VERSION}\n");
+        for edit in &self.edits {
+            let name = toml::Value::from(edit.name.as_str());
+            let action = Action::NAMES.iter().find(|(action, _)| *action == edit.action);
+            let action = action.map_or("", |(_, name)| name);
+            let _ = write!(text, "\n[[edit]]\nname = {name}\n");
+            if !edit.is_on {
+                text += "on = false\n";
+            }
+            let _ = writeln!(text, "do = \"{action}\"");
+            let region =
+                toml::Value::try_from(&edit.region).map_or_else(|_| String::new(), |it| it.to_string());
+            let _ = writeln!(text, "region = {region}");
+            if let Some([first, last]) = edit.frames {
+                let _ = writeln!(text, "frames = [{first}, {last}]");
+            }
+            if edit.reach == Reach::Span {
+                text += "reach = \"span\"\n";
+            }
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> EditList {
+        let sphere = Region::Sphere { center: [0.1, -2.0, 3.0], radius: 0.5 };
+        let outline = vec![[1.0, 2.0], [30.5, 2.0], [30.5, 40.0]];
+        let pixels = Region::Pixels { camera: "left \"one\"".to_owned(), outline };
+        let mut timed = Edit::new("a thing\nthat passes", Action::Delete, pixels.clone());
+        (timed.frames, timed.reach, timed.is_on) = (Some([-3, 7]), Reach::Span, false);
+        let rest = Region::Without(vec![
+            Region::Any(vec![sphere.clone(), Region::Doubtful, Region::ConfirmedByFewerThan(2)]),
+            Region::Not(Box::new(Region::All(vec![pixels, Region::Contradicted]))),
+        ]);
+        let cameras = Region::Cameras(vec!["b".to_owned()]);
+        let edits = vec![
+            Edit::new("", Action::LeaveOut, cameras),
+            timed,
+            Edit::new("rest", Action::KeepOnly, rest),
+            Edit::new("back", Action::Restore, sphere),
+        ];
+        EditList { edits }
+    }
+
+    #[test]
+    fn a_list_reads_back_as_it_was_written() {
+        let list = example();
+        let text = list.to_toml();
+        assert_eq!(EditList::from_toml(&text, "edits.toml").unwrap(), list, "{text}");
+        assert_eq!(EditList::from_toml("version = 1\n", "edits.toml").unwrap(), EditList::default());
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_list_is_said_in_one_line_with_its_place() {
+        let said = |text: &str| EditList::from_toml(text, "e.toml").unwrap_err().to_string();
+        let edit = |rest: &str| format!("version = 1\n[[edit]]\nname = \"x\"\n{rest}\n");
+        for (text, expected) in [
+            ("version = 2\nfuture = 1\n".to_owned(), "version 2"),
+            ("edit = []".to_owned(), "version"),
+            (edit("do = \"erase\"\nregion = \"doubtful\""), "line 4"),
+            (
+                edit("do = \"delete\"\nregion = { sphere = { center = [0, 0, 0], radius = 0 } }"),
+                "edit 1 (x): a sphere",
+            ),
+            (edit("do = \"delete\"\nregion = { ball = 1 }"), "line 5"),
+            (edit("do = \"leave_out\"\nregion = \"doubtful\""), "leave_out needs"),
+            (edit("do = \"delete\"\nregion = \"doubtful\"\nframes = [5, 2]"), "frames = [5, 2]"),
+            (
+                edit("do = \"delete\"\nregion = { pixels = { camera = \"a\", outline = [[0, 0]] } }"),
+                "three corners",
+            ),
+            (edit("do = \"delete\"\nregion = { any = [{ depth = { from = 3, to = 2 } }] }"), "depth goes"),
+        ] {
+            let error = said(&text);
+            assert!(error.starts_with("e.toml") && error.contains(expected), "{error}");
+            assert!(!error.contains('\n'), "{error}");
+        }
+    }
+}

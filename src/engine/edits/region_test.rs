@@ -1,0 +1,158 @@
+//! Whether a sample of one camera is in a region: the region made ready for many samples of that camera.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
+
+use super::polygon::Polygon;
+use super::region::Region;
+use super::seen::{Seen, Votes};
+use crate::capture::{Camera, Intrinsics, PixelSide};
+
+/// A region for samples of one camera.
+#[derive(Clone, Debug)]
+pub(super) enum RegionTest {
+    Constant(bool),
+    Box { box_from_world: DAffine3, half_size: DVec3 },
+    Sphere { center: DVec3, radius_squared: f64 },
+    HalfSpace { point: DVec3, normal: DVec3 },
+    Depth { from: f64, to: f64 },
+    Pixels(Polygon),
+    View { camera_from_world: DAffine3, lens: Intrinsics, outline: Polygon, depth: Option<[f64; 2]> },
+    Doubtful,
+    Contradicted,
+    ConfirmedByFewerThan(u32),
+    SeenByOneCamera,
+    Angle { most_cosine: f64, least_cosine: f64 },
+    Any(Vec<Self>),
+    All(Vec<Self>),
+    Not(Box<Self>),
+}
+
+impl RegionTest {
+    /// For samples of `camera`. Parts that are the same for all of its samples are decided here.
+    pub(super) fn new(region: &Region, camera: &Camera) -> Self {
+        match region {
+            Region::Box { center, half_size, rotation_degrees } => {
+                let [x, y, z] = rotation_degrees.map(f64::to_radians);
+                let turned = DMat3::from_quat(DQuat::from_euler(EulerRot::XYZEx, x, y, z));
+                let world_from_box = DAffine3::from_mat3_translation(turned, DVec3::from(*center));
+                Self::Box { box_from_world: world_from_box.inverse(), half_size: DVec3::from(*half_size) }
+            }
+            Region::Sphere { center, radius } => {
+                Self::Sphere { center: DVec3::from(*center), radius_squared: radius * radius }
+            }
+            Region::HalfSpace { point, normal } => {
+                Self::HalfSpace { point: DVec3::from(*point), normal: DVec3::from(*normal) }
+            }
+            Region::Depth { from, to } => Self::Depth { from: *from, to: *to },
+            Region::Footprint { from, to } => {
+                let width = camera.intrinsics.pixel_width(1.0, PixelSide::Longer);
+                Self::Depth { from: from / width, to: to / width }
+            }
+            Region::Cameras(names) => Self::Constant(names.contains(&camera.name)),
+            Region::Pixels { camera: name, outline } if *name == camera.name => {
+                Self::Pixels(Polygon::new(outline))
+            }
+            Region::Pixels { .. } => Self::Constant(false),
+            Region::View { viewpoint, outline, depth } => Self::View {
+                camera_from_world: viewpoint.camera_from_world(),
+                lens: viewpoint.lens(),
+                outline: Polygon::new(outline),
+                depth: *depth,
+            },
+            Region::Doubtful => Self::Doubtful,
+            Region::Contradicted => Self::Contradicted,
+            Region::ConfirmedByFewerThan(count) => Self::ConfirmedByFewerThan(*count),
+            Region::SeenByOneCamera => Self::SeenByOneCamera,
+            Region::Angle { from, to } => Self::Angle {
+                most_cosine: from.min(180.0).to_radians().cos(),
+                least_cosine: to.min(180.0).to_radians().cos(),
+            },
+            Region::Any(parts) => Self::combined(parts, camera, true),
+            Region::All(parts) => Self::combined(parts, camera, false),
+            Region::Without(parts) => {
+                let first = parts.first().map_or(Self::Constant(false), |first| Self::new(first, camera));
+                let rest = Self::combined(parts.get(1..).unwrap_or_default(), camera, true);
+                Self::simplified(vec![first, rest.inverted()], false)
+            }
+            Region::Not(part) => Self::new(part, camera).inverted(),
+        }
+    }
+
+    fn combined(parts: &[Region], camera: &Camera, is_any: bool) -> Self {
+        Self::simplified(parts.iter().map(|part| Self::new(part, camera)).collect(), is_any)
+    }
+
+    /// Leaves out parts that decide nothing.
+    fn simplified(mut parts: Vec<Self>, is_any: bool) -> Self {
+        if parts.iter().any(|part| matches!(part, Self::Constant(value) if *value == is_any)) {
+            return Self::Constant(is_any);
+        }
+        parts.retain(|part| !matches!(part, Self::Constant(_)));
+        match (parts.len(), is_any) {
+            (0, _) => Self::Constant(!is_any),
+            (1, _) => parts.swap_remove(0),
+            (_, true) => Self::Any(parts),
+            (_, false) => Self::All(parts),
+        }
+    }
+
+    fn inverted(self) -> Self {
+        match self {
+            Self::Constant(value) => Self::Constant(!value),
+            Self::Not(part) => *part,
+            other => Self::Not(Box::new(other)),
+        }
+    }
+
+    pub(super) fn contains(&self, seen: &Seen) -> bool {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Box { box_from_world, half_size } => {
+                // Comparisons with what is not finite are false, as those of the sky have to be.
+                box_from_world.transform_point3(seen.point_in_world).abs().cmple(*half_size).all()
+            }
+            Self::Sphere { center, radius_squared } => {
+                (seen.point_in_world - center).length_squared() <= *radius_squared
+            }
+            Self::HalfSpace { point, normal } if seen.depth.is_finite() => {
+                (seen.point_in_world - point).dot(*normal) >= 0.0
+            }
+            Self::HalfSpace { normal, .. } => seen.direction_in_world.dot(*normal) > 0.0,
+            Self::Depth { from, to } => (*from..=*to).contains(&seen.depth),
+            Self::Pixels(outline) => outline.contains(seen.pixel),
+            Self::View { camera_from_world, lens, outline, depth } => {
+                let is_sky = !seen.depth.is_finite();
+                let in_camera = if is_sky {
+                    camera_from_world.transform_vector3(seen.direction_in_world)
+                } else {
+                    camera_from_world.transform_point3(seen.point_in_world)
+                };
+                let is_in_range =
+                    depth.is_none_or(|[from, to]| !is_sky && (from..=to).contains(&in_camera.z));
+                is_in_range && lens.project(in_camera).is_some_and(|pixel| outline.contains(pixel))
+            }
+            Self::Doubtful => seen.is_doubtful,
+            Self::Contradicted => seen.votes.contradict(),
+            Self::ConfirmedByFewerThan(count) => u32::from(seen.votes.confirm) < *count,
+            Self::SeenByOneCamera => seen.votes == Votes::default(),
+            Self::Angle { most_cosine, least_cosine } => {
+                let toward_camera = -seen.direction_in_world.normalize();
+                let cosine = seen.normal_in_world.dot(toward_camera);
+                seen.normal_in_world != DVec3::ZERO && (*least_cosine..=*most_cosine).contains(&cosine)
+            }
+            Self::Any(parts) => parts.iter().any(|part| part.contains(seen)),
+            Self::All(parts) => parts.iter().all(|part| part.contains(seen)),
+            Self::Not(part) => !part.contains(seen),
+        }
+    }
+
+    /// Whether it asks for normals.
+    pub(super) fn asks_for_normals(&self) -> bool {
+        match self {
+            Self::Angle { .. } => true,
+            Self::Any(parts) | Self::All(parts) => parts.iter().any(Self::asks_for_normals),
+            Self::Not(part) => part.asks_for_normals(),
+            _ => false,
+        }
+    }
+}

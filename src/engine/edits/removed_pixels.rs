@@ -1,0 +1,121 @@
+//! Edits before pruning: cameras that take no part, and pixels that count as pixels without depth.
+
+use rayon::prelude::*;
+
+use super::list::{Action, Edit, EditList};
+use super::region_test::RegionTest;
+use super::seen::PixelRays;
+use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, with_changed_frames};
+use crate::error::Result;
+use crate::job::Job;
+
+/// The capture without the cameras that a list leaves out of all frames.
+///
+/// # Errors
+/// As [`EditList::check`].
+pub fn with_cameras_left(capture: &Capture, edits: &EditList) -> Result<Capture> {
+    edits.check(&capture.cameras, "edits")?;
+    let left_out = edits.cameras_left_out();
+    Ok(if left_out.is_empty() {
+        capture.clone()
+    } else {
+        capture.with_cameras(|_, camera| !left_out.contains(camera.name.as_str()))
+    })
+}
+
+/// An edit made ready for one camera.
+struct PixelEdit {
+    action: Action,
+    frames: Option<[i64; 2]>,
+    test: RegionTest,
+}
+
+impl PixelEdit {
+    fn new(edit: &Edit, camera: &Camera) -> Self {
+        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, camera) }
+    }
+
+    fn acts_at(&self, frame_number: i64) -> bool {
+        self.frames.is_none_or(|[first, last]| (first..=last).contains(&frame_number))
+    }
+}
+
+/// The edits before pruning, made ready for all cameras of a capture.
+struct PixelEdits {
+    cameras: Vec<(PixelRays, Vec<PixelEdit>)>,
+    frame_numbers: Vec<i64>,
+}
+
+impl PixelEdits {
+    fn new(capture: &Capture, edits: &EditList) -> Self {
+        let of_camera = |camera: &Camera| {
+            let edits = edits.before_pruning().map(|edit| PixelEdit::new(edit, camera));
+            (PixelRays::of(camera), edits.collect())
+        };
+        Self {
+            cameras: capture.cameras.iter().map(of_camera).collect(),
+            frame_numbers: capture.frame_numbers.clone(),
+        }
+    }
+
+    /// Calls `removed` with the index of every pixel with depth that is removed.
+    fn for_each_removed(&self, camera: usize, frame: usize, of: &Frame, mut removed: impl FnMut(usize)) {
+        let (rays, edits) = &self.cameras[camera];
+        let number = self.frame_numbers[frame];
+        let acting: Vec<&PixelEdit> = edits.iter().filter(|edit| edit.acts_at(number)).collect();
+        if acting.is_empty() {
+            return;
+        }
+        let width = of.inverse_depth.width().max(1);
+        for (pixel, &inverse_depth) in of.inverse_depth.as_slice().iter().enumerate() {
+            if inverse_depth < 0.0 {
+                continue;
+            }
+            let seen = rays.seen(pixel % width, pixel / width, inverse_depth);
+            let mut stays = true;
+            for edit in &acting {
+                stays = edit.action.leaves(stays, edit.test.contains(&seen));
+            }
+            if !stays {
+                removed(pixel);
+            }
+        }
+    }
+}
+
+/// The capture with pixels without depth where a list deletes before pruning, and for each camera the number of pixels with depth that
+/// it costs, over all frames. `capture` has no camera that is left out; its poses are those that regions are in. `cache_bytes` of the frames are kept.
+///
+/// # Errors
+/// Whatever the capture gives (naming file and frame), and `Cancelled`.
+pub fn without_removed_pixels(
+    capture: &Capture,
+    edits: &EditList,
+    cache_bytes: usize,
+    job: &Job,
+) -> Result<(Capture, Vec<u64>)> {
+    if edits.before_pruning().next().is_none() {
+        return Ok((capture.clone(), vec![0; capture.cameras.len()]));
+    }
+    let edits = PixelEdits::new(capture, edits);
+    let frames = capture.frame_count();
+    job.start("Applying edits", capture.cameras.len() * frames);
+    let count = |index: usize| {
+        job.check()?;
+        let (camera, frame) = (index / frames, index % frames);
+        let mut count = 0_u64;
+        edits.for_each_removed(camera, frame, &*capture.frame(camera, frame)?, |_| count += 1);
+        job.advance(1);
+        Ok(count)
+    };
+    let counts = (0..capture.cameras.len() * frames).into_par_iter().map(count);
+    let removed: Vec<u64> = counts.collect::<Result<_>>()?;
+    let changed = with_changed_frames(capture, cache_bytes, move |camera, index, frame| {
+        let mut changed = frame.clone();
+        edits.for_each_removed(camera, index, frame, |pixel| {
+            changed.inverse_depth.as_mut_slice()[pixel] = INVALID_INVERSE_DEPTH;
+        });
+        changed
+    });
+    Ok((changed, removed.chunks(frames.max(1)).map(|of_camera| of_camera.iter().sum()).collect()))
+}

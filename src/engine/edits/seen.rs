@@ -1,0 +1,70 @@
+//! What a region may ask of a sample, or of a pixel before pruning.
+
+use glam::{DAffine3, DVec2, DVec3};
+
+use crate::capture::{Camera, Intrinsics};
+
+/// How many other cameras say what of a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Votes {
+    /// Those that see its surface, at most 255.
+    pub confirm: u8,
+    /// Those that see only farther ones, at most 255.
+    pub look_past: u8,
+}
+
+impl Votes {
+    /// Whether the cameras that look past it outnumber those that confirm it, its own among these.
+    #[must_use]
+    pub fn contradict(self) -> bool {
+        self.look_past > self.confirm.saturating_add(1)
+    }
+}
+
+/// A sample, or a pixel with depth, with all that a region may ask.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    /// Center of its pixel in its own picture, pixels.
+    pub(super) pixel: DVec2,
+    /// Toward it from its camera, world space, not of unit length.
+    pub(super) direction_in_world: DVec3,
+    /// Planar depth in its own camera, world units; infinite for the sky.
+    pub(super) depth: f64,
+    /// In world space; not finite for the sky.
+    pub(super) point_in_world: DVec3,
+    /// As stores mark it.
+    pub(super) is_doubtful: bool,
+    /// Unit normal in world space; 0 where there is none.
+    pub(super) normal_in_world: DVec3,
+    /// What other cameras say.
+    pub(super) votes: Votes,
+}
+
+/// A camera with what turns its pixels into places.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PixelRays {
+    lens: Intrinsics,
+    world_from_camera: DAffine3,
+}
+
+impl PixelRays {
+    pub(super) fn of(camera: &Camera) -> Self {
+        Self { lens: camera.intrinsics, world_from_camera: camera.world_from_camera }
+    }
+
+    /// What is seen at a pixel with an inverse depth from 0, without evidence.
+    pub(super) fn seen(&self, x: usize, y: usize, inverse_depth: f32) -> Seen {
+        let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let direction_in_world = self.world_from_camera.transform_vector3(self.lens.ray_in_camera(pixel));
+        let depth = 1.0 / f64::from(inverse_depth);
+        Seen {
+            pixel,
+            direction_in_world,
+            depth,
+            point_in_world: self.world_from_camera.translation + direction_in_world * depth,
+            is_doubtful: false,
+            normal_in_world: DVec3::ZERO,
+            votes: Votes::default(),
+        }
+    }
+}

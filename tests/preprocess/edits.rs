@@ -1,0 +1,231 @@
+//! Edits by hand: what is deleted is gone, before and after pruning, and nothing else is.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use glam::DVec3;
+use overlook_engine::capture::Capture;
+use overlook_engine::edits::{
+    Action, Edit, EditList, Reach, Region, SampleVotes, Viewpoint, edit_samples, selected,
+};
+use overlook_engine::job::Job;
+use overlook_engine::preprocess::{BufferedResult, Preprocessed, preprocess, preprocess_edited};
+use overlook_engine::samples::{ImageBuffer, PlacedSample, SampleImage, SampleSet};
+use overlook_engine::settings::{AlignSettings, Settings};
+
+use crate::moving::moving_capture;
+use crate::scene::{Scene, arc};
+
+fn settings() -> Settings {
+    Settings { align: AlignSettings::OFF, ..Settings::default() }
+}
+
+fn pruned(capture: &Capture) -> Preprocessed {
+    preprocess(capture, &settings(), &Job::new()).unwrap()
+}
+
+fn list(edits: impl IntoIterator<Item = (Action, Region)>) -> EditList {
+    EditList { edits: edits.into_iter().map(|(action, region)| Edit::new("", action, region)).collect() }
+}
+
+/// The place of the ball that passes by, at a frame.
+fn ball(frame: usize) -> Region {
+    Region::Sphere { center: [-1.2 + 0.3 * frame as f64, -0.9, 0.3], radius: 0.35 }
+}
+
+fn edited(set: &SampleSet, edits: &EditList) -> SampleSet {
+    edit_samples(set, edits, None, "test").unwrap().0
+}
+
+/// A pixel of a camera at a frame, with its color and its inverse depth.
+type HeldPixel = (u32, usize, usize, [u16; 3], u32);
+
+/// What a set shows at a frame.
+fn held(set: &SampleSet, frame: usize) -> BTreeSet<HeldPixel> {
+    let of_image = |image: &Arc<SampleImage>| {
+        let depths = image.inverse_depths();
+        let samples = image.samples().map(|sample| {
+            let color = image.color[sample.index].map(half::f16::to_bits);
+            (image.camera, sample.x, sample.y, color, depths[sample.index].to_bits())
+        });
+        samples.collect::<Vec<_>>()
+    };
+    set.images_at(frame).flat_map(of_image).collect()
+}
+
+fn placed(set: &SampleSet) -> Vec<(Arc<SampleImage>, PlacedSample)> {
+    let of_image = |image: &Arc<SampleImage>| {
+        let placed = image.placed(&set.cameras[image.camera as usize]);
+        placed.map(|placed| (image.clone(), placed)).collect::<Vec<_>>()
+    };
+    set.images.iter().flat_map(of_image).collect()
+}
+
+fn is_in(region: &Region, point: DVec3) -> bool {
+    let Region::Sphere { center, radius } = region else { panic!("a sphere") };
+    (point - DVec3::from(*center)).length() <= *radius
+}
+
+#[test]
+fn nothing_is_left_inside_of_what_is_deleted_and_keeping_alone_is_deleting_the_rest() {
+    let set = pruned(&moving_capture()).samples;
+    let viewpoint = Viewpoint::of(&set.cameras[1]);
+    let outline = vec![[20.0, 10.0], [70.0, 14.0], [60.0, 60.0]];
+    let regions = [
+        Region::Sphere { center: [0.0, 0.0, 0.5], radius: 0.9 },
+        Region::Box {
+            center: [0.2, 0.0, 0.4],
+            half_size: [0.8, 0.6, 0.5],
+            rotation_degrees: [10.0, 0.0, 30.0],
+        },
+        Region::HalfSpace { point: [0.0, 0.0, 0.2], normal: [0.0, 0.0, 1.0] },
+        Region::Depth { from: 1.0, to: 4.0 },
+        Region::Cameras(vec![set.cameras[2].name.clone()]),
+        Region::Pixels { camera: set.cameras[0].name.clone(), outline: outline.clone() },
+        Region::View { viewpoint, outline, depth: Some([0.5, 6.0]) },
+    ];
+    for region in regions {
+        let inverse = Region::Not(Box::new(region.clone()));
+        let without = edited(&set, &list([(Action::Delete, region.clone())]));
+        let (_, selection) = selected(&set, &region, [1.0, 0.0, 0.0], None, "test").unwrap();
+        assert!(selection > 0 && selection < set.sample_count(), "{region:?}: {selection}");
+        assert_eq!(without.sample_count() + selection, set.sample_count(), "{region:?}");
+        assert_eq!(selected(&without, &region, [0.0; 3], None, "test").unwrap().1, 0, "{region:?}");
+        let kept = edited(&set, &list([(Action::KeepOnly, region.clone())]));
+        assert_eq!(kept.images, edited(&set, &list([(Action::Delete, inverse)])).images, "{region:?}");
+        assert_eq!(kept.sample_count(), selection);
+        let nothing = Region::Without(vec![region.clone(), region.clone()]);
+        let same =
+            edited(&set, &list([(Action::Delete, nothing), (Action::Delete, Region::Any(Vec::new()))]));
+        let shared = same.images.iter().zip(&set.images).all(|(a, b)| Arc::ptr_eq(a, b));
+        assert!(shared && same.images.len() == set.images.len(), "{region:?}");
+    }
+}
+
+#[test]
+fn edits_act_in_their_order_those_that_are_off_do_not_and_threads_make_no_difference() {
+    let set = pruned(&moving_capture()).samples;
+    let wide = Region::Sphere { center: [0.0, 0.0, 0.5], radius: 1.5 };
+    let narrow = Region::Sphere { center: [0.0, 0.0, 0.5], radius: 0.7 };
+    let mut edits = list([(Action::Delete, wide.clone()), (Action::Restore, narrow.clone())]);
+    let ring = Region::Without(vec![wide.clone(), narrow]);
+    let without_ring = edited(&set, &list([(Action::Delete, ring)]));
+    assert_eq!(edited(&set, &edits).images, without_ring.images);
+    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(single.install(|| edited(&set, &edits)).images, without_ring.images);
+    edits.edits.swap(0, 1);
+    let without_wide = edited(&set, &list([(Action::Delete, wide)]));
+    assert_eq!(edited(&set, &edits).images, without_wide.images);
+    edits.edits[1].is_on = false;
+    assert_eq!(edited(&set, &edits).images, set.images);
+}
+
+#[test]
+fn a_thing_that_is_deleted_at_one_frame_is_gone_at_all_frames_of_its_spans_or_at_that_frame_alone() {
+    let set = pruned(&moving_capture()).samples;
+    let frame = 2;
+    let mut edit = Edit::new("", Action::Delete, ball(frame));
+    (edit.frames, edit.reach) = (Some([set.frame_numbers[frame]; 2]), Reach::Span);
+    let spans = edited(&set, &EditList { edits: vec![edit.clone()] });
+    let hit = |image: &SampleImage, point: DVec3| image.span.contains(frame) && is_in(&ball(frame), point);
+    let expected = placed(&set).iter().filter(|(image, it)| hit(image, it.point_in_world)).count();
+    assert!(expected > 0);
+    assert_eq!(set.sample_count() - spans.sample_count(), expected as u64);
+    assert!(placed(&spans).iter().all(|(image, it)| !hit(image, it.point_in_world)));
+
+    // What stays the same for several frames is cut out of one of them.
+    let ground = Region::Sphere { center: [0.0, 0.0, 0.0], radius: 1.5 };
+    edit.region = ground.clone();
+    edit.reach = Reach::Frames;
+    let cut = edited(&set, &EditList { edits: vec![edit] });
+    for at in 0..set.frame_count() {
+        if at == frame {
+            let before = held(&set, at).len();
+            assert!(held(&cut, at).is_subset(&held(&set, at)) && held(&cut, at).len() < before);
+        } else {
+            assert_eq!(held(&cut, at), held(&set, at), "frame {at}");
+        }
+    }
+    assert!(
+        placed(&cut)
+            .iter()
+            .all(|(image, it)| !(image.span.contains(frame) && is_in(&ground, it.point_in_world)))
+    );
+    let keys: Vec<_> = cut.images.iter().map(|image| (image.camera, image.span)).collect();
+    assert_eq!(keys.iter().collect::<BTreeSet<_>>().len(), keys.len(), "no camera has two images of a span");
+}
+
+/// What preprocessing with edits gives, in memory.
+fn preprocessed(capture: &Capture, edits: &EditList) -> Preprocessed {
+    let BufferedResult { outline, images, report } =
+        preprocess_edited(capture, &settings(), edits, &Job::new()).unwrap();
+    let samples = Arc::new(SampleSet { images: images.into_images().unwrap(), ..outline });
+    Preprocessed { samples, report }
+}
+
+#[test]
+fn what_is_deleted_before_pruning_does_not_come_back_and_the_numbers_still_add_up() {
+    let capture = moving_capture();
+    let plain = pruned(&capture);
+    let region = Region::Sphere { center: [0.0, 0.0, 0.5], radius: 1.0 };
+    let mut once = Edit::new("once", Action::Delete, ball(3));
+    once.frames = Some([capture.frame_numbers[3]; 2]);
+    let mut edits =
+        list([(Action::Delete, region.clone()), (Action::Delete, Region::ConfirmedByFewerThan(1))]);
+    edits.edits.push(once);
+    let cleaned = preprocessed(&capture, &edits);
+    assert!(placed(&cleaned.samples).iter().all(|(_, it)| !is_in(&region, it.point_in_world)));
+    let cut = &cleaned.report.cut[0];
+    assert!(cut.pixels > 0 && cut.samples > 0, "{cut:?}");
+    assert_eq!(EditList::from_toml(&cut.edits, "report").unwrap(), edits);
+    for report in [&plain.report, &cleaned.report] {
+        let account = report.pixel_account();
+        assert_eq!(account.sum(), account.pixels, "{account:?}");
+        assert_eq!(account.kept, report.spans.iter().map(|span| span.samples).sum::<u64>());
+    }
+    assert_eq!(cleaned.report.without_depth(), plain.report.without_depth());
+    assert_eq!(preprocessed(&capture, &EditList::default()).samples.images, plain.samples.images);
+}
+
+#[test]
+fn a_camera_that_is_left_out_takes_no_part_in_pruning() {
+    let capture = moving_capture();
+    let name = capture.cameras[1].name.clone();
+    let edits = list([(Action::LeaveOut, Region::Cameras(vec![name.clone()]))]);
+    let cleaned = preprocessed(&capture, &edits);
+    let without = pruned(&capture.with_cameras(|index, _| index != 1));
+    assert_eq!(cleaned.samples.images, without.samples.images);
+    assert_eq!(cleaned.report.cut[0].cameras, [name.clone()]);
+    let all = list([(
+        Action::LeaveOut,
+        Region::Cameras(capture.cameras.iter().map(|it| it.name.clone()).collect()),
+    )]);
+    for (edits, expected) in [
+        (all, "leaves no camera"),
+        (list([(Action::Delete, Region::Cameras(vec!["nobody".to_owned()]))]), "no camera 'nobody'"),
+    ] {
+        let error = preprocess_edited(&capture, &settings(), &edits, &Job::new()).unwrap_err().to_string();
+        assert!(error.contains(expected) && !error.contains('\n'), "{error}");
+    }
+}
+
+#[test]
+fn stray_samples_are_selected_by_what_other_cameras_say() {
+    let mut settings = settings();
+    settings.pruning.method = overlook_engine::settings::PruningMethod::Off;
+    let scene = Scene { strays: 0.01, ..Scene::still_life() };
+    let capture = scene.record(arc(5, 96), 1);
+    let set = preprocess(&capture, &settings, &Job::new()).unwrap().samples;
+    let votes = SampleVotes::of(&ImageBuffer::of(&set.images), &set.cameras, &capture, &Job::new()).unwrap();
+    let count = |region: Region| selected(&set, &region, [0.0; 3], Some(&votes), "test").unwrap().1;
+    let contradicted = count(Region::Contradicted);
+    // Strays are about a hundredth of the pixels; most of them are seen past by at least two cameras.
+    let pixels = set.sample_count();
+    assert!(contradicted * 400 > pixels && contradicted * 40 < pixels, "{contradicted} of {pixels}");
+    let counts: Vec<u64> = (1..6).map(|least| count(Region::ConfirmedByFewerThan(least))).collect();
+    assert!(counts.is_sorted() && counts[0] < counts[4], "{counts:?}");
+    assert!(count(Region::SeenByOneCamera) <= counts[0]);
+    let asked = list([(Action::Delete, Region::Contradicted)]);
+    let error = edit_samples(&set, &asked, None, "set").unwrap_err().to_string();
+    assert!(error.contains("--capture"), "{error}");
+}
