@@ -70,7 +70,7 @@ fn views_open_from_the_menu_and_the_layout_is_reset() {
         ("Memory", "of samples in memory"),
         ("Stress test", "No stress test yet"),
         ("Log", "Pruned the capture"),
-        ("Report", "What was redundant, and why"),
+        ("Report", "What was dropped, and why"),
     ] {
         open_view(&mut window, view);
         assert!(shows(&window, holds), "{view}");

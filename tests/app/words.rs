@@ -44,7 +44,7 @@ fn every_view_calls_things_as_the_field_does() {
         ("Matrix", &["Which camera replaces which", "a time offset shows here"]),
         ("Memory", &["of samples in memory, by camera"]),
         ("Time", &["Samples by the span of frames"]),
-        ("Report", &["What was redundant, and why", "Seen better elsewhere"]),
+        ("Report", &["What was dropped, and why", "Seen better elsewhere"]),
         ("Sweep", &["No sweep yet"]),
         ("Stress test", &["No stress test yet"]),
         ("View", &["Field of view", "focal length"]),

@@ -61,7 +61,9 @@ fn one_list_gives_the_same_from_the_capture_from_the_store_and_in_every_picture(
         pictures += 1;
     }
     assert!(pictures > 1);
-    for (store, out, edits) in [("all.ovl", "a.ply", &["--edits", "clean.toml"][..]), ("clean.ovl", "b.ply", &[])] {
+    for (store, out, edits) in
+        [("all.ovl", "a.ply", &["--edits", "clean.toml"][..]), ("clean.ovl", "b.ply", &[])]
+    {
         let arguments = [&["export", "points", store, "--frame", "0", "--out", out], edits].concat();
         succeed(overlook(folder, &arguments));
     }
@@ -70,13 +72,17 @@ fn one_list_gives_the_same_from_the_capture_from_the_store_and_in_every_picture(
     let arguments = ["preprocess", "scene", "--edits", "clean.toml", "--out", "pruned.ovl", "--json"];
     let pruned = json(folder, &arguments);
     let pixels = pruned["pixels"].as_object().unwrap();
-    let parts: u64 = pixels.iter().filter(|(name, _)| *name != "pixels").map(|(_, it)| it.as_u64().unwrap()).sum();
+    let parts: u64 =
+        pixels.iter().filter(|(name, _)| *name != "pixels").map(|(_, it)| it.as_u64().unwrap()).sum();
     assert_eq!(Some(parts), pixels["pixels"].as_u64(), "{pixels:?}");
     assert!(pixels["cut"].as_u64().unwrap() > 0);
     // What the whole list leaves of it is all of it, within the precision of the store.
     let arguments = ["edit", "pruned.ovl", "--edits", "clean.toml", "--out", "twice.ovl", "--json"];
     let twice = json(folder, &arguments);
-    assert!(twice["samples_deleted"].as_u64().unwrap() * 1000 < twice["samples_before"].as_u64().unwrap(), "{twice}");
+    assert!(
+        twice["samples_deleted"].as_u64().unwrap() * 1000 < twice["samples_before"].as_u64().unwrap(),
+        "{twice}"
+    );
     let info = String::from_utf8(succeed(overlook(folder, &["info", "pruned.ovl"])).stdout).unwrap();
     assert!(info.contains("cut by hand: "), "{info}");
 }

@@ -8,10 +8,14 @@ mod draws;
 mod moving;
 #[path = "../common/scene.rs"]
 mod scene;
+#[expect(dead_code, reason = "views serve other tests")]
+#[path = "../common/small_capture.rs"]
+mod small_capture;
 
 mod agreement;
 mod edits;
 mod paper_levels;
+mod pixel_account;
 mod pixel_argument;
 mod preprocessing_promises;
 mod pruning_properties;

@@ -109,6 +109,7 @@ pub struct EditList {
 
 impl EditList {
     /// The edits that act.
+    #[must_use]
     pub fn acting(&self) -> impl DoubleEndedIterator<Item = &Edit> {
         self.edits.iter().filter(|edit| edit.is_on)
     }

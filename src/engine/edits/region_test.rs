@@ -136,7 +136,7 @@ impl RegionTest {
             Self::ConfirmedByFewerThan(count) => u32::from(seen.votes.confirm) < *count,
             Self::SeenByOneCamera => seen.votes == Votes::default(),
             Self::Angle { most_cosine, least_cosine } => {
-                let toward_camera = -seen.direction_in_world.normalize();
+                let toward_camera = -seen.direction_in_world.normalize_or_zero();
                 let cosine = seen.normal_in_world.dot(toward_camera);
                 seen.normal_in_world != DVec3::ZERO && (*least_cosine..=*most_cosine).contains(&cosine)
             }

@@ -102,7 +102,9 @@ impl SampleImage {
         }
         samples.sort_unstable_by_key(PixelSample::place);
         let mut joined = GrowingImage::new(self, self.span);
-        samples.into_iter().for_each(|sample| joined.push(sample));
+        for sample in samples {
+            joined.push(sample);
+        }
         joined.finish()
     }
 }

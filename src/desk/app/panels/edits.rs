@@ -1,7 +1,9 @@
 //! Selecting samples, deleting them, and the list of edits.
 
 use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, TextEdit, Ui};
-use egui_material_icons::icons::{ICON_ARROW_DOWNWARD, ICON_ARROW_UPWARD, ICON_DELETE, ICON_REDO, ICON_UNDO};
+use egui_material_icons::icons::{
+    ICON_ARROW_DOWNWARD, ICON_ARROW_UPWARD, ICON_CONTENT_COPY, ICON_DELETE, ICON_REDO, ICON_UNDO,
+};
 use glam::DVec3;
 
 use super::view_panel::heading_ui;
@@ -271,7 +273,7 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
                 sent.push(EditCommand::Switch(index, on));
             }
             let mut name = edit.name.clone();
-            let width = (ui.available_width() - 110.0).max(60.0);
+            let width = (ui.available_width() - 148.0).max(60.0);
             let field = ui.add(TextEdit::singleline(&mut name).desired_width(width));
             let field = field.accessible_name(format!("Name of edit {}", index + 1));
             if field.on_hover_text(region_words(&edit.region)).changed() {
@@ -286,6 +288,10 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
                         sent.push(EditCommand::Move(index, to));
                     }
                 });
+            }
+            let help = "Select the region of this edit, to reshape it or to combine it with others";
+            if icon_button(ui, ICON_CONTENT_COPY, "Select region of edit", help).clicked() {
+                sent.push(EditCommand::SelectOf(index));
             }
             if icon_button(ui, ICON_DELETE, "Remove edit", "Take this edit out of the list").clicked() {
                 sent.push(EditCommand::Remove(index));

@@ -21,7 +21,8 @@ fn open(app: &mut OverlookApp, path: &Path, is_capture: bool) {
     app.state.edits.saved = app.state.edits.list.clone();
     app.open_path(path);
     wait(app, "the scene", |app| {
-        app.state.scene.as_ref().is_some_and(|scene| Some(scene.id) != before) && app.state.has_capture() == is_capture
+        app.state.scene.as_ref().is_some_and(|scene| Some(scene.id) != before)
+            && app.state.has_capture() == is_capture
     });
     settle(app);
 }
@@ -84,7 +85,8 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     assert_eq!(edits, app.state.edits.list);
     let settings = app.state.settings.clone();
     let capture = capture::open(&small_capture(), &settings.capture).unwrap();
-    let (report, _) = pruned_store::prune_into_store(&capture, &settings, &edits, &beside, &Job::new()).unwrap();
+    let (report, _) =
+        pruned_store::prune_into_store(&capture, &settings, &edits, &beside, &Job::new()).unwrap();
     let bytes = |path: &Path| std::fs::read(path).unwrap();
     assert!(bytes(&store) == bytes(&beside));
     assert_eq!(report.cut[0].cameras, [capture.cameras[1].name.clone()]);

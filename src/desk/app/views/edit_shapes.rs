@@ -211,7 +211,7 @@ pub(super) fn outline_ui(
                 corners = vec![start, pos2(at.x, start.y), at, pos2(start.x, at.y)];
             }
             OutlineTool::Lasso if corners.last().is_none_or(|last| last.distance(at) >= CORNER) => {
-                corners.push(at)
+                corners.push(at);
             }
             OutlineTool::Lasso => {}
         }

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use crate::app::model::{EditKey, EditedScene, Message};
 use crate::app::theme::Tokens;
 use overlook_engine::color::linear_from_srgb;
-use overlook_engine::edits::{Action, Edit};
-use overlook_engine::edits::{EditList, SampleVotes, edit_samples, selected};
+use overlook_engine::edits::{Action, Edit, EditList, Region, SampleVotes, edit_samples, selected};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::samples::{ImageBuffer, SampleSet};
@@ -34,7 +33,7 @@ impl SampleEditor {
 
     fn edited(&mut self, key: &EditKey, job: &Job) -> Result<EditedScene> {
         let base = self.base(key, job)?;
-        let asks = key.list.asks_for_votes() || key.selection.as_ref().is_some_and(|it| it.asks_for_votes());
+        let asks = key.list.asks_for_votes() || key.selection.as_ref().is_some_and(Region::asks_for_votes);
         let votes = if asks { self.votes(key, &base, job)? } else { None };
         let (votes, place) = (votes.as_deref(), &key.scene.name);
         let samples = self.cut(&base, &key.list, votes, place)?;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::path::{self, Stops};
-use crate::cli::input::EditsArgs;
+use crate::cli::input::{self, EditsArgs};
 use crate::cli::output::{self, CommandError};
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::Result;

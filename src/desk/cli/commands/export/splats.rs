@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::frame_files::{frame_index, write_frames};
-use crate::cli::input::EditsArgs;
+use crate::cli::input::{self, EditsArgs};
 use crate::cli::output::{self, CommandError};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
