@@ -33,7 +33,10 @@ pub fn edit_store(
     job: &Job,
 ) -> Result<EditedStore> {
     let place = store.path().display().to_string();
-    edits.check(&store.info().cameras, &place)?;
+    let mut report = store.info().report.clone();
+    let mut counted = Report::from_json(&report, &place)?;
+    let gone: Vec<String> = counted.cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
+    edits.check(&store.info().cameras, &gone, &place)?;
     let set = store.read_undamaged(job)?;
     let images = ImageBuffer::of(&set.images);
     let votes = match capture.filter(|_| edits.asks_for_votes()) {
@@ -41,9 +44,7 @@ pub fn edit_store(
         None => None,
     };
     let left = edits::cut(&images, &set, edits, votes.as_ref(), &place)?;
-    let mut report = store.info().report.clone();
     if left.is_changed {
-        let mut counted = Report::from_json(&report, &place)?;
         let cut = CutByHand {
             edits: edits.to_toml(),
             samples: left.dropped,

@@ -215,7 +215,7 @@ const BATCH: usize = 64;
 /// The same input gives the same images, whatever the number of threads. An image that nothing is deleted from is shared.
 ///
 /// # Errors
-/// As [`EditList::check`]; `Invalid` where the list asks for votes or normals that are not there; `Io` as [`ImageBuffer::get`].
+/// `Invalid` where the list asks for votes or normals that are not there; `Io` as [`ImageBuffer::get`].
 pub fn cut(
     images: &ImageBuffer,
     outline: &SampleSet,
@@ -277,14 +277,13 @@ pub fn cut(
 /// What a list leaves of samples in memory, and how many are gone. Votes are those of the set's images.
 ///
 /// # Errors
-/// As [`cut`], and as [`EditList::check`].
+/// As [`cut`].
 pub fn edit_samples(
     set: &SampleSet,
     edits: &EditList,
     votes: Option<&SampleVotes>,
     place: &str,
 ) -> Result<(SampleSet, u64)> {
-    edits.check(&set.cameras, place)?;
     let EditedImages { images, dropped, .. } = cut(&ImageBuffer::of(&set.images), set, edits, votes, place)?;
     let outline = SampleSet { images: Vec::new(), ..set.clone() };
     Ok((SampleSet { images: images.into_images()?, ..outline }, dropped))
@@ -307,7 +306,6 @@ pub fn selected(
 ) -> Result<(SampleSet, u64)> {
     let edit = Edit::new("selection", Action::Delete, region.clone());
     let list = EditList { edits: vec![edit] };
-    list.check(&set.cameras, place)?;
     if list.asks_for_votes() && votes.is_none() {
         return Err(Error::invalid(place, "which cameras confirm samples is not known of a store"));
     }

@@ -150,14 +150,17 @@ impl EditList {
         self.acting().filter(whole).flat_map(|edit| edit.region.named_cameras()).collect()
     }
 
-    /// Checks what the edits that act name and ask for against the cameras of a capture or store; `place` is named in errors.
+    /// Checks the cameras that the edits that act name against those of a capture or store; `gone` were left out of it before. `place` is
+    /// named in errors.
     ///
     /// # Errors
     /// `Invalid` for a camera that is not there, and where no camera is left.
-    pub fn check(&self, cameras: &[Camera], place: &str) -> Result<()> {
+    pub fn check(&self, cameras: &[Camera], gone: &[String], place: &str) -> Result<()> {
         for (index, edit) in self.edits.iter().enumerate().filter(|(_, edit)| edit.is_on) {
             let named = edit.region.named_cameras();
-            let known = |name: &str| cameras.iter().any(|camera| camera.name == name);
+            let known = |name: &str| {
+                cameras.iter().any(|camera| camera.name == name) || gone.iter().any(|gone| gone == name)
+            };
             if let Some(unknown) = named.into_iter().find(|name| !known(name)) {
                 let names: Vec<&str> = cameras.iter().take(8).map(|camera| camera.name.as_str()).collect();
                 let more = if cameras.len() > names.len() { " …" } else { "" };

@@ -69,9 +69,9 @@ pub enum Region {
     Doubtful,
     /// Samples that more other cameras look past than confirm, their own among these.
     Contradicted,
-    /// Samples that fewer than this many other cameras confirm.
+    /// Samples that fewer than this many other cameras confirm. The sky is not among them.
     ConfirmedByFewerThan(u32),
-    /// Samples that no other camera could have seen: none confirms them, none looks past them.
+    /// Samples that no other camera could have seen: none confirms them, none looks past them. The sky is not among them.
     SeenByOneCamera,
     /// Samples whose pixel is this wide at their depth, world units, both ends included: the sampling rate.
     Footprint {

@@ -14,7 +14,7 @@ use crate::job::Job;
 /// # Errors
 /// As [`EditList::check`].
 pub fn with_cameras_left(capture: &Capture, edits: &EditList) -> Result<Capture> {
-    edits.check(&capture.cameras, "edits")?;
+    edits.check(&capture.cameras, &[], "edits")?;
     let left_out = edits.cameras_left_out();
     Ok(if left_out.is_empty() {
         capture.clone()

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use crate::capture::{Camera, Intrinsics};
 
-/// How many other cameras say what of a sample.
+/// How many other cameras say what of a sample. The sky counts as confirmed by all: depth tells nothing of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Votes {
     /// Those that see its surface, at most 255.

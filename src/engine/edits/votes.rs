@@ -101,6 +101,9 @@ fn votes_on(image: &SampleImage, cameras: &[Camera], witnesses: &[Option<Witness
                     None => {}
                 }
             }
+        } else {
+            // Depth tells nothing of the sky: it is neither doubted nor contradicted.
+            counted.confirm = u8::MAX;
         }
         votes.push(counted);
     }

@@ -104,7 +104,9 @@ impl OverlookApp {
     /// Takes in a list that was read: it is put in the place of the one that is there, which undo brings back.
     pub(super) fn edits_loaded(&mut self, path: &std::path::Path, list: EditList) {
         let cameras = self.state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
-        if let Err(error) = list.check(cameras, &path.display().to_string()) {
+        let cut = self.state.report().map_or(&[][..], |report| &report.cut);
+        let gone: Vec<String> = cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
+        if let Err(error) = list.check(cameras, &gone, &path.display().to_string()) {
             return self.state.notify(NoticeKind::Error, "Edits not opened", error.to_string());
         }
         let edits = &mut self.state.edits;
