@@ -135,6 +135,8 @@ pub(crate) struct LivePicture {
     /// How bright it is; `None` where its colors are no picture's, and in motion.
     pub histogram: Option<PictureHistogram>,
     pub stats: RenderStats,
+    /// How many of the holes show the sky; 0 while pixels stay on the graphics card.
+    pub sky_holes: u64,
     /// From the request to the finished picture, reading included.
     pub took: Duration,
     pub painter: Painter,

@@ -242,10 +242,13 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
 
 /// What pixels are that no sample reached, and their share of the picture.
 fn holes_ui(ui: &mut Ui, state: &State) {
-    let share = state.live_shown.as_ref().map(|shown| {
+    let shares = state.live_shown.as_ref().map(|shown| {
         let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
-        model::percent(shown.picture.stats.holes, pixels)
+        let (holes, sky) = (shown.picture.stats.holes, shown.picture.sky_holes);
+        let sky = if state.holes_shown() == HoleDisplay::Filled { sky.min(holes) } else { 0 };
+        [model::percent(holes - sky, pixels), model::percent(sky, pixels)]
     });
+    let share = shares.as_ref().map(|[unseen, _]| unseen);
     let named = |name: &str| share.map_or_else(|| name.to_owned(), |share| format!("{name} {share}"));
     match state.holes_shown() {
         HoleDisplay::Filled => {
@@ -258,6 +261,11 @@ fn holes_ui(ui: &mut Ui, state: &State) {
             response.on_hover_text(
                 "No sample reached these pixels. Their colors are continued from the background; H shows them.",
             );
+            if let Some([_, sky]) = shares.as_ref().filter(|[_, sky]| !sky.starts_with("0.0 ")) {
+                ui.label(RichText::new(format!("sky {sky}")).small()).on_hover_text(
+                    "No sample reached these pixels either: they show the sky in that direction, as cameras saw it, or continued from there.",
+                );
+            }
         }
         HoleDisplay::Hatched => {
             swatch_ui(ui, Tokens::in_ui(ui).hole_stripe, &named("hole: no sample reached it"));

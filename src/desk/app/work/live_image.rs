@@ -88,13 +88,14 @@ pub(crate) fn paint(
             key.playback.as_ref().map(|playback| playback.read_ahead_from(&key.vantage.camera, ahead, job))
         },
     );
-    let mut histogram = None;
+    let (mut histogram, mut sky_holes) = (None, 0);
     let (size, pixels, stats) = match shown? {
         (WindowPicture::OnAdapter(texture), stats) => {
             ([texture.width() as usize, texture.height() as usize], PixelSource::OnAdapter(texture), stats)
         }
         (WindowPicture::InMemory(rendered), stats) => {
             let pixels = colored(&rendered, key);
+            sky_holes = filled_with_sky(&rendered);
             let shows_picture = key.color_by == ColorBy::Picture && key.quality.is_none();
             histogram = shows_picture.then(|| histogram_of(&rendered.color, &pixels, |color| *color));
             let size = [pixels.width(), pixels.height()];
@@ -109,11 +110,18 @@ pub(crate) fn paint(
         pixels,
         histogram,
         stats,
+        sky_holes,
         took: started.elapsed(),
         painter: renderer.painter().cloned().unwrap_or_else(Painter::cpu),
         notice: renderer.notice().map(str::to_owned),
         damage: key.playback.as_ref().map_or_else(Vec::new, |playback| playback.store().damage()),
     })
+}
+
+/// How many pixels that no sample reached show the sky.
+fn filled_with_sky(picture: &Picture) -> u64 {
+    let pixels = picture.image.as_slice().iter().zip(picture.inverse_depth.as_slice());
+    pixels.filter(|(image, depth)| **image == NO_IMAGE && **depth == 0.0).count() as u64
 }
 
 /// Renders into memory if the view is at rest or is colored by samples, else wherever that is fastest.
