@@ -195,7 +195,7 @@ fn a_camera_that_is_left_out_takes_no_part_in_pruning() {
     let cleaned = preprocessed(&capture, &edits);
     let without = pruned(&capture.with_cameras(|index, _| index != 1));
     assert_eq!(cleaned.samples.images, without.samples.images);
-    assert_eq!(cleaned.report.cut[0].cameras, [name.clone()]);
+    assert_eq!(cleaned.report.cut[0].cameras, [name]);
     let all = list([(
         Action::LeaveOut,
         Region::Cameras(capture.cameras.iter().map(|it| it.name.clone()).collect()),
