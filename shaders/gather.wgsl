@@ -30,6 +30,13 @@ fn corrected(camera: u32, reprojected: Reprojected, at: vec2<f32>, depth: f32) -
     return select(reprojected.between, clamp(found, vec2<f32>(0.0), vec2<f32>(1.0)), sound);
 }
 
+// A point of a surface: column and row in the z-buffer, inverse depth, and its growth by column and row, 0 where it is not known.
+struct SurfacePoint {
+    at: vec2<f32>,
+    w: f32,
+    slope: vec2<f32>,
+}
+
 // The color that one camera gives; zeros if it shows another surface.
 struct ViewColor {
     // Color times weight, and weight.
@@ -38,7 +45,7 @@ struct ViewColor {
     coverage: f32,
 }
 
-fn interpolated(camera: u32, reprojected: Reprojected, at: vec2<f32>, w: f32) -> ViewColor {
+fn interpolated(camera: u32, reprojected: Reprojected, point: SurfacePoint) -> ViewColor {
     let quad = quad_at(camera, i32(reprojected.corner.x), i32(reprojected.corner.y));
     let limit = reprojected.expected * views[camera].tolerance;
     var shares = bilinear(reprojected.between);
@@ -58,7 +65,7 @@ fn interpolated(camera: u32, reprojected: Reprojected, at: vec2<f32>, w: f32) ->
     let depth = (above + below) / coverage;
     // Where the camera agrees with the z-buffer to a small part of the tolerance, correcting moves nothing.
     if abs(depth - reprojected.expected) > EXACT * limit {
-        shares = bilinear(corrected(camera, reprojected, at, depth));
+        shares = bilinear(corrected(camera, reprojected, point.at, depth));
     }
     var color = vec3<f32>(0.0);
     var beside = false;
@@ -71,12 +78,12 @@ fn interpolated(camera: u32, reprojected: Reprojected, at: vec2<f32>, w: f32) ->
             beside = true;
         }
     }
-    let weight = weight_of(camera, reprojected.distance_ratio, at, w) * select(1.0, BESIDE_EDGE, beside);
-    return ViewColor(vec4<f32>(color, coverage) * weight, coverage);
+    let weight = weight_of(camera, reprojected.distance_ratio, point.at, point.w, point.slope);
+    return ViewColor(vec4<f32>(color, coverage) * weight * select(1.0, BESIDE_EDGE, beside), coverage);
 }
 
-fn color_in(camera: u32, at: vec2<f32>, w: f32) -> ViewColor {
-    let reprojected = reproject(camera, at, w);
+fn color_in(camera: u32, point: SurfacePoint) -> ViewColor {
+    let reprojected = reproject(camera, point.at, point.w);
     var found: ViewColor;
     if !reprojected.inside {
         return found;
@@ -87,10 +94,10 @@ fn color_in(camera: u32, at: vec2<f32>, w: f32) -> ViewColor {
     let per_subpixel = 1.0 / count;
     for (var nth = 0u; nth < u32(count * count); nth++) {
         let sub = vec2<f32>(f32(nth % u32(count)), f32(nth / u32(count)));
-        let sub_at = at + ((sub + 0.5) * per_subpixel - 0.5) * f32(stage.subpixels);
-        let sub_reprojected = reproject(camera, sub_at, w);
+        let sub_at = point.at + ((sub + 0.5) * per_subpixel - 0.5) * f32(stage.subpixels);
+        let sub_reprojected = reproject(camera, sub_at, point.w);
         if sub_reprojected.inside {
-            let part = interpolated(camera, sub_reprojected, sub_at, w);
+            let part = interpolated(camera, sub_reprojected, SurfacePoint(sub_at, point.w, point.slope));
             found.sum += part.sum;
             found.coverage += part.coverage;
         }
@@ -99,9 +106,9 @@ fn color_in(camera: u32, at: vec2<f32>, w: f32) -> ViewColor {
     return ViewColor(found.sum * share, found.coverage * share);
 }
 
-// The color of the surface of `key` at inverse depth `w` in pixel `at`, from the cameras of the patch, the best first; in a pruned set the camera of
+// The color of the surface of `key` at a point, from the cameras of the patch, the best first; in a pruned set the camera of
 // the nearest sample, which kept it, comes before them.
-fn surface_color(key: vec2<u32>, at: vec2<f32>, w: f32) -> vec3<f32> {
+fn surface_color(key: vec2<u32>, point: SurfacePoint) -> vec3<f32> {
     let pruned = stage.pruned != 0u;
     let sample_camera = pieces[piece_of(~key.x >> 8u)].camera;
     var sum = vec4<f32>(0.0);
@@ -111,7 +118,7 @@ fn surface_color(key: vec2<u32>, at: vec2<f32>, w: f32) -> vec3<f32> {
     var next = 0u;
     loop {
         if is_wanted {
-            let found = color_in(camera, at, w);
+            let found = color_in(camera, point);
             sum += found.sum;
             coverage += found.coverage;
         }
@@ -183,8 +190,8 @@ fn parts_of(first: vec2<u32>) -> PixelParts {
     return parts;
 }
 
-// Paints the pixel of the picture whose first sub-pixel this is.
-fn paint(first: vec2<u32>) {
+// Paints the pixel of the picture whose first sub-pixel this is, `local` in its block.
+fn paint(first: vec2<u32>, local: vec2<u32>) {
     let parts = parts_of(first);
     let all = parts.shown;
     let subpixels = f32(stage.subpixels * stage.subpixels);
@@ -200,6 +207,7 @@ fn paint(first: vec2<u32>) {
         before += select(0.0, surface.share, surface.w / surface.share > farthest);
     }
     let has_front = parts.count > 1u;
+    let slope = select(slope_around(local), vec2<f32>(0.0), has_front);
     // Most of what is shown lies in front of the farthest surface.
     let shows_front = has_front && 2.0 * before >= all;
     var color = vec3<f32>(0.0);
@@ -210,7 +218,8 @@ fn paint(first: vec2<u32>) {
     for (var nth = 0u; nth < parts.count; nth++) {
         let surface = parts.surfaces[nth];
         let w = surface.w / surface.share;
-        let found = surface_color(surface.key, surface.at / surface.share, w);
+        let point = SurfacePoint(surface.at / surface.share, w, slope);
+        let found = surface_color(surface.key, point);
         let is_front = has_front && w > farthest;
         color += surface.share / all * found;
         if is_front {
@@ -245,7 +254,7 @@ fn gather(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
         }
         load_patch(group.xy, thread, both);
         if thread < side * side && is_painted(first, local, both) {
-            paint(first);
+            paint(first, local);
         }
     }
 }

@@ -4,6 +4,8 @@
 //! which find what cameras saw, and in `finish/`, which find holes and fill them. A stage needs some of the shared pieces in
 //! `common/` before it; which ones, the engine says (`render/gpu/shaders.rs`).
 
+/// The stage `around`.
+pub const AROUND: &str = include_str!("finish/around.wgsl");
 /// The stage `average`.
 pub const AVERAGE: &str = include_str!("average.wgsl");
 /// The stage `blend`.
@@ -65,6 +67,8 @@ pub mod common {
     pub const EDGES: &str = include_str!("common/edges.wgsl");
     /// The piece `environment`.
     pub const ENVIRONMENT: &str = include_str!("common/environment.wgsl");
+    /// The piece `fillings`.
+    pub const FILLINGS: &str = include_str!("common/fillings.wgsl");
     /// The piece `finish`.
     pub const FINISH: &str = include_str!("common/finish.wgsl");
     /// The piece `hole_rays`.

@@ -15,6 +15,9 @@ struct View {
     height: i32,
     cells_across: u32,
     first_cell: u32,
+    // What growth of the inverse depth tells of `offset_in_world`.
+    growth_along_offset: vec3<f32>,
+    padding_0: u32,
 }
 
 @group(1) @binding(3) var<storage, read> views: array<View>;

@@ -39,6 +39,42 @@ fn list_cameras(nth: u32) {
     }
 }
 
+// An inverse depth that grows by this share over two pixels, or more, is a step and no slope.
+const MAX_GROWTH: f32 = 0.25;
+
+// The inverse depth of a core sample of the patch; negative where there is none.
+fn core_depth(at: vec2<u32>) -> f32 {
+    let upper = patch_keys[at.y * u32(SIDE) + at.x].y;
+    return inverse_depth_of(select(0u, upper, (upper & CORE) != 0u));
+}
+
+// The sum of the inverse depths of four pixels.
+fn sum_of_four(at: vec2<u32>) -> f32 {
+    let above = core_depth(at) + core_depth(at + vec2<u32>(1u, 0u));
+    return above + (core_depth(at + vec2<u32>(0u, 1u)) + core_depth(at + vec2<u32>(1u, 1u)));
+}
+
+// Growth over one pixel, from sums of four over two pixels before and after.
+fn growth(before: f32, here: f32, after: f32) -> f32 {
+    let back = here - before;
+    let on = after - here;
+    let least = select(on, back, abs(back) < abs(on));
+    return select(0.0, 0.125 * least, back * on > 0.0 && abs(least) < MAX_GROWTH * here);
+}
+
+// Growth of the inverse depth by column and by row around the middle of the four pixels from a pixel of the block on. Twin:
+// `Patch::slope` in src/engine/render/gather/silhouette.rs.
+fn slope_around(pixel: vec2<u32>) -> vec2<f32> {
+    let at = min(pixel, vec2<u32>(TILE - 2u)) + u32(RING);
+    let here = sum_of_four(at);
+    let across = vec2<u32>(2u, 0u);
+    let down = vec2<u32>(0u, 2u);
+    return vec2<f32>(
+        growth(sum_of_four(at - across), here, sum_of_four(at + across)),
+        growth(sum_of_four(at - down), here, sum_of_four(at + down)),
+    );
+}
+
 // Weighs a camera for the middle of the block whose first pixel is `corner`.
 fn weigh_camera(nth: u32, corner: vec2<i32>) {
     let camera = camera_set[nth];
@@ -49,7 +85,7 @@ fn weigh_camera(nth: u32, corner: vec2<i32>) {
     let z = (ray(projector, at.x, at.y) + projector.origin * w).z;
     camera_weight[nth] = 0.0;
     if z > 0.0 {
-        camera_weight[nth] = weight_of(camera, 1.0 / z, at, w);
+        camera_weight[nth] = weight_of(camera, 1.0 / z, at, w, slope_around(vec2<u32>(TILE / 2u)));
     }
 }
 

@@ -165,20 +165,21 @@ fn fill(@builtin(global_invocation_id) at: vec3<u32>) {
     }
     let pixel = at.y * finish.width + at.x;
     let hole = depth_at(pixel);
-    if hole >= 0.0 {
-        return;
-    }
-    let set_of = select(ALL_SOURCES, SURFACE_SOURCES, hole < HOLE);
-    let surface = surface_behind(set_of, at.xy, hidden_surface_limit(hole));
-    let filling = push(set_of, at.xy, surface);
-    if filling.weight > 0.0 {
-        var share = 0.0;
-        var sky = vec3<f32>(0.0);
-        if knows_sky() && hole < HOLE {
-            share = sky_share(hole, planes[hidden_share_at(pixel)]);
-            sky = sky_at(at.xy);
+    var share = NOT_FILLED;
+    if hole < 0.0 {
+        let set_of = select(ALL_SOURCES, SURFACE_SOURCES, hole < HOLE);
+        let surface = surface_behind(set_of, at.xy, hidden_surface_limit(hole));
+        let filling = push(set_of, at.xy, surface);
+        if filling.weight > 0.0 {
+            share = 0.0;
+            if knows_sky() && hole < HOLE {
+                share = sky_share(hole, planes[hidden_share_at(pixel)]);
+            }
+            set_color(pixel, filling.color);
+            set_depth(pixel, filling.inverse_depth);
         }
-        set_color(pixel, filling.color + share * (sky - filling.color));
-        set_depth(pixel, select(0.0, filling.inverse_depth, share < 0.5));
+    } else if hole == 0.0 && image_at(pixel) == NO_IMAGE {
+        share = ONLY_SKY;
     }
+    set_sky_share(pixel, share);
 }

@@ -8,7 +8,7 @@
 //! What differs: a pyramid in which the farther side always wins grows the near side wherever a coarse cell holds nothing
 //! else, and lets a sliver of sky win over a whole wall elsewhere. So the surface is chosen first (`surface`), for every hole
 //! pixel by itself, among the painted pixels that it sees across its own hole (`rays`); the pyramid (`pyramid`) then
-//! blends colors of that surface alone.
+//! blends colors of that surface alone. Last, neighbors in a hole are joined (`around`).
 //!
 //! ```text
 //!      near  near  near |  hole  hole  hole  hole | far  far      across the hole two surfaces face each other: the farther
@@ -20,6 +20,7 @@
 //! The mask is kept: [`Picture::image`] stays [`NO_IMAGE`] in filled pixels, and pixels that are painted as a whole are not touched. What
 //! is painted of others is put over what fills the rest (`partial`).
 
+mod around;
 mod partial;
 mod pyramid;
 mod rays;
@@ -32,6 +33,7 @@ use super::free_space::{HOLE, HolePlace, OPEN_HOLE, SKY_HOLE, hidden_surface_lim
 use super::vantage::{NO_IMAGE, Picture};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
+use around::{Filling, FillingsAround};
 use partial::PartialPixels;
 use pyramid::Pyramid;
 use rays::HoleRays;
@@ -101,30 +103,40 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
     let all = all.then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[]));
     let surfaces = any_depth(&hides_surface);
     let surfaces = surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0, blended));
-    let fill_row = |(y, row): (usize, &[f32])| -> Vec<(usize, WeightedMean)> {
+    let images = picture.image.as_slice();
+    let is_sky = |pixel: usize| depths[pixel] == 0.0 && images[pixel] == NO_IMAGE;
+    let fill_row = |(y, row): (usize, &[f32])| -> Vec<Filling> {
         let fill_pixel = |x: usize| {
+            if row[x] == 0.0 {
+                return Some(Filling { x, surface: None, sky_share: 1.0 });
+            }
             let sources = if hides_surface(&row[x]) { surfaces.as_ref() } else { all.as_ref() }?;
             let limit = hidden_surface_limit(row[x]);
             let seen = sources.rays.neighbors((x, y));
             let surface = surface_behind(depths, &seen, limit, tolerance);
             let pushed = sources.pyramid.push((x, y), surface.as_ref(), tolerance);
             let filling = pushed.or_else(|| Some(surface.as_ref()?.mean(picture, &seen)))?;
-            let filling = match &sky {
-                Some(sky) => sky.beside((x, y), y * width + x, row[x], filling),
-                None => filling,
-            };
-            Some((x, filling))
+            let sky_share = sky.as_ref().map_or(0.0, |sky| sky.share(y * width + x, row[x]));
+            Some(Filling { x, surface: Some(filling), sky_share })
         };
         let mut filled = Vec::with_capacity(row.iter().filter(|depth| is_unfilled(depth)).count());
-        filled.extend((0..width).filter(|x| is_unfilled(&row[*x])).filter_map(fill_pixel));
+        let is_filled = |x: &usize| is_unfilled(&row[*x]) || is_sky(y * width + x);
+        filled.extend((0..width).filter(is_filled).filter_map(fill_pixel));
         filled
     };
     let filled: Vec<_> = depths.par_chunks(width).enumerate().map(fill_row).collect();
+    let around = FillingsAround::new(&filled, width);
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
     let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
-    rows.zip(filled).for_each(|((colors, inverse_depths), filled)| {
-        for (x, filling) in filled {
-            (colors[x], inverse_depths[x]) = (filling.color, filling.inverse_depth);
+    rows.zip(filled).enumerate().for_each(|(y, ((colors, inverse_depths), filled))| {
+        for Filling { x, surface, .. } in filled {
+            let Some(surface) = surface else { continue };
+            let (color, sky_share) = around.mean((x, y));
+            (colors[x], inverse_depths[x]) = (color, surface.inverse_depth);
+            if let Some(sky) = sky.as_ref().filter(|_| sky_share > 0.0) {
+                colors[x] = sky.over(color, (x, y), sky_share);
+                inverse_depths[x] = if sky_share < 0.5 { surface.inverse_depth } else { 0.0 };
+            }
         }
     });
 }
@@ -159,19 +171,21 @@ impl<'a> HoleSky<'a> {
         Self { environment, directions: PixelDirections::new(target), hidden_share, is_open }
     }
 
-    /// The sky and a surface that fills a hole, each by its share. `hole` is the hole's inverse depth.
-    fn beside(&self, at: (usize, usize), pixel: usize, hole: f32, surface: WeightedMean) -> WeightedMean {
+    /// The share of the sky in a pixel of a hole, whose inverse depth is `hole`.
+    fn share(&self, pixel: usize, hole: f32) -> f32 {
         let place = match hole {
-            HOLE.. => return surface,
+            HOLE.. => return 0.0,
             OPEN_HOLE if self.is_open[pixel] => HolePlace::Open,
             OPEN_HOLE => HolePlace::Facing,
             _ => HolePlace::Enclosed,
         };
-        let share = sky_share(place, self.hidden_share[pixel]);
+        sky_share(place, self.hidden_share[pixel])
+    }
+
+    /// A share of the sky over a color, at a column and row.
+    fn over(&self, color: [f32; 3], at: (usize, usize), share: f32) -> [f32; 3] {
         let sky = self.environment.color(self.directions.at(at));
-        let mix = |channel: usize| surface.color[channel] + share * (sky[channel] - surface.color[channel]);
-        let inverse_depth = if share < 0.5 { surface.inverse_depth } else { 0.0 };
-        WeightedMean { color: [0, 1, 2].map(mix), inverse_depth, weight: surface.weight }
+        [0, 1, 2].map(|channel| color[channel] + share * (sky[channel] - color[channel]))
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::interpolate::find_colors;
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
 use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
-use super::surface_points::{PixelShares, StripPixel, SurfacePoints};
+use super::surface_points::{PixelShares, StripPixel, SurfaceDepth, SurfacePoints};
 use super::target::{BLOCK, PictureRows, set_images};
 use super::view_weights::SourceViews;
 use super::visibility_votes::{VisibilityVotes, VotedPoints, vote};
@@ -78,7 +78,8 @@ impl GatherScratch {
         frame.cameras_of(slots, &mut self.cameras);
         let center = ((patch.left + BLOCK / 2) as f32, (patch.top + BLOCK / 2) as f32);
         let w = inverse_depth_of(keys[SIDE * SIDE / 2 + SIDE / 2]).max(0.0);
-        views.rank(center, w, &mut self.cameras, &mut self.weights);
+        let slope = patch.slope(BLOCK / 2, BLOCK / 2);
+        views.rank(center, w, slope, &mut self.cameras, &mut self.weights);
         self.prefetch(views, nth, w);
         let (columns, row_count) = rows.extent(patch.left);
         let subpixels = rows.subpixels;
@@ -185,16 +186,27 @@ impl GatherScratch {
                 if let Some(fronts) = rows.fronts.get_mut(start..start + columns) {
                     fronts.fill(NO_FRONT);
                 }
-                self.points.push_row(keys, depths, &cameras, first, 1.0);
+                let mut slopes = [[0.0; BLOCK]; 2];
+                for column in 0..BLOCK {
+                    [slopes[0][column], slopes[1][column]] = patch.slope(column, row);
+                }
+                self.points.push_row(keys, depths, &slopes, &cameras, first, 1.0);
                 continue;
             }
             for column in (0..columns).filter(|column| which[row] >> column & 1 == 1) {
                 colors[column] = [0.0; 3];
                 let pixel =
                     StripPixel { x: (patch.left + column) as f32, at: (start + column) as u32, ..first };
-                let mut push = |key, shares| {
+                let mut push = |key, shares: PixelShares| {
                     let own = frame.camera_of(slot_of(key));
-                    self.points.push(key, inverse_depth_of(key), own, pixel, shares);
+                    let slope = if shares.pixel == 1.0 { patch.slope(column, row) } else { [0.0; 2] };
+                    self.points.push(
+                        key,
+                        SurfaceDepth { w: inverse_depth_of(key), slope },
+                        own,
+                        pixel,
+                        shares,
+                    );
                 };
                 let (mut key, mut front) = (patch.keys[row + RING][column + RING], NO_FRONT);
                 if edges[row] >> column & 1 == 1 {

@@ -81,7 +81,7 @@ pub(super) fn find_colors(
 #[inline(always)]
 fn add_camera(views: &SourceViews<'_>, camera: u16, points: &mut SurfacePoints, caches: &mut TileCaches) {
     let view = &views.views[camera as usize];
-    let SurfacePoints { x, y, w, color, weight, coverage, selected, .. } = points;
+    let SurfacePoints { x, y, w, slope, color, weight, coverage, selected, .. } = points;
     for group in selected.chunks(LANES) {
         // The last group is filled up with its first point, which the mask leaves out.
         let mut at = [group[0] as usize % MOST; LANES];
@@ -89,7 +89,8 @@ fn add_camera(views: &SourceViews<'_>, camera: u16, points: &mut SurfacePoints, 
             *at = *nth as usize % MOST;
         }
         let which = u32::MAX >> (32 - group.len());
-        let group_points = TargetPoints { x: listed(x, &at), y: listed(y, &at), w: listed(w, &at) };
+        let slope = [listed(&slope[0], &at), listed(&slope[1], &at)];
+        let group_points = TargetPoints { x: listed(x, &at), y: listed(y, &at), w: listed(w, &at), slope };
         let found = colors_in(views, view, &group_points, which, caches);
         for (at, part) in at.iter().zip(&found.color).take(group.len()) {
             for channel in 0..4 {

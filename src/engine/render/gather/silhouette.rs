@@ -44,6 +44,9 @@ fn snapped(share: f32) -> f32 {
 /// A surface is extrapolated beyond its edge if its inverse depth changes by at most this many tolerances a pixel.
 const MAX_SLOPE: f32 = 8.0;
 
+/// An inverse depth that grows by this share over two pixels, or more, is a step and no slope.
+const MAX_GROWTH: f32 = 0.25;
+
 /// Directions to the neighbors of a pixel.
 const NEIGHBORS: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
 
@@ -166,6 +169,26 @@ impl Patch {
     #[inline(always)]
     fn key(&self, x: usize, y: usize) -> u64 {
         core_of(self.keys[y + RING][x + RING])
+    }
+
+    /// Growth of the inverse depth by column and by row around the middle of the four pixels from column `x` and row `y` of the block
+    /// on, at most the last but one: the smaller growth toward the two sides, 0 where these disagree or a step in depth is.
+    #[inline(always)]
+    pub(super) fn slope(&self, x: usize, y: usize) -> [f32; 2] {
+        let (x, y) = (x.min(BLOCK - 2) + RING, y.min(BLOCK - 2) + RING);
+        let sum = |x: usize, y: usize| {
+            let [above, below] = [&self.w[y], &self.w[y + 1]];
+            (above[x] + above[x + 1]) + (below[x] + below[x + 1])
+        };
+        let here = sum(x, y);
+        let growth = |before: f32, after: f32| {
+            let (back, on) = (here - before, after - here);
+            let least = if back.abs() < on.abs() { back } else { on };
+            let is_slope = (back * on > 0.0) & (least.abs() < MAX_GROWTH * here);
+            // Of four values together, over two pixels.
+            if is_slope { 0.125 * least } else { 0.0 }
+        };
+        [growth(sum(x - 2, y), sum(x + 2, y)), growth(sum(x, y - 2), sum(x, y + 2))]
     }
 
     /// For every pixel of the block whether something is to be decided about it: it shows no core sample, a farther surface or a hole

@@ -7,7 +7,7 @@
 //! SIGGRAPH 1993). What differs: a surface is looked up once, in the middle of the sub-pixels that show it, at their mean depth.
 
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING};
-use super::surface_points::{PixelShares, StripPixel, SurfacePoints};
+use super::surface_points::{PixelShares, StripPixel, SurfaceDepth, SurfacePoints};
 use super::target::{BLOCK, PictureRows, set_images};
 use super::visibility_votes::VisibilityVotes;
 use crate::render::input::FrameSamples;
@@ -124,7 +124,8 @@ pub(super) fn set_surfaces_of_pairs(
             let is_edge = (edges[row] | edges[row + 1]) & 3 << column != 0;
             if let Some((key, w)) = one_surface(&surfaces, is_edge, patch.surface_ratio) {
                 let pixel = StripPixel { x: x + 0.5, y: y + 0.5, at: at as u32 };
-                points.push(key, w, frame.camera_of(slot_of(key)), pixel, PixelShares::WHOLE);
+                let depth = SurfaceDepth { w, slope: patch.slope(column, row) };
+                points.push(key, depth, frame.camera_of(slot_of(key)), pixel, PixelShares::WHOLE);
                 rows.inverse_depth[at] = w;
                 if let Some(front) = rows.fronts.get_mut(at) {
                     *front = NO_FRONT;
@@ -135,12 +136,13 @@ pub(super) fn set_surfaces_of_pairs(
                 rows.image[at] = frame.image_of(slot_of(key));
                 continue;
             }
+            let slope = patch.slope(column, row);
             let mut parts = PixelParts::default();
             for ((right, below), surfaces) in SUBPIXELS.into_iter().zip(surfaces) {
                 parts.add(surfaces, (x + right as f32, y + below as f32), patch.surface_ratio);
             }
             let ResolvedPixel { inverse_depth, image, front, coverage } =
-                push_parts(&parts, frame, at, points);
+                push_parts(&parts, frame, at, slope, points);
             rows.inverse_depth[at] = inverse_depth;
             rows.image[at] = image;
             if let Some(place) = rows.coverage.get_mut(at) {
@@ -182,7 +184,11 @@ fn set_row_of_pairs(
     }
     let cameras = set_images(&keys, frame, &mut rows.image[pixels]);
     let (x, y) = (patch.left as f32 + 0.5, (patch.top + row) as f32 + 0.5);
-    points.push_row(&keys, &w, &cameras, StripPixel { x, y, at: start as u32 }, 2.0);
+    let mut slopes = [[0.0; PAIRS]; 2];
+    for i in 0..PAIRS {
+        [slopes[0][i], slopes[1][i]] = patch.slope(2 * i, row);
+    }
+    points.push_row(&keys, &w, &slopes, &cameras, StripPixel { x, y, at: start as u32 }, 2.0);
 }
 
 /// The surface that all sub-pixels of a pixel show, by the key of the first and their mean inverse depth; `None` if there are several,
@@ -219,12 +225,13 @@ struct ResolvedPixel {
     coverage: f32,
 }
 
-/// Lists the surfaces of a pixel.
+/// Lists the surfaces of a pixel, around which inverse depths grow by `slope`.
 #[inline(always)]
 fn push_parts(
     parts: &PixelParts,
     frame: &FrameSamples<'_>,
     at: usize,
+    slope: [f32; 2],
     points: &mut SurfacePoints,
 ) -> ResolvedPixel {
     let mut pixel =
@@ -238,6 +245,7 @@ fn push_parts(
     let before: f32 =
         surfaces.iter().filter(|surface| !is_farthest(surface)).map(|surface| surface.share).sum();
     let has_front = parts.count > 1;
+    let slope = if has_front { [0.0; 2] } else { slope };
     if has_front {
         (pixel.front[3], pixel.front[4]) = (farthest, before / SUBPIXELS.len() as f32);
     }
@@ -252,7 +260,7 @@ fn push_parts(
         let is_front = has_front && !is_farthest(surface);
         let front_share = if is_front { surface.share / before } else { 0.0 };
         let shares = PixelShares { pixel: surface.share / all, front: front_share };
-        points.push(surface.key, w, own, place, shares);
+        points.push(surface.key, SurfaceDepth { w, slope }, own, place, shares);
         if surface.share > largest && (is_front || !shows_front) && !is_hole {
             largest = surface.share;
             (pixel.inverse_depth, pixel.image) = (w, frame.image_of(slot_of(surface.key)));

@@ -21,6 +21,13 @@ pub(super) struct StripPixel {
     pub(super) at: u32,
 }
 
+/// Inverse depth of a surface in the middle of a pixel, and its growth by column and by row of the z-buffer; 0 where it is not known.
+#[derive(Clone, Copy)]
+pub(super) struct SurfaceDepth {
+    pub(super) w: f32,
+    pub(super) slope: [f32; 2],
+}
+
 /// How much of a pixel a surface takes, 0 to 1.
 #[derive(Clone, Copy)]
 pub(super) struct PixelShares {
@@ -45,6 +52,8 @@ pub(super) struct SurfacePoints {
     pub(super) y: [f32; MOST],
     /// Inverse depths.
     pub(super) w: [f32; MOST],
+    /// Growth of the inverse depth by column and by row; 0 where it is not known.
+    pub(super) slope: [[f32; MOST]; 2],
     /// Keys of the nearest samples.
     key: [u64; MOST],
     /// The cameras of these samples.
@@ -72,6 +81,7 @@ impl SurfacePoints {
             x: zero,
             y: zero,
             w: zero,
+            slope: [zero; 2],
             key: [0; MOST],
             own: [0; MOST],
             share: zero,
@@ -97,14 +107,22 @@ impl SurfacePoints {
         self.coverage[..count].fill(0.0);
     }
 
-    /// Adds the surface of a key, a sample of camera `own`, at inverse depth `w`, which takes `shares` of a pixel.
+    /// Adds the surface of a key, a sample of camera `own`, which takes `shares` of a pixel.
     #[inline(always)]
-    pub(super) fn push(&mut self, key: u64, w: f32, own: u16, pixel: StripPixel, shares: PixelShares) {
+    pub(super) fn push(
+        &mut self,
+        key: u64,
+        depth: SurfaceDepth,
+        own: u16,
+        pixel: StripPixel,
+        shares: PixelShares,
+    ) {
         let at = self.count % MOST;
         self.count = at + 1;
         self.x[at] = pixel.x;
         self.y[at] = pixel.y;
-        self.w[at] = w;
+        self.w[at] = depth.w;
+        (self.slope[0][at], self.slope[1][at]) = (depth.slope[0], depth.slope[1]);
         self.key[at] = key;
         self.own[at] = own;
         self.share[at] = shares.pixel;
@@ -119,6 +137,7 @@ impl SurfacePoints {
         &mut self,
         keys: &[u64; N],
         depths: &[f32; N],
+        slopes: &[[f32; N]; 2],
         cameras: &[u16; N],
         first: StripPixel,
         step: f32,
@@ -133,6 +152,8 @@ impl SurfacePoints {
         self.x[at..at + N].copy_from_slice(&columns);
         self.y[at..at + N].fill(first.y);
         self.w[at..at + N].copy_from_slice(depths);
+        self.slope[0][at..at + N].copy_from_slice(&slopes[0]);
+        self.slope[1][at..at + N].copy_from_slice(&slopes[1]);
         self.key[at..at + N].copy_from_slice(keys);
         self.own[at..at + N].copy_from_slice(cameras);
         self.share[at..at + N].fill(1.0);

@@ -3,13 +3,16 @@
 use glam::Vec3;
 
 use crate::capture::Camera;
-use crate::render::geometry::{Projector, focal, rays_in_world};
+use crate::render::geometry::{Projector, focal, growth_along, rays_in_world};
 use crate::render::input::{CellTable, FrameSamples, LaneValues, Lookup};
 use crate::settings::RenderSettings;
 use crate::simd::LANES;
 
 /// A higher sampling rate than this many times the vantage's gains nothing: the picture cannot show more.
 const USEFUL_RATE: f32 = 1.5;
+
+/// Cosines of incidence that differ by more than this factor count as differing by it.
+const MOST_SLANTED: f32 = 0.02;
 
 /// A camera that covers all but this share of a pixel counts as one that covers it.
 const UNCOVERED: f32 = 0.01;
@@ -27,6 +30,8 @@ pub(super) struct SourceView {
     pub(super) target_from_source: Projector,
     /// From the camera's center to the vantage's, in world space.
     offset_in_world: Vec3,
+    /// What growth of the inverse depth tells of `offset_in_world`: see [`growth_along`].
+    growth_along_offset: Vec3,
     /// Inverse depths that differ by no more than this share belong to one surface.
     pub(super) tolerance: f32,
 }
@@ -37,6 +42,8 @@ pub(super) struct TargetPoints {
     pub(super) x: LaneValues,
     pub(super) y: LaneValues,
     pub(super) w: LaneValues,
+    /// Growth of the inverse depth by column and by row; 0 where it is not known.
+    pub(super) slope: [LaneValues; 2],
 }
 
 /// The cameras of a frame as the vantage sees them, and their samples.
@@ -63,12 +70,17 @@ impl<'a> SourceViews<'a> {
         subpixels: usize,
     ) -> Self {
         let center = target.position_in_world();
-        let view = |(camera, source): (usize, &Camera)| SourceView {
-            camera,
-            source_from_target: Projector::new(target, source),
-            target_from_source: Projector::new(source, target),
-            offset_in_world: (center - source.position_in_world()).as_vec3(),
-            tolerance: settings.depth_tolerance / focal(source),
+        let rays_in_world = rays_in_world(target, 0.5);
+        let view = |(camera, source): (usize, &Camera)| {
+            let offset_in_world = (center - source.position_in_world()).as_vec3();
+            SourceView {
+                camera,
+                source_from_target: Projector::new(target, source),
+                target_from_source: Projector::new(source, target),
+                offset_in_world,
+                growth_along_offset: growth_along(rays_in_world, offset_in_world),
+                tolerance: settings.depth_tolerance / focal(source),
+            }
         };
         let pruned = frame.is_pruned();
         Self {
@@ -77,7 +89,7 @@ impl<'a> SourceViews<'a> {
             lookup: Lookup { table, frame },
             views: frame.set.cameras.iter().enumerate().map(view).collect(),
             subpixels: subpixels as f32,
-            rays_in_world: rays_in_world(target, 0.5),
+            rays_in_world,
         }
     }
 
@@ -89,12 +101,14 @@ impl<'a> SourceViews<'a> {
         view.source_from_target.focal_ratio * distance_ratio * self.subpixels
     }
 
-    /// Sorts cameras by their weight for the surface at inverse depth `w` in pixel `(x, y)`, largest first.
+    /// Sorts cameras by their weight for the surface at inverse depth `w` in pixel `(x, y)`, which grows by `slope` a column and a row,
+    /// largest first.
     #[inline(always)]
     pub(super) fn rank(
         &self,
         (x, y): (f32, f32),
         w: f32,
+        slope: [f32; 2],
         cameras: &mut [u16],
         weights: &mut Vec<(f32, u16)>,
     ) {
@@ -102,7 +116,7 @@ impl<'a> SourceViews<'a> {
         weights.extend(cameras.iter().map(|&camera| {
             let view = &self.views[camera as usize];
             let point = view.source_from_target.point(x, y, w);
-            let weight = if point.z > 0.0 { self.weight(view, 1.0 / point.z, (x, y), w) } else { 0.0 };
+            let weight = if point.z > 0.0 { self.weight(view, 1.0 / point.z, (x, y), w, slope) } else { 0.0 };
             (weight, camera)
         }));
         weights.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -130,20 +144,38 @@ impl<'a> SourceViews<'a> {
     ) -> LaneValues {
         let mut weights = [0.0; LANES];
         for i in 0..LANES {
-            weights[i] = self.weight(view, distance_ratio[i], (points.x[i], points.y[i]), points.w[i]);
+            weights[i] = self.weight(
+                view,
+                distance_ratio[i],
+                (points.x[i], points.y[i]),
+                points.w[i],
+                [points.slope[0][i], points.slope[1][i]],
+            );
         }
         weights
     }
 
-    /// The weight of a camera: the squared sampling rate, up to [`USEFUL_RATE`], times the cosine between its line of sight and
-    /// the vantage's.
+    /// The weight of a camera: the cubed sampling rate on the surface, up to [`USEFUL_RATE`], times the cosine between its line of
+    /// sight and the vantage's. Of the powers 2, 3 and 4 the third loses least: textures gain by more, edges by less.
     #[inline(always)]
-    fn weight(&self, view: &SourceView, distance_ratio: f32, (x, y): (f32, f32), w: f32) -> f32 {
+    fn weight(
+        &self,
+        view: &SourceView,
+        distance_ratio: f32,
+        (x, y): (f32, f32),
+        w: f32,
+        slope: [f32; 2],
+    ) -> f32 {
         let [first, across, down] = self.rays_in_world;
         let ray = first + across * x + down * y;
         let sight = ray + view.offset_in_world * w;
-        let cosine = ray.dot(sight) / (ray.length_squared() * sight.length_squared()).sqrt();
-        let rate = self.rate(view, distance_ratio).min(USEFUL_RATE);
-        rate * rate * cosine.max(0.01)
+        let (ray_squared, sight_squared) = (ray.length_squared(), sight.length_squared());
+        let cosine = ray.dot(sight) / (ray_squared * sight_squared).sqrt();
+        // The cosine of incidence over the vantage's.
+        let growth = Vec3::new(slope[0], slope[1], w - slope[0] * x - slope[1] * y);
+        let facing = 1.0 + view.growth_along_offset.dot(growth);
+        let facing = (facing * (ray_squared / sight_squared).sqrt()).clamp(MOST_SLANTED, 1.0 / MOST_SLANTED);
+        let rate = (self.rate(view, distance_ratio) * facing.sqrt()).min(USEFUL_RATE);
+        rate * rate * rate * cosine.max(0.01)
     }
 }

@@ -6,7 +6,7 @@
 //!
 //! Sums are not contracted (no fused multiply-add): every machine and every vector width gives the same bits.
 
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 
 use crate::capture::Camera;
 use crate::samples::TILE;
@@ -50,6 +50,15 @@ pub(crate) fn rays_in_world(camera: &Camera, first: f64) -> [Vec3; 3] {
     };
     let start = ray(0.0, 0.0);
     [start, ray(1.0, 0.0) - start, ray(0.0, 1.0) - start].map(DVec3::as_vec3)
+}
+
+/// What growth of inverse depths in a picture tells of an offset `o` in world space: `N·o`, where the plane `N·P = 1` around the camera
+/// has inverse depths that grow by 1 a column (`x`), by 1 a row (`y`), or are 1 (`z`) at the first pixel. `rays` are those of
+/// [`rays_in_world`].
+pub(crate) fn growth_along(rays: [Vec3; 3], offset_in_world: Vec3) -> Vec3 {
+    let [first, across, down] = rays;
+    // The inverse depth is N·ray.
+    Mat3::from_cols(across, down, first).inverse() * offset_in_world
 }
 
 impl Projector {

@@ -72,6 +72,8 @@ pub(super) struct GpuView {
     pub(super) height: i32,
     pub(super) cells_across: u32,
     pub(super) first_cell: u32,
+    pub(super) growth_along_offset: [f32; 3],
+    pub(super) padding_0: u32,
 }
 
 /// `CellView` in `cell_view.wgsl`.
@@ -232,7 +234,8 @@ mod tests {
         }
         assert_same_layout! {
             &module, "View", GpuView,
-            source_from_target, offset_in_world, tolerance, width, height, cells_across, first_cell
+            source_from_target, offset_in_world, tolerance, width, height, cells_across, first_cell,
+            growth_along_offset, padding_0
         }
         assert_same_layout! {
             &module, "Piece", GpuPiece,

@@ -13,7 +13,7 @@ use super::target::GpuTarget;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::render::gather::full_coverage;
-use crate::render::geometry::{focal, rays_in_world};
+use crate::render::geometry::{focal, growth_along, rays_in_world};
 use crate::render::input::FrameSamples;
 use crate::samples::{SampleImage, TILE};
 use crate::settings::{Kernel, RenderSettings};
@@ -135,19 +135,22 @@ fn stages(input: SceneInput<'_>, piece_count: usize, cells: usize) -> Vec<GpuSta
 
 /// The cameras for the gather stage, and the number of their cells.
 fn views(cameras: &[Camera], target: &Camera, depth_tolerance: f32) -> (Vec<GpuView>, usize) {
-    let center = target.position_in_world();
+    let (center, rays) = (target.position_in_world(), rays_in_world(target, 0.5));
     let mut cells = 0;
     let views = cameras.iter().map(|source| {
         let (width, height) = source.intrinsics.size();
         let across = width.div_ceil(TILE);
+        let offset_in_world = (center - source.position_in_world()).as_vec3();
         let view = GpuView {
             source_from_target: GpuProjector::new(target, source),
-            offset_in_world: (center - source.position_in_world()).as_vec3().to_array(),
+            offset_in_world: offset_in_world.to_array(),
             tolerance: depth_tolerance / focal(source),
             width: width as i32,
             height: height as i32,
             cells_across: across as u32,
             first_cell: cells as u32,
+            growth_along_offset: growth_along(rays, offset_in_world).to_array(),
+            padding_0: 0,
         };
         cells += across * height.div_ceil(TILE);
         view

@@ -125,7 +125,7 @@ pub(super) const FILL_SKY: Shader = Shader {
 };
 
 /// The stages that finish a picture, in the order in which they first run.
-pub(super) const FINISH: [Shader; 13] = [
+pub(super) const FINISH: [Shader; 14] = [
     Shader {
         entry: "square_ranges",
         pieces: &[common::FINISH, common::SURROUNDINGS, overlook_shaders::SQUARE_RANGES],
@@ -185,8 +185,20 @@ pub(super) const FINISH: [Shader; 13] = [
             common::SKY_GRIDS,
             common::ENVIRONMENT,
             common::HOLE_RAYS,
+            common::FILLINGS,
             common::PYRAMID,
             overlook_shaders::FILL,
+        ],
+    },
+    Shader {
+        entry: "around",
+        pieces: &[
+            common::FINISH,
+            common::SKY_GRIDS,
+            common::ENVIRONMENT,
+            common::HOLE_RAYS,
+            common::FILLINGS,
+            overlook_shaders::AROUND,
         ],
     },
     Shader { entry: "put_over", pieces: &[common::FINISH, overlook_shaders::PUT_OVER] },

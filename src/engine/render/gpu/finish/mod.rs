@@ -4,7 +4,7 @@
 //! samples ─ seen: carry ─ free depths, once a frame ─────┐
 //!         ─ sky: sum ─ halve ─ fill, once a frame ───────┤
 //! picture ─ square ranges ─ lines of sight ─ enclosed ─ open holes ─ rims ─ holes ─ sky ─ ray masks ─ open sky      free space
-//!         ─ kinds ─ ray masks ─ pull, once a level ─ fill ─ put over ─▶ picture                                     fill
+//!         ─ kinds ─ ray masks ─ pull, once a level ─ fill ─ around ─ put over ─▶ picture                                   fill
 //! ```
 //!
 //! What differs from the CPU: stages run over all pixels, and the first ones tell by counts on the adapter what later ones may skip,

@@ -22,6 +22,9 @@ const MASK_BITS: usize = 32;
 /// Words of a cell of the pyramid, as in `pyramid.wgsl`.
 const CELL_WORDS: u64 = 5;
 
+/// Words behind the masks for each pixel, as in `fillings.wgsl`: the share of the sky, and sums.
+const FILLING_WORDS: u64 = 7;
+
 /// Steps for which there are numbers even in the smallest picture.
 pub(super) const LEAST_STEPS: usize = 3;
 
@@ -52,6 +55,11 @@ impl FinishLayout {
         let Self { width, height, .. } = *self;
         let bands = height.div_ceil(MASK_BITS);
         (height * width.div_ceil(MASK_BITS) + bands * width + 2 * bands * (width + height - 1)) as u64
+    }
+
+    /// Words of the masks of all sets, and of what fills holes behind them.
+    fn mask_buffer_words(&self) -> u64 {
+        SETS * self.mask_words() + FILLING_WORDS * (self.width * self.height) as u64
     }
 
     /// Columns and rows of the levels of the pyramid, the finest first.
@@ -95,7 +103,7 @@ impl FinishPlanes {
                 if_wanted(tests_lines || has_coverage, 4 * layout.plane_words() * (width * height) as u64),
             )?,
             squares: buffer("surroundings", if_wanted(tests_lines, 16 * squares))?,
-            masks: buffer("masks", if_wanted(fills, 4 * SETS * layout.mask_words()))?,
+            masks: buffer("masks", if_wanted(fills, 4 * layout.mask_buffer_words()))?,
             pyramid: buffer("pyramid", if_wanted(fills, 4 * SETS * CELL_WORDS * cells))?,
             nothing: buffer("nothing", size_of::<GpuCellView>() as u64)?,
         })

@@ -36,6 +36,7 @@ pub(super) struct FinishStages {
     kinds: wgpu::ComputePipeline,
     pull: wgpu::ComputePipeline,
     fill: wgpu::ComputePipeline,
+    around: wgpu::ComputePipeline,
     put_over: wgpu::ComputePipeline,
 }
 
@@ -59,6 +60,7 @@ impl FinishStages {
             kinds,
             pull,
             fill,
+            around,
             put_over,
         ] = compiled;
         Self {
@@ -75,6 +77,7 @@ impl FinishStages {
             kinds,
             pull,
             fill,
+            around,
             put_over,
         }
     }
@@ -139,6 +142,10 @@ impl FinishStages {
         }
         pass.set_bind_group(1, group, &FinishPlanes::at_step(0));
         over_pixels(&mut pass, &self.fill, planes);
+        for step in [0, 1] {
+            pass.set_bind_group(1, group, &FinishPlanes::at_step(step));
+            over_pixels(&mut pass, &self.around, planes);
+        }
         if planes.layout.has_coverage {
             for step in [0, 1] {
                 pass.set_bind_group(1, group, &FinishPlanes::at_step(step));
