@@ -16,6 +16,7 @@ mod comparison;
 pub(crate) mod csv;
 mod display;
 mod document;
+mod figure;
 mod frame_timer;
 mod held_memory;
 mod histogram;
@@ -64,6 +65,7 @@ pub(crate) use comparison::{
 };
 pub(crate) use display::{Background, Channel, Display, EXPOSURES, LEVELS, PictureHistogram, ToneCurve};
 pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
+pub(crate) use figure::{DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
 pub(crate) use live_picture::{

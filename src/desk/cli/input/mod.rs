@@ -8,6 +8,6 @@ mod truth;
 
 pub(crate) use fingerprint::{capture_state, input_files, pictures_state, summed_up, sums_of};
 pub(crate) use open::{open_capture, open_store};
-pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, amount, choice, only_cameras};
+pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, amount, choice, length, only_cameras};
 pub(crate) use part_args::PartArgs;
 pub(crate) use truth::TruthArgs;
