@@ -13,6 +13,7 @@ mod skip;
 mod bench_command;
 mod commands;
 mod export_command;
+mod figure_command;
 mod film_paths;
 mod gpu_command;
 mod page_command;
