@@ -54,7 +54,8 @@ fn a_figure_has_its_size_its_words_and_its_resolution_in_every_format() {
 fn a_view_of_a_store_is_drawn_at_the_size_of_the_figure_and_an_orthographic_one_is_to_scale() {
     let folder = stored();
     let here = folder.path();
-    let view = ["scene.ovl#frame=0", "--width", "320px", "--theme", "dark", "--unit", "cm", "--out", "view.svg"];
+    let view =
+        ["scene.ovl#frame=0", "--width", "320px", "--theme", "dark", "--unit", "cm", "--out", "view.svg"];
     let out = figure(here, &view);
     assert!(out.status.success(), "{}", said(&out));
     let svg = std::fs::read_to_string(here.join("view.svg")).unwrap();
@@ -87,7 +88,8 @@ fn orthographic_pictures_and_films_have_depths_from_the_viewpoint() {
         let read = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
         let depth = read.layer_data.channel_data.list.iter().find(|channel| channel.name == "Z");
         let values = depth.unwrap().sample_data.values_as_f32();
-        let mut finite: Vec<f32> = values.filter(|depth| depth.is_finite() && *depth > 0.0 && *depth < 1e5).collect();
+        let mut finite: Vec<f32> =
+            values.filter(|depth| depth.is_finite() && *depth > 0.0 && *depth < 1e5).collect();
         finite.sort_by(f32::total_cmp);
         finite
     };

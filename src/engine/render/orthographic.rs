@@ -45,11 +45,11 @@ impl OrthographicView {
             return Err(Error::invalid(format!("viewpoint '{}'", vantage.camera.name), what));
         }
         let pose = vantage.camera.world_from_camera;
-        let forward = pose.matrix3.z_axis.normalize();
+        let forward = pose.matrix3.z_axis.normalize_or_zero();
         let lens = vantage.camera.intrinsics;
         let height = width * f64::from(lens.height) / f64::from(lens.width);
         let ahead = Ahead { eye: pose.translation, forward };
-        let middle = ahead.median_depth(samples, vantage, [width, height]);
+        let middle = median_depth(samples, vantage, [width, height]);
         let back = WIDTHS_BACK * width;
         let focal = f64::from(lens.width) / width * (back + middle);
         let intrinsics = Intrinsics {
@@ -108,22 +108,21 @@ impl Ahead {
         });
         SampleSet { images: images.collect(), ..samples.clone() }
     }
+}
 
-    /// The median depth of samples within the picture; 0 where there are none.
-    fn median_depth(&self, samples: &SampleSet, vantage: &Vantage, [width, height]: [f64; 2]) -> f64 {
-        let camera_from_world = vantage.camera.camera_from_world();
-        let mut depths = Vec::new();
-        for image in samples.images_at(vantage.frame) {
-            let camera = &samples.cameras[image.camera as usize];
-            let places = image.placed(camera).step_by(STRIDE);
-            let places = places.map(|placed| camera_from_world.transform_point3(placed.point_in_world));
-            let is_seen = |place: &DVec3| {
-                place.z > 0.0 && place.x.abs() <= 0.5 * width && place.y.abs() <= 0.5 * height
-            };
-            depths.extend(places.filter(is_seen).map(|place| place.z));
-        }
-        median(&mut depths).unwrap_or(0.0)
+/// The median depth of samples within the picture; 0 where there are none.
+fn median_depth(samples: &SampleSet, vantage: &Vantage, [width, height]: [f64; 2]) -> f64 {
+    let camera_from_world = vantage.camera.camera_from_world();
+    let mut depths = Vec::new();
+    for image in samples.images_at(vantage.frame) {
+        let camera = &samples.cameras[image.camera as usize];
+        let places = image.placed(camera).step_by(STRIDE);
+        let places = places.map(|placed| camera_from_world.transform_point3(placed.point_in_world));
+        let is_seen =
+            |place: &DVec3| place.z > 0.0 && place.x.abs() <= 0.5 * width && place.y.abs() <= 0.5 * height;
+        depths.extend(places.filter(is_seen).map(|place| place.z));
     }
+    median(&mut depths).unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -116,7 +116,7 @@ impl Figure {
             return Err(Error::invalid("figure", "is too high to be drawn; make it narrower"));
         }
         let print = Print { columns: self.columns, rows, dots_per_inch: self.dots_per_inch };
-        Ok(Svg::printed(print, sheet.paper(), sheet.body))
+        Ok(Svg::printed(print, sheet.paper(), &sheet.body))
     }
 }
 

@@ -133,7 +133,7 @@ impl Svg {
     }
 
     /// A part as a sheet of its own, with a size on paper; its lengths are pixels of the PNG.
-    pub(super) fn printed(print: Print, paper: &str, part: Self) -> Chart {
+    pub(super) fn printed(print: Print, paper: &str, part: &Self) -> Chart {
         let [width, height] = [print.columns, print.rows].map(|pixels| print.millimeters(pixels));
         let size = format!("width=\"{width:.3}mm\" height=\"{height:.3}mm\"");
         let mut text = opened(&size, [print.columns, print.rows].map(f64::from), paper);

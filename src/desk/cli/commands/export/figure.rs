@@ -130,7 +130,7 @@ impl FigureArgs {
     fn check_out(&self) -> Result<()> {
         output::check_file(&self.out, "figure.pdf")?;
         let is = |known: &&str| self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
-        if !FIGURE_ENDINGS.iter().any(|known| is(&known)) {
+        if !FIGURE_ENDINGS.iter().any(is) {
             let what = "a figure is PDF, SVG or PNG; name it .pdf, .svg or .png";
             return Err(Error::invalid(self.out.display(), what));
         }
