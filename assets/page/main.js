@@ -356,8 +356,12 @@ class Player {
       element("progress").setAttribute("aria-valuenow", String(percent));
       element("progress").firstElementChild.style.width = `${percent}%`;
       this.wake();
-      // Pictures and people come before the next chunk.
-      await new Promise((resolve) => { setTimeout(resolve, 0); });
+      // Pictures and people come before the next chunk, the first picture above all; a hidden page draws none.
+      const isFirstDue = this.pictures === 0 && this.isPartTime();
+      await new Promise((resolve) => {
+        if (isFirstDue) requestAnimationFrame(resolve);
+        setTimeout(resolve, isFirstDue ? PART : 0);
+      });
     }
     this.isLoading = false;
     element("progress").hidden = true;

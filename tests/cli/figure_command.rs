@@ -86,7 +86,7 @@ fn orthographic_pictures_and_films_have_depths_from_the_viewpoint() {
     let depths = |folder: &str| -> Vec<f32> {
         let path = here.join(folder).join(&view.file_path).with_extension("exr");
         let read = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
-        let depth = read.layer_data.channel_data.list.iter().find(|channel| channel.name == "Z");
+        let depth = read.layer_data.channel_data.list.iter().find(|channel| channel.name == *"Z");
         let values = depth.unwrap().sample_data.values_as_f32();
         let mut finite: Vec<f32> =
             values.filter(|depth| depth.is_finite() && *depth > 0.0 && *depth < 1e5).collect();
