@@ -93,7 +93,7 @@ fn orthographic_pictures_and_films_have_depths_from_the_viewpoint() {
         finite.sort_by(f32::total_cmp);
         finite
     };
-    let [near, flat] = ["near", "flat"].map(|folder| depths(folder));
+    let [near, flat] = ["near", "flat"].map(depths);
     let middle = |depths: &[f32]| depths[depths.len() / 2];
     assert!(middle(&flat) > 0.4 * middle(&near) && middle(&flat) < 2.5 * middle(&near));
     let film = ["export", "pictures", "scene.ovl", "--path", views, "--frame", "0", "--backend", "cpu"];
