@@ -17,9 +17,6 @@ use overlook_engine::error::{Error, Result};
 /// A typographic point, inches.
 const POINT: f64 = 1.0 / 72.0;
 
-/// Millimeters of an inch.
-pub const INCH_MM: f64 = 25.4;
-
 /// Columns of the narrowest and of the widest figure, pixels.
 pub const FIGURE_COLUMNS: [u32; 2] = [64, 16_384];
 

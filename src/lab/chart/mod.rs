@@ -23,10 +23,10 @@ mod views;
 
 pub use axis::Scale;
 pub use error_picture::error_picture;
-pub use figure::{ColorBar, FIGURE_COLUMNS, Figure, INCH_MM, LegendEntry, ScaleBar};
+pub use figure::{ColorBar, FIGURE_COLUMNS, Figure, LegendEntry, ScaleBar};
 pub use pareto::pareto;
 pub use series::{ChartSeries, Marker, series};
 pub use stress::stress;
-pub use svg::Chart;
+pub use svg::{Chart, INCH_MM};
 pub(crate) use together::{TogetherPoint, together};
 pub use views::views;

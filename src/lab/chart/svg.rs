@@ -6,11 +6,13 @@ use std::sync::Arc;
 use resvg::{tiny_skia, usvg};
 
 use super::color;
-use super::figure::INCH_MM;
 use super::pdf;
 use super::series::Marker;
 use super::type_metrics::{FAMILY, FONT};
 use overlook_engine::error::{Error, Result};
+
+/// Millimeters of an inch.
+pub const INCH_MM: f64 = 25.4;
 
 /// A chart, drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,8 +34,16 @@ pub(super) struct Print {
 }
 
 impl Print {
-    fn millimeters(self, pixels: u32) -> f64 {
-        f64::from(pixels) / f64::from(self.dots_per_inch) * INCH_MM
+    /// The attributes of its size on paper.
+    fn on_paper(self) -> String {
+        let per_pixel = INCH_MM / f64::from(self.dots_per_inch);
+        let [width, height] = [self.columns, self.rows].map(|pixels| f64::from(pixels) * per_pixel);
+        format!("width=\"{width:.3}mm\" height=\"{height:.3}mm\"")
+    }
+
+    /// The attributes of its size in pixels.
+    fn in_pixels(self) -> String {
+        format!("width=\"{}\" height=\"{}\"", self.columns, self.rows)
     }
 }
 
@@ -50,20 +60,21 @@ impl Chart {
     ///
     /// `Unsupported` where it is too large to be drawn.
     pub fn png(&self) -> Result<Vec<u8>> {
-        let tree = self.tree()?;
+        // Millimeters are rounded; pixels of a picture are to meet those of the sheet.
+        let tree = match self.print {
+            Some(print) => tree(&self.svg.replacen(&print.on_paper(), &print.in_pixels(), 1))?,
+            None => tree(&self.svg)?,
+        };
         let size = tree.size().to_int_size();
-        let (columns, rows) =
-            self.print.map_or((size.width(), size.height()), |print| (print.columns, print.rows));
-        let mut pixels = tiny_skia::Pixmap::new(columns, rows)
+        let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
             .ok_or_else(|| refusal("is too large to be drawn".to_owned()))?;
-        let scale = [columns as f32 / tree.size().width(), rows as f32 / tree.size().height()];
-        resvg::render(&tree, tiny_skia::Transform::from_scale(scale[0], scale[1]), &mut pixels.as_mut());
+        resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
         let Some(print) = self.print else {
             return pixels.encode_png().map_err(|error| refusal(error.to_string()));
         };
         // Sheets of paper are opaque, so that premultiplied colors are colors.
         let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
+        let mut encoder = png::Encoder::new(&mut bytes, size.width(), size.height());
         encoder.set_color(png::ColorType::Rgba);
         let per_meter = (f64::from(print.dots_per_inch) / INCH_MM * 1000.0).round() as u32;
         let [xppu, yppu] = [per_meter; 2];
@@ -79,14 +90,14 @@ impl Chart {
     ///
     /// `Unsupported` where the SVG holds what no chart has.
     pub fn pdf(&self) -> Result<Vec<u8>> {
-        pdf::of_tree(&self.tree()?)
+        pdf::of_tree(&tree(&self.svg)?)
     }
+}
 
-    fn tree(&self) -> Result<usvg::Tree> {
-        let mut options = usvg::Options { font_family: FAMILY.to_owned(), ..usvg::Options::default() };
-        Arc::make_mut(&mut options.fontdb).load_font_data(FONT.to_vec());
-        usvg::Tree::from_str(&self.svg, &options).map_err(|error| refusal(error.to_string()))
-    }
+fn tree(svg: &str) -> Result<usvg::Tree> {
+    let mut options = usvg::Options { font_family: FAMILY.to_owned(), ..usvg::Options::default() };
+    Arc::make_mut(&mut options.fontdb).load_font_data(FONT.to_vec());
+    usvg::Tree::from_str(svg, &options).map_err(|error| refusal(error.to_string()))
 }
 
 fn refusal(what: String) -> Error {
@@ -134,9 +145,7 @@ impl Svg {
 
     /// A part as a sheet of its own, with a size on paper; its lengths are pixels of the PNG.
     pub(super) fn printed(print: Print, paper: &str, part: &Self) -> Chart {
-        let [width, height] = [print.columns, print.rows].map(|pixels| print.millimeters(pixels));
-        let size = format!("width=\"{width:.3}mm\" height=\"{height:.3}mm\"");
-        let mut text = opened(&size, [print.columns, print.rows].map(f64::from), paper);
+        let mut text = opened(&print.on_paper(), [print.columns, print.rows].map(f64::from), paper);
         text.push_str(&part.text);
         text.push_str("</svg>\n");
         Chart { svg: text, print: Some(print) }

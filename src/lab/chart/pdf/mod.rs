@@ -3,6 +3,7 @@
 //! Source: ISO 32000-1 (PDF 1.7), sections 8 and 9. What differs from a converter of any SVG: only what charts and figures hold is
 //! written, which is fills and strokes of one color, text and PNG pictures; all else is refused rather than left out.
 
+mod stream;
 mod typeface;
 
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
@@ -11,14 +12,12 @@ use resvg::tiny_skia::PathSegment;
 use resvg::usvg;
 use usvg::{Fill, FillRule, Group, ImageKind, LineCap, LineJoin, Node, Paint, Stroke, Transform};
 
-use overlook_engine::error::{Error, Result};
+use overlook_engine::error::Result;
+use stream::{deflated, refusal};
 use typeface::Typeface;
 
 /// Typographic points of a pixel of SVG.
 const POINTS_PER_PIXEL: f32 = 0.75;
-
-/// Effort of compression, as zlib counts it.
-const EFFORT: i32 = 6;
 
 /// The tree as a PDF of one page of its size.
 ///
@@ -38,19 +37,6 @@ pub(super) fn of_tree(tree: &usvg::Tree) -> Result<Vec<u8>> {
     writer.group(tree.root())?;
     writer.content.restore_state();
     writer.finish([width, height])
-}
-
-pub(super) fn refusal(what: &str) -> Error {
-    Error::unsupported("chart as PDF", format!("cannot hold {what}"))
-}
-
-pub(super) fn deflated(bytes: &[u8]) -> Result<Vec<u8>> {
-    let level = libdeflater::CompressionLvl::new(EFFORT).map_err(|_| refusal("compressed data"))?;
-    let mut compressor = libdeflater::Compressor::new(level);
-    let mut compressed = vec![0; compressor.zlib_compress_bound(bytes.len())];
-    let length = compressor.zlib_compress(bytes, &mut compressed).map_err(|_| refusal("that much data"))?;
-    compressed.truncate(length);
-    Ok(compressed)
 }
 
 /// A page under way.

@@ -10,7 +10,7 @@ use skrifa::{FontRef, GlyphId, MetadataProvider};
 use subsetter::GlyphRemapper;
 
 use super::super::type_metrics::FONT;
-use super::{deflated, refusal};
+use super::stream::{deflated, refusal};
 use overlook_engine::error::Result;
 
 /// Lengths of a typeface in PDF count so many to an em.
