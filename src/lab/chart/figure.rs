@@ -108,6 +108,7 @@ impl Figure {
         sheet.color_bar();
         sheet.legend();
         sheet.caption();
+        sheet.y += 0.5 * sheet.inset();
         let rows = sheet.y.ceil() as u32;
         if u64::from(rows) * u64::from(self.columns) > MOST_PIXELS {
             return Err(Error::invalid("figure", "is too high to be drawn; make it narrower"));
@@ -127,6 +128,11 @@ struct Sheet<'a> {
 }
 
 impl Sheet<'_> {
+    /// Room at the sides of what stands below the picture: on dark paper type does not touch the edge.
+    fn inset(&self) -> f64 {
+        if self.figure.is_dark { 0.6 * self.type_size } else { 0.0 }
+    }
+
     fn paper(&self) -> &'static str {
         if self.figure.is_dark { color::DARK_PAPER } else { color::PAPER }
     }
@@ -190,7 +196,8 @@ impl Sheet<'_> {
         self.y += BAR * size + size;
         let places = [(0.0, Anchor::Start), (0.5, Anchor::Middle), (1.0, Anchor::End)];
         for (text, (share, anchor)) in bar.ends.iter().zip(places).filter(|(text, _)| !text.is_empty()) {
-            self.body.text((share * self.columns, self.y), anchor, size, self.faint(), text);
+            let x = self.inset() + share * (self.columns - 2.0 * self.inset());
+            self.body.text((x, self.y), anchor, size, self.faint(), text);
         }
         self.y += 0.3 * size;
     }
@@ -203,13 +210,14 @@ impl Sheet<'_> {
         }
         let size = self.type_size;
         self.y += GAP * size;
-        let mut x = 0.0;
+        let (first, end) = (self.inset(), self.columns - self.inset());
+        let mut x = first;
         self.y += size;
         for LegendEntry { color, name } in entries {
             let sign = if color.is_some() { (SWATCH + 0.4) * size } else { 0.0 };
             let width = sign + text_width(name, size);
-            if x > 0.0 && x + width > self.columns {
-                x = 0.0;
+            if x > first && x + width > end {
+                x = first;
                 self.y += LINE * size;
             }
             if let Some(color) = color {
@@ -223,14 +231,14 @@ impl Sheet<'_> {
 
     fn caption(&mut self) {
         let size = self.type_size;
-        let lines = lines(&self.figure.caption, size, self.columns);
+        let lines = lines(&self.figure.caption, size, self.columns - 2.0 * self.inset());
         if lines.is_empty() {
             return;
         }
         self.y += GAP * size;
         for line in lines {
             self.y += LINE * size;
-            self.body.text((0.0, self.y - 0.35 * size), Anchor::Start, size, self.ink(), &line);
+            self.body.text((self.inset(), self.y - 0.35 * size), Anchor::Start, size, self.ink(), &line);
         }
     }
 }
