@@ -15,6 +15,8 @@ const FEWER_SAMPLES = [0.8, 0.55];
 const [SLOW, FAST] = [100, 24];
 /** A view rests after this many milliseconds. */
 const REST = 200;
+/** Pictures of a part of the first frame are this many milliseconds apart. */
+const PART = 1000;
 
 const element = (id) => document.getElementById(id);
 const root = document.documentElement;
@@ -34,7 +36,8 @@ class Player {
     // The first picture is a quick one.
     this.finest = 0.7;
     this.movedAt = performance.now();
-    this.drawnAt = 0;
+    this.drawnAt = -PART;
+    this.wasWhole = false;
     this.drawn = null;
     this.pictures = 0;
     this.isAwake = false;
@@ -280,34 +283,52 @@ class Player {
     }
   }
 
-  /** Draws what is to be seen, unless that is on the screen already; false while samples of it are on their way. */
+  /**
+   * Draws what is to be seen, unless that is on the screen already; false while samples of it are on their way. Until the first frame is
+   * whole, it is drawn from what is there of it.
+   */
   show(finest) {
-    if (this.missing().length > 0) return false;
+    const isWhole = this.missing().length === 0;
+    if (!isWhole && !this.isPartTime()) return false;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.max(Math.round(side * ratio), 1));
     const lens = this.view.pictureLens(width, height, finest);
     const { pose } = this.view;
     const { drawn, frame } = this;
     const same = (a, b) => a.every((part, nth) => part === b[nth]);
-    if (drawn && drawn.frame === frame && same(drawn.pose, pose) && same(drawn.lens, lens)) return true;
+    if (drawn?.isWhole && drawn.frame === frame && same(drawn.pose, pose) && same(drawn.lens, lens)) return true;
     const isStill = this.isPlaying && drawn !== null && same(drawn.pose, pose) && same(drawn.lens, lens);
     this.renderer.draw(frame, pose, lens, isStill, FEWER_SAMPLES.filter((few) => finest < few).length);
-    this.drawn = { frame, pose, lens };
+    this.drawn = { frame, pose, lens, isWhole };
+    this.drawnAt = performance.now();
+    this.wasWhole ||= isWhole;
     this.pictures += 1;
     if (this.pictures === 1) {
       root.dataset.state = "ready";
       root.dataset.firstPicture = String(Math.round(performance.now()));
     }
     Object.assign(root.dataset, { frame: this.scene.frames[frame], pictures: this.pictures, size: `${lens[0]}×${lens[1]}` });
-    return true;
+    return isWhole;
+  }
+
+  /** Whether a picture of a part of the first frame is due: some of it is there, and the last such picture is old. */
+  isPartTime() {
+    if (this.wasWhole || performance.now() - this.drawnAt < PART) return false;
+    const { chunks } = this.scene;
+    return [...this.decoded].some((nth) => chunks[nth].some((image) => this.isAlive(image)));
   }
 
   // Samples.
 
   /** The chunks that the current frame still needs. */
   missing() {
-    const isAlive = (image) => image.start <= this.frame && this.frame < image.end;
-    return this.scene.chunks.flatMap((images, nth) => !this.decoded.has(nth) && images.some(isAlive) ? [nth] : []);
+    const isSeen = (image) => this.isAlive(image);
+    return this.scene.chunks.flatMap((images, nth) => !this.decoded.has(nth) && images.some(isSeen) ? [nth] : []);
+  }
+
+  /** Whether an image is part of the current frame. */
+  isAlive({ start, end }) {
+    return start <= this.frame && this.frame < end;
   }
 
   /** Decodes all chunks, those of the current frame first, as they arrive. */
@@ -335,8 +356,12 @@ class Player {
       element("progress").setAttribute("aria-valuenow", String(percent));
       element("progress").firstElementChild.style.width = `${percent}%`;
       this.wake();
-      // Pictures and people come before the next chunk.
-      await new Promise((resolve) => { setTimeout(resolve, 0); });
+      // Pictures and people come before the next chunk, the first picture above all; a hidden page draws none.
+      const isFirstDue = this.pictures === 0 && this.isPartTime();
+      await new Promise((resolve) => {
+        if (isFirstDue) requestAnimationFrame(resolve);
+        setTimeout(resolve, isFirstDue ? PART : 0);
+      });
     }
     this.isLoading = false;
     element("progress").hidden = true;

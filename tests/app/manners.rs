@@ -287,6 +287,28 @@ fn a_camera_path_is_set_played_and_exported() {
 }
 
 #[test]
+fn keys_of_the_camera_path_are_dragged_on_the_time_bar() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Camera path");
+    window.key_press(Key::K);
+    for _ in 0..3 {
+        window.key_press(Key::Period);
+    }
+    window.key_press(Key::K);
+    settle(&mut window);
+    assert!(shows(&window, "frame 4"));
+    let column = window.get_by_label("Timeline").rect().width() / 4.0;
+    drag(&mut window, "Key 2 on the time bar", vec2(0.5, 0.5), vec2(-column, 0.0));
+    settle(&mut window);
+    assert!(shows(&window, "frame 3") && !shows(&window, "frame 4"));
+    // The first key stops it, and the bar itself is not dragged meanwhile.
+    drag(&mut window, "Key 2 on the time bar", vec2(0.5, 0.5), vec2(-9.0 * column, 0.0));
+    settle(&mut window);
+    assert!(shows(&window, "frame 1") && !shows(&window, "frame 3"));
+}
+
+#[test]
 fn the_picture_of_the_live_view_is_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("live.png");

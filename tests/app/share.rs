@@ -9,7 +9,7 @@ use super::driver::{
     shows, small_capture, small_demo, told, wait, wait_for_shared,
 };
 
-const WAYS: [&str; 6] = ["Interactive page", "Splats", "Video", "Pictures", "Points", "Store"];
+const WAYS: [&str; 7] = ["Interactive page", "Splats", "Video", "Pictures", "Figure", "Points", "Store"];
 
 /// What stands in the list beside a way.
 fn size_of(window: &Window, way: &str) -> String {
@@ -30,7 +30,8 @@ fn all_ways_out_have_a_size_before_they_are_made_and_a_sentence_of_what_they_are
         let has_unit = ["B", "kB", "MB"].iter().any(|unit| size.contains(&format!(" {unit}")));
         assert!(size.starts_with("about ") && has_unit, "{way}: {size}");
     }
-    for (way, word) in WAYS.into_iter().zip(["browser", "engines", "camera path", "view", "measure", "opens"])
+    for (way, word) in
+        WAYS.into_iter().zip(["browser", "engines", "camera path", "view", "for print", "measure", "opens"])
     {
         open_share(&mut window, way);
         assert!(shows(&window, word), "{way} does not say what it is for");
@@ -92,6 +93,32 @@ fn splats_points_and_stores_are_written_by_the_formats_that_are_chosen() {
     wait_for_shared(&mut window);
     assert_eq!(std::fs::read_dir(&points).unwrap().count(), 4);
     save_store(&mut window, folder.path());
+}
+
+#[test]
+fn a_figure_shows_the_live_view_or_the_source_picture_with_what_its_colors_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    choose(&mut window, "Source shows", "Motion");
+    choose(&mut window, "Live view shows", "Camera");
+    settle(&mut window);
+    let mut shared = |of: &str, name: &str| {
+        open_share(&mut window, "Figure");
+        choose(&mut window, "Figure of", of);
+        window.get_by_label("Caption of the figure").set_text_value_accesskit("Seen by five cameras.");
+        window.run_steps(3);
+        let path = folder.path().join(name);
+        share_to(&mut window, &path, "Export");
+        wait_for_shared(&mut window);
+        std::fs::read(path).unwrap()
+    };
+    let source = String::from_utf8(shared("Source picture", "source.svg")).unwrap();
+    assert!(source.contains("stored for all frames") && source.contains("Seen by five cameras."));
+    let live = String::from_utf8(shared("Live view", "live.svg")).unwrap();
+    assert!(live.contains(" m, at ") && live.matches("<rect").count() > 4, "cameras have their colors");
+    assert!(shared("Live view", "live.pdf").starts_with(b"%PDF"));
+    assert_eq!(image::load_from_memory(&shared("Live view", "live.png")).unwrap().width(), 1417);
 }
 
 #[test]

@@ -14,6 +14,7 @@ mod bench_command;
 mod commands;
 mod edit_command;
 mod export_command;
+mod figure_command;
 mod film_paths;
 mod gpu_command;
 mod page_command;

@@ -29,5 +29,10 @@ mod work;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use model::{DOTS_PER_INCH, FigureOptions, FigureWidth, Overlay, Unit};
+pub(crate) use work::{
+    FIGURE_ENDINGS, of_camera as figure_of_camera, of_rendered as figure_of_rendered, write_figure,
+};
+
 pub use control::{Observed, OverlookApp, Start};
 pub use start::run;

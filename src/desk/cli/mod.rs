@@ -36,6 +36,7 @@ Examples:
   overlook tune scene --out tuned.toml                      the simplest settings that are as good as the best
   overlook export points scene.ovl --out points            binary PLY, one file a frame
   overlook export splats scene.ovl --format glb --out scene.glb     Gaussian splats that other viewers open, moving
+  overlook export figure scene --overlay kept-by --out figure.pdf   a picture for print, with legend and scale bar
   overlook verify scene.ovl                                 whether all of a store can be read
   overlook bench                                            speed of each stage beside the limits of this machine
 

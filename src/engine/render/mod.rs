@@ -27,6 +27,7 @@ mod gather;
 mod geometry;
 mod input;
 mod magnified;
+mod orthographic;
 mod painter;
 mod recorded_rates;
 mod renderer;
@@ -40,6 +41,7 @@ pub use carried_picture::{CarriedPicture, PictureCarrier, ScreenColor, ScreenPic
 pub use cpu::CpuRenderer;
 pub(crate) use environment::sky_map;
 pub use equirectangular::{FACE_COUNT, Projection, equirectangular, faces_around};
+pub use orthographic::OrthographicView;
 pub use painter::Painter;
 pub use renderer::{Renderer, WindowPicture};
 pub use stage_times::StageTimes;

@@ -11,6 +11,9 @@ use crate::samples::SampleSet;
 /// Splats of the dome, two degrees apart: as fine as the sky is known.
 const SPLATS: usize = 10_000;
 
+/// Width of a splat over its distance from the next: narrower ones let what is behind them show through between them.
+const OVERLAP: f64 = 2.0;
+
 /// The dome is this many times as far off as the farthest sample.
 const DISTANCE: f64 = 8.0;
 
@@ -37,7 +40,7 @@ pub(super) fn dome(set: &SampleSet, farthest: f64, space: &Space) -> Result<Vec<
     let count = set.cameras.len().max(1) as f64;
     let middle = set.cameras.iter().map(|camera| camera.position_in_world() / count).sum::<DVec3>();
     let radius = DISTANCE * reach(set, middle, farthest);
-    let width = radius * (4.0 * std::f64::consts::PI / SPLATS as f64).sqrt();
+    let width = OVERLAP * radius * (4.0 * std::f64::consts::PI / SPLATS as f64).sqrt();
     let splats = directions.into_iter().zip(colors);
     let splats = splats.map(|(direction, color)| {
         Gaussian::facing(middle + direction * radius, -direction, width, color, space)

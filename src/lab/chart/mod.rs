@@ -1,8 +1,8 @@
-//! Charts of sweeps, stress tests and chosen views, as SVG and PNG.
+//! Charts of sweeps, stress tests and chosen views, and figures of pictures, as SVG, PNG and PDF.
 //!
 //! ```text
-//! points ─ series, axis ─┬─ pareto, stress, views ─▶ svg (shapes, text) ─ resvg ─▶ PNG
-//!                        └─ the window
+//! points ─ series, axis ─┬─ pareto, stress, views ─▶ svg (shapes, text) ─┬─ resvg ─▶ PNG
+//!                        └─ the window     picture ─ figure ─▶ ▲           └─ pdf ─▶ PDF
 //! ```
 //!
 //! Text is set in a typeface that the program brings along: no machine needs fonts.
@@ -10,19 +10,23 @@
 mod axis;
 mod color;
 mod error_picture;
+mod figure;
 mod labels;
 mod pareto;
+mod pdf;
 mod series;
 mod stress;
 mod svg;
 mod together;
+mod type_metrics;
 mod views;
 
 pub use axis::Scale;
 pub use error_picture::error_picture;
+pub use figure::{ColorBar, FIGURE_COLUMNS, Figure, LegendEntry, ScaleBar};
 pub use pareto::pareto;
 pub use series::{ChartSeries, Marker, series};
 pub use stress::stress;
-pub use svg::Chart;
+pub use svg::{Chart, INCH_MM};
 pub(crate) use together::{TogetherPoint, together};
 pub use views::views;

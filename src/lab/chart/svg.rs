@@ -1,4 +1,4 @@
-//! A chart as SVG, put together shape by shape, and as PNG.
+//! A chart as SVG, put together shape by shape, and as PNG and PDF.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -6,17 +6,46 @@ use std::sync::Arc;
 use resvg::{tiny_skia, usvg};
 
 use super::color;
+use super::pdf;
 use super::series::Marker;
+use super::type_metrics::{FAMILY, FONT};
 use overlook_engine::error::{Error, Result};
+
+/// Millimeters of an inch.
+pub const INCH_MM: f64 = 25.4;
 
 /// A chart, drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chart {
     /// The picture as SVG; its text is set in Ubuntu.
     pub(super) svg: String,
+    /// Its size on paper; `None` where it has the size that SVG gives it.
+    print: Option<Print>,
 }
 
-const FAMILY: &str = "Ubuntu";
+/// The size of a sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Print {
+    /// Of its PNG.
+    pub(super) columns: u32,
+    pub(super) rows: u32,
+    /// Pixels on an inch of paper.
+    pub(super) dots_per_inch: u32,
+}
+
+impl Print {
+    /// The attributes of its size on paper.
+    fn on_paper(self) -> String {
+        let per_pixel = INCH_MM / f64::from(self.dots_per_inch);
+        let [width, height] = [self.columns, self.rows].map(|pixels| f64::from(pixels) * per_pixel);
+        format!("width=\"{width:.3}mm\" height=\"{height:.3}mm\"")
+    }
+
+    /// The attributes of its size in pixels.
+    fn in_pixels(self) -> String {
+        format!("width=\"{}\" height=\"{}\"", self.columns, self.rows)
+    }
+}
 
 impl Chart {
     /// The chart as SVG, whose shapes are sharp at any size.
@@ -31,17 +60,48 @@ impl Chart {
     ///
     /// `Unsupported` where it is too large to be drawn.
     pub fn png(&self) -> Result<Vec<u8>> {
-        let fail = |what: String| Error::unsupported("chart", what);
-        let mut options = usvg::Options { font_family: FAMILY.to_owned(), ..usvg::Options::default() };
-        let fonts = Arc::make_mut(&mut options.fontdb);
-        fonts.load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
-        let tree = usvg::Tree::from_str(&self.svg, &options).map_err(|error| fail(error.to_string()))?;
+        // Millimeters are rounded; pixels of a picture are to meet those of the sheet.
+        let tree = match self.print {
+            Some(print) => tree(&self.svg.replacen(&print.on_paper(), &print.in_pixels(), 1))?,
+            None => tree(&self.svg)?,
+        };
         let size = tree.size().to_int_size();
         let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
-            .ok_or_else(|| fail("is too large to be drawn".to_owned()))?;
+            .ok_or_else(|| refusal("is too large to be drawn".to_owned()))?;
         resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
-        pixels.encode_png().map_err(|error| fail(error.to_string()))
+        let Some(print) = self.print else {
+            return pixels.encode_png().map_err(|error| refusal(error.to_string()));
+        };
+        // Sheets of paper are opaque, so that premultiplied colors are colors.
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, size.width(), size.height());
+        encoder.set_color(png::ColorType::Rgba);
+        let per_meter = (f64::from(print.dots_per_inch) / INCH_MM * 1000.0).round() as u32;
+        let [xppu, yppu] = [per_meter; 2];
+        encoder.set_pixel_dims(Some(png::PixelDimensions { xppu, yppu, unit: png::Unit::Meter }));
+        let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(pixels.data()));
+        written.map_err(|error| refusal(error.to_string()))?;
+        Ok(bytes)
     }
+
+    /// The chart as PDF: shapes are shapes, text is text, in the typeface that is embedded.
+    ///
+    /// # Errors
+    ///
+    /// `Unsupported` where the SVG holds what no chart has.
+    pub fn pdf(&self) -> Result<Vec<u8>> {
+        pdf::of_tree(&tree(&self.svg)?)
+    }
+}
+
+fn tree(svg: &str) -> Result<usvg::Tree> {
+    let mut options = usvg::Options { font_family: FAMILY.to_owned(), ..usvg::Options::default() };
+    Arc::make_mut(&mut options.fontdb).load_font_data(FONT.to_vec());
+    usvg::Tree::from_str(svg, &options).map_err(|error| refusal(error.to_string()))
+}
+
+fn refusal(what: String) -> Error {
+    Error::unsupported("chart", what)
 }
 
 /// Alignment of text.
@@ -52,6 +112,14 @@ pub(super) enum Anchor {
     End,
 }
 
+/// The beginning of a sheet that is filled with the color of its paper.
+fn opened(size: &str, [width, height]: [f64; 2], paper: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" {size} viewBox=\"0 0 {width} {height}\" font-family=\"{FAMILY}\">\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"{paper}\"/>\n"
+    )
+}
+
 /// A picture under way.
 pub(super) struct Svg {
     text: String,
@@ -60,21 +128,54 @@ pub(super) struct Svg {
 impl Svg {
     /// An empty sheet, size in pixels.
     pub(super) fn new(width: f64, height: f64) -> Self {
-        let mut svg = Self { text: String::new() };
-        let _ = write!(
-            svg.text,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\" font-family=\"{}\">\n<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n",
-            FAMILY,
-            color::PAPER
-        );
-        svg
+        let size = format!("width=\"{width}\" height=\"{height}\"");
+        Self { text: opened(&size, [width, height], color::PAPER) }
+    }
+
+    /// Shapes that are put on a sheet later.
+    pub(super) fn part() -> Self {
+        Self { text: String::new() }
     }
 
     /// The finished picture.
     pub(super) fn finish(mut self) -> Chart {
         self.text.push_str("</svg>\n");
-        Chart { svg: self.text }
+        Chart { svg: self.text, print: None }
+    }
+
+    /// A part as a sheet of its own, with a size on paper; its lengths are pixels of the PNG.
+    pub(super) fn printed(print: Print, paper: &str, part: &Self) -> Chart {
+        let mut text = opened(&print.on_paper(), [print.columns, print.rows].map(f64::from), paper);
+        text.push_str(&part.text);
+        text.push_str("</svg>\n");
+        Chart { svg: text, print: Some(print) }
+    }
+
+    /// A picture, PNG in Base64, whose pixels stay squares however large they are; left, top, width and height.
+    pub(super) fn picture(&mut self, [left, top, width, height]: [f64; 4], png: &str) {
+        let _ = writeln!(
+            self.text,
+            "<image x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+             image-rendering=\"optimizeSpeed\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{png}\"/>"
+        );
+    }
+
+    /// A filled rectangle; left, top, width and height.
+    pub(super) fn rectangle(&mut self, [left, top, width, height]: [f64; 4], color: &str) {
+        let _ = writeln!(
+            self.text,
+            "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"{color}\"/>"
+        );
+    }
+
+    /// What text on a picture stands on; left, top, width and height, and the radius of its corners.
+    pub(super) fn plate(&mut self, [left, top, width, height]: [f64; 4], radius: f64) {
+        let _ = writeln!(
+            self.text,
+            "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" rx=\"{radius:.2}\" \
+             fill=\"{}\" fill-opacity=\"0.72\"/>",
+            color::PLATE
+        );
     }
 
     pub(super) fn text(&mut self, (x, y): (f64, f64), anchor: Anchor, size: f64, color: &str, text: &str) {

@@ -227,6 +227,7 @@ impl OverlookApp {
                     *key = here;
                 }
             }
+            Command::MoveKey { index, frame } => path.move_key(index, frame),
             Command::GoToKey(index) => {
                 if let Some(key) = path.keys.get(index).cloned() {
                     self.go_to_key(key);

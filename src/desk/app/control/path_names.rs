@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::app::model::{Purpose, State, TypedPath};
-use crate::app::work::with_ending;
+use crate::app::work::{FIGURE_ENDINGS, with_ending};
 use overlook_engine::splats::SplatFormat;
 
 /// What is wrong with a name that [`named`] does not take.
@@ -19,6 +19,7 @@ fn endings(purpose: Purpose) -> Option<&'static [&'static str]> {
     match purpose {
         Purpose::ExportFilm => Some(&["mp4", "m4v"]),
         Purpose::ExportPage => Some(&["html", "htm"]),
+        Purpose::ExportFigure => Some(&FIGURE_ENDINGS),
         Purpose::ExportSplats(SplatFormat::Ply) | Purpose::ExportPoints => Some(&["ply"]),
         Purpose::ExportSplats(SplatFormat::Spz) => Some(&["spz"]),
         Purpose::ExportSplats(SplatFormat::Glb) => Some(&["glb"]),
@@ -34,6 +35,7 @@ pub(super) fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::SaveStore => format!("{name}.ovl"),
         Purpose::ExportPage => format!("{name}.html"),
         Purpose::ExportSplats(format) => format!("{name}.{format}"),
+        Purpose::ExportFigure => "figure.pdf".to_owned(),
         Purpose::ExportPoints => "points.ply".to_owned(),
         Purpose::ExportPointsOfFrames => "points".to_owned(),
         Purpose::SavePicture if state.share.options.linear => "picture.exr".to_owned(),

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use super::overlook_app::OverlookApp;
 use super::path_names::{lasting, named, other_ending, place, suggested_name, typed_destination};
 use crate::app::model::{
-    Command, Content, Destination, DockView, NO_KEYS, NoticeKind, Purpose, State, TypedPath, WorkKind, csv,
+    Command, Content, Destination, DockView, FigureOf, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
+    WorkKind, csv,
 };
 use crate::app::work::FileRequest;
 use overlook_engine::error::Error;
@@ -173,6 +174,7 @@ impl OverlookApp {
             | Purpose::ExportSplats(_)
             | Purpose::ExportPoints
             | Purpose::ExportPointsOfFrames => self.export(purpose, path),
+            Purpose::ExportFigure => self.export_figure(path),
         }
     }
 
@@ -274,6 +276,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         | Purpose::ExportSplats(_)
         | Purpose::ExportPoints
         | Purpose::ExportPointsOfFrames => ("Nothing to export yet", no_samples()),
+        Purpose::ExportFigure => ("Nothing to export yet", no_scene().or_else(|| no_figure(state))),
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::SaveEdits | Purpose::LoadEdits => ("No scene for edits", no_scene()),
@@ -289,6 +292,17 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         | Purpose::SaveShot => return None,
     };
     text.map(|text| (title, text.to_owned()))
+}
+
+/// Why there is no picture for a figure.
+fn no_figure(state: &State) -> Option<&'static str> {
+    match state.share.options.figure_of {
+        FigureOf::Source if state.source_shown.is_none() => {
+            Some("There is no source picture: a store holds none, and a capture shows it once it is read.")
+        }
+        FigureOf::Live if state.live_shown.is_none() => Some("The live view has no picture yet."),
+        _ => None,
+    }
 }
 
 /// Why the whole capture is not pruned with the settings on the sliders.

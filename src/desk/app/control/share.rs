@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::overlook_app::OverlookApp;
 use crate::app::model::{
-    self, Command, ExportTarget, Exported, NoticeKind, Purpose, ShareCommand, ShareOutcome, StoppableWork,
-    WorkKind, and_others,
+    self, Command, ExportTarget, Exported, FigureOf, FigureOptions, LiveKey, NoticeKind, Purpose,
+    ShareCommand, ShareOutcome, StoppableWork, WorkKind, and_others,
 };
-use crate::app::work::{Export, ExportRequest, PathExport};
+use crate::app::work::{Export, ExportRequest, FigureExport, PathExport};
 use overlook_engine::error::Error;
 use overlook_engine::page::{PageOptions, PagePath};
+use overlook_engine::render::Vantage;
 use overlook_engine::render::film::FilmSource;
 use overlook_engine::splats::{SplatAmount, SplatOptions};
 
@@ -79,6 +80,38 @@ impl OverlookApp {
             FilmSource::Disk,
         );
         self.workers.export.submit(ExportRequest { path, source, what });
+    }
+
+    /// Writes a figure of the view that is chosen in the dialog, as it is shown.
+    pub(super) fn export_figure(&mut self, path: PathBuf) {
+        let state = &self.state;
+        let options = FigureOptions { unit: state.live.unit, ..state.share.options.figure.clone() };
+        let Some(scene) = &state.scene else { return };
+        let what = match state.share.options.figure_of {
+            FigureOf::Live => {
+                let [shown, size] = [state.live.size, state.figure_size()];
+                let key = state.live_shown.as_ref().map(|shown| &shown.key);
+                let Some((key, camera)) = key.zip(state.live_camera(size)) else { return };
+                let key = LiveKey {
+                    vantage: Vantage { camera, frame: state.timeline.frame },
+                    settings: state.settings.render.clone(),
+                    dark: options.is_dark,
+                    in_motion: false,
+                    quality: None,
+                    per_coarse_pixel: f64::from(size[0]) / f64::from(shown[0].max(1)),
+                    ..key.clone()
+                };
+                FigureExport::Live { key: Box::new(key), options }
+            }
+            FigureOf::Source => {
+                let Some(shown) = &state.source_shown else { return };
+                FigureExport::Source { scene: scene.clone(), key: shown.key.clone(), options }
+            }
+        };
+        let Some(samples) = state.samples_here().cloned() else { return };
+        let source =
+            scene.playback().map_or(FilmSource::Memory(samples), |store| FilmSource::Disk(store.clone()));
+        self.workers.export.submit(ExportRequest { path, source, what: Export::Figure(Box::new(what)) });
     }
 
     fn exported_as(&self, purpose: Purpose) -> Option<Export> {

@@ -70,6 +70,16 @@ impl CameraPath {
         Some(SavedPathKey { orbit, frame: between(from.frame as f64, to.frame as f64).round() as usize })
     }
 
+    /// Moves a key to a frame. Keys that follow each other in time go on doing so: a neighbor stops it.
+    pub(crate) fn move_key(&mut self, index: usize, frame: usize) {
+        let Some(own) = self.keys.get(index).map(|key| key.frame) else { return };
+        let neighbor = |index: Option<usize>| Some(self.keys.get(index?)?.frame);
+        let before = neighbor(index.checked_sub(1)).filter(|before| *before <= own);
+        let after = neighbor(index.checked_add(1)).filter(|after| *after >= own);
+        self.keys[index].frame = frame.clamp(before.unwrap_or(0), after.unwrap_or(usize::MAX));
+        self.playing = None;
+    }
+
     /// Whether all keys are in a file.
     pub(crate) fn is_saved(&self) -> bool {
         self.keys.is_empty() || self.keys == self.saved
@@ -213,6 +223,18 @@ mod tests {
         assert!((places[20].camera.position_in_world() - DVec3::new(2.0, 1.0, 0.0)).length() < 1e-9);
         path.keys.iter_mut().for_each(|key| key.frame = 3);
         assert!(path.vantage_of_each_frame([64, 48], 100).is_empty(), "it stays at a moment");
+    }
+
+    #[test]
+    fn a_key_is_moved_between_its_neighbors() {
+        let mut path = path(&[DVec3::ZERO, DVec3::X, DVec3::Y]);
+        for (index, frame, reached) in
+            [(1, 4, 4), (1, 33, 20), (2, 25, 25), (0, 90, 20), (0, 0, 0), (7, 3, 0)]
+        {
+            path.move_key(index, frame);
+            assert_eq!(path.keys.get(index).map_or(0, |key| key.frame), reached, "key {index} to {frame}");
+        }
+        assert!(!path.is_saved());
     }
 
     #[test]

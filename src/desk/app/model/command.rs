@@ -161,6 +161,11 @@ pub(crate) enum Command {
     /// Set a key of the camera path to the current view.
     ReplaceKey(usize),
     GoToKey(usize),
+    /// Moves a key of the path to another frame, no farther than its neighbors.
+    MoveKey {
+        index: usize,
+        frame: usize,
+    },
     /// Pictures from one key of the camera path to the next.
     PicturesPerLeg(usize),
     PictureSize([u32; 2]),

@@ -303,6 +303,13 @@ impl State {
         size.map(|side| (side & !1).clamp(*SIDES.start(), *SIDES.end()))
     }
 
+    /// Columns and rows of the live view's picture in a figure.
+    pub(crate) fn figure_size(&self) -> [u32; 2] {
+        let columns = self.share.options.figure.columns;
+        let [width, height] = self.live.size.map(f64::from);
+        [columns, (f64::from(columns) * height / width.max(1.0)).round().max(1.0) as u32]
+    }
+
     /// Columns and rows of the picture whose frame the live view shows; of the camera's where none is.
     pub(crate) fn framed_size(&self) -> Option<[u32; 2]> {
         match self.live.guides.frame {

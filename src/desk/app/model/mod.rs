@@ -18,6 +18,7 @@ mod display;
 mod document;
 mod edited_samples;
 mod edits;
+mod figure;
 mod frame_timer;
 mod held_memory;
 mod histogram;
@@ -70,6 +71,7 @@ pub(crate) use edits::{
     Combine, EditCommand, EditKey, EditTime, EditedScene, OutlineTool, SceneEdits, last_shape,
     words as region_words,
 };
+pub(crate) use figure::{DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
 pub(crate) use live_picture::{

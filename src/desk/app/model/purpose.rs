@@ -34,6 +34,8 @@ pub(crate) enum Purpose {
     ExportPage,
     /// Write splats in a format.
     ExportSplats(SplatFormat),
+    /// Write a figure of a view.
+    ExportFigure,
     /// Write the points of the frame that is shown.
     ExportPoints,
     /// Write the points of every frame into a folder.
@@ -79,6 +81,7 @@ impl Purpose {
             | Self::ExportFilm
             | Self::ExportPage
             | Self::ExportSplats(_)
+            | Self::ExportFigure
             | Self::ExportPoints
             | Self::ExportPointsOfFrames => WorkKind::Export,
             _ => WorkKind::File,
@@ -106,6 +109,7 @@ impl Purpose {
             Self::ExportFilm => "Share a video",
             Self::ExportPage => "Share an interactive page",
             Self::ExportSplats(_) => "Share splats",
+            Self::ExportFigure => "Share a figure",
             Self::ExportPoints => "Share points",
             Self::ExportPointsOfFrames => "Share points in a folder",
         }
@@ -136,6 +140,7 @@ impl Purpose {
             | Self::ExportFilm
             | Self::ExportPage
             | Self::ExportSplats(_)
+            | Self::ExportFigure
             | Self::ExportPoints
             | Self::ExportPointsOfFrames => "To path…",
         }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::figure::{FigureOf, FigureOptions};
 use super::live_picture::LivePicture;
 use super::purpose::Purpose;
 use super::scene::OpenScene;
@@ -17,13 +18,14 @@ pub(crate) enum ShareWay {
     Splats,
     Film,
     Pictures,
+    Figure,
     Points,
     Store,
 }
 
 impl ShareWay {
     /// Every way in the order of the dialog: its name, and what it is for.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 6] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 7] = [
         (
             Self::Page,
             "Interactive page",
@@ -40,6 +42,11 @@ impl ShareWay {
             Self::Pictures,
             "Pictures",
             "This view as it is shown, or every picture of the camera path: PNG, or EXR with linear color and depth.",
+        ),
+        (
+            Self::Figure,
+            "Figure",
+            "A picture for print, with what its colors mean, a scale bar and a caption: PDF, SVG or PNG.",
         ),
         (
             Self::Points,
@@ -100,6 +107,8 @@ pub(crate) struct ShareOptions {
     pub linear: bool,
     /// Whether points are those of every frame, in a folder.
     pub points_of_all_frames: bool,
+    pub figure_of: FigureOf,
+    pub figure: FigureOptions,
 }
 
 impl Default for ShareOptions {
@@ -117,6 +126,8 @@ impl Default for ShareOptions {
             pictures: SharedPictures::default(),
             linear: false,
             points_of_all_frames: false,
+            figure_of: FigureOf::default(),
+            figure: FigureOptions::default(),
         }
     }
 }
@@ -132,6 +143,7 @@ impl ShareOptions {
             (ShareWay::Pictures, SharedPictures::ViewWithLegend) => Purpose::SaveShot,
             (ShareWay::Pictures, SharedPictures::CameraPath) if self.linear => Purpose::ExportExr,
             (ShareWay::Pictures, SharedPictures::CameraPath) => Purpose::ExportPictures,
+            (ShareWay::Figure, _) => Purpose::ExportFigure,
             (ShareWay::Points, _) if self.points_of_all_frames => Purpose::ExportPointsOfFrames,
             (ShareWay::Points, _) => Purpose::ExportPoints,
             (ShareWay::Store, _) => Purpose::SaveStore,
@@ -177,6 +189,7 @@ impl ShareDialog {
             title: String::new(),
             text: String::new(),
             pictures: SharedPictures::default(),
+            figure_of: FigureOf::default(),
             ..std::mem::take(&mut self.options)
         };
         *self = Self { options, asked: self.asked.take(), ..Self::default() };

@@ -2,6 +2,7 @@
 //! takes.
 
 use super::document::State;
+use super::figure::FigureOf;
 use super::share::{ShareFacts, ShareOptions, ShareWay, SharedPictures};
 use super::text::{bytes, count_of, significant};
 use overlook_engine::plural::counted;
@@ -11,6 +12,9 @@ use overlook_engine::splats::{SplatFormat, SplatSky};
 /// Bytes of a page for each byte of its store, measured on built-in and recorded scenes (0.96 to 1.07), and of an empty page.
 const PAGE_BY_STORE: f64 = 1.0;
 const EMPTY_PAGE: f64 = 90e3;
+
+/// Bytes of a figure without its picture.
+const EMPTY_FIGURE: f64 = 15e3;
 
 /// Splats of the dome that the sky becomes.
 const DOME: u64 = 10_000;
@@ -63,7 +67,7 @@ impl State {
         if self.scene.is_none() {
             return ShareSize::missing("nothing open");
         }
-        let needs_picture = way == ShareWay::Film || way == ShareWay::Pictures;
+        let needs_picture = matches!(way, ShareWay::Film | ShareWay::Pictures | ShareWay::Figure);
         if !self.is_whole_ready() && !needs_picture {
             return ShareSize::missing("once it is pruned");
         }
@@ -74,6 +78,7 @@ impl State {
             ShareWay::Splats => splats(facts, options),
             ShareWay::Film => self.film(facts),
             ShareWay::Pictures => self.pictures(facts, options),
+            ShareWay::Figure => self.figure(facts, options),
             ShareWay::Points => self.points(facts, options),
             ShareWay::Store => {
                 let each = facts.store_bytes / facts.samples.max(1) as f64;
@@ -117,6 +122,23 @@ impl State {
                 ShareSize::about(each * pictures as f64, reason)
             }
         }
+    }
+
+    /// Its picture as PNG takes nearly all of it.
+    fn figure(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
+        let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
+        let [width, height] = match options.figure_of {
+            FigureOf::Live => self.figure_size(),
+            FigureOf::Source => {
+                self.source_shown.as_ref().map_or([0; 2], |shown| shown.picture.size.map(|side| side as u32))
+            }
+        };
+        let size = picture.png_bytes / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
+        let millimeters = significant(options.figure.width_mm());
+        ShareSize::about(
+            size + EMPTY_FIGURE,
+            format!("{millimeters} mm wide, {} pixels", options.figure.columns),
+        )
     }
 
     fn points(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {

@@ -98,10 +98,14 @@ impl Unit {
         (Self::None, "units", "The scene has no unit of length."),
     ];
 
+    /// Its name.
+    pub(crate) fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(unit, ..)| *unit == self).map_or("", |(_, name, _)| name)
+    }
+
     /// A length with its unit.
     pub(crate) fn length(self, length: f64) -> String {
-        let name = Self::ALL.iter().find(|(unit, ..)| *unit == self).map_or("", |(_, name, _)| name);
-        format!("{} {name}", super::text::significant(length))
+        format!("{} {}", super::text::significant(length), self.name())
     }
 }
 

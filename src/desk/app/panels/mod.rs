@@ -23,6 +23,7 @@ mod share_options;
 mod status;
 mod time;
 mod timeline;
+mod timeline_keys;
 mod top_bar;
 mod totals;
 mod view_entries;

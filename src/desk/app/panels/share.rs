@@ -148,6 +148,7 @@ fn action(way: ShareWay) -> &'static str {
         ShareWay::Splats => "Make the splats…",
         ShareWay::Film => "Make the video…",
         ShareWay::Pictures => "Save pictures…",
+        ShareWay::Figure => "Save the figure…",
         ShareWay::Points => "Save the points…",
         ShareWay::Store => "Save the store…",
     }

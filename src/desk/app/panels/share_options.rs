@@ -3,7 +3,10 @@
 use egui::{DragValue, Grid, TextEdit, Ui};
 
 use super::path_view::size_ui;
-use crate::app::model::{Command, Commands, ShareOptions, ShareWay, SharedPictures, State};
+use crate::app::model::{
+    Command, Commands, DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay,
+    SharedPictures, State,
+};
 use crate::app::widgets::{note, segments_ui, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::splats::{SplatFormat, SplatSky};
@@ -34,6 +37,10 @@ const KINDS: [(bool, &str, &str); 2] = [
 const PATH: &str = "Whoever opens it can follow the camera path.";
 const NO_PATH: &str = "The camera path is not in it, as its keys are at one moment.";
 
+/// The paper of figures.
+const PAPERS: [(bool, &str, &str); 2] =
+    [(false, "Light", "Dark type on white paper."), (true, "Dark", "Light type on dark paper, for slides.")];
+
 /// Which points.
 const POINTS: [(bool, &str, &str); 2] =
     [(false, "This frame", "One file."), (true, "Every frame", "A folder with a file for each frame.")];
@@ -46,6 +53,7 @@ pub(super) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
         ShareWay::Splats => splats_ui(ui, options),
         ShareWay::Film => film_ui(ui, state, commands),
         ShareWay::Pictures => pictures_ui(ui, state, options, commands),
+        ShareWay::Figure => figure_ui(ui, options),
         ShareWay::Points => {
             ui.label("Points of");
             let all = &mut options.points_of_all_frames;
@@ -148,6 +156,50 @@ fn pictures_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands:
     if options.pictures == SharedPictures::CameraPath {
         picture_size_ui(ui, state, commands);
     }
+}
+
+fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
+    ui.label("Of");
+    options.figure_of =
+        segments_ui(ui, "Figure of", options.figure_of, FigureOf::ALL).unwrap_or(options.figure_of);
+    ui.end_row();
+    let figure = &mut options.figure;
+    ui.label("Width");
+    ui.horizontal(|ui| {
+        let (mut width, mut dots) = (figure.width_mm(), figure.dots_per_inch);
+        let drag = DragValue::new(&mut width).range(5.0..=1500.0).speed(0.5).max_decimals(1).suffix(" mm");
+        ui.add(drag.update_while_editing(false)).accessible_name("Width of the figure");
+        let drag = DragValue::new(&mut dots).range(DOTS_PER_INCH).suffix(" dpi");
+        ui.add(drag.update_while_editing(false)).accessible_name("Dots per inch");
+        if dots != figure.dots_per_inch || (width - figure.width_mm()).abs() > 0.01 {
+            *figure = FigureOptions {
+                columns: FigureWidth::Millimeters(width).columns(dots),
+                dots_per_inch: dots,
+                ..figure.clone()
+            };
+        }
+        weak(ui, format!("{} pixels", figure.columns));
+    });
+    ui.end_row();
+    ui.label("Paper");
+    ui.horizontal(|ui| {
+        figure.is_dark = segments_ui(ui, "Paper", figure.is_dark, PAPERS).unwrap_or(figure.is_dark);
+        let size = DragValue::new(&mut figure.type_points).range(4.0..=48.0).speed(0.1).max_decimals(1);
+        ui.add(size.suffix(" pt")).on_hover_text("Size of the type").accessible_name("Size of the type");
+    });
+    ui.end_row();
+    ui.label("With");
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut figure.has_legend, "Legend")
+            .on_hover_text("What the colors mean, below the picture.");
+        ui.checkbox(&mut figure.has_scale_bar, "Scale bar")
+            .on_hover_text("A length in the picture, at the distance of what its middle shows.");
+    });
+    ui.end_row();
+    ui.label("Caption");
+    let caption = TextEdit::multiline(&mut figure.caption).desired_width(f32::INFINITY).desired_rows(2);
+    ui.add(caption).accessible_name("Caption of the figure");
+    ui.end_row();
 }
 
 fn store_ui(ui: &mut Ui, state: &State) {

@@ -6,6 +6,7 @@ use egui_material_icons::icons::{
     ICON_REPEAT, ICON_SKIP_NEXT, ICON_SKIP_PREVIOUS, ICON_SWAP_HORIZ,
 };
 
+use super::timeline_keys::keys_ui;
 use crate::app::model::{self, Command, Commands, State, Timeline};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, weak};
@@ -178,6 +179,8 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::Frame(frame));
         }
     }
+    // What is on top is taken hold of first.
+    keys_ui(ui, &painter, (rect, step), state, commands);
     if let Some(pointer) = response.hover_pos() {
         let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
         let count = foreground(state).and_then(|counts| counts.get(frame));

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::ColorImage;
 use image::{ImageFormat, RgbaImage};
 
+use super::figures::FIGURE_ENDINGS;
 use super::other_pictures;
 use super::requests::FileRequest;
 use crate::address;
@@ -203,6 +204,7 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "m4v"]).save_file(),
         Purpose::ExportPage => dialog.add_filter("HTML", &["html"]).save_file(),
         Purpose::ExportSplats(format) => dialog.add_filter("Splats", &[format.name()]).save_file(),
+        Purpose::ExportFigure => dialog.add_filter("PDF, SVG, PNG", &FIGURE_ENDINGS).save_file(),
         Purpose::ExportPoints => dialog.add_filter("PLY", &["ply"]).save_file(),
     }
 }

@@ -12,6 +12,8 @@ mod develop;
 mod difference;
 mod edits;
 mod facts;
+mod figure_meaning;
+mod figures;
 mod files;
 mod histograms;
 mod live_image;
@@ -30,8 +32,11 @@ mod study;
 mod worker;
 mod workers;
 
+pub(crate) use figures::{FIGURE_ENDINGS, of_camera, of_rendered, write as write_figure};
 pub(crate) use files::with_ending;
-pub(crate) use requests::{Export, ExportRequest, FileRequest, OpenRequest, PathExport, StudyRequest};
+pub(crate) use requests::{
+    Export, ExportRequest, FigureExport, FileRequest, OpenRequest, PathExport, StudyRequest,
+};
 pub(crate) use scheduler::Scheduler;
 pub(crate) use worker::Outbox;
 pub(crate) use workers::Workers;

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::app::model::{CameraPath, Display, ExportTarget, OpenScene, Study};
+use crate::app::model::{
+    CameraPath, Display, ExportTarget, FigureOptions, LiveKey, OpenScene, SourceKey, Study,
+};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::edits::EditList;
 use overlook_engine::page::PageOptions;
@@ -188,8 +190,24 @@ pub(crate) enum Export {
     Page(PageOptions),
     /// Splats of a frame, or of all time where the format holds it.
     Splats { options: SplatOptions, frame: usize },
+    /// A figure of a view.
+    Figure(Box<FigureExport>),
     /// Points of a frame, or a folder with those of each.
     Points { frame: Option<usize> },
+}
+
+/// A figure, and the view that it shows.
+pub(crate) enum FigureExport {
+    /// The live view; the key has the figure's size.
+    Live {
+        key: Box<LiveKey>,
+        options: FigureOptions,
+    },
+    Source {
+        scene: Arc<OpenScene>,
+        key: SourceKey,
+        options: FigureOptions,
+    },
 }
 
 /// The pictures of a camera path.

@@ -4,8 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::develop::developed;
-use super::requests::{Export, ExportRequest, PathExport};
-use crate::app::model::{Exported, Message, NO_KEYS, bytes, count_of};
+use super::figures;
+use super::requests::{Export, ExportRequest, FigureExport, PathExport};
+use crate::app::model::{Exported, Message, NO_KEYS, bytes, count_of, significant};
 use crate::points;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -31,6 +32,7 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
         }
         Export::Page(options) => write_page(path, source, options, job)?,
         Export::Splats { options, frame } => write_splats(path, source, options, *frame, job)?,
+        Export::Figure(figure) => write_figure(path, figure, job)?,
         Export::Points { frame: Some(frame) } => {
             let points = write_points(path, &*at(source, *frame, job)?, *frame)?;
             count_of(points, "point")
@@ -70,6 +72,18 @@ fn write_page(path: &Path, source: &FilmSource, options: &PageOptions, job: &Job
         String::new()
     };
     Ok(format!("a page of {} with {}{of}", bytes(written.bytes), count_of(written.samples, "sample")))
+}
+
+fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String> {
+    job.start("Drawing the figure", 0);
+    let (figure, options) = match figure {
+        FigureExport::Live { key, options } => (figures::of_live_view(key, options, job)?, options),
+        FigureExport::Source { scene, key, options } => {
+            (figures::of_source_picture(scene.source()?, key, options)?, options)
+        }
+    };
+    let written = figures::write(path, &figure)?;
+    Ok(format!("a figure of {} mm, {}", significant(options.width_mm()), bytes(written)))
 }
 
 /// A folder that goes when it is dropped.

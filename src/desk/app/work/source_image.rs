@@ -34,11 +34,12 @@ pub(crate) fn paint_source(
         let capture = scene.source()?;
         decoder.install(|| capture.frame(key.camera, key.frame))?
     };
-    let picture = paint(&key, &frame);
+    let picture = source_picture(&key, &frame);
     Ok(Message::SourcePainted { key, picture: Arc::new(picture) })
 }
 
-fn paint(key: &SourceKey, frame: &Frame) -> SourcePicture {
+/// The picture of a key, of what its camera recorded at its frame.
+pub(super) fn source_picture(key: &SourceKey, frame: &Frame) -> SourcePicture {
     let tokens = Tokens::of(key.dark);
     let linear = |c: &[half::f16; 3]| c.map(half::f16::to_f32);
     let neutral = key.display.is_neutral();

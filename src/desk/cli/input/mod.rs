@@ -9,6 +9,6 @@ mod truth;
 pub(crate) use crate::pruned_store::{summed_up, sums_of};
 pub(crate) use fingerprint::{capture_state, pictures_state};
 pub(crate) use open::{EditsArgs, open_capture};
-pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, amount, choice, only_cameras};
+pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, amount, choice, length, only_cameras};
 pub(crate) use part_args::PartArgs;
 pub(crate) use truth::TruthArgs;

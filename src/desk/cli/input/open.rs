@@ -44,6 +44,12 @@ impl EditsArgs {
         Ok(Playback::new(store, DEFAULT_CACHE_BYTES))
     }
 
+    /// Refuses edits where a recorded picture is asked for: they act on stores.
+    pub(crate) fn refuse_for_capture(&self) -> Result<()> {
+        let what = "edits act on a store; give the one that was made of the capture";
+        if self.edits.is_some() { Err(Error::invalid("--edits", what)) } else { Ok(()) }
+    }
+
     /// Refuses to write over the list.
     pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<()> {
         self.edits.as_ref().map_or(Ok(()), |edits| output::refuse_input(edits, out))

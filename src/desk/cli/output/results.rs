@@ -131,7 +131,7 @@ fn write_json(path: &Path, document: &impl Serialize) -> Result<()> {
     whole_file::write_all(path, text + "\n")
 }
 
-/// Writes `NAME.json` and `NAME.csv` into a folder, and the chart as PNG under a name of its own and as SVG beside it.
+/// Writes `NAME.json` and `NAME.csv` into a folder, and the chart as PNG under a name of its own, and as SVG and PDF beside it.
 pub(crate) fn write_results(
     folder: &Path,
     name: &str,
@@ -144,6 +144,7 @@ pub(crate) fn write_results(
     write_csv(&folder.join(format!("{name}.csv")), rows)?;
     let picture = folder.join(picture);
     whole_file::write_all(&picture.with_extension("svg"), chart.svg())?;
+    whole_file::write_all(&picture.with_extension("pdf"), chart.pdf()?)?;
     whole_file::write_all(&picture, chart.png()?)
 }
 

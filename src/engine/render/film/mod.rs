@@ -10,6 +10,7 @@ pub use path::{PathKey, pose_at};
 
 use std::sync::Arc;
 
+use super::orthographic::OrthographicView;
 use super::renderer::Renderer;
 use super::vantage::{Picture, Vantage};
 use crate::error::Result;
@@ -71,6 +72,35 @@ pub fn paint(
         let (painted, _) = rayon::join(|| renderer.render(&samples, vantage, settings, job), ahead);
         let (picture, _): (Arc<Picture>, _) = painted?;
         take(nth, &picture)?;
+        job.advance(1);
+    }
+    Ok(())
+}
+
+/// As [`paint`], of orthographic pictures that are `width` world units wide.
+///
+/// # Errors
+/// As [`paint`], and as [`OrthographicView::new`].
+pub fn paint_orthographic(
+    source: &FilmSource,
+    vantages: &[Vantage],
+    width: f64,
+    renderer: &mut Renderer,
+    settings: &RenderSettings,
+    job: &Job,
+    mut take: impl FnMut(usize, &Picture) -> Result<()>,
+) -> Result<()> {
+    job.start("Rendering", vantages.len());
+    for (nth, vantage) in vantages.iter().enumerate() {
+        job.check()?;
+        // Which blocks a lens sees is known of perspective ones alone.
+        let samples = match source {
+            FilmSource::Memory(samples) => samples.clone(),
+            FilmSource::Disk(playback) => playback.at(vantage.frame, job)?,
+        };
+        let view = OrthographicView::new(&samples, vantage, width)?;
+        let (picture, _) = renderer.render(&view.samples, &view.vantage, settings, job)?;
+        take(nth, &view.finish(&picture))?;
         job.advance(1);
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! `overlook export`: what a store holds, in forms that other programs read.
 
+mod figure;
 mod frame_files;
 mod miv;
 mod page;
@@ -29,6 +30,8 @@ enum ExportKind {
     Pictures(pictures::PicturesArgs),
     /// A video along a camera path, as MP4.
     Video(video::VideoArgs),
+    /// A figure for print: a picture with what its colors mean, a scale bar and a caption, as PDF, SVG or PNG.
+    Figure(Box<figure::FigureArgs>),
     /// A capture as MPEG immersive video, which TMIV and RVS read: cameras as JSON, texture and depth as raw video.
     Miv(miv::MivArgs),
     /// One HTML file that plays the scene from any viewpoint, in any browser and offline.
@@ -45,6 +48,7 @@ impl ExportArgs {
             ExportKind::Points(args) => args.run(),
             ExportKind::Pictures(args) => args.run(),
             ExportKind::Video(args) => args.run(),
+            ExportKind::Figure(args) => args.run(),
             ExportKind::Miv(args) => args.run(),
             ExportKind::Page(args) => args.run(),
             ExportKind::Splats(args) => args.run(),

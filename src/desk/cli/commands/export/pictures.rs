@@ -46,6 +46,10 @@ pub(crate) struct FilmArgs {
     /// Columns of equirectangular pictures [default: those of the path's pictures].
     #[arg(long, value_name = "COLUMNS", value_parser = clap::value_parser!(u32).range(4..=16_384))]
     width: Option<u32>,
+    /// Orthographic pictures in place of those through the path's lens: this many world units from the left edge to the right one. What
+    /// lies behind the camera is not shown.
+    #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with = "projection")]
+    orthographic: Option<f64>,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -81,7 +85,8 @@ impl FilmArgs {
         let size = stops.vantages[0].camera.intrinsics.size();
         let panorama = (self.projection == Projection::Equirectangular)
             .then(|| Panorama { width: self.width.unwrap_or(size.0 as u32).max(4).next_multiple_of(4), up });
-        Ok(Film { playback: Arc::new(playback), stops, settings: settings.render, panorama })
+        let orthographic = self.orthographic;
+        Ok(Film { playback: Arc::new(playback), stops, settings: settings.render, panorama, orthographic })
     }
 }
 
@@ -92,6 +97,8 @@ pub(crate) struct Film {
     settings: RenderSettings,
     /// Of films that show all directions.
     pub(crate) panorama: Option<Panorama>,
+    /// Width of orthographic pictures, world units.
+    orthographic: Option<f64>,
 }
 
 /// All directions around the camera.
@@ -120,6 +127,10 @@ impl Film {
         let mut renderer = Renderer::strict(self.settings.backend)?;
         let source = FilmSource::Disk(self.playback.clone());
         let vantages = &self.stops.vantages;
+        if let Some(width) = self.orthographic {
+            film::paint_orthographic(&source, vantages, width, &mut renderer, &self.settings, job, take)?;
+            return Ok(renderer.notice().map(str::to_owned));
+        }
         let Some(Panorama { width, up }) = self.panorama else {
             film::paint(&source, vantages, &mut renderer, &self.settings, job, take)?;
             return Ok(renderer.notice().map(str::to_owned));

@@ -3,7 +3,8 @@
 mod views;
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -37,6 +38,10 @@ pub(crate) struct RenderArgs {
     /// recorded with the capture are corrected like the pictures beside them, if those predict the correction.
     #[arg(long, conflicts_with = "align_views")]
     as_claimed: bool,
+    /// Orthographic pictures: this many world units from the left edge to the right one. What lies behind a viewpoint is not shown, and
+    /// nothing is scored, as true pictures are in perspective.
+    #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with_all = ["align_views", "json"])]
+    orthographic: Option<f64>,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -51,7 +56,7 @@ impl RenderArgs {
         self.settings.only("render")?;
         output::check_folder(&self.out)?;
         whole_file::refuse_pipe(&self.views)?;
-        let playback = self.edits.open_store(&self.store)?;
+        let playback = Arc::new(self.edits.open_store(&self.store)?);
         let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
         self.painting.apply(&mut settings);
         let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
@@ -66,6 +71,14 @@ impl RenderArgs {
             })
         };
         let paths = self.picture_paths(&views)?;
+        if let Some(width) = self.orthographic {
+            let notice = output::watched(|job| {
+                views::paint_orthographic(&playback, &views, width, &paths, &settings, job)
+            })?;
+            output::warn(notice.as_slice());
+            output::warn(&playback.store().damage());
+            return output::print(&wrote(paths.len(), &self.out));
+        }
         let painting = ViewPainting {
             playback: &playback,
             views: &views,
@@ -81,11 +94,10 @@ impl RenderArgs {
             return output::print_json(&evaluation);
         }
         output::print(&format!(
-            "{}\n{}\nWrote {} (EXR and PNG) to {}",
+            "{}\n{}\n{}",
             output::view_table(&evaluation),
             output::painter_line(&evaluation),
-            counted(paths.len(), "picture"),
-            self.out.display()
+            wrote(paths.len(), &self.out)
         ))
     }
 
@@ -106,6 +118,10 @@ impl RenderArgs {
         output::refuse_true_pictures(&self.views, &self.out, &paths)?;
         Ok(paths)
     }
+}
+
+fn wrote(pictures: usize, out: &Path) -> String {
+    format!("Wrote {} (EXR and PNG) to {}", counted(pictures, "picture"), out.display())
 }
 
 /// What was changed about views, for people.

@@ -1,10 +1,13 @@
 //! Views of a store, rendered, written and scored.
 
+use std::sync::Arc;
+
 use crate::cli::output::PicturePaths;
 use overlook_engine::capture::{Camera, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use overlook_engine::render::Renderer;
+use overlook_engine::render::film::{self, FilmSource};
+use overlook_engine::render::{Renderer, Vantage};
 use overlook_engine::settings::RenderSettings;
 use overlook_engine::store::playback::Playback;
 use overlook_lab::{Evaluation, Scoreboard, add_aligned, frame_of, render_view, vantage_order};
@@ -53,4 +56,30 @@ impl ViewPainting<'_> {
         }
         Ok(evaluation)
     }
+}
+
+/// Renders orthographic pictures from the places of all views, `width` world units wide, and writes them. Gives why the renderer of the
+/// settings was not used.
+///
+/// # Errors
+/// As [`ViewPainting::paint`].
+pub(super) fn paint_orthographic(
+    playback: &Arc<Playback>,
+    views: &[TruthView],
+    width: f64,
+    paths: &[PicturePaths],
+    settings: &RenderSettings,
+    job: &Job,
+) -> Result<Option<String>> {
+    let info = playback.store().info();
+    let vantage = |view: &TruthView| {
+        let frame = frame_of(view, &info.name, &info.frame_numbers)?;
+        Ok(Vantage { camera: view.camera.clone(), frame })
+    };
+    let vantages = views.iter().map(vantage).collect::<Result<Vec<_>>>()?;
+    let mut renderer = Renderer::strict(settings.backend)?;
+    let source = FilmSource::Disk(playback.clone());
+    let write = |nth: usize, picture: &_| paths[nth].write(picture);
+    film::paint_orthographic(&source, &vantages, width, &mut renderer, settings, job, write)?;
+    Ok(renderer.notice().map(str::to_owned))
 }

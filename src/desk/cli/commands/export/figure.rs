@@ -1,0 +1,245 @@
+//! `overlook export figure`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use super::frame_files;
+use crate::address::{self, ViewAddress};
+use crate::app::{self, DOTS_PER_INCH, FIGURE_ENDINGS, FigureOptions, FigureWidth, Overlay, Unit};
+use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError};
+use overlook_engine::capture::{Camera, Intrinsics};
+use overlook_engine::error::{Error, Result};
+use overlook_engine::render::film::{self, FilmSource};
+use overlook_engine::render::{Picture, Renderer, Vantage};
+use overlook_engine::store::file::StoreInfo;
+use overlook_lab::chart::Figure;
+
+/// What the picture of a capture's camera shows, by the names of the window.
+const OVERLAYS: [(&str, Overlay); 9] = [
+    ("picture", Overlay::Color),
+    ("kept-by", Overlay::WhoWon),
+    ("agreement", Overlay::Agreement),
+    ("view-dependence", Overlay::ViewDependence),
+    ("sampling", Overlay::SamplingRatio),
+    ("motion", Overlay::Split),
+    ("tiles", Overlay::Tiles),
+    ("depth", Overlay::Depth),
+    ("normals", Overlay::Normals),
+];
+
+const UNITS: [(&str, Unit); 4] =
+    [("m", Unit::Meters), ("cm", Unit::Centimeters), ("mm", Unit::Millimeters), ("none", Unit::None)];
+
+const THEMES: [(&str, bool); 2] = [("light", false), ("dark", true)];
+
+#[derive(Debug, Args)]
+pub(crate) struct FigureArgs {
+    /// A capture, of which a recorded picture is shown; or a store, of which a view is: 'scene.ovl#view=…&frame=…', as windows and pages
+    /// copy it, or that of a camera.
+    scene: PathBuf,
+    /// The figure, as in figure.pdf: PDF, SVG or PNG by its ending.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// The camera whose picture is shown, or from whose place a store is [default: the first].
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// The frame, by its number [default: that of the address, or the first].
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    frame: Option<i64>,
+    /// What lies over a recorded picture [default: picture]. All but picture, depth and normals are of the whole capture, which is
+    /// read for them.
+    #[arg(long, value_parser = one_of(OVERLAYS))]
+    overlay: Option<Overlay>,
+    /// An orthographic view of a store: this many world units from the left edge to the right one. What lies behind the viewpoint is not
+    /// shown.
+    #[arg(long, value_name = "WIDTH", value_parser = input::length)]
+    orthographic: Option<f64>,
+    /// Width with its unit, as in 120mm, 12cm, 4.7in or 1400px.
+    #[arg(long, value_name = "WIDTH", default_value_t = FigureWidth::default())]
+    width: FigureWidth,
+    /// Pixels of an inch of paper.
+    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(i64::from(*DOTS_PER_INCH.start())..=i64::from(*DOTS_PER_INCH.end())))]
+    dpi: u32,
+    /// Size of the type, typographic points.
+    #[arg(long, value_name = "POINTS", default_value_t = 8.0, value_parser = input::length)]
+    type_size: f64,
+    /// A text below the picture.
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    caption: String,
+    /// Dark type on white paper, or light type on dark paper.
+    #[arg(long, default_value = "light", value_parser = one_of(THEMES))]
+    theme: bool,
+    /// The unit of the scene's lengths.
+    #[arg(long, default_value = "m", value_parser = one_of(UNITS))]
+    unit: Unit,
+    /// Leave out what colors mean.
+    #[arg(long)]
+    no_legend: bool,
+    /// Leave out the scale bar.
+    #[arg(long)]
+    no_scale_bar: bool,
+    #[command(flatten)]
+    edits: EditsArgs,
+    #[command(flatten)]
+    painting: PaintingArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+/// A parser of one of some names.
+fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
+    names: [(&'static str, T); N],
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(names.map(|(name, _)| name)).try_map(move |given| {
+        let known = names.iter().find(|(name, _)| *name == given);
+        known.map(|(_, value)| *value).ok_or("not known")
+    })
+}
+
+impl FigureArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        self.check_out()?;
+        let (place, address) = address::of_path(&self.scene);
+        let options = FigureOptions {
+            columns: self.width.columns(self.dpi),
+            dots_per_inch: self.dpi,
+            type_points: self.type_size.min(200.0),
+            caption: self.caption.clone(),
+            is_dark: self.theme,
+            has_legend: !self.no_legend,
+            has_scale_bar: !self.no_scale_bar,
+            unit: self.unit,
+        };
+        let figure = if place.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ovl")) {
+            self.of_store(&place, &address.unwrap_or_default(), &options)?
+        } else {
+            self.of_capture(&place, &options)?
+        };
+        let bytes = app::write_figure(&self.out, &figure)?;
+        output::print(&format!(
+            "Wrote a figure of {:.1} mm at {} dpi ({}) to {}",
+            options.width_mm(),
+            self.dpi,
+            output::bytes(bytes),
+            self.out.display()
+        ))
+    }
+
+    /// Before anything is read.
+    fn check_out(&self) -> Result<()> {
+        output::check_file(&self.out, "figure.pdf")?;
+        let is = |known: &&str| self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
+        if !FIGURE_ENDINGS.iter().any(is) {
+            let what = "a figure is PDF, SVG or PNG; name it .pdf, .svg or .png";
+            return Err(Error::invalid(self.out.display(), what));
+        }
+        output::refuse_input(&address::of_path(&self.scene).0, &self.out)?;
+        self.edits.refuse_inputs(&self.out)?;
+        self.settings.refuse_inputs(&self.out)
+    }
+
+    fn of_capture(&self, place: &Path, options: &FigureOptions) -> Result<Figure, CommandError> {
+        if self.orthographic.is_some() {
+            let what = "an orthographic view is one of a store; a recorded picture is in perspective";
+            return Err(Error::invalid("--orthographic", what).into());
+        }
+        self.edits.refuse_for_capture()?;
+        let settings = self.settings.over(overlook_engine::settings::Settings::default())?;
+        let capture = input::open_capture(place, &settings.capture)?;
+        let camera = camera_named(&capture.cameras, self.camera.as_deref(), place)?;
+        let frame = match self.frame {
+            None => 0,
+            Some(number) => capture
+                .frame_numbers
+                .binary_search(&number)
+                .map_err(|_| Error::invalid(place.display(), format!("there is no frame {number} in it")))?,
+        };
+        let overlay = self.overlay.unwrap_or_default();
+        let figure = output::watched(|job| {
+            app::figure_of_camera(&capture, [camera, frame], overlay, &settings, options, job)
+        })?;
+        Ok(figure)
+    }
+
+    fn of_store(
+        &self,
+        place: &Path,
+        address: &ViewAddress,
+        options: &FigureOptions,
+    ) -> Result<Figure, CommandError> {
+        if self.overlay.is_some_and(|overlay| overlay != Overlay::Color) {
+            let what = "a store holds no recorded pictures; give the capture that it was made of";
+            return Err(Error::invalid("--overlay", what).into());
+        }
+        self.settings.only("render")?;
+        let playback = std::sync::Arc::new(self.edits.open_store(place)?);
+        let info = playback.store().info();
+        let mut settings = self.settings.over(info.settings.clone())?.render;
+        self.painting.apply(&mut settings);
+        let number = self.frame.or(address.frame_number);
+        let frame = number.map_or(Ok(0), |number| frame_files::frame_index(&playback, number, place))?;
+        let camera = self.viewpoint(info, address, place)?;
+        let camera = of_columns(&camera, options.columns);
+        let vantage = [Vantage { camera: camera.clone(), frame }];
+        let mut renderer = Renderer::strict(settings.backend)?;
+        let source = FilmSource::Disk(playback.clone());
+        let picture = output::watched(|job| {
+            let mut painted: Option<Picture> = None;
+            let take = |_: usize, picture: &Picture| {
+                painted = Some(picture.clone());
+                Ok(())
+            };
+            match self.orthographic {
+                None => film::paint(&source, &vantage, &mut renderer, &settings, job, take)?,
+                Some(width) => {
+                    film::paint_orthographic(&source, &vantage, width, &mut renderer, &settings, job, take)?;
+                }
+            }
+            painted.ok_or_else(|| Error::invalid("figure", "has no picture"))
+        })?;
+        output::warn(renderer.notice().map(str::to_owned).as_slice());
+        output::warn(&playback.store().damage());
+        Ok(app::figure_of_rendered(&picture, &camera, self.orthographic, options))
+    }
+
+    /// From where a store is shown.
+    fn viewpoint(&self, info: &StoreInfo, address: &ViewAddress, place: &Path) -> Result<Camera> {
+        let name = self.camera.as_deref().or(address.camera.as_deref());
+        let mut camera = info.cameras[camera_named(&info.cameras, name, place)?].clone();
+        if let Some((pose, _)) = address.pose().filter(|_| self.camera.is_none()) {
+            camera.world_from_camera = pose;
+            camera.intrinsics = address.lens.unwrap_or(camera.intrinsics);
+        }
+        Ok(camera)
+    }
+}
+
+/// The camera of a name, or the first.
+fn camera_named(cameras: &[Camera], name: Option<&str>, place: &Path) -> Result<usize> {
+    let none = |what: String| Error::invalid(place.display(), what);
+    let Some(name) = name else {
+        return if cameras.is_empty() { Err(none("has no camera".to_owned())) } else { Ok(0) };
+    };
+    let found = cameras.iter().position(|camera| camera.name == name);
+    found.ok_or_else(|| none(format!("has no camera '{name}' (overlook info lists them)")))
+}
+
+/// The same view in so many columns.
+fn of_columns(camera: &Camera, columns: u32) -> Camera {
+    let lens = camera.intrinsics;
+    let factor = f64::from(columns) / f64::from(lens.width);
+    let rows = (f64::from(lens.height) * factor).round().max(1.0);
+    let down = rows / f64::from(lens.height);
+    let intrinsics = Intrinsics {
+        width: columns,
+        height: rows as u32,
+        fx: lens.fx * factor,
+        fy: lens.fy * down,
+        cx: lens.cx * factor,
+        cy: lens.cy * down,
+    };
+    Camera { intrinsics, ..camera.clone() }
+}
