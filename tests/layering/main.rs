@@ -86,6 +86,7 @@ const STAGES: [(&str, &[&str]); 8] = [
         "engine/capture",
         &[
             "sighting",
+            "overlap",
             "exr",
             "yuv",
             "pictures",
