@@ -88,6 +88,7 @@ const STAGES: [(&str, &[&str]); 8] = [
         "engine/capture",
         &[
             "sighting",
+            "overlap",
             "exr",
             "yuv",
             "pictures",

@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::color_lens::{BrightnessDifference, Matches};
 use super::reference_view::ReferenceView;
 use super::solver::Problem;
-use crate::capture::sighting::tolerances::COLOR_LENS_MATCHES;
+use crate::capture::sighting::tolerances::NOISY_PIXEL;
 use crate::capture::sighting::{Sighting, compare};
 
 /// Samples of the first camera that the second one's depth confirms. Beside edges of depth pictures tell most of a lens that is wrong:
@@ -34,7 +34,7 @@ pub(super) fn matches(problem: &Problem, pair: [usize; 2], judge: bool) -> Match
 /// Whether the view has this depth at an image position, away from edges and from what moves.
 fn is_confirmed(view: &ReferenceView, image: DVec2, depth: f64) -> bool {
     let surface = view.surface_at(image);
-    surface.is_some_and(|(_, _, here)| compare(here, depth, COLOR_LENS_MATCHES) == Sighting::Same)
+    surface.is_some_and(|(_, _, here)| compare(here, depth, NOISY_PIXEL) == Sighting::Same)
 }
 
 /// The values of differences at the same matches, which are in order.

@@ -15,13 +15,44 @@ use super::camera_correction::{CameraCorrection, CameraCorrections};
 use super::capture_correction::CaptureCorrection;
 use super::color_lens_search::LensCorrection;
 use super::corrected_frames::FrameCorrection;
-use super::groups::CameraGroup;
 use super::report::{AlignedCamera, AlignedLens, AlignedPair, Alignment};
 use super::together::{Aligned, aligned_beside_lenses, problem};
+use crate::capture::overlap::{Neighbors, nearest_first};
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::AlignSettings;
+
+/// Cameras that are aligned together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct CameraGroup {
+    /// Those that no group before has, ascending.
+    new: Vec<usize>,
+    /// Those of groups before that hold them where they are, ascending.
+    decided: Vec<usize>,
+}
+
+/// One camera of this many in a group is of those before it.
+const DECIDED_SHARE: usize = 4;
+
+/// Cuts cameras that look at things `typical_depth` away into groups of at most `most`.
+pub(super) fn groups(cameras: &[Camera], typical_depth: f64, most: usize) -> Vec<CameraGroup> {
+    let neighbors = Neighbors::new(cameras, typical_depth);
+    let mut is_first = true;
+    let new =
+        neighbors.groups(|_| if std::mem::take(&mut is_first) { most } else { most - most / DECIDED_SHARE });
+    let mut decided: Vec<usize> = Vec::new();
+    let group = |mut new: Vec<usize>| {
+        let known = decided.iter().copied();
+        let mut beside = nearest_first(known, |camera| neighbors.beside(camera, &new));
+        beside.truncate(most.saturating_sub(new.len()));
+        decided.extend(&new);
+        beside.sort_unstable();
+        new.sort_unstable();
+        CameraGroup { new, decided: beside }
+    };
+    new.into_iter().map(group).collect()
+}
 
 /// What is known of all cameras while one group after the other is aligned.
 struct DecidedCameras {
@@ -120,7 +151,6 @@ mod tests {
     use glam::{DAffine3, DQuat};
     use half::f16;
 
-    use super::super::groups::groups;
     use super::*;
     use crate::capture::{CaptureParts, Frame, FrameSource};
     use crate::demo::{Demo, DemoSpec};

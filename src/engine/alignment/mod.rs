@@ -26,10 +26,8 @@ mod corrected_frames;
 mod exposure;
 mod fewest_moves;
 mod grouped;
-mod groups;
 mod judge;
 mod normal_equations;
-mod overlaps;
 mod pair_medians;
 mod plausibility;
 mod poses;
@@ -59,7 +57,7 @@ use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
 use color_lens_search::{FoundLenses, LEAST_CAMERAS, LensCorrection};
-use grouped::aligned_in_groups;
+use grouped::{aligned_in_groups, groups};
 use report::FoundCorrections;
 use solver::Problem;
 use together::{aligned_beside_lenses, problem};
@@ -98,7 +96,7 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         let looked = looked.map_or_else(|| LookedAt::new(&seen, job), Ok)?;
         let typical_depth = 1.0 / looked.problem.scale.inverse_depth;
         drop(looked);
-        let groups = groups::groups(&seen.cameras, typical_depth, most);
+        let groups = groups(&seen.cameras, typical_depth, most);
         aligned_in_groups(&seen, &groups, typical_depth, &lenses, settings, job)?
     } else {
         // The problem of the lens search serves for poses too, unless a lens changed the pictures or cameras were left out.

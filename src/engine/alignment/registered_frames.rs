@@ -4,7 +4,7 @@ use glam::{DVec2, Vec3};
 
 use super::color_lens::ColorLens;
 use crate::capture::pictures::{DepthGrid, RayCache, register};
-use crate::capture::sighting::tolerances::REGISTERED_NORMALS;
+use crate::capture::sighting::tolerances::TAKEN_OVER;
 use crate::capture::sighting::{Landing, Sighting};
 use crate::capture::{Camera, Capture, Frame, Intrinsics, with_changed_frames};
 use crate::grid::Grid;
@@ -42,7 +42,7 @@ fn normal_behind(
     let there = lens.color_from_depth.inverse().transform_point3(point);
     let landing = Landing::through(depth, there, frame.size())?;
     let normal = normals[landing.pixel];
-    let sighting = landing.compare(frame.inverse_depth[landing.pixel], REGISTERED_NORMALS);
+    let sighting = landing.compare(frame.inverse_depth[landing.pixel], TAKEN_OVER);
     let is_surface = sighting == Sighting::Same;
     (is_surface && Vec3::from_array(normal) != Vec3::ZERO).then_some(normal)
 }

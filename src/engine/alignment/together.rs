@@ -8,15 +8,15 @@ use super::clock::{self, ClockCorrection};
 use super::color_lens_search::LensCorrection;
 use super::corrected_frames::FrameCorrection;
 use super::exposure::{self, kept_gain};
-use super::overlaps::overlapping_pairs;
 use super::poses;
 use super::reference_view::ReferenceView;
 use super::regions::set_regions;
 use super::report::{Alignment, FoundCorrections};
 use super::residuals::ProblemScale;
 use super::solver::Problem;
-use super::surface_samples::surface_samples;
+use super::surface_samples::{SurfaceSample, surface_samples};
 use crate::capture::Capture;
+use crate::capture::overlap::{pairs_by_share, share_seen};
 use crate::error::Result;
 use crate::job::Job;
 use crate::median::median;
@@ -50,6 +50,20 @@ const SAMPLES: usize = 2400;
 const FEWEST_SAMPLES: usize = 1000;
 /// Captures of up to this many cameras have all [`SAMPLES`].
 const FEW_CAMERAS: usize = 9;
+
+/// Samples of a camera that measure how much another one sees of it, about.
+const PROBES: usize = 96;
+
+/// The pairs of source and target that overlap.
+fn overlapping_pairs(views: &[ReferenceView], samples: &[Vec<SurfaceSample>]) -> Vec<[usize; 2]> {
+    pairs_by_share(views.len(), |source, target| {
+        let probes = samples[source].iter().step_by((samples[source].len() / PROBES).max(1));
+        let point =
+            |probe: &SurfaceSample| views[source].camera.unproject(probe.pixel, 1.0 / probe.inverse_depth);
+        let target = &views[target];
+        share_seen(probes.map(point), &target.camera, &target.frame.inverse_depth)
+    })
+}
 
 /// Finds poses, exposures and clocks of a capture that is seen through its color lenses; `None` where it has no such lens and nothing
 /// else pays.

@@ -20,6 +20,7 @@ mod frame;
 mod frame_cache;
 pub mod miv;
 mod open;
+pub mod overlap;
 mod parts;
 pub mod pictures;
 mod pivot;

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::seen::{PixelRays, Votes};
-use crate::capture::sighting::tolerances::KEPT_SAMPLES;
+use crate::capture::sighting::tolerances::NOISY_PIXEL;
 use crate::capture::sighting::{Landing, Sighting};
 use crate::capture::{Camera, Capture, Frame, PixelSide};
 use crate::error::Result;
@@ -121,7 +121,7 @@ impl Witness<'_> {
         let mut farther = true;
         for row in y.saturating_sub(1)..(y + 2).min(height) {
             for &inverse_depth in &depth.row(row)[x.saturating_sub(1)..(x + 2).min(width)] {
-                match landing.compare(inverse_depth, KEPT_SAMPLES) {
+                match landing.compare(inverse_depth, NOISY_PIXEL) {
                     Sighting::Same => return Some(true),
                     Sighting::Farther => {}
                     // The sky is farther than any point; a pixel without depth says nothing.

@@ -39,6 +39,7 @@ use rayon::prelude::*;
 
 use crate::alignment::Alignment;
 use crate::capture::Capture;
+use crate::capture::overlap::OverlapGraph;
 use crate::edits::{self, CutByHand, EditList, EditedImages, SampleVotes};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
@@ -50,7 +51,6 @@ use diagnostics::Report;
 use inspect::{CameraInspection, FrameInspection};
 use interactive::{CameraPlanes, FrameLayers, FrameVerdicts};
 use pruning::load_frame;
-use registration::CameraPairs;
 use temporal::all_frames;
 
 /// What preprocessing gives: the kept samples, and the report of what was dropped and why.
@@ -240,7 +240,7 @@ pub fn inspect_frame(
     }
     let settings = &scan.map_or_else(|| settings.clone(), |scan| scan.served(settings));
     let capture = scan.map_or(capture, PreparedScan::capture);
-    let pairs = CameraPairs::new(&capture.cameras);
+    let pairs = OverlapGraph::complete(&capture.cameras);
     let frames = load_frame(capture, frame, job)?;
     let complete = match scan {
         Some(scan) => scan.frame_layers(settings, frame, job)?,
@@ -294,7 +294,7 @@ pub fn prepare_frame(
     if frame >= capture.frame_count() || !scan.serves(settings) {
         return Ok(None);
     }
-    let pairs = CameraPairs::new(&scan.capture().cameras);
+    let pairs = OverlapGraph::complete(&scan.capture().cameras);
     scan.frame_layers(settings, frame, job)?.prepare(&pairs, settings, job)
 }
 

@@ -10,6 +10,7 @@ use super::measure::{Times, repeat};
 use super::report::MeasuredStage;
 use super::scene::{SCENE, without_filling};
 use overlook_engine::capture::Frame;
+use overlook_engine::capture::overlap::OverlapGraph;
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -17,7 +18,6 @@ use overlook_engine::preprocess::interactive::FrameLayers;
 use overlook_engine::preprocess::noise::measure_pairs;
 use overlook_engine::preprocess::normals::{DepthView, estimate_all};
 use overlook_engine::preprocess::pruning::{self, FRAME, Verdict};
-use overlook_engine::preprocess::registration::CameraPairs;
 use overlook_engine::preprocess::temporal::{BATCH, Split, StaticTest};
 use overlook_engine::preprocess::{inspect_frame, prepare_frame, prune as prune_capture, scan};
 use overlook_engine::render::CpuRenderer;
@@ -146,7 +146,7 @@ fn repeat_with_new_tolerance<T>(bench: &Bench<'_>, work: impl Fn(&Settings) -> R
 fn prune_layers(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
-    let rig = CameraPairs::new(&capture.cameras);
+    let rig = OverlapGraph::complete(&capture.cameras);
     let complete = FrameLayers::unscanned(capture, &settings, 0, bench.job)?;
     let times = repeat_with_new_tolerance(bench, |settings| complete.prune(&rig, settings, bench.job))?;
     Ok(of_one_frame(bench, times))
@@ -196,7 +196,7 @@ fn prune_views(bench: &Bench<'_>) -> Result<StageResult> {
 fn pack_frame(bench: &Bench<'_>) -> Result<StageResult> {
     let capture = &bench.scene.capture;
     let settings = Settings::default();
-    let rig = CameraPairs::new(&capture.cameras);
+    let rig = OverlapGraph::complete(&capture.cameras);
     let complete = FrameLayers::unscanned(capture, &settings, 0, bench.job)?;
     let all = complete.prune(&rig, &settings, bench.job)?;
     let span = Span { start: 0, end: 1 };

@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::agreement::Comparison;
 use super::reading::{LensReading, Reading};
-use super::views::{self, ComparedView};
+use super::views::ComparedView;
 use crate::capture::frame::Frame;
+use crate::capture::overlap::pairs_by_number;
 use crate::capture::parts::Capture;
 use crate::error::Result;
 
@@ -32,7 +33,7 @@ impl ComparedViews {
     pub(super) fn of(capture: &Capture) -> Self {
         let largest = capture.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).max();
         let budget = (MAX_PIXELS / largest.unwrap_or(1).max(1)).clamp(FEW_VIEWS, MANY_VIEWS);
-        let pairs = within(&views::pairs(capture.cameras.len()), budget);
+        let pairs = within(&pairs_by_number(capture.cameras.len()), budget);
         let cameras: BTreeSet<usize> = pairs.iter().flat_map(|&(from, to)| [from, to]).collect();
         let cameras: Vec<usize> = cameras.into_iter().collect();
         let place = |camera: usize| cameras.binary_search(&camera).unwrap_or(0);

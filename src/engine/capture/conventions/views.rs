@@ -121,46 +121,9 @@ fn spread(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
     })
 }
 
-/// The most pairs of views that are compared.
-const MAX_PAIRS: usize = 16;
-
-/// The pairs of views that are compared: all pairs of a few views; otherwise pairs at distances of 1, 3, 10 and 30, spread over all
-/// views. No reading influences the choice.
-pub(super) fn pairs(views: usize) -> Vec<(usize, usize)> {
-    if views * views.saturating_sub(1) <= MAX_PAIRS {
-        return (0..views).flat_map(|a| (0..views).filter(move |b| *b != a).map(move |b| (a, b))).collect();
-    }
-    let mut pairs = Vec::new();
-    let all: Vec<(usize, usize)> = (0..views).flat_map(|a| (a + 1..views).map(move |b| (a, b))).collect();
-    if all.len() <= MAX_PAIRS {
-        pairs = all;
-    } else {
-        let strides: Vec<usize> = [1, 3, 10, 30].into_iter().filter(|stride| *stride < views).collect();
-        let each = MAX_PAIRS / strides.len();
-        for stride in strides {
-            let starts = views - stride;
-            pairs.extend((0..each).map(|k| k * starts / each).map(|start| (start, start + stride)));
-        }
-        pairs.dedup();
-    }
-    // Every other one backward, so that no direction of motion is preferred.
-    pairs.iter().enumerate().map(|(index, &(a, b))| if index % 2 == 0 { (a, b) } else { (b, a) }).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn pairs_are_few_distinct_and_of_two_views_each() {
-        for views in 0..80 {
-            let pairs = pairs(views);
-            assert!(pairs.len() <= MAX_PAIRS && (views < 2 || pairs.len() >= 2), "{views}");
-            assert!(pairs.iter().all(|&(a, b)| a != b && a < views && b < views), "{views}");
-            let distinct: std::collections::HashSet<_> = pairs.iter().collect();
-            assert_eq!(distinct.len(), pairs.len(), "{views}");
-        }
-    }
 
     #[test]
     fn the_first_points_cover_the_picture() {

@@ -12,7 +12,7 @@ use super::greedy_cover::{Addition, CoveredSet, GreedyCover};
 use crate::capture::camera::{Camera, PixelSide};
 use crate::capture::frame::Frame;
 use crate::capture::parts::Capture;
-use crate::capture::sighting::tolerances::CHOSEN_VIEWS;
+use crate::capture::sighting::tolerances::NOISY_PIXEL;
 use crate::capture::sighting::{Landing, Sighting};
 use crate::error::Result;
 
@@ -141,7 +141,7 @@ impl CandidateView {
         let (width, height) = self.camera.intrinsics.size();
         let Some(landing) = Landing::of(point, &self.camera, (width, height)) else { return 0 };
         let seen = self.inverse_depth[landing.pixel.1 * width + landing.pixel.0];
-        if landing.compare(seen, CHOSEN_VIEWS) != Sighting::Same {
+        if landing.compare(seen, NOISY_PIXEL) != Sighting::Same {
             return 0;
         }
         (f64::from(FINEST) * (pixel / pixel_width(&self.camera, landing.depth)).min(1.0)) as u8

@@ -25,36 +25,6 @@ pub enum Sighting {
     Farther,
 }
 
-/// How far depths of one surface may be apart, as a share.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tolerance {
-    share: f64,
-    /// Whether a difference of exactly `share` is of one surface.
-    includes_share: bool,
-    /// Whether the share is of the expected depth; else it is of the depth that was found.
-    is_of_expected: bool,
-}
-
-impl Tolerance {
-    /// Less than this share of the found depth.
-    #[must_use]
-    pub const fn below(share: f64) -> Self {
-        Self { share, includes_share: false, is_of_expected: false }
-    }
-
-    /// At most this share of the found depth.
-    #[must_use]
-    pub const fn up_to(share: f64) -> Self {
-        Self { share, includes_share: true, is_of_expected: false }
-    }
-
-    /// Less than this share of the expected depth.
-    #[must_use]
-    pub const fn found_below(share: f64) -> Self {
-        Self { share, includes_share: false, is_of_expected: true }
-    }
-}
-
 /// Where a point lies in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
@@ -93,20 +63,20 @@ impl Landing {
 
     /// What is seen where the picture has an inverse depth: 0 is at infinity, negative is none.
     #[must_use]
-    pub fn compare(&self, inverse_depth: f32, tolerance: Tolerance) -> Sighting {
+    pub fn compare(&self, inverse_depth: f32, tolerance: f64) -> Sighting {
         compare(inverse_depth, self.depth, tolerance)
     }
 }
 
-/// What is seen of a point at the planar depth `depth` where the picture has an inverse depth.
+/// What is seen of a point at the planar depth `depth` where the picture has an inverse depth. Depths of one surface are less than
+/// `tolerance` apart, a share of the one that was found.
 #[must_use]
-pub fn compare(inverse_depth: f32, depth: f64, tolerance: Tolerance) -> Sighting {
+pub fn compare(inverse_depth: f32, depth: f64, tolerance: f64) -> Sighting {
     if inverse_depth <= 0.0 {
         return Sighting::NoDepth;
     }
     let ratio = f64::from(inverse_depth) * depth;
-    let apart = if tolerance.is_of_expected { 1.0 / ratio - 1.0 } else { ratio - 1.0 }.abs();
-    if apart < tolerance.share || (tolerance.includes_share && apart <= tolerance.share) {
+    if (ratio - 1.0).abs() < tolerance {
         Sighting::Same
     } else if ratio > 1.0 {
         Sighting::Nearer
@@ -117,12 +87,7 @@ pub fn compare(inverse_depth: f32, depth: f64, tolerance: Tolerance) -> Sighting
 
 /// What a camera with these inverse depths sees of a point in world space.
 #[must_use]
-pub fn look(
-    camera: &Camera,
-    inverse_depth: &Grid<f32>,
-    point_in_world: DVec3,
-    tolerance: Tolerance,
-) -> Sighting {
+pub fn look(camera: &Camera, inverse_depth: &Grid<f32>, point_in_world: DVec3, tolerance: f64) -> Sighting {
     let landing = Landing::of(point_in_world, camera, inverse_depth.size());
     landing.map_or(Sighting::Outside, |at| at.compare(inverse_depth[at.pixel], tolerance))
 }
@@ -141,21 +106,13 @@ mod tests {
     #[test]
     fn a_point_is_nearer_than_a_wall_on_it_or_behind_it() {
         let (camera, wall) = wall();
-        let seen = |x: f64, z: f64| look(&camera, &wall, DVec3::new(x, 0.0, z), Tolerance::below(0.01));
+        let seen = |x: f64, z: f64| look(&camera, &wall, DVec3::new(x, 0.0, z), 0.01);
         assert_eq!(seen(0.0, 2.01), Sighting::Same);
         assert_eq!(seen(0.0, 1.5), Sighting::Farther);
         assert_eq!(seen(0.0, 2.5), Sighting::Nearer);
         assert_eq!(seen(0.0, -2.0), Sighting::Outside);
         assert_eq!(seen(9.0, 2.0), Sighting::Outside);
         let left = camera.unproject(DVec2::new(0.5, 3.0), 2.0);
-        assert_eq!(look(&camera, &wall, left, Tolerance::below(0.01)), Sighting::NoDepth);
-    }
-
-    #[test]
-    fn a_tolerance_says_what_it_is_a_share_of_and_whether_it_is_within() {
-        // A wall at 2, a point at 2.5: a quarter of the found depth, a fifth of the expected one.
-        assert_eq!(compare(0.5, 2.5, Tolerance::up_to(0.25)), Sighting::Same);
-        assert_eq!(compare(0.5, 2.5, Tolerance::below(0.25)), Sighting::Nearer);
-        assert_eq!(compare(0.5, 2.5, Tolerance::found_below(0.21)), Sighting::Same);
+        assert_eq!(look(&camera, &wall, left, 0.01), Sighting::NoDepth);
     }
 }

@@ -11,7 +11,7 @@ use super::placed_entry::PlacedEntry;
 use crate::capture::camera::Camera;
 use crate::capture::frame::Frame;
 use crate::capture::pictures::{PictureRows, is_open};
-use crate::capture::sighting::tolerances::TURNED_PICTURES;
+use crate::capture::sighting::tolerances::TAKEN_OVER;
 use crate::capture::sighting::{Landing, Sighting};
 use crate::color::srgb_from_linear;
 use crate::median::median_f32;
@@ -76,7 +76,7 @@ fn add_differences(cameras: [&Camera; 2], frames: [&Frame; 2], differences: &mut
         }
         let point = camera.unproject(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), 1.0 / inverse);
         let Some(landing) = Landing::of(point, other, seen.size()) else { continue };
-        if landing.compare(seen.inverse_depth[landing.pixel], TURNED_PICTURES) != Sighting::Same {
+        if landing.compare(seen.inverse_depth[landing.pixel], TAKEN_OVER) != Sighting::Same {
             continue;
         }
         let colors = frame.color[(x, y)].iter().zip(&seen.color[landing.pixel]);

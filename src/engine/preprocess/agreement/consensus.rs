@@ -21,9 +21,10 @@ use half::f16;
 
 use super::smooth_depth::SmoothDepths;
 use super::votes::{RESOLVES, VoteTest};
+use crate::capture::overlap::{OverlapGraph, Registration};
 use crate::color::{linear_from_srgb, steps_from_linear};
 use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::registration::{CameraPairs, IN_VIEW, PixelRun, Registration, ReprojectedRun};
+use crate::preprocess::registration::{IN_VIEW, PixelRun, ReprojectedRun};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::{AgreementRule, PruningMethod, Settings};
 use crate::simd::{self, VectorLoop, root_of_squares};
@@ -51,7 +52,7 @@ const MISSED_BY: u32 = 2;
 
 /// Refines depths and colors of samples of noisy cameras.
 pub struct Consensus<'a> {
-    pairs: &'a CameraPairs<'a>,
+    pairs: &'a OverlapGraph<'a>,
     layers: &'a [CameraLayer],
     level: SpanLevel,
     smooth: Arc<SmoothDepths>,
@@ -107,7 +108,7 @@ impl ColorSum {
 impl<'a> Consensus<'a> {
     /// `None` where nothing is to be refined.
     pub(crate) fn new(
-        pairs: &'a CameraPairs<'a>,
+        pairs: &'a OverlapGraph<'a>,
         layers: &'a [CameraLayer],
         level: SpanLevel,
         settings: &Settings,
@@ -130,7 +131,7 @@ impl<'a> Consensus<'a> {
 
     /// With depths that other consensuses of the same layers have smoothed so far.
     pub(crate) fn smoothed(
-        pairs: &'a CameraPairs<'a>,
+        pairs: &'a OverlapGraph<'a>,
         layers: &'a [CameraLayer],
         smooth: &Arc<SmoothDepths>,
         settings: &Settings,

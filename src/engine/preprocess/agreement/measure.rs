@@ -13,13 +13,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::capture::overlap::{OverlapGraph, Registration};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer};
 use crate::preprocess::noise::{BRIGHTNESS_BINS, DEPTH_CLASSES, NoiseBetween, brightness_bin, depth_class};
 use crate::preprocess::registration::{
-    CameraPairs, HAS_DEPTH, IN_VIEW, PixelRun, Registration, RequiredTolerances, SameSurface, SourceRun,
-    TargetRun,
+    HAS_DEPTH, IN_VIEW, PixelRun, RequiredTolerances, SameSurface, SourceRun, TargetRun,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT};
 use crate::simd::LANES;
@@ -48,7 +48,7 @@ const QUARTILE_PER_SIGMA: f32 = 0.3186;
 
 /// The noise of each camera as the others see it; `None` where it is too small to matter.
 pub(crate) fn measure_noise_between(
-    pairs: &CameraPairs<'_>,
+    pairs: &OverlapGraph<'_>,
     layers: &[CameraLayer],
     job: &Job,
 ) -> Result<Vec<Option<Arc<NoiseBetween>>>> {
@@ -115,7 +115,7 @@ impl NoiseLattice {
     /// Adds the differences from what some other cameras show, whose layers are there. The samples are those of `camera`.
     pub(crate) fn compare(
         &mut self,
-        pairs: &CameraPairs<'_>,
+        pairs: &OverlapGraph<'_>,
         camera: usize,
         layers: &[CameraLayer],
         targets: &[usize],

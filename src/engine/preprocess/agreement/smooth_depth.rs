@@ -8,8 +8,8 @@
 
 use std::sync::OnceLock;
 
+use crate::capture::overlap::OverlapGraph;
 use crate::preprocess::layers::CameraLayer;
-use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{TILE, TILE_SAMPLES};
 
@@ -41,7 +41,7 @@ pub(crate) struct SmoothDepths {
 
 impl SmoothDepths {
     /// Of the samples of a level and of those above.
-    pub(crate) fn new(pairs: &CameraPairs<'_>, level: SpanLevel) -> Self {
+    pub(crate) fn new(pairs: &OverlapGraph<'_>, level: SpanLevel) -> Self {
         let side = |camera: usize| pairs.registration(camera, camera).source_side;
         let sizes = pairs.cameras().iter().map(|camera| camera.intrinsics.size());
         Self::of_sizes(sizes, level, (0..pairs.cameras().len()).map(side).collect())

@@ -15,10 +15,10 @@
 //!
 //! Thresholds are those of [`crate::preprocess::registration`]: footprints, or noise where it exceeds them.
 
+use crate::capture::overlap::{OverlapGraph, Registration};
 use crate::preprocess::layers::{CameraLayer, PackedGeometry};
 use crate::preprocess::registration::{
-    CameraPairs, HAS_DEPTH, IN_VIEW, NEARER, ON_SURFACE, PixelRun, Registration, SameSurface, SourceRun,
-    TargetRun,
+    HAS_DEPTH, IN_VIEW, NEARER, ON_SURFACE, PixelRun, SameSurface, SourceRun, TargetRun,
 };
 use crate::preprocess::temporal::{ROOT, SpanLevel};
 use crate::settings::{AgreementRule, PruningMethod, Settings};
@@ -246,7 +246,7 @@ impl VoteTest {
     /// The votes of all other cameras on the sample of `camera` at `pixel`.
     pub(crate) fn counts(
         &self,
-        pairs: &CameraPairs<'_>,
+        pairs: &OverlapGraph<'_>,
         layers: &[CameraLayer],
         camera: usize,
         pixel: u32,
@@ -284,7 +284,7 @@ impl VoteTest {
     /// Whether the votes of all other cameras contradict the sample of `camera` at `pixel`.
     pub(crate) fn contradicts(
         &self,
-        pairs: &CameraPairs<'_>,
+        pairs: &OverlapGraph<'_>,
         layers: &[CameraLayer],
         camera: usize,
         pixel: u32,

@@ -15,11 +15,11 @@ use serde::{Deserialize, Serialize};
 use super::log_histogram::LogHistogram;
 use super::pair_table::{PairTable, compared_pairs, keeps_all_pairs};
 use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::capture::overlap::{OverlapGraph, Registration};
 use crate::preprocess::layers::{CameraLayer, is_mixed};
 use crate::preprocess::pruning::lanes_at;
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, Outcome, PixelRun, Registration, RequiredTolerances, SameSurface, SourceRun,
-    TargetRun, lanes_of,
+    IN_VIEW, Outcome, PixelRun, RequiredTolerances, SameSurface, SourceRun, TargetRun, lanes_of,
 };
 use crate::preprocess::temporal::ROOT;
 use crate::samples::Span;
@@ -115,7 +115,7 @@ impl ResidualHistograms {
 
 /// Gathers residuals while preprocessing runs.
 pub(crate) struct Residuals<'a> {
-    camera_pairs: &'a CameraPairs<'a>,
+    camera_pairs: &'a OverlapGraph<'a>,
     frames: usize,
     readings: PairHistograms,
     /// Which pairs are compared, as [`PairHistograms`]: with many cameras each is compared with a few others.
@@ -127,7 +127,7 @@ pub(crate) struct Residuals<'a> {
 }
 
 impl<'a> Residuals<'a> {
-    pub(crate) fn new(camera_pairs: &'a CameraPairs<'a>, frames: usize) -> Self {
+    pub(crate) fn new(camera_pairs: &'a OverlapGraph<'a>, frames: usize) -> Self {
         let pairs = camera_pairs.cameras().len().pow(2);
         let readings = (0..pairs).map(|_| None).collect();
         let before = vec![Vec::new(); camera_pairs.cameras().len()];

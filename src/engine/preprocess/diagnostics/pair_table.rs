@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::preprocess::registration::CameraPairs;
+use crate::capture::overlap::OverlapGraph;
 
 /// Up to this many pairs of cameras all are kept.
 const MOST_PAIRS: usize = 1000;
@@ -25,20 +25,14 @@ pub(super) fn others_kept(cameras: usize) -> usize {
 
 /// Which pairs are compared, `[source * cameras + target]`: all, or of many cameras each with a few of those that may see the same,
 /// spread over them, both ways.
-pub(super) fn compared_pairs(pairs: &CameraPairs<'_>) -> Vec<bool> {
+pub(super) fn compared_pairs(pairs: &OverlapGraph<'_>) -> Vec<bool> {
     let cameras = pairs.cameras().len();
     let mut is_compared = vec![false; cameras * cameras];
     for source in 0..cameras {
-        let all: Vec<usize> = (0..cameras).filter(|target| *target != source).collect();
         let targets: Vec<usize> = if keeps_all_pairs(cameras) {
-            all
+            (0..cameras).filter(|target| *target != source).collect()
         } else {
-            let mut others: Vec<usize> = pairs.others(source).map(|(other, _)| other).collect();
-            // Counted from the camera itself, so that no camera is a partner of all.
-            let following = others.partition_point(|other| *other < source);
-            others.rotate_left(following);
-            let step = others.len().div_ceil(others_kept(cameras).div_ceil(2)).max(1);
-            others.into_iter().step_by(step).collect()
+            pairs.few_others(source, others_kept(cameras).div_ceil(2)).collect()
         };
         for target in targets {
             is_compared[source * cameras + target] = true;

@@ -5,10 +5,11 @@ use glam::{DVec2, DVec3, Vec3};
 use super::frame::FrameInspection;
 use super::pixel_report::{CameraEvidence, PairQuantities};
 use crate::capture::Camera;
+use crate::capture::overlap::OverlapGraph;
 use crate::color::steps_from_linear;
 use crate::preprocess::agreement::{Vote, VoteTest};
 use crate::preprocess::layers::{CameraLayer, Rate, ViewingRays, footprint, has_unknown_normal, is_mixed};
-use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
+use crate::preprocess::registration::{Outcome, SameSurface};
 
 /// A pixel of a layer.
 #[derive(Clone, Copy)]
@@ -93,7 +94,7 @@ impl<'a> ExplainedSample<'a> {
 
     pub(super) fn quantities(
         &self,
-        pairs: &CameraPairs<'_>,
+        pairs: &OverlapGraph<'_>,
         limits: &SameSurface,
         other: usize,
     ) -> Option<PairQuantities> {
@@ -113,12 +114,12 @@ impl<'a> ExplainedSample<'a> {
         })
     }
 
-    fn outcome(&self, pairs: &CameraPairs<'_>, limits: &SameSurface, other: usize) -> Outcome {
+    fn outcome(&self, pairs: &OverlapGraph<'_>, limits: &SameSurface, other: usize) -> Outcome {
         let registration = pairs.registration(self.camera, other);
         limits.explain(registration, self.layer, self.pixel.x, self.pixel.y, &self.inspection.layers[other])
     }
 
-    fn vote(&self, pairs: &CameraPairs<'_>, other: usize) -> Vote {
+    fn vote(&self, pairs: &OverlapGraph<'_>, other: usize) -> Vote {
         let votes = VoteTest::new(&self.inspection.settings, self.layer.level[self.pixel.index]);
         let (camera, pixel) = (self.camera, self.pixel.index as u32);
         votes.vote(pairs.registration(camera, other), &self.inspection.layers, camera, pixel, other)
@@ -126,7 +127,7 @@ impl<'a> ExplainedSample<'a> {
 
     pub(super) fn evidence(
         &self,
-        pairs: &CameraPairs<'_>,
+        pairs: &OverlapGraph<'_>,
         limits: &SameSurface,
         other: usize,
     ) -> CameraEvidence {

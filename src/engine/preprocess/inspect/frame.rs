@@ -5,11 +5,12 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use crate::capture::Frame;
+use crate::capture::overlap::OverlapGraph;
 use crate::grid::Grid;
 use crate::preprocess::agreement::{SampleAgreement, VoteTest, VotedRun};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{Verdict, lanes_at};
-use crate::preprocess::registration::{CameraPairs, Outcome, PixelRun, SameSurface, SourceRun};
+use crate::preprocess::registration::{Outcome, PixelRun, SameSurface, SourceRun};
 use crate::preprocess::temporal::{PixelClass, ROOT, SpanLevel};
 use crate::samples::{SampleSet, Span};
 use crate::settings::Settings;
@@ -57,7 +58,7 @@ impl FrameInspection {
     /// count however long their spans are.
     #[must_use]
     pub fn log2_sampling_ratio(&self, camera: usize, against: Option<usize>) -> Grid<f32> {
-        let pairs = CameraPairs::new(&self.samples.cameras);
+        let pairs = OverlapGraph::complete(&self.samples.cameras);
         let limits = SameSurface::new(&self.settings);
         let layer = &self.layers[camera];
         let (width, height) = (layer.width, layer.height());
@@ -86,7 +87,7 @@ impl FrameInspection {
 
     /// Lets all other cameras vote on every sample of `camera`.
     fn asked_about(&self, camera: usize) -> AgreementGrid {
-        let pairs = CameraPairs::new(&self.samples.cameras);
+        let pairs = OverlapGraph::complete(&self.samples.cameras);
         let votes = VoteTest::new(&self.settings, ROOT);
         let (layer, margin) = (&self.layers[camera], self.settings.pruning.agreement_margin);
         let (width, height) = (layer.width, layer.height());
@@ -126,7 +127,7 @@ impl FrameInspection {
     /// `log₂ r` of the pixel against camera `other`, negative where the pixel is denser; NaN unless both show the same surface point.
     fn log2_ratio(
         &self,
-        pairs: &CameraPairs<'_>,
+        pairs: &OverlapGraph<'_>,
         limits: &SameSurface,
         camera: usize,
         pixel: usize,

@@ -10,10 +10,11 @@
 use super::explained_sample::ExplainedSample;
 use super::frame::FrameInspection;
 use super::pixel_report::{ChainLink, PairQuantities, PixelExplanation};
+use crate::capture::overlap::OverlapGraph;
 use crate::preprocess::agreement::{VoteCounts, VoteTest};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{Candidate, Rule, Verdict, decide};
-use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
+use crate::preprocess::registration::{Outcome, SameSurface};
 use crate::samples::{SampleSet, Span, TILE};
 
 /// The explanation of pixel `(x, y)` of camera `camera`; `None` where there is no such pixel.
@@ -29,7 +30,7 @@ pub fn explain_pixel(
         return None;
     }
     let pixel = (y * layer.width + x) as u32;
-    let pairs = CameraPairs::new(&inspection.samples.cameras);
+    let pairs = OverlapGraph::complete(&inspection.samples.cameras);
     let shown = samples_of_point(inspection, &pairs, camera, pixel);
     let is_kept = |other: &Candidate| verdict_of(inspection, other.camera.into(), other.pixel).is_kept();
     let others: Vec<(Candidate, bool)> = shown.iter().map(|other| (*other, is_kept(other))).collect();
@@ -85,7 +86,12 @@ fn verdict_of(inspection: &FrameInspection, camera: usize, pixel: u32) -> Verdic
     inspection.cameras[camera].verdict.as_slice()[pixel as usize]
 }
 
-fn chain(inspection: &FrameInspection, pairs: &CameraPairs<'_>, camera: usize, pixel: u32) -> Vec<ChainLink> {
+fn chain(
+    inspection: &FrameInspection,
+    pairs: &OverlapGraph<'_>,
+    camera: usize,
+    pixel: u32,
+) -> Vec<ChainLink> {
     let mut chain: Vec<ChainLink> = Vec::new();
     let mut next = Some((camera, pixel));
     while let Some((camera, pixel)) = next {
@@ -106,7 +112,7 @@ fn chain(inspection: &FrameInspection, pairs: &CameraPairs<'_>, camera: usize, p
 /// The samples of other cameras that show the same surface point as one of `camera`, as far as its level sees them.
 fn samples_of_point(
     inspection: &FrameInspection,
-    pairs: &CameraPairs<'_>,
+    pairs: &OverlapGraph<'_>,
     camera: usize,
     pixel: u32,
 ) -> Vec<Candidate> {
@@ -126,7 +132,7 @@ fn samples_of_point(
 /// The best sample of another camera that shows the same point and is better, dropped or not.
 fn best_other(
     inspection: &FrameInspection,
-    pairs: &CameraPairs<'_>,
+    pairs: &OverlapGraph<'_>,
     camera: usize,
     pixel: u32,
 ) -> Option<(usize, u32)> {
@@ -145,7 +151,7 @@ pub fn pair_quantities(inspection: &FrameInspection, at_most: usize) -> Vec<Pair
     let pairs: usize =
         inspection.layers.iter().map(|layer| layer.inverse_depth.len()).sum::<usize>() * cameras;
     let stride = (pairs.div_ceil(at_most.max(1)) as f64).sqrt().ceil().max(1.0) as usize;
-    let pairs = CameraPairs::new(&inspection.samples.cameras);
+    let pairs = OverlapGraph::complete(&inspection.samples.cameras);
     let mut quantities = Vec::new();
     for (camera, layer) in inspection.layers.iter().enumerate() {
         for y in (stride / 2..layer.height()).step_by(stride) {

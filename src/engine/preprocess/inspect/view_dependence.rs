@@ -11,10 +11,11 @@
 use rayon::prelude::*;
 
 use super::frame::FrameInspection;
+use crate::capture::overlap::OverlapGraph;
 use crate::color::steps_from_linear;
 use crate::grid::Grid;
 use crate::preprocess::layers::{CameraLayer, is_mixed};
-use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
+use crate::preprocess::registration::{Outcome, SameSurface};
 use crate::simd::root_of_squares;
 
 /// A color depends on the view if two cameras see it differently by at least this many 8-bit sRGB steps.
@@ -36,7 +37,7 @@ impl FrameInspection {
     /// depth. It is worked out at each call.
     #[must_use]
     pub fn view_dependence(&self, camera: usize) -> Grid<f32> {
-        let pairs = CameraPairs::new(&self.samples.cameras);
+        let pairs = OverlapGraph::complete(&self.samples.cameras);
         let limits = SameSurface::geometry_of(&self.settings);
         let layer = &self.layers[camera];
         let (width, height) = (layer.width, layer.height());

@@ -10,6 +10,7 @@ use super::candidate::{Codes, ListedCandidate, codes, codes_of};
 use super::candidate_lists::{
     BandCandidates, COUNT, CandidateLists, IS_MIXED, ToleranceRange, least_tolerant, most_tolerant,
 };
+use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::{VoteCounts, VoteTest};
@@ -19,7 +20,7 @@ use crate::preprocess::pruning::{
     other_cameras, rule_of_dropped,
 };
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface, SourceRun, TargetRun,
+    IN_VIEW, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface, SourceRun, TargetRun,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::Settings;
@@ -28,7 +29,7 @@ use crate::simd::{self, LANES, VectorLoop};
 /// The candidate lists of a frame with this number of `levels`, for tolerances around those of `settings`; `None` where they would take
 /// more than `bytes`, or a sample could have more candidates than are counted.
 pub(crate) fn build_lists(
-    pairs: &CameraPairs<'_>,
+    pairs: &OverlapGraph<'_>,
     layers: &[CameraLayer],
     levels: usize,
     settings: &Settings,
@@ -81,7 +82,7 @@ pub(crate) fn build_lists(
 
 /// What all bands share.
 struct ListBuilder<'a> {
-    pairs: &'a CameraPairs<'a>,
+    pairs: &'a OverlapGraph<'a>,
     layers: &'a [CameraLayer],
     levels: SpanLevel,
     settings: &'a Settings,

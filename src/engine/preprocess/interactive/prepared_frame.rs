@@ -10,12 +10,12 @@ use super::build_lists::build_lists;
 use super::candidate_lists::{CandidateLists, ToleranceRange};
 use super::replay::{self, FrameLists};
 use crate::capture::Capture;
+use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::job::Job;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{self, Masks, Rule, SpanStack, Statuses, Verdict, no_statuses};
-use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{PixelClass, SpanLevel};
 use crate::samples::Span;
 use crate::settings::{PruningMethod, Settings};
@@ -79,7 +79,7 @@ impl FrameLayers {
     /// # Errors
     ///
     /// `Cancelled`.
-    pub fn prune(&self, pairs: &CameraPairs<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+    pub fn prune(&self, pairs: &OverlapGraph<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
         let lists = self.lists.lock().map_or(None, |cached| cached.serving(settings));
         match lists {
             Some(lists) => self.replay(&lists, pairs, settings, job),
@@ -91,7 +91,7 @@ impl FrameLayers {
     /// fraction of the time. Gives their size in bytes; `None` where half of the memory setting does not hold them.
     pub(crate) fn prepare(
         &self,
-        pairs: &CameraPairs<'_>,
+        pairs: &OverlapGraph<'_>,
         settings: &Settings,
         job: &Job,
     ) -> Result<Option<usize>> {
@@ -114,7 +114,7 @@ impl FrameLayers {
     fn replay(
         &self,
         lists: &CandidateLists,
-        pairs: &CameraPairs<'_>,
+        pairs: &OverlapGraph<'_>,
         settings: &Settings,
         job: &Job,
     ) -> Result<FrameVerdicts> {
@@ -127,7 +127,7 @@ impl FrameLayers {
         Ok(all)
     }
 
-    fn search(&self, pairs: &CameraPairs<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
+    fn search(&self, pairs: &OverlapGraph<'_>, settings: &Settings, job: &Job) -> Result<FrameVerdicts> {
         let mut all = FrameVerdicts::none(&self.layers);
         for level in 0..self.path.len() as SpanLevel {
             let decided = pruning::prune(pairs, &self.layers, &all.statuses, level, settings, job)?;
@@ -218,7 +218,7 @@ mod tests {
             settings.pruning.mixed_pixels = mixed_pixels;
             settings.pruning.overlap = overlap;
             let scan = scan(&capture, &settings, &Job::new()).unwrap();
-            let pairs = CameraPairs::new(&capture.cameras);
+            let pairs = OverlapGraph::complete(&capture.cameras);
             let complete = scan.frame_layers(&settings, 2, &Job::new()).unwrap();
             assert!(complete.path.len() > 2);
             let original = complete.prune(&pairs, &settings, &Job::new()).unwrap();

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::candidate::{CandidateValidity, Codes, ListedCandidate, codes, tolerances};
 use super::candidate_lists::{BandCandidates, COUNT, CandidateLists, IS_MIXED};
+use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::VoteTest;
@@ -14,7 +15,7 @@ use crate::preprocess::pruning::{
     BAND_ROWS, DROPPED, KEPT, Rule, Statuses, UNDECIDED, Verdict, is_dropped_as_mixed, may_be_witness,
     rule_of_kept,
 };
-use crate::preprocess::registration::{CameraPairs, Outcome, SameSurface};
+use crate::preprocess::registration::{Outcome, SameSurface};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
 use crate::simd::LANES;
@@ -23,7 +24,7 @@ use crate::simd::LANES;
 #[derive(Clone, Copy)]
 pub(crate) struct FrameLists<'a> {
     pub(crate) lists: &'a CandidateLists,
-    pub(crate) pairs: &'a CameraPairs<'a>,
+    pub(crate) pairs: &'a OverlapGraph<'a>,
     /// One per camera.
     pub(crate) layers: &'a [CameraLayer],
 }
@@ -70,7 +71,7 @@ pub(crate) fn prune(
 /// What all bands share.
 struct ReplayContext<'a> {
     lists: &'a CandidateLists,
-    pairs: &'a CameraPairs<'a>,
+    pairs: &'a OverlapGraph<'a>,
     layers: &'a [CameraLayer],
     statuses: &'a Statuses,
     level: SpanLevel,

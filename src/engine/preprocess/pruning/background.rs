@@ -5,11 +5,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::capture::Capture;
+use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::measure_noise_between;
 use crate::preprocess::layers::{CameraLayer, LayerBuilder};
-use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{ROOT, TemporalScan, all_frames};
 use crate::settings::{AgreementRule, Settings};
 
@@ -31,7 +31,7 @@ pub(crate) fn rated(
     });
     let mut rated: Vec<CameraLayer> = rated.collect::<Result<_>>()?;
     if settings.pruning.agreement != AgreementRule::Off {
-        let noise = measure_noise_between(&CameraPairs::new(&capture.cameras), &rated, job)?;
+        let noise = measure_noise_between(&OverlapGraph::complete(&capture.cameras), &rated, job)?;
         rated.iter_mut().zip(noise).for_each(|(layer, noise)| layer.noise_between = noise);
     }
     Ok(rated)

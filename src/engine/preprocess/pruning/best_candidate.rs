@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use super::decision::{Candidate, Rule, Verdict, is_better, rule_of_kept};
 use super::pass::PruningPass;
+use crate::capture::overlap::{OverlapGraph, Registration};
 use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, Rank, SampleRun};
 use crate::preprocess::registration::{
-    CameraPairs, IN_VIEW, PixelRun, Registration, ReprojectedRun, SameSurface, SourceRun, TargetRun, lanes_of,
+    IN_VIEW, PixelRun, ReprojectedRun, SameSurface, SourceRun, TargetRun, lanes_of,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
 use crate::simd::{self, LANES};
@@ -50,7 +51,7 @@ impl ColumnBounds {
 /// The other cameras that may see any of the samples within `bounds` in a camera's rows.
 #[inline(always)]
 pub(crate) fn other_cameras<'a>(
-    pairs: &'a CameraPairs<'_>,
+    pairs: &'a OverlapGraph<'_>,
     layers: &[CameraLayer],
     camera: usize,
     rows: Range<usize>,

@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use rayon::prelude::*;
 
 use super::decision::{is_dropped_as_mixed, may_be_witness};
+use crate::capture::overlap::OverlapGraph;
 use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::{CameraLayer, RatedSamples};
-use crate::preprocess::registration::{CameraPairs, SameSurface};
+use crate::preprocess::registration::SameSurface;
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
 use crate::settings::{MixedPixels, Settings};
 
@@ -42,7 +43,7 @@ const DENSE_SHARE: usize = 8;
 
 /// What all bands share while the samples of one level are decided.
 pub(crate) struct PruningPass<'a> {
-    pub(crate) pairs: &'a CameraPairs<'a>,
+    pub(crate) pairs: &'a OverlapGraph<'a>,
     /// Those that are not there are without samples, and take part in nothing.
     pub(crate) layers: &'a [CameraLayer],
     pub(crate) statuses: &'a Statuses,
@@ -61,7 +62,7 @@ pub(crate) struct PruningPass<'a> {
 impl<'a> PruningPass<'a> {
     /// A pass over one level, with the layers of all cameras and no deeper levels.
     pub(crate) fn new(
-        pairs: &'a CameraPairs<'a>,
+        pairs: &'a OverlapGraph<'a>,
         layers: &'a [CameraLayer],
         statuses: &'a Statuses,
         level: SpanLevel,

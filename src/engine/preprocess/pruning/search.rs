@@ -25,10 +25,10 @@ use super::coverage::{Unsettled, settle_all};
 use super::decision::{LevelVerdicts, Rule, Verdict};
 use super::find_best::{AskOthers, BetweenParts, FindBest, SearchBand, conclude, find_thin};
 use super::pass::{PruningPass, Statuses, UNDECIDED, all_may_be_witnesses, has_deeper, mark_undecided};
+use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::layers::{CameraLayer, RatedSamples};
-use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
 use crate::simd;
@@ -43,7 +43,7 @@ pub(crate) const BAND_ROWS: usize = 16;
 /// # Errors
 /// `Cancelled`.
 pub(crate) fn prune(
-    pairs: &CameraPairs<'_>,
+    pairs: &OverlapGraph<'_>,
     layers: &[CameraLayer],
     statuses: &Statuses,
     level: SpanLevel,

@@ -1,6 +1,7 @@
 //! The pixels around positions in a camera, where samples would be interpolated.
 
-use super::reproject::{PinholeLens, ReprojectedRun};
+use super::reproject::ReprojectedRun;
+use crate::capture::overlap::PinholeLens;
 use crate::simd::whole;
 
 /// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.

@@ -20,9 +20,10 @@ use super::matches::{
 use super::noise_tolerance::{
     ColorNoise, FoundSurfaces, depth_noise_between, granted_depth_noise, granted_depth_noise_around,
 };
-use super::reproject::{PinholeLens, PixelRun, Registration, ReprojectedRun, SourceRun, TargetRun};
+use super::reproject::{PixelRun, ReprojectedRun, SourceRun, TargetRun};
 use super::tolerances::{SurfaceTolerances, VisibleLevels};
 use crate::capture::INVALID_INVERSE_DEPTH;
+use crate::capture::overlap::{PinholeLens, Registration};
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;

@@ -6,9 +6,9 @@
 //! else                        groups of cameras whose samples fit beside a few layers, each with all other layers, part by part
 //! ```
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::BTreeSet;
 
-use crate::preprocess::registration::CameraPairs;
+use crate::capture::overlap::OverlapGraph;
 
 /// Cameras that are worked on together.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,15 +34,14 @@ pub(super) struct CameraBytes<'a> {
 pub(super) const LAYERS_AT_A_TIME: usize = 4;
 
 /// Groups of all cameras.
-pub(super) fn groups_within(pairs: &CameraPairs<'_>, bytes: &CameraBytes<'_>) -> Vec<CameraGroup> {
+pub(super) fn groups_within(pairs: &OverlapGraph<'_>, bytes: &CameraBytes<'_>) -> Vec<CameraGroup> {
     let count = pairs.cameras().len();
     let needs = |camera: usize| {
         let others = pairs.others(camera).map(|(other, _)| bytes.layers[other]);
         bytes.samples[camera] + bytes.layers[camera] + others.sum::<usize>()
     };
     if (0..count).all(|camera| needs(camera) <= bytes.bound) {
-        let order = neighborhood_order(pairs);
-        return groups(&order, bytes, |camera| pairs.others(camera).map(|(other, _)| other));
+        return neighbors_within(pairs, bytes);
     }
     let largest = bytes.layers.iter().copied().max().unwrap_or(0) * LAYERS_AT_A_TIME;
     let cameras: Vec<usize> = (0..count).collect();
@@ -73,110 +72,69 @@ pub(super) fn chunks_within(cameras: &[usize], bytes: &[usize], bound: usize) ->
     chunks
 }
 
-/// An order in which views that may see the same come soon after each other: breadth first, from a view with few others on, those
-/// with few others first (E. Cuthill and J. McKee, *Reducing the Bandwidth of Sparse Symmetric Matrices*, 1969).
-pub(super) fn neighborhood_order(pairs: &CameraPairs<'_>) -> Vec<usize> {
-    order_of(pairs.cameras().len(), |camera| pairs.others(camera).map(|(other, _)| other))
-}
-
-fn order_of<I: ExactSizeIterator<Item = usize>>(count: usize, others: impl Fn(usize) -> I) -> Vec<usize> {
-    let degree = |camera: &usize| (others(*camera).len(), *camera);
-    let mut starts: Vec<usize> = (0..count).collect();
-    starts.sort_by_key(degree);
-    let mut is_met = vec![false; count];
-    let mut order = Vec::with_capacity(count);
-    for start in starts {
-        let mut queue = VecDeque::from_iter((!is_met[start]).then_some(start));
-        is_met[start] = true;
-        while let Some(camera) = queue.pop_front() {
-            order.push(camera);
-            let mut next: Vec<usize> = others(camera).filter(|other| !is_met[*other]).collect();
-            next.sort_by_key(degree);
-            for other in &next {
-                is_met[*other] = true;
+/// Groups of neighbors, each with all that may see their samples.
+fn neighbors_within(pairs: &OverlapGraph<'_>, bytes: &CameraBytes<'_>) -> Vec<CameraGroup> {
+    let mut groups = Vec::new();
+    pairs.groups(|nearest| {
+        let (mut held, mut held_bytes, mut taken) = (BTreeSet::new(), 0, 0);
+        for &camera in nearest {
+            let others = pairs.others(camera).map(|(other, _)| other).chain([camera]);
+            let more: Vec<usize> = others.filter(|other| !held.contains(other)).collect();
+            held_bytes +=
+                bytes.samples[camera] + more.iter().map(|other| bytes.layers[*other]).sum::<usize>();
+            if taken > 0 && held_bytes > bytes.bound {
+                break;
             }
-            queue.extend(next);
+            held.extend(more);
+            taken += 1;
         }
-    }
-    order
-}
-
-/// Cuts an order into groups, each with all others that matter to its cameras.
-fn groups<I: Iterator<Item = usize>>(
-    order: &[usize],
-    bytes: &CameraBytes<'_>,
-    others: impl Fn(usize) -> I,
-) -> Vec<CameraGroup> {
-    let mut groups: Vec<CameraGroup> = Vec::new();
-    let mut held: Vec<usize> = Vec::new();
-    let mut is_held = vec![false; order.len()];
-    let mut held_bytes = 0;
-    for &camera in order {
-        let needed = |is_held: &[bool]| -> Vec<usize> {
-            others(camera).chain([camera]).filter(|other| !is_held[*other]).collect()
-        };
-        let bytes_of = |more: &[usize]| {
-            bytes.samples[camera] + more.iter().map(|other| bytes.layers[*other]).sum::<usize>()
-        };
-        let mut more = needed(&is_held);
-        if groups.is_empty() || held_bytes + bytes_of(&more) > bytes.bound {
-            is_held.fill(false);
-            held_bytes = 0;
-            held.clear();
-            more = needed(&is_held);
-            groups.push(CameraGroup { cameras: Vec::new(), parts: vec![Vec::new()] });
-        }
-        held_bytes += bytes_of(&more);
-        for other in &more {
-            is_held[*other] = true;
-        }
-        held.extend(more);
-        if let Some(group) = groups.last_mut() {
-            group.cameras.push(camera);
-            group.parts[0].clone_from(&held);
-            group.parts[0].sort_unstable();
-        }
-    }
+        let cameras = nearest[..taken].to_vec();
+        groups.push(CameraGroup { cameras, parts: vec![held.into_iter().collect()] });
+        taken
+    });
     groups
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use glam::DVec3;
 
-    /// Views along a way, each seen by those up to three steps away; `shuffled` has the view at each place.
-    fn others(place: usize, shuffled: &[usize]) -> Vec<usize> {
-        let near = place.saturating_sub(3)..(place + 4).min(shuffled.len());
-        near.filter(|other| *other != place).map(|other| shuffled[other]).collect()
-    }
+    use super::*;
+    use crate::capture::overlap::DepthBounds;
+    use crate::capture::{Camera, Intrinsics};
 
     #[test]
-    fn views_along_a_way_are_ordered_along_it_and_held_in_bounded_groups() {
-        let count = 100;
-        let shuffled: Vec<usize> = (0..count).map(|place| place * 37 % count).collect();
-        let mut place_of = vec![0; count];
-        shuffled.iter().enumerate().for_each(|(place, view)| place_of[*view] = place);
-        let of = |view: usize| others(place_of[view], &shuffled).into_iter();
-        let order = order_of(count, of);
-        let mut sorted = order.clone();
-        sorted.sort_unstable();
-        assert_eq!(sorted, (0..count).collect::<Vec<_>>());
-        let strides = order.windows(2).map(|pair| place_of[pair[0]].abs_diff(place_of[pair[1]]));
-        assert!(strides.max().unwrap() <= 6);
+    fn views_along_a_way_are_held_in_bounded_groups_with_all_that_see_their_samples() {
+        let count = 60;
+        let lens = Intrinsics::from_horizontal_angle(8, 8, 1.0);
+        let cameras: Vec<Camera> = (0..count)
+            .map(|index| {
+                let eye = DVec3::X * (index * 37 % count) as f64;
+                Camera::look_at(index.to_string(), lens, eye, eye + DVec3::Y, DVec3::Z)
+            })
+            .collect();
+        let bounds = DepthBounds::new((8, 8), (0..64).map(|pixel| (pixel, 1.0 / 3.0)));
+        let pairs = OverlapGraph::of_depths(&cameras, &vec![bounds; count]);
+        let others = |camera: usize| pairs.others(camera).map(|(other, _)| other);
+        let most = (0..count).map(|camera| others(camera).len()).max().unwrap() + 1;
+        assert!((3..10).contains(&most));
         let (layers, samples) = (vec![10; count], vec![0; count]);
-        let of_bound = |bound| groups(&order, &CameraBytes { layers: &layers, samples: &samples, bound }, of);
+        let of_bound = |bound| {
+            let bytes = CameraBytes { layers: &layers, samples: &samples, bound };
+            let groups = neighbors_within(&pairs, &bytes);
+            let mut all: Vec<usize> = groups.iter().flat_map(|group| group.cameras.clone()).collect();
+            all.sort_unstable();
+            assert_eq!(all, (0..count).collect::<Vec<_>>());
+            groups
+        };
         let groups = of_bound(150);
-        let held = |group: &CameraGroup| group.parts[0].clone();
-        assert!(groups.iter().all(|group| held(group).len() <= 15 && held(group).is_sorted()));
-        assert!(groups.iter().map(|group| group.cameras.len()).sum::<usize>() == count && groups.len() < 20);
+        assert!(groups.len() < 10);
         for group in &groups {
-            assert!(
-                group.cameras.iter().all(|view| of(*view).chain([*view]).all(|it| held(group).contains(&it)))
-            );
+            let held = &group.parts[0];
+            assert!(held.len() <= 15 && held.is_sorted());
+            assert!(group.cameras.iter().all(|camera| others(*camera).all(|other| held.contains(&other))));
         }
-        let tiny = of_bound(1);
-        assert!(tiny.iter().all(|group| held(group).len() <= 7), "a view with all that see it, and no more");
-        assert_eq!(tiny.iter().map(|group| group.cameras.len()).sum::<usize>(), count);
+        assert!(of_bound(1).iter().all(|group| group.parts[0].len() <= most), "a view with all that see it");
     }
 
     #[test]

@@ -6,12 +6,12 @@ use rayon::prelude::*;
 
 use super::groups::CameraGroup;
 use super::window::LayerWindow;
+use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::{NoiseLattice, where_most_are_noisy};
 use crate::preprocess::diagnostics::{DepthReading, Misfits};
 use crate::preprocess::noise::NoiseBetween;
-use crate::preprocess::registration::CameraPairs;
 
 /// At most this many cameras are compared to find out whether depth was misread, spread over all.
 const LOOKED_AT: usize = 32;
@@ -20,7 +20,7 @@ const LOOKED_AT_BESIDE: usize = 16;
 
 /// The noise of every camera as the others see it, from some samples of each.
 pub(super) fn noise_between(
-    pairs: &CameraPairs<'_>,
+    pairs: &OverlapGraph<'_>,
     window: &mut LayerWindow<'_>,
     groups: &[CameraGroup],
     mut lattices: Vec<NoiseLattice>,
@@ -41,7 +41,7 @@ pub(super) fn noise_between(
 
 /// Whether depth would fit better if it were read otherwise.
 pub(super) fn better_reading(
-    pairs: &CameraPairs<'_>,
+    pairs: &OverlapGraph<'_>,
     window: &mut LayerWindow<'_>,
     job: &Job,
 ) -> Result<Option<DepthReading>> {

@@ -13,8 +13,7 @@
 //! all that may see their samples; where all cameras see the same, layers are held part by part ([`groups`]). One byte a pixel of every
 //! camera is held throughout: whether its sample is kept.
 //!
-//! Source: the order of neighbors is that of E. Cuthill and J. McKee, *Reducing the Bandwidth of Sparse Symmetric Matrices*, 1969. What
-//! is decided does not depend on it, nor on what is held: "better" is a total order of all samples ([`super::pruning`]).
+//! What is decided does not depend on the groups, nor on what is held: "better" is a total order of all samples ([`super::pruning`]).
 
 mod groups;
 mod looks;
@@ -29,8 +28,8 @@ use super::diagnostics::{LatticeRuns, Residuals, RunCounts, Tally};
 use super::normals::NormalErrors;
 use super::prepared_scan::PreparedScan;
 use super::pruning::mark_undecided;
-use super::registration::{CameraPairs, Sight};
 use super::temporal::{ROOT, SpanLevel, SpanTree, all_frames};
+use crate::capture::overlap::{DepthBounds, OverlapGraph};
 use crate::error::Result;
 use crate::job::Job;
 use crate::samples::{ImageBuffer, Span};
@@ -75,10 +74,10 @@ fn prune_recording(
     let what = if recording.is_of_one_moment() { "Pruning views" } else { "Pruning the background" };
     job.start(what, 2 * count);
     // Cameras that move see other things at other moments.
-    let sights = recording.is_of_one_moment().then(|| recording.sights(job)).transpose()?;
-    let pairs = match &sights {
-        Some(sights) => CameraPairs::of_sights(&capture.cameras, sights),
-        None => CameraPairs::new(&capture.cameras),
+    let bounds = recording.is_of_one_moment().then(|| recording.depth_bounds(job)).transpose()?;
+    let pairs = match &bounds {
+        Some(bounds) => OverlapGraph::of_depths(&capture.cameras, bounds),
+        None => OverlapGraph::complete(&capture.cameras),
     };
     let mut window = LayerWindow::new(recording, &pairs);
     let statuses = recording.no_statuses();
@@ -105,12 +104,12 @@ fn prune_recording(
     let noise = pruner.window.most_noise();
     // Samples that are moved may be seen by other cameras than before.
     let moved = 1.01 * moved_at_most(noise);
-    let pairs = match &sights {
-        Some(sights) if moved < 1.0 => {
-            let blurred: Vec<Sight> = sights.iter().map(|sight| sight.blurred(moved)).collect();
-            CameraPairs::of_sights(&capture.cameras, &blurred)
+    let pairs = match &bounds {
+        Some(bounds) if moved < 1.0 => {
+            let blurred: Vec<DepthBounds> = bounds.iter().map(|bounds| bounds.blurred(moved)).collect();
+            OverlapGraph::of_depths(&capture.cameras, &blurred)
         }
-        _ => CameraPairs::new(&capture.cameras),
+        _ => OverlapGraph::complete(&capture.cameras),
     };
     pruner.pairs = &pairs;
     let is_root_counted = run.contains(0) || scan.frames == 0;
@@ -272,9 +271,11 @@ mod tests {
             let capture = capture(scene, noise);
             let scan: Arc<PreparedScan> = crate::preprocess::scan(&capture, &settings, &job).unwrap();
             let (layer, count) = (80 * 60 * 43, capture.cameras.len());
-            let sights = Recording::new(&capture, &scan, &settings).sights(&job).unwrap();
-            let others: Vec<usize> =
-                CameraPairs::of_sights(&capture.cameras, &sights).others(0).map(|(other, _)| other).collect();
+            let bounds = Recording::new(&capture, &scan, &settings).depth_bounds(&job).unwrap();
+            let others: Vec<usize> = OverlapGraph::of_depths(&capture.cameras, &bounds)
+                .others(0)
+                .map(|(other, _)| other)
+                .collect();
             let of_place =
                 |place: usize| others.iter().filter(|other| **other / AT_ONE_PLACE == place).count();
             assert!(

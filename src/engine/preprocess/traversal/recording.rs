@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use crate::capture::Capture;
+use crate::capture::overlap::DepthBounds;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::pruning::{Statuses, no_statuses};
-use crate::preprocess::registration::Sight;
 use crate::preprocess::temporal::{TemporalScan, all_frames};
 use crate::settings::Settings;
 
@@ -38,14 +38,14 @@ impl<'a> Recording<'a> {
     }
 
     /// What each camera saw throughout, as a few boxes.
-    pub(super) fn sights(&self, job: &Job) -> Result<Vec<Sight>> {
+    pub(super) fn depth_bounds(&self, job: &Job) -> Result<Vec<DepthBounds>> {
         let of_camera = |camera: usize| {
             job.check()?;
             let spans = self.scan.spans.as_ref();
             let samples = spans.map(|spans| spans.get(camera, all_frames(self.scan.frames))).transpose()?;
             let samples = samples.flatten().unwrap_or_default();
             let depths = samples.pixels.iter().copied().zip(samples.inverse_depth.iter().copied());
-            Ok(Sight::new(self.capture.cameras[camera].intrinsics.size(), depths))
+            Ok(DepthBounds::new(self.capture.cameras[camera].intrinsics.size(), depths))
         };
         (0..self.capture.cameras.len()).into_par_iter().map(of_camera).collect()
     }

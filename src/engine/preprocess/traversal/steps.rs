@@ -8,6 +8,7 @@ use super::groups::{CameraBytes, CameraGroup, chunks_within, groups_within};
 use super::recording::Recording;
 use super::verdict_store::VerdictStore;
 use super::window::LayerWindow;
+use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::{Consensus, SmoothDepths};
@@ -16,7 +17,6 @@ use crate::preprocess::layers::RatedSamples;
 use crate::preprocess::pruning::{
     self, LevelVerdicts, Masks, PruningPass, Search, Statuses, all_may_be_witnesses,
 };
-use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{ROOT, SpanLevel};
 use crate::samples::{ImageBuffer, Span, samples_in_memory};
 
@@ -26,7 +26,7 @@ pub(super) const SAMPLE_BYTES: usize = 38 + 12 + 16;
 /// What the steps of pruning share.
 pub(super) struct Pruner<'a> {
     pub(super) recording: Recording<'a>,
-    pub(super) pairs: &'a CameraPairs<'a>,
+    pub(super) pairs: &'a OverlapGraph<'a>,
     pub(super) window: LayerWindow<'a>,
     pub(super) statuses: Statuses,
     pub(super) job: &'a Job,

@@ -8,13 +8,13 @@ use rayon::prelude::*;
 
 use super::groups::LAYERS_AT_A_TIME;
 use super::recording::Recording;
+use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::agreement::SmoothDepths;
 use crate::preprocess::layers::{CameraLayer, LayerBuilder, RatedSamples};
 use crate::preprocess::noise::NoiseBetween;
 use crate::preprocess::pruning::{ABSENT, SpanSource, static_layer};
-use crate::preprocess::registration::CameraPairs;
 use crate::preprocess::temporal::{ROOT, SpanLevel};
 use crate::samples::{RecordPlace, Span, SpillFile, samples_in_memory};
 
@@ -61,7 +61,7 @@ pub(super) struct LayerWindow<'a> {
 
 impl<'a> LayerWindow<'a> {
     /// No span was entered yet.
-    pub(super) fn new(recording: Recording<'a>, pairs: &CameraPairs<'_>) -> Self {
+    pub(super) fn new(recording: Recording<'a>, pairs: &OverlapGraph<'_>) -> Self {
         let Recording { capture, settings, .. } = recording;
         let count = capture.cameras.len();
         let mut window = Self {

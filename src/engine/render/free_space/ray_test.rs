@@ -2,6 +2,7 @@
 
 use super::seen_depth::{FreeDepths, SeenDepths, UNSEEN};
 use crate::capture::Camera;
+use crate::capture::overlap::nearest_first;
 use crate::render::geometry::{Projector, focal};
 use crate::render::input::LaneValues;
 use crate::samples::halved_camera;
@@ -55,9 +56,8 @@ const MOST_CAMERAS: usize = 12;
 /// The cameras that are consulted about the lines of sight of `target`. The nearest come first, because they decide most.
 pub(crate) fn cameras_to_ask(cameras: &[Camera], target: &Camera) -> Vec<usize> {
     let center = target.position_in_world();
-    let mut order: Vec<usize> = (0..cameras.len()).collect();
-    let distance = |camera: usize| (cameras[camera].position_in_world() - center).length();
-    order.sort_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+    let distance = |camera: usize| cameras[camera].position_in_world().distance(center);
+    let mut order = nearest_first(0..cameras.len(), distance);
     order.truncate(MOST_CAMERAS);
     order
 }

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use overlook_engine::capture::overlap::DepthBounds;
 use overlook_engine::capture::{Camera, Capture, Frame, PixelSide};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -29,8 +30,8 @@ pub(super) struct SeenPoints {
     pub(super) view: usize,
     pub(super) frame: usize,
     pub(super) points: Vec<SurfacePoint>,
-    /// The corners of a box around them.
-    pub(super) corners: [DVec3; 2],
+    /// How far away the view saw anything.
+    pub(super) bounds: DepthBounds,
 }
 
 /// The surface points of all views at some frames, view by view.
@@ -44,12 +45,13 @@ pub(super) fn seen_points(capture: &Capture, frames: &[usize], job: &Job) -> Res
     let of_picture = of_view.div_ceil(frames.len().max(1));
     let seen = pictures.into_par_iter().map(|(view, frame)| {
         job.check()?;
-        let points = points_of(&capture.cameras[view], &*capture.frame(view, frame)?, of_picture);
+        let picture = capture.frame(view, frame)?;
+        let points = points_of(&capture.cameras[view], &picture, of_picture);
+        let depths = picture.inverse_depth.as_slice().iter().enumerate();
+        let surfaces = depths.filter(|(_, w)| **w > 0.0).map(|(pixel, w)| (pixel as u32, *w));
+        let bounds = DepthBounds::new(picture.size(), surfaces);
         job.advance(1);
-        let corners = points.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| {
-            [low.min(point.in_world), high.max(point.in_world)]
-        });
-        Ok(SeenPoints { view, frame, points, corners })
+        Ok(SeenPoints { view, frame, points, bounds })
     });
     seen.collect()
 }

@@ -1,6 +1,6 @@
 //! The points that each view shows, one bit each: a thousand views take at most a hundred megabytes.
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use rayon::prelude::*;
 
 use super::surface_points::{SeenPoints, SurfacePoint};
@@ -56,14 +56,14 @@ pub(super) fn shown_by_each(capture: &Capture, seen: &[SeenPoints], job: &Job) -
     let of_view = |view: usize| {
         job.check()?;
         let mut shown = ShownPoints::new();
-        let looker = Looker::new(&capture.cameras[view]);
+        let looker = Looker::new(&capture.cameras, view);
         let mut frames: Vec<usize> = seen.iter().map(|seen| seen.frame).collect();
         frames.sort_unstable();
         frames.dedup();
         for frame in frames {
             let picture = capture.frame(view, frame)?;
             let of_frame = seen.iter().enumerate().filter(|(_, seen)| seen.frame == frame);
-            shown.extend(of_frame.filter_map(|(at, seen)| looker.shown(view, &picture, at, seen)));
+            shown.extend(of_frame.filter_map(|(at, seen)| looker.shown(&picture, at, seen)));
         }
         job.advance(1);
         Ok(shown)
@@ -72,25 +72,26 @@ pub(super) fn shown_by_each(capture: &Capture, seen: &[SeenPoints], job: &Job) -
 }
 
 /// A view that points are projected into.
-struct Looker {
-    camera: Camera,
+struct Looker<'a> {
+    cameras: &'a [Camera],
+    view: usize,
     camera_from_world: DAffine3,
 }
 
-impl Looker {
-    fn new(camera: &Camera) -> Self {
-        Self { camera_from_world: camera.camera_from_world(), camera: camera.clone() }
+impl<'a> Looker<'a> {
+    fn new(cameras: &'a [Camera], view: usize) -> Self {
+        Self { cameras, view, camera_from_world: cameras[view].camera_from_world() }
     }
 
     /// The points of `seen`, whose index is `at`, that the view shows; `None` if it shows none.
-    fn shown(&self, view: usize, picture: &Frame, at: usize, seen: &SeenPoints) -> Option<ShownOf> {
+    fn shown(&self, picture: &Frame, at: usize, seen: &SeenPoints) -> Option<ShownOf> {
         if seen.points.is_empty() {
             return None;
         }
-        if seen.view == view {
+        if seen.view == self.view {
             return Some(ShownOf { seen: at, bits: all_bits(seen.points.len()) });
         }
-        if self.is_outside(seen.corners) {
+        if !seen.bounds.may_be_seen(&self.cameras[seen.view], &self.cameras[self.view]) {
             return None;
         }
         let mut bits = vec![0; seen.points.len().div_ceil(BITS)];
@@ -102,31 +103,11 @@ impl Looker {
         bits.iter().any(|word| *word != 0).then_some(ShownOf { seen: at, bits })
     }
 
-    /// Whether a box is wholly beyond one side of the view frustum.
-    fn is_outside(&self, [low, high]: [DVec3; 2]) -> bool {
-        let lens = &self.camera.intrinsics;
-        let (width, height) = (f64::from(lens.width), f64::from(lens.height));
-        let corner = |nth: usize| {
-            let pick = |bit: usize, low: f64, high: f64| if nth >> bit & 1 == 0 { low } else { high };
-            let corner = DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
-            self.camera_from_world.transform_point3(corner)
-        };
-        let corners: [DVec3; 8] = std::array::from_fn(corner);
-        let beyond: [&dyn Fn(&DVec3) -> bool; 5] = [
-            &|p| p.z <= 0.0,
-            &|p| lens.fx * p.x + lens.cx * p.z < 0.0,
-            &|p| lens.fx * p.x + (lens.cx - width) * p.z > 0.0,
-            &|p| lens.fy * p.y + lens.cy * p.z < 0.0,
-            &|p| lens.fy * p.y + (lens.cy - height) * p.z > 0.0,
-        ];
-        beyond.iter().any(|is_beyond| corners.iter().all(is_beyond))
-    }
-
     /// Whether the picture shows the point: finely enough, and as the nearest surface. Depth is compared as for the classes of error
     /// ([`is_surface_at`]): one of nine pixels must be within 1.5 %, so that noise needs no wider tolerance.
     fn shows(&self, picture: &Frame, point: &SurfacePoint) -> bool {
         let in_camera = self.camera_from_world.transform_point3(point.in_world);
-        let lens = &self.camera.intrinsics;
+        let lens = &self.cameras[self.view].intrinsics;
         let Some(position) = lens.project(in_camera) else { return false };
         let pixel_width = lens.pixel_width(in_camera.z, PixelSide::Mean);
         pixel_width <= WIDER * point.pixel_width && is_surface_at(picture, position, in_camera.z)

@@ -1,13 +1,14 @@
 //! What a camera saw, as a few boxes: enough to prove that another camera cannot see any of it.
 
-use super::reproject::Registration;
+use super::registration::Registration;
+use crate::capture::camera::Camera;
 
 /// Columns and rows of a block of pixels whose depths are known together.
 const BLOCK: usize = 64;
 
 /// The smallest and largest inverse depths of a camera's samples, block by block.
 #[derive(Clone, Debug)]
-pub(crate) struct Sight {
+pub struct DepthBounds {
     width: usize,
     height: usize,
     /// Of all samples.
@@ -23,9 +24,10 @@ fn union(blocks: &[[f32; 2]]) -> [f32; 2] {
     blocks.iter().fold(NOTHING, |all, block| [all[0].min(block[0]), all[1].max(block[1])])
 }
 
-impl Sight {
+impl DepthBounds {
     /// What a camera with this width and height saw: inverse depths by pixel, `y * width + x`.
-    pub(crate) fn new((width, height): (usize, usize), samples: impl Iterator<Item = (u32, f32)>) -> Self {
+    #[must_use]
+    pub fn new((width, height): (usize, usize), samples: impl Iterator<Item = (u32, f32)>) -> Self {
         let across = width.div_ceil(BLOCK);
         let mut blocks = vec![NOTHING; across * height.div_ceil(BLOCK)];
         for (pixel, inverse_depth) in samples {
@@ -46,8 +48,14 @@ impl Sight {
         Self { whole: union(&blocks), blocks, ..*self }
     }
 
-    /// Whether the target of a registration may see any of the samples. It may wrongly be true, never wrongly false.
-    pub(crate) fn may_be_seen(&self, registration: &Registration) -> bool {
+    /// Whether `target` may see any of the samples of `source`. It may wrongly be true, never wrongly false.
+    #[must_use]
+    pub fn may_be_seen(&self, source: &Camera, target: &Camera) -> bool {
+        self.may_be_seen_through(&Registration::new(source, target))
+    }
+
+    /// The same for the target of a registration.
+    pub(super) fn may_be_seen_through(&self, registration: &Registration) -> bool {
         let (columns, rows) = ([0, self.width - 1], [0, self.height - 1]);
         if self.whole[0] > self.whole[1] || !registration.may_see(columns, rows, self.whole) {
             return false;
@@ -58,5 +66,10 @@ impl Sight {
             let [left, top] = [at % across * BLOCK, at / across * BLOCK];
             registration.may_see([left, last(left, self.width)], [top, last(top, self.height)], *block)
         })
+    }
+    /// The depth in the middle of all samples, by inverse depth; `None` without any.
+    pub(super) fn middle_depth(&self) -> Option<f64> {
+        let [smallest, largest] = self.whole.map(f64::from);
+        (smallest <= largest && largest > 0.0).then(|| 2.0 / (smallest + largest))
     }
 }
