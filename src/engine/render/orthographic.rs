@@ -118,8 +118,9 @@ fn median_depth(samples: &SampleSet, vantage: &Vantage, [width, height]: [f64; 2
         let camera = &samples.cameras[image.camera as usize];
         let places = image.placed(camera).step_by(STRIDE);
         let places = places.map(|placed| camera_from_world.transform_point3(placed.point_in_world));
+        let is_within = |at: f64, side: f64| (-0.5 * side..=0.5 * side).contains(&at);
         let is_seen =
-            |place: &DVec3| place.z > 0.0 && place.x.abs() <= 0.5 * width && place.y.abs() <= 0.5 * height;
+            |place: &DVec3| place.z > 0.0 && is_within(place.x, width) && is_within(place.y, height);
         depths.extend(places.filter(is_seen).map(|place| place.z));
     }
     median(&mut depths).unwrap_or(0.0)

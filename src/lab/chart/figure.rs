@@ -94,7 +94,7 @@ impl Figure {
         let sizes = FIGURE_COLUMNS[0]..=FIGURE_COLUMNS[1];
         if width == 0 || height == 0 || !sizes.contains(&self.columns) {
             let what = format!(
-                "a figure of {} pixels in width cannot be drawn; choose from {} to {}",
+                "a figure {} px wide cannot be drawn; choose from {} to {}",
                 self.columns, FIGURE_COLUMNS[0], FIGURE_COLUMNS[1]
             );
             return Err(Error::invalid("figure", what));

@@ -122,7 +122,7 @@ impl FromStr for FigureWidth {
         };
         width.or_else(pixels).ok_or_else(|| {
             format!(
-                "must be a width with its unit, as in 120mm, 12cm, 4.7in or 1400px (from {} to {} pixels)",
+                "must be a width with its unit, as in 120mm, 12cm, 4.7in or 1400px (from {}px to {}px)",
                 FIGURE_COLUMNS[0], FIGURE_COLUMNS[1]
             )
         })

@@ -135,10 +135,7 @@ impl State {
         };
         let size = picture.png_bytes / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
         let millimeters = significant(options.figure.width_mm());
-        ShareSize::about(
-            size + EMPTY_FIGURE,
-            format!("{millimeters} mm wide, {} pixels", options.figure.columns),
-        )
+        ShareSize::about(size + EMPTY_FIGURE, format!("{millimeters} mm, {} px wide", options.figure.columns))
     }
 
     fn points(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {

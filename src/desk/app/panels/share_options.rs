@@ -178,7 +178,7 @@ fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
                 ..figure.clone()
             };
         }
-        weak(ui, format!("{} pixels", figure.columns));
+        weak(ui, format!("{} px", figure.columns));
     });
     ui.end_row();
     ui.label("Paper");
