@@ -37,7 +37,7 @@ use around::{Filling, FillingsAround};
 use partial::PartialPixels;
 use pyramid::Pyramid;
 use rays::HoleRays;
-use surface::{SurfaceTolerance, WeightedMean, surface_behind};
+use surface::{SurfaceTolerance, surface_behind};
 
 /// Surfaces that face each other across a hole in more of the four directions go on through it.
 const MOST_FACING: usize = 1;

@@ -7,7 +7,7 @@ use clap::Args;
 use glam::DVec3;
 
 use super::path::{self, Pace, Stops};
-use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs, choice};
+use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs, choice};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::{Error, Result};

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs};
+use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::{TruthView, transforms};
 use overlook_engine::error::{Error, Result};
