@@ -78,7 +78,7 @@ fn interpolated(camera: u32, reprojected: Reprojected, point: SurfacePoint) -> V
             beside = true;
         }
     }
-    let weight = weight_of(camera, reprojected.distance_ratio, point.at, point.w, point.slope);
+    let weight = weight_on_surface(camera, reprojected.distance_ratio, point.at, point.w, point.slope);
     return ViewColor(vec4<f32>(color, coverage) * weight * select(1.0, BESIDE_EDGE, beside), coverage);
 }
 

@@ -31,8 +31,7 @@ fn vote_of(camera: u32, at: vec2<f32>, w: f32) -> Vote {
     }
     let quad = quad_at(camera, i32(reprojected.corner.x), i32(reprojected.corner.y));
     let limit = reprojected.expected * views[camera].tolerance;
-    // Beside a step in depth no slope is known.
-    vote.weight = weight_of(camera, reprojected.distance_ratio, at, w, vec2<f32>(0.0));
+    vote.weight = weight_of(camera, reprojected.distance_ratio, at, w);
     let shares = bilinear(reprojected.between);
     var depth = 0.0;
     for (var corner = 0u; corner < 4u; corner++) {

@@ -85,7 +85,7 @@ fn weigh_camera(nth: u32, corner: vec2<i32>) {
     let z = (ray(projector, at.x, at.y) + projector.origin * w).z;
     camera_weight[nth] = 0.0;
     if z > 0.0 {
-        camera_weight[nth] = weight_of(camera, 1.0 / z, at, w, slope_around(vec2<u32>(TILE / 2u)));
+        camera_weight[nth] = weight_on_surface(camera, 1.0 / z, at, w, slope_around(vec2<u32>(TILE / 2u)));
     }
 }
 

@@ -29,6 +29,18 @@ fn sum_row(at: vec2<u32>, pixel: u32) {
     masks[place + 5u] = bitcast<u32>(shares.y);
 }
 
+// Whether any of the eight pixels around one shows a sample.
+fn is_beside_shown(at: vec2<u32>) -> bool {
+    for (var y = max(at.y, 1u) - 1u; y <= min(at.y + 1u, finish.height - 1u); y++) {
+        for (var x = max(at.x, 1u) - 1u; x <= min(at.x + 1u, finish.width - 1u); x++) {
+            if image_at(y * finish.width + x) != NO_IMAGE {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 fn set_mean(at: vec2<u32>, pixel: u32) {
     var colors = vec4<f32>(0.0);
     var shares = vec2<f32>(0.0);
@@ -46,7 +58,8 @@ fn set_mean(at: vec2<u32>, pixel: u32) {
             shares += vec2<f32>(bitcast<f32>(masks[place + 4u]), bitcast<f32>(masks[place + 5u]));
         }
     }
-    let color = colors.xyz / colors.w;
+    // Beside what is shown the choice is sure.
+    let color = select(colors.xyz / colors.w, color_at(pixel), is_beside_shown(at));
     let share = shares.x / shares.y;
     set_color(pixel, color);
     if knows_sky() && share > 0.0 {

@@ -159,11 +159,21 @@ mod tests {
                     place.x * per_unit + f64::from(lens.width) / 2.0,
                     place.y * per_unit + f64::from(lens.height) / 2.0,
                 ];
-                let is_inside = |at: f64, side: u32| at >= 0.0 && at < f64::from(side);
+                let is_inside = |at: f64, side: u32| at >= 1.0 && at < f64::from(side - 1);
                 if place.z <= 0.0 || !is_inside(at[0], lens.width) || !is_inside(at[1], lens.height) {
                     continue;
                 }
-                let shown = 1.0 / f64::from(picture.inverse_depth[(at[0] as usize, at[1] as usize)]);
+                let shown_at = |x: usize, y: usize| 1.0 / f64::from(picture.inverse_depth[(x, y)]);
+                let (x, y) = (at[0] as usize, at[1] as usize);
+                let around = (0..9).map(|nth| shown_at(x + nth % 3 - 1, y + nth / 3 - 1));
+                let (least, most) = around.fold((f64::INFINITY, 0.0_f64), |(least, most), depth| {
+                    (least.min(depth), most.max(depth))
+                });
+                // At an outline a pixel shows what covers most of it.
+                if most - least > 6.0 / per_unit {
+                    continue;
+                }
+                let shown = shown_at(x, y);
                 all += 1;
                 // What is shown is this sample or a nearer one.
                 near += usize::from(shown <= place.z + 2.0 / per_unit);

@@ -157,7 +157,7 @@ fn cameras_ui(
     sent: &mut Vec<EditCommand>,
 ) {
     let Some(scene) = &state.scene else { return };
-    ui.menu_button(format!("{name} ▾"), |ui| {
+    ui.menu_button(name, |ui| {
         ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
             for camera in &scene.cameras {
                 if ui.button(&camera.name).clicked() {

@@ -24,16 +24,8 @@ pub(crate) struct Unsettled<'a> {
     camera: usize,
     pub(crate) decided: LevelVerdicts,
     samples: &'a RatedSamples,
-    /// By chunk, once they were resolved.
-    pending: Option<Vec<Vec<PendingSample>>>,
-}
-
-/// A sample whose candidate is undecided yet.
-struct PendingSample {
-    /// Index among the camera's samples.
-    index: usize,
-    /// The other candidates, worst first; found only where the best was dropped. The verdict names the one that is waited for.
-    others: Option<Vec<Candidate>>,
+    /// Samples whose candidate is undecided yet, by chunk, once they were resolved: indices among the camera's samples.
+    pending: Option<Vec<Vec<usize>>>,
 }
 
 impl<'a> Unsettled<'a> {
@@ -56,7 +48,7 @@ impl<'a> Unsettled<'a> {
             let resolve = |(chunk, (pixels, verdicts)): (usize, (&[u32], &[Verdict]))| {
                 let mut pending = Vec::new();
                 resolve(pass, camera, pixels, verdicts, |nth| {
-                    pending.push(PendingSample { index: chunk * CHUNK + nth, others: None });
+                    pending.push(chunk * CHUNK + nth);
                 });
                 pending
             };
@@ -119,7 +111,7 @@ struct ResolvePending<'a> {
     /// Index of the first of `verdicts`.
     first: usize,
     verdicts: &'a mut [Verdict],
-    pending: &'a mut Vec<PendingSample>,
+    pending: &'a mut Vec<usize>,
 }
 
 impl VectorLoop for ResolvePending<'_> {
@@ -129,17 +121,13 @@ impl VectorLoop for ResolvePending<'_> {
     fn run(self) {
         let Self { pass, camera, samples, first, verdicts, pending } = self;
         let all: Vec<usize> = pass.pairs.others(camera).map(|(other, _)| other).collect();
-        pending.retain_mut(|PendingSample { index, others }| {
-            let find = || {
-                let mut found = candidates(pass, camera, samples, *index, &all);
-                leave_out_needless(pass, &mut found);
-                found.reverse();
-                found
-            };
-            let pixel = samples.pixels[*index];
-            let sample = WaitingSample { camera, pixel, rank: samples.ranks[*index] };
-            let verdict = &mut verdicts[*index - first];
-            let tried = sample.tried(pass, verdict, || others.get_or_insert_with(find).pop());
+        pending.retain(|&index| {
+            // All that are better than the next were dropped.
+            let next = || candidates(pass, camera, samples, index, &all).next();
+            let pixel = samples.pixels[index];
+            let sample = WaitingSample { camera, pixel, rank: samples.ranks[index] };
+            let verdict = &mut verdicts[index - first];
+            let tried = sample.tried(pass, verdict, next);
             if tried == Tried::NoneLeft {
                 let is_contradicted = pass.votes.contradicts(pass.pairs, pass.layers, camera, pixel);
                 sample.end(pass, verdict, is_contradicted);
@@ -255,7 +243,11 @@ impl<'a> Preparing<'a> {
         let of_samples = self.candidates.par_iter_mut().with_min_len(CHUNK / 8).enumerate();
         of_samples.for_each(|(index, found)| {
             found.extend(candidates(pass, camera, samples, index, targets));
-            leave_out_needless(pass, found);
+            found.sort_unstable();
+            let is_kept = |found: &Candidate| pass.status(found.camera as usize, found.pixel) == KEPT;
+            if let Some(first_kept) = found.iter().position(is_kept) {
+                found.truncate(first_kept + 1);
+            }
         });
     }
 }
@@ -340,28 +332,19 @@ impl Prepared {
     }
 }
 
-/// Puts the best candidate first, and leaves out those that are worse than a kept one.
-fn leave_out_needless(pass: &PruningPass<'_>, candidates: &mut Vec<Candidate>) {
-    candidates.sort_unstable();
-    let is_kept = |found: &Candidate| pass.status(found.camera as usize, found.pixel) == KEPT;
-    if let Some(first_kept) = candidates.iter().position(is_kept) {
-        candidates.truncate(first_kept + 1);
-    }
-}
-
-/// The candidates of a sample in the layers of some other cameras, without those that were dropped already.
+/// The candidates of a sample in the layers of some other cameras that are not dropped, the best first, up to the first that is kept.
 #[inline(always)]
-fn candidates(
-    pass: &PruningPass<'_>,
+fn candidates<'a>(
+    pass: &'a PruningPass<'_>,
     camera: usize,
-    samples: &RatedSamples,
+    samples: &'a RatedSamples,
     index: usize,
-    targets: &[usize],
-) -> Vec<Candidate> {
+    targets: &'a [usize],
+) -> impl Iterator<Item = Candidate> + use<'a> {
     let (rank, pixel, level) = (samples.ranks[index], samples.pixels[index], samples.level);
     let sample = Candidate { rank, camera: camera as u16, pixel, level };
     let point = PixelRun::<1>::of_sample(samples, index);
-    let mut candidates = Vec::new();
+    let mut better = Vec::new();
     for (other, registration) in pass.pairs.others_among(camera, targets) {
         let target = &pass.layers[other];
         if target.geometry.is_empty() {
@@ -371,19 +354,32 @@ fn candidates(
         if reprojected.bits[0] & IN_VIEW == 0 {
             continue;
         }
-        // Whether it is better is known at once, whether it is the same surface takes long.
         let candidate = Candidate::new(target, other, reprojected.pixel[0]);
         let status = pass.status(other, candidate.pixel);
         let is_own_level = candidate.level == pass.level && status != DROPPED;
         let is_kept = status == KEPT;
-        let point = SourceRun { layer: &pass.layers[camera], run: &point };
-        let seen = TargetRun { layer: target, reprojected: &reprojected };
         if may_be_witness(is_own_level, is_kept, pass.settings.pruning.across_spans)
             && candidate.is_better_than(&sample)
-            && pass.limits.compare(registration, point, seen, [1]).is_same(0)
         {
-            candidates.push(candidate);
+            better.push((candidate, is_kept, registration));
         }
     }
-    candidates
+    better.sort_unstable_by_key(|(candidate, ..)| *candidate);
+    let mut ends = false;
+    // Whether it is better is known at once, whether it is the same surface takes long: what is worse than a kept one is not asked.
+    better
+        .into_iter()
+        .map_while(move |(candidate, is_kept, registration)| {
+            if ends {
+                return None;
+            }
+            let target = &pass.layers[candidate.camera as usize];
+            let reprojected = registration.reproject(&point, target.width);
+            let from = SourceRun { layer: &pass.layers[camera], run: &point };
+            let seen = TargetRun { layer: target, reprojected: &reprojected };
+            let is_same = pass.limits.compare(registration, from, seen, [1]).is_same(0);
+            ends = is_same && is_kept;
+            Some(is_same.then_some(candidate))
+        })
+        .flatten()
 }

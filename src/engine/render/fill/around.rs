@@ -5,6 +5,8 @@
 //!            ◀── r ─▶          the mean along the row, then along the column, over pixels of holes alone
 //! ```
 //!
+//! Beside what is shown a pixel keeps its color: what it is next to is sure.
+//!
 //! Purpose: rays in eight directions meet now one surface, now another, and lines of sight are seen free or not by a cell's breadth: what
 //! single pixels choose is shreds and lace. Where the truth is not known, the mean of what is likely errs least.
 //!

@@ -131,7 +131,9 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
     rows.zip(filled).enumerate().for_each(|(y, ((colors, inverse_depths), filled))| {
         for Filling { x, surface, .. } in filled {
             let Some(surface) = surface else { continue };
-            let (color, sky_share) = around.mean((x, y));
+            let (mean, sky_share) = around.mean((x, y));
+            // Beside what is shown the choice is sure.
+            let color = if is_beside_shown(images, width, (x, y)) { surface.color } else { mean };
             (colors[x], inverse_depths[x]) = (color, surface.inverse_depth);
             if let Some(sky) = sky.as_ref().filter(|_| sky_share > 0.0) {
                 colors[x] = sky.over(color, (x, y), sky_share);
@@ -139,6 +141,13 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
             }
         }
     });
+}
+
+/// Whether any of the eight pixels around one shows a sample.
+fn is_beside_shown(images: &[u32], width: usize, (x, y): (usize, usize)) -> bool {
+    let mut rows = y.saturating_sub(1)..(y + 2).min(images.len() / width);
+    let columns = x.saturating_sub(1)..(x + 2).min(width);
+    rows.any(|row| images[row * width..][columns.clone()].iter().any(|image| *image != NO_IMAGE))
 }
 
 /// The sky in holes that may show it.

@@ -89,9 +89,9 @@ fn add_camera(views: &SourceViews<'_>, camera: u16, points: &mut SurfacePoints, 
             *at = *nth as usize % MOST;
         }
         let which = u32::MAX >> (32 - group.len());
-        let slope = [listed(&slope[0], &at), listed(&slope[1], &at)];
-        let group_points = TargetPoints { x: listed(x, &at), y: listed(y, &at), w: listed(w, &at), slope };
-        let found = colors_in(views, view, &group_points, which, caches);
+        let group_points = TargetPoints { x: listed(x, &at), y: listed(y, &at), w: listed(w, &at) };
+        let slopes = [listed(&slope[0], &at), listed(&slope[1], &at)];
+        let found = colors_in(views, view, (&group_points, &slopes), which, caches);
         for (at, part) in at.iter().zip(&found.color).take(group.len()) {
             for channel in 0..4 {
                 color[at % MOST][channel] += part[channel];
@@ -107,7 +107,7 @@ fn add_camera(views: &SourceViews<'_>, camera: u16, points: &mut SurfacePoints, 
 fn colors_in(
     views: &SourceViews<'_>,
     view: &SourceView,
-    points: &TargetPoints,
+    (points, slopes): (&TargetPoints, &[LaneValues; 2]),
     which: u32,
     caches: &mut TileCaches,
 ) -> ViewColors {
@@ -139,7 +139,7 @@ fn colors_in(
                 reprojected = ReprojectedPoints::new(&views.lookup, view, &moved);
             }
             let which = alike & reprojected.inside;
-            sum.add(&interpolated(views, view, &moved, &mut reprojected, which, caches), 1.0);
+            sum.add(&interpolated(views, view, (&moved, slopes), &mut reprojected, which, caches), 1.0);
             sub = if sub.0 + 1.0 < count { (sub.0 + 1.0, sub.1) } else { (0.0, sub.1 + 1.0) };
         }
         found.add(&sum, per_subpixel * per_subpixel);
@@ -157,7 +157,7 @@ fn colors_in(
 fn interpolated(
     views: &SourceViews<'_>,
     view: &SourceView,
-    points: &TargetPoints,
+    (points, slopes): (&TargetPoints, &[LaneValues; 2]),
     at: &mut ReprojectedPoints,
     which: u32,
     caches: &mut TileCaches,
@@ -193,7 +193,7 @@ fn interpolated(
             at.down[i] = if moves { down } else { at.down[i] };
         }
     }
-    let weights = views.weights(view, &at.distance_ratio, points);
+    let weights = views.weights_on_surface(view, &at.distance_ratio, points, slopes);
     weighted_colors(view, &quads, at, &weights, which)
 }
 

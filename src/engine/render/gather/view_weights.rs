@@ -42,8 +42,6 @@ pub(super) struct TargetPoints {
     pub(super) x: LaneValues,
     pub(super) y: LaneValues,
     pub(super) w: LaneValues,
-    /// Growth of the inverse depth by column and by row; 0 where it is not known.
-    pub(super) slope: [LaneValues; 2],
 }
 
 /// The cameras of a frame as the vantage sees them, and their samples.
@@ -116,7 +114,11 @@ impl<'a> SourceViews<'a> {
         weights.extend(cameras.iter().map(|&camera| {
             let view = &self.views[camera as usize];
             let point = view.source_from_target.point(x, y, w);
-            let weight = if point.z > 0.0 { self.weight(view, 1.0 / point.z, (x, y), w, slope) } else { 0.0 };
+            let weight = if point.z > 0.0 {
+                self.weight_on_surface(view, 1.0 / point.z, (x, y), w, slope)
+            } else {
+                0.0
+            };
             (weight, camera)
         }));
         weights.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -132,7 +134,8 @@ impl<'a> SourceViews<'a> {
         (point.z > 0.0 && u.abs().max(v.abs()) < 1e6).then_some((u as i32, v as i32))
     }
 
-    /// The weights of a camera for sixteen points, whose distances are given as in [`ReprojectedPoints`].
+    /// The weights of a camera for sixteen points beside steps in depth, where no slope is known. Distances are given as in
+    /// [`ReprojectedPoints`].
     ///
     /// [`ReprojectedPoints`]: super::reproject::ReprojectedPoints
     #[inline(always)]
@@ -144,21 +147,44 @@ impl<'a> SourceViews<'a> {
     ) -> LaneValues {
         let mut weights = [0.0; LANES];
         for i in 0..LANES {
-            weights[i] = self.weight(
-                view,
-                distance_ratio[i],
-                (points.x[i], points.y[i]),
-                points.w[i],
-                [points.slope[0][i], points.slope[1][i]],
-            );
+            weights[i] = self.weight(view, distance_ratio[i], (points.x[i], points.y[i]), points.w[i]);
         }
         weights
     }
 
-    /// The weight of a camera: the cubed sampling rate on the surface, up to [`USEFUL_RATE`], times the cosine between its line of
-    /// sight and the vantage's. Of the powers 2, 3 and 4 the third loses least: textures gain by more, edges by less.
+    /// The same on surfaces of known slopes.
     #[inline(always)]
-    fn weight(
+    pub(super) fn weights_on_surface(
+        &self,
+        view: &SourceView,
+        distance_ratio: &LaneValues,
+        points: &TargetPoints,
+        slopes: &[LaneValues; 2],
+    ) -> LaneValues {
+        let mut weights = [0.0; LANES];
+        for i in 0..LANES {
+            let (at, slope) = ((points.x[i], points.y[i]), [slopes[0][i], slopes[1][i]]);
+            weights[i] = self.weight_on_surface(view, distance_ratio[i], at, points.w[i], slope);
+        }
+        weights
+    }
+
+    /// The weight of a camera where nothing is known of the surface's slope: the squared sampling rate, up to [`USEFUL_RATE`], times the
+    /// cosine between its line of sight and the vantage's.
+    #[inline(always)]
+    fn weight(&self, view: &SourceView, distance_ratio: f32, (x, y): (f32, f32), w: f32) -> f32 {
+        let [first, across, down] = self.rays_in_world;
+        let ray = first + across * x + down * y;
+        let sight = ray + view.offset_in_world * w;
+        let cosine = ray.dot(sight) / (ray.length_squared() * sight.length_squared()).sqrt();
+        let rate = self.rate(view, distance_ratio).min(USEFUL_RATE);
+        rate * rate * cosine.max(0.01)
+    }
+
+    /// The weight of a camera for a surface whose inverse depth grows by `slope` a column and a row: the cubed sampling rate on the
+    /// surface, else as [`SourceViews::weight`]. Of the powers 2, 3 and 4 the third loses least: textures gain by more, edges by less.
+    #[inline(always)]
+    fn weight_on_surface(
         &self,
         view: &SourceView,
         distance_ratio: f32,

@@ -67,10 +67,8 @@ pub(super) fn vote(
         let (x, y, w) = (lanes(&points.x, first), lanes(&points.y, first), lanes(&points.w, first));
         let which = u32::MAX >> (32 - LANES.min(count - first));
         let mut sums = [[0.0; LANES]; 3];
-        // Beside a step in depth no slope is known.
-        let points = TargetPoints { x, y, w, slope: [[0.0; LANES]; 2] };
         for &camera in cameras {
-            add_votes(views, camera, &points, which, caches, &mut sums);
+            add_votes(views, camera, &TargetPoints { x, y, w }, which, caches, &mut sums);
         }
         let [agree, total, max_weight] = sums;
         let votes_on =

@@ -70,7 +70,7 @@ pub(crate) struct FigureArgs {
     #[arg(long, value_name = "TEXT", default_value = "")]
     caption: String,
     /// Dark type on white paper, or light type on dark paper.
-    #[arg(long, default_value = "light", value_parser = one_of(THEMES))]
+    #[arg(long, default_value = "light", action = clap::ArgAction::Set, value_parser = one_of(THEMES))]
     theme: bool,
     /// The unit of the scene's lengths.
     #[arg(long, default_value = "m", value_parser = one_of(UNITS))]
