@@ -7,7 +7,7 @@ use super::driver::{
 use std::path::Path;
 
 use egui::Key;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use overlook::app::Start;
 use overlook_engine::settings::{Fill, Settings};
 

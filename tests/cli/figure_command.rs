@@ -55,11 +55,11 @@ fn a_view_of_a_store_is_drawn_at_the_size_of_the_figure_and_an_orthographic_one_
     let folder = stored();
     let here = folder.path();
     let view =
-        ["scene.ovl#frame=0", "--width", "320px", "--theme", "dark", "--unit", "cm", "--out", "view.svg"];
+        ["scene.ovl#frame=0", "--width", "640px", "--theme", "dark", "--unit", "cm", "--out", "view.svg"];
     let out = figure(here, &view);
     assert!(out.status.success(), "{}", said(&out));
     let svg = std::fs::read_to_string(here.join("view.svg")).unwrap();
-    assert!(svg.contains("viewBox=\"0 0 320 ") && svg.contains(" cm, at ") && svg.contains("#171b21"));
+    assert!(svg.contains("viewBox=\"0 0 640 ") && svg.contains(" cm, at ") && svg.contains("#171b21"));
     let out = figure(here, &["scene.ovl", "--orthographic", "8", "--width", "400px", "--out", "plan.svg"]);
     assert!(out.status.success(), "{}", said(&out));
     let svg = std::fs::read_to_string(here.join("plan.svg")).unwrap();

@@ -19,7 +19,12 @@ pub(super) fn keys_ui(
 ) {
     let tokens = Tokens::in_ui(ui);
     let last = state.frame_count().saturating_sub(1);
-    for (index, key) in state.inspector.path.keys.iter().enumerate() {
+    let keys = &state.inspector.path.keys;
+    for (index, key) in keys.iter().enumerate() {
+        // Of keys at one frame the last lies above and is taken first.
+        if keys[index + 1..].iter().any(|later| later.frame.min(last) == key.frame.min(last)) {
+            continue;
+        }
         let x = bar.left() + (key.frame.min(last) as f32 + 0.5) * step;
         let middle = pos2(x, bar.bottom() - HALF - 1.0);
         let area = Rect::from_center_size(middle, vec2(2.0 * REACH, 2.0 * REACH)).intersect(bar);

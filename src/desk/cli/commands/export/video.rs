@@ -31,11 +31,12 @@ impl VideoArgs {
         output::check_file(&self.out, "video.mp4")?;
         let film = self.film.plan(self.fps)?;
         self.film.refuse_inputs(&self.out)?;
-        let mut encoder = FilmEncoder::start(&self.out, film.size(), self.fps)?;
-        if film.panorama.is_some() {
-            encoder.mark_equirectangular();
-        }
         let notice = output::watched(|job| {
+            // Only now does Ctrl-C clean up.
+            let mut encoder = FilmEncoder::start(&self.out, film.size(), self.fps)?;
+            if film.panorama.is_some() {
+                encoder.mark_equirectangular();
+            }
             let painted = film.paint(job, |_, picture| encoder.add(picture));
             painted.and_then(|notice| encoder.finish(job).map(|()| notice))
         })?;
