@@ -7,7 +7,7 @@
 //!
 //! Purpose: the one place that says which views are compared with which. Frusta reject exactly, and cheaply; where pictures are at hand,
 //! shared points tell how much is seen. Two callers know neither: whoever doubts how poses are read pairs views by their numbers
-//! ([`pairs_by_number`]), and lines of sight of a new view ask the cameras nearest to it ([`nearest_first`]).
+//! (`pairs_by_number`), and lines of sight of a new view ask the cameras nearest to it (`nearest_first`).
 
 mod depth_bounds;
 mod graph;
