@@ -90,30 +90,47 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     xdotool(&display, &["key", "Escape"]).unwrap();
     drag(&display, [x, y], "20");
     // Until the capture is pruned there is nothing to save: a busy machine is asked again.
-    wait_for("the store", || {
-        std::thread::sleep(Duration::from_secs(1));
+    again_until("the store", &display, || store.exists(), || {
         xdotool(&display, &["key", "ctrl+s"]).unwrap();
         choose_where(&display);
-        xdotool(&display, &["key", "ctrl+a"]).unwrap();
-        xdotool(&display, &["type", "--delay", "20", path]).unwrap();
-        xdotool(&display, &["key", "Return"]).unwrap();
-        std::thread::sleep(Duration::from_secs(1));
-        store.exists().then_some(())
+        type_path(&display, path);
     });
     let (samples, report) = overlook_engine::store::read(&store, &overlook_engine::job::Job::new()).unwrap();
     assert!(samples.settings.pruning.depth_tolerance > 1.5, "{}", samples.settings.pruning.depth_tolerance);
     let report = overlook_engine::preprocess::diagnostics::Report::from_json(&report, "saved").unwrap();
     assert_eq!(report.samples_kept, samples.sample_count());
 
-    xdotool(&display, &["key", "ctrl+o"]).unwrap();
-    std::thread::sleep(Duration::from_secs(1));
-    xdotool(&display, &["key", "ctrl+a"]).unwrap();
-    xdotool(&display, &["type", "--delay", "20", path]).unwrap();
-    xdotool(&display, &["key", "Return"]).unwrap();
-    wait_for("the store in place of the capture", || {
-        (colors_in_source_view(&display, folder.path()) < 20).then_some(())
+    let is_open = || colors_in_source_view(&display, folder.path()) < 20;
+    again_until("the store in place of the capture", &display, is_open, || {
+        xdotool(&display, &["key", "ctrl+o"]).unwrap();
+        std::thread::sleep(Duration::from_secs(1));
+        type_path(&display, path);
     });
     quit(&display, program);
+}
+
+/// Asks for something, and again where nothing came of it in the time that a busy machine may take.
+fn again_until(what: &str, display: &str, is_done: impl Fn() -> bool, ask: impl Fn()) {
+    wait_for(what, || {
+        std::thread::sleep(Duration::from_secs(1));
+        ask();
+        for _ in 0..15 {
+            std::thread::sleep(Duration::from_secs(1));
+            if is_done() {
+                return Some(());
+            }
+        }
+        // Whatever waits for an answer goes.
+        xdotool(display, &["key", "Escape"]).unwrap();
+        None
+    });
+}
+
+/// Types a path in place of what stands in the field that has the keyboard.
+fn type_path(display: &str, path: &str) {
+    xdotool(display, &["key", "ctrl+a"]).unwrap();
+    xdotool(display, &["type", "--delay", "20", path]).unwrap();
+    xdotool(display, &["key", "Return"]).unwrap();
 }
 
 /// Does something by its name, through the command palette.
@@ -130,9 +147,7 @@ fn say(display: &str, words: &str) {
 /// Types a path into the field that comes up where there is no dialog.
 fn answer(display: &str, path: &Path) {
     std::thread::sleep(Duration::from_secs(1));
-    xdotool(display, &["key", "ctrl+a"]).unwrap();
-    xdotool(display, &["type", "--delay", "15", path.to_str().unwrap()]).unwrap();
-    xdotool(display, &["key", "Return"]).unwrap();
+    type_path(display, path.to_str().unwrap());
     std::thread::sleep(Duration::from_secs(1));
 }
 
