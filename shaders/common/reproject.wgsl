@@ -40,27 +40,28 @@ fn rate_of(camera: u32, distance_ratio: f32) -> f32 {
     return views[camera].source_from_target.focal_ratio * distance_ratio * f32(stage.subpixels);
 }
 
+// The cosine between the lines of sight of the vantage and of a camera to a surface, and the squared lengths of both.
+fn sights_of(camera: u32, at: vec2<f32>, w: f32) -> vec3<f32> {
+    let line = stage.first_ray + stage.ray_across * at.x + stage.ray_down * at.y;
+    let sight = line + views[camera].offset_in_world * w;
+    let squared = vec2<f32>(dot(line, line), dot(sight, sight));
+    return vec3<f32>(dot(line, sight) / sqrt(squared.x * squared.y), squared);
+}
+
 // The weight of a camera where nothing is known of the surface's slope: the squared sampling rate, up to USEFUL_RATE, times the cosine
 // between its line of sight and the vantage's.
 fn weight_of(camera: u32, distance_ratio: f32, at: vec2<f32>, w: f32) -> f32 {
-    let line = stage.first_ray + stage.ray_across * at.x + stage.ray_down * at.y;
-    let sight = line + views[camera].offset_in_world * w;
-    let cosine = dot(line, sight) / sqrt(dot(line, line) * dot(sight, sight));
     let rate = min(rate_of(camera, distance_ratio), USEFUL_RATE);
-    return rate * rate * max(cosine, 0.01);
+    return rate * rate * max(sights_of(camera, at, w).x, 0.01);
 }
 
 // The weight of a camera for a surface whose inverse depth `w` grows by `slope` a column and a row: the cubed sampling rate on the
 // surface, else as above.
 fn weight_on_surface(camera: u32, distance_ratio: f32, at: vec2<f32>, w: f32, slope: vec2<f32>) -> f32 {
-    let line = stage.first_ray + stage.ray_across * at.x + stage.ray_down * at.y;
-    let sight = line + views[camera].offset_in_world * w;
-    let line_squared = dot(line, line);
-    let sight_squared = dot(sight, sight);
-    let cosine = dot(line, sight) / sqrt(line_squared * sight_squared);
+    let sights = sights_of(camera, at, w);
     // The cosine of incidence over the vantage's.
     let growth = vec3<f32>(slope, w - slope.x * at.x - slope.y * at.y);
-    let facing = (1.0 + dot(views[camera].growth_along_offset, growth)) * sqrt(line_squared / sight_squared);
+    let facing = (1.0 + dot(views[camera].growth_along_offset, growth)) * sqrt(sights.y / sights.z);
     let rate = min(rate_of(camera, distance_ratio) * sqrt(clamp(facing, MOST_SLANTED, 1.0 / MOST_SLANTED)), USEFUL_RATE);
-    return rate * rate * rate * max(cosine, 0.01);
+    return rate * rate * rate * max(sights.x, 0.01);
 }

@@ -54,8 +54,7 @@ pub fn edit_store(
         counted.note_cut(cut, left.images.facts());
         report = counted.to_json()?;
     }
-    let outline = SampleSet { images: Vec::new(), ..set };
-    let samples = SampleSet { images: left.images.into_images()?, ..outline };
+    let samples = SampleSet { images: left.images.into_images()?, ..set };
     Ok(EditedStore { samples, report, dropped: left.dropped })
 }
 

@@ -285,8 +285,7 @@ pub fn edit_samples(
     place: &str,
 ) -> Result<(SampleSet, u64)> {
     let EditedImages { images, dropped, .. } = cut(&ImageBuffer::of(&set.images), set, edits, votes, place)?;
-    let outline = SampleSet { images: Vec::new(), ..set.clone() };
-    Ok((SampleSet { images: images.into_images()?, ..outline }, dropped))
+    Ok((SampleSet { images: images.into_images()?, ..set.clone() }, dropped))
 }
 
 /// How much of its own color a selected sample keeps where selections are shown.
@@ -342,6 +341,5 @@ pub fn selected(
         })
         .collect::<Result<_>>()?;
     let count = tinted.iter().map(|(_, count)| count).sum();
-    let outline = SampleSet { images: Vec::new(), ..set.clone() };
-    Ok((SampleSet { images: tinted.into_iter().map(|(image, _)| image).collect(), ..outline }, count))
+    Ok((SampleSet { images: tinted.into_iter().map(|(image, _)| image).collect(), ..set.clone() }, count))
 }

@@ -103,8 +103,10 @@ impl Ahead {
                 return image.clone();
             }
             let depth = self.depth_of(&samples.cameras[image.camera as usize]);
-            let lies_ahead = |x, y, inverse_depth| depth(x, y, inverse_depth) > 0.0;
-            Arc::new(image.retained(lies_ahead))
+            Arc::new(
+                image
+                    .part(image.span, |sample, inverse_depth| depth(sample.x, sample.y, inverse_depth) > 0.0),
+            )
         });
         SampleSet { images: images.collect(), ..samples.clone() }
     }

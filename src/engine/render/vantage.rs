@@ -91,6 +91,14 @@ pub(crate) const NO_FRONT: FrontColor = [0.0, 0.0, 0.0, -1.0, 0.0];
 /// A pixel shows samples from this share on that they cover; with less it is a hole.
 pub(crate) const LEAST_SHOWN: f32 = 0.5;
 
+/// The pixels around one of a picture of a size, itself among them, as far as they are in the picture: indices, row-major.
+#[inline(always)]
+pub(crate) fn pixels_around(pixel: usize, (width, height): (usize, usize)) -> impl Iterator<Item = usize> {
+    let (x, y) = (pixel % width, pixel / width);
+    let rows = y.saturating_sub(1)..(y + 2).min(height);
+    rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x))
+}
+
 impl Picture {
     /// A picture of holes.
     #[must_use]

@@ -108,3 +108,35 @@ impl SampleImage {
         joined.finish()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_keeps_its_place_depth_color_and_doubt() {
+        let mut rows = [0; TILE];
+        (rows[2], rows[9]) = (0b101, 0b1000);
+        let tiles = vec![
+            SampleTile { tile_x: 1, tile_y: 0, first: 0, rows },
+            SampleTile { tile_x: 2, tile_y: 3, first: 3, rows },
+        ];
+        let depths = [0.5, 0.0, 0.25, 2.0, 3.0, 4.0];
+        let image = SampleImage {
+            camera: 4,
+            span: Span { start: 0, end: 1 },
+            depth: DepthPlane::pack(&tiles, &depths),
+            color: (0..6).map(|nth| [f16::from_f32(nth as f32); 3]).collect(),
+            normal: None,
+            doubtful: vec![TileMask { tile: 1, rows }],
+            tiles,
+        };
+        assert_eq!(image.part(image.span, |_, _| true), image);
+        let some = image.part(image.span, |sample, depth| (sample.x, sample.y) == (35, 57) || depth == 0.0);
+        let places: Vec<_> = some.samples().map(|sample| (sample.x, sample.y)).collect();
+        assert_eq!((places, some.inverse_depths()), (vec![(18, 2), (35, 57)], vec![0.0, 4.0]));
+        assert_eq!(some.color.iter().map(|color| color[0].to_f32()).collect::<Vec<_>>(), [1.0, 5.0]);
+        assert!(some.is_doubtful(35, 57) && !some.is_doubtful(18, 2));
+        assert!(image.part(image.span, |_, depth| depth > 1.0).tiles.len() == 1);
+    }
+}

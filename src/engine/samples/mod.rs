@@ -7,7 +7,6 @@ mod image_parts;
 mod oct_normal;
 mod placed;
 mod record_stream;
-mod retained;
 mod sample_set;
 mod spill_file;
 mod tile;

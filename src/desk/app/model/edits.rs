@@ -232,7 +232,7 @@ pub(crate) fn words(region: &Region) -> String {
         Region::Footprint { .. } => "range of sampling rate".to_owned(),
         Region::Angle { .. } => "range of angle".to_owned(),
         Region::Any(parts) => join(parts, " + "),
-        Region::All(parts) => join(parts, " ∩ "),
+        Region::All(parts) => join(parts, " and "),
         Region::Without(parts) => join(parts, " − "),
         Region::Not(part) => format!("not {}", words(part)),
     }

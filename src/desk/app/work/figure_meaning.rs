@@ -37,6 +37,12 @@ pub(super) fn of_source(
     let no_depth = |invalid: u64, total: u64| {
         (invalid > 0).then(|| entry(tokens.invalid, format!("no depth {}", percent(invalid, total))))
     };
+    let shares = |names: [(Color32, &str); 3], counts: [u64; 3], invalid: u64, total: u64| {
+        let named = names.into_iter().zip(counts);
+        let named =
+            named.map(|((color, name), count)| entry(color, format!("{name} {}", percent(count, total))));
+        Meaning { legend: named.chain(no_depth(invalid, total)).collect(), color_bar: None }
+    };
     match legend {
         Legend::Plain if overlay == Overlay::Normals => Meaning {
             legend: vec![words("Red, green and blue: the normal's x, y and z in world space.")],
@@ -60,19 +66,11 @@ pub(super) fn of_source(
         }
         Legend::Split { background, lasting, foreground, invalid } => {
             let total = background + lasting + foreground + invalid;
-            let counts = [*background, *lasting, *foreground];
-            let spans = spans(tokens).into_iter().zip(counts);
-            let spans =
-                spans.map(|((color, name), count)| entry(color, format!("{name} {}", percent(count, total))));
-            Meaning { legend: spans.chain(no_depth(*invalid, total)).collect(), color_bar: None }
+            shares(spans(tokens), [*background, *lasting, *foreground], *invalid, total)
         }
         Legend::Agreement { confirmed, contradicted, alone, invalid } => {
             let total = confirmed + contradicted + alone + invalid;
-            let counts = [*confirmed, *contradicted, *alone];
-            let found = agreements(tokens).into_iter().zip(counts);
-            let found =
-                found.map(|((color, name), count)| entry(color, format!("{name} {}", percent(count, total))));
-            Meaning { legend: found.chain(no_depth(*invalid, total)).collect(), color_bar: None }
+            shares(agreements(tokens), [*confirmed, *contradicted, *alone], *invalid, total)
         }
         Legend::ViewDependence { visible, alike, unknown } => {
             let total = visible + alike + unknown;

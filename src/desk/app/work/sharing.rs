@@ -156,7 +156,7 @@ fn write_path(
     }
     let mut renderer = Renderer::new();
     let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
-        film::paint(source, &vantages, &mut renderer, &export.settings, job, take)
+        film::paint(source, &vantages, None, &mut renderer, &export.settings, job, take)
     };
     let display = &export.display;
     if let Some(rate) = export.target.film_rate {

@@ -67,6 +67,7 @@ impl DepthBounds {
             registration.may_see([left, last(left, self.width)], [top, last(top, self.height)], *block)
         })
     }
+
     /// The depth in the middle of all samples, by inverse depth; `None` without any.
     pub(super) fn middle_depth(&self) -> Option<f64> {
         let [smallest, largest] = self.whole.map(f64::from);

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::decision::{Candidate, LevelVerdicts, Rule, Verdict, may_be_witness};
 use super::pass::{DROPPED, KEPT, PruningPass, UNDECIDED};
+use crate::capture::overlap::Registration;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::layers::{Rank, RatedSamples};
@@ -242,9 +243,14 @@ impl<'a> Preparing<'a> {
         let (camera, samples) = (self.camera, self.samples);
         let of_samples = self.candidates.par_iter_mut().with_min_len(CHUNK / 8).enumerate();
         of_samples.for_each(|(index, found)| {
-            found.extend(candidates(pass, camera, samples, index, targets));
-            found.sort_unstable();
             let is_kept = |found: &Candidate| pass.status(found.camera as usize, found.pixel) == KEPT;
+            for candidate in candidates(pass, camera, samples, index, targets) {
+                found.push(candidate);
+                if is_kept(&candidate) {
+                    break;
+                }
+            }
+            found.sort_unstable();
             if let Some(first_kept) = found.iter().position(is_kept) {
                 found.truncate(first_kept + 1);
             }
@@ -332,7 +338,8 @@ impl Prepared {
     }
 }
 
-/// The candidates of a sample in the layers of some other cameras that are not dropped, the best first, up to the first that is kept.
+/// The candidates of a sample in the layers of some other cameras that are not dropped, the best first. Whether a pixel is better is known
+/// at once, whether it shows the same surface takes long: that is only asked of those that are taken.
 #[inline(always)]
 fn candidates<'a>(
     pass: &'a PruningPass<'_>,
@@ -357,29 +364,19 @@ fn candidates<'a>(
         let candidate = Candidate::new(target, other, reprojected.pixel[0]);
         let status = pass.status(other, candidate.pixel);
         let is_own_level = candidate.level == pass.level && status != DROPPED;
-        let is_kept = status == KEPT;
-        if may_be_witness(is_own_level, is_kept, pass.settings.pruning.across_spans)
+        if may_be_witness(is_own_level, status == KEPT, pass.settings.pruning.across_spans)
             && candidate.is_better_than(&sample)
         {
-            better.push((candidate, is_kept, registration));
+            better.push((candidate, registration));
         }
     }
     better.sort_unstable_by_key(|(candidate, ..)| *candidate);
-    let mut ends = false;
-    // Whether it is better is known at once, whether it is the same surface takes long: what is worse than a kept one is not asked.
-    better
-        .into_iter()
-        .map_while(move |(candidate, is_kept, registration)| {
-            if ends {
-                return None;
-            }
-            let target = &pass.layers[candidate.camera as usize];
-            let reprojected = registration.reproject(&point, target.width);
-            let from = SourceRun { layer: &pass.layers[camera], run: &point };
-            let seen = TargetRun { layer: target, reprojected: &reprojected };
-            let is_same = pass.limits.compare(registration, from, seen, [1]).is_same(0);
-            ends = is_same && is_kept;
-            Some(is_same.then_some(candidate))
-        })
-        .flatten()
+    let is_same = move |(candidate, registration): &(Candidate, &Registration)| {
+        let target = &pass.layers[candidate.camera as usize];
+        let reprojected = registration.reproject(&point, target.width);
+        let from = SourceRun { layer: &pass.layers[camera], run: &point };
+        let seen = TargetRun { layer: target, reprojected: &reprojected };
+        pass.limits.compare(registration, from, seen, [1]).is_same(0)
+    };
+    better.into_iter().filter(is_same).map(|(candidate, _)| candidate)
 }

@@ -30,7 +30,7 @@ use rayon::prelude::*;
 
 use super::environment::{Environment, PixelDirections};
 use super::free_space::{HOLE, HolePlace, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, sky_share};
-use super::vantage::{NO_IMAGE, Picture};
+use super::vantage::{NO_IMAGE, Picture, pixels_around};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
 use around::{Filling, FillingsAround};
@@ -88,7 +88,8 @@ pub(super) fn fill_tested(
 /// Fills all holes as [`fill_tested`] does, as if none were shown in part.
 fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings, tested: TestedHoles<'_>) {
     let TestedHoles { environment, blended, hidden_share } = tested;
-    let width = picture.image.width();
+    let size = picture.image.size();
+    let width = size.0;
     if let Some(environment) = environment {
         fill_sky(picture, target, environment, |_, depth| depth == SKY_HOLE);
     }
@@ -119,10 +120,8 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
             let sky_share = sky.as_ref().map_or(0.0, |sky| sky.share(y * width + x, row[x]));
             Some(Filling { x, surface: Some(filling), sky_share })
         };
-        let mut filled = Vec::with_capacity(row.iter().filter(|depth| is_unfilled(depth)).count());
         let is_filled = |x: &usize| is_unfilled(&row[*x]) || is_sky(y * width + x);
-        filled.extend((0..width).filter(is_filled).filter_map(fill_pixel));
-        filled
+        (0..width).filter(is_filled).filter_map(fill_pixel).collect()
     };
     let filled: Vec<_> = depths.par_chunks(width).enumerate().map(fill_row).collect();
     let around = FillingsAround::new(&filled, width);
@@ -133,7 +132,8 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
             let Some(surface) = surface else { continue };
             let (mean, sky_share) = around.mean((x, y));
             // Beside what is shown the choice is sure.
-            let color = if is_beside_shown(images, width, (x, y)) { surface.color } else { mean };
+            let is_sure = pixels_around(y * width + x, size).any(|there| images[there] != NO_IMAGE);
+            let color = if is_sure { surface.color } else { mean };
             (colors[x], inverse_depths[x]) = (color, surface.inverse_depth);
             if let Some(sky) = sky.as_ref().filter(|_| sky_share > 0.0) {
                 colors[x] = sky.over(color, (x, y), sky_share);
@@ -141,13 +141,6 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
             }
         }
     });
-}
-
-/// Whether any of the eight pixels around one shows a sample.
-fn is_beside_shown(images: &[u32], width: usize, (x, y): (usize, usize)) -> bool {
-    let mut rows = y.saturating_sub(1)..(y + 2).min(images.len() / width);
-    let columns = x.saturating_sub(1)..(x + 2).min(width);
-    rows.any(|row| images[row * width..][columns.clone()].iter().any(|image| *image != NO_IMAGE))
 }
 
 /// The sky in holes that may show it.

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use crate::render::vantage::{NO_IMAGE, Picture};
+use crate::render::vantage::{NO_IMAGE, Picture, pixels_around};
 
 /// From this share on a pixel is shown as a whole.
 const WHOLE: f32 = 0.999;
@@ -63,7 +63,6 @@ impl PartialPixels {
 
 /// What fills a pixel that is a hole, else the mean of what fills the holes beside it; `None` without any.
 fn filling_at(picture: &Picture, pixel: usize) -> Option<[f32; 3]> {
-    let (width, height) = picture.image.size();
     let is_filled = |pixel: usize| {
         picture.image.as_slice()[pixel] == NO_IMAGE && picture.inverse_depth.as_slice()[pixel] >= 0.0
     };
@@ -71,15 +70,10 @@ fn filling_at(picture: &Picture, pixel: usize) -> Option<[f32; 3]> {
     if picture.image.as_slice()[pixel] == NO_IMAGE {
         return is_filled(pixel).then(|| colors[pixel]);
     }
-    let (x, y) = (pixel % width, pixel / width);
     let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for y in y.saturating_sub(1)..(y + 2).min(height) {
-        for there in (x.saturating_sub(1)..(x + 2).min(width)).map(|x| y * width + x) {
-            if is_filled(there) {
-                (0..3).for_each(|channel| sum[channel] += colors[there][channel]);
-                count += 1.0;
-            }
-        }
+    for there in pixels_around(pixel, picture.image.size()).filter(|there| is_filled(*there)) {
+        (0..3).for_each(|channel| sum[channel] += colors[there][channel]);
+        count += 1.0;
     }
     (count > 0.0).then(|| sum.map(|sum| sum / count))
 }

@@ -38,21 +38,25 @@ impl FilmSource {
         }
     }
 
-    fn seen_from(&self, vantage: &Vantage, job: &Job) -> Result<Arc<SampleSet>> {
+    /// The samples for a picture. Which blocks of a store a picture shows is known of perspective ones alone.
+    fn samples_for(&self, vantage: &Vantage, is_orthographic: bool, job: &Job) -> Result<Arc<SampleSet>> {
         match self {
             Self::Memory(samples) => Ok(samples.clone()),
+            Self::Disk(playback) if is_orthographic => playback.at(vantage.frame, job),
             Self::Disk(playback) => playback.seen_from(&vantage.camera, vantage.frame, job),
         }
     }
 }
 
-/// Renders every vantage in order and passes the pictures to `take` with their index. The next frame is read from disk meanwhile.
+/// Renders every vantage in order and passes the pictures to `take` with their index; `orthographic` pictures are so many world units
+/// wide. The next frame of perspective ones is read from disk meanwhile.
 ///
 /// # Errors
-/// Those of reading, rendering and `take`, and `Cancelled`.
+/// Those of reading, rendering and `take`, as [`OrthographicView::new`], and `Cancelled`.
 pub fn paint(
     source: &FilmSource,
     vantages: &[Vantage],
+    orthographic: Option<f64>,
     renderer: &mut Renderer,
     settings: &RenderSettings,
     job: &Job,
@@ -61,46 +65,23 @@ pub fn paint(
     job.start("Rendering", vantages.len());
     for (nth, vantage) in vantages.iter().enumerate() {
         job.check()?;
-        let samples = source.seen_from(vantage, job)?;
+        let samples = source.samples_for(vantage, orthographic.is_some(), job)?;
+        let parallel = |width: f64| OrthographicView::new(&samples, vantage, width);
+        let view = orthographic.map(parallel).transpose()?;
+        let (shown, from) = view.as_ref().map_or((&samples, vantage), |view| (&view.samples, &view.vantage));
         // An error in reading ahead returns when that frame is rendered.
         let ahead = || match (source, vantages.get(nth + 1)) {
-            (FilmSource::Disk(playback), Some(next)) => {
+            (FilmSource::Disk(playback), Some(next)) if view.is_none() => {
                 playback.read_ahead_from(&next.camera, next.frame..next.frame + 1, job)
             }
             _ => Ok(()),
         };
-        let (painted, _) = rayon::join(|| renderer.render(&samples, vantage, settings, job), ahead);
+        let (painted, _) = rayon::join(|| renderer.render(shown, from, settings, job), ahead);
         let (picture, _): (Arc<Picture>, _) = painted?;
-        take(nth, &picture)?;
-        job.advance(1);
-    }
-    Ok(())
-}
-
-/// As [`paint`], of orthographic pictures that are `width` world units wide.
-///
-/// # Errors
-/// As [`paint`], and as [`OrthographicView::new`].
-pub fn paint_orthographic(
-    source: &FilmSource,
-    vantages: &[Vantage],
-    width: f64,
-    renderer: &mut Renderer,
-    settings: &RenderSettings,
-    job: &Job,
-    mut take: impl FnMut(usize, &Picture) -> Result<()>,
-) -> Result<()> {
-    job.start("Rendering", vantages.len());
-    for (nth, vantage) in vantages.iter().enumerate() {
-        job.check()?;
-        // Which blocks a lens sees is known of perspective ones alone.
-        let samples = match source {
-            FilmSource::Memory(samples) => samples.clone(),
-            FilmSource::Disk(playback) => playback.at(vantage.frame, job)?,
-        };
-        let view = OrthographicView::new(&samples, vantage, width)?;
-        let (picture, _) = renderer.render(&view.samples, &view.vantage, settings, job)?;
-        take(nth, &view.finish(&picture))?;
+        match &view {
+            Some(view) => take(nth, &view.finish(&picture))?,
+            None => take(nth, &picture)?,
+        }
         job.advance(1);
     }
     Ok(())

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::ray_test::{LineOfSight, RayTest};
 use super::surroundings::{REACH, SQUARE, Surroundings};
-use crate::render::vantage::{FrontColor, LEAST_SHOWN, NO_FRONT, NO_IMAGE, Picture};
+use crate::render::vantage::{FrontColor, LEAST_SHOWN, NO_FRONT, NO_IMAGE, Picture, pixels_around};
 use crate::simd::{self, VectorLoop, mask};
 
 /// The inverse depth of a hole that may show anything.
@@ -291,14 +291,6 @@ fn was_turned(images: &[u32], marks: &[f32], pixel: usize) -> bool {
     images[pixel] != NO_IMAGE && marks[pixel] != SHOWN
 }
 
-/// The pixels around one, itself among them, as far as they are in the picture.
-#[inline(always)]
-fn around(pixel: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
-    let (x, y) = (pixel % width, pixel / width);
-    let rows = y.saturating_sub(1)..(y + 2).min(height);
-    rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x))
-}
-
 /// The shown pixels beside those that were turned into holes, ascending.
 fn beside_turned(images: &[u32], marks: &[f32], width: usize) -> Vec<usize> {
     let height = marks.len() / width;
@@ -307,7 +299,8 @@ fn beside_turned(images: &[u32], marks: &[f32], width: usize) -> Vec<usize> {
     let turned = turned.filter(|pixel| was_turned(images, marks, *pixel));
     let mut beside: Vec<usize> = turned
         .flat_map_iter(|pixel| {
-            around(pixel, width, height).filter(|there| images[*there] != NO_IMAGE && marks[*there] == SHOWN)
+            pixels_around(pixel, (width, height))
+                .filter(|there| images[*there] != NO_IMAGE && marks[*there] == SHOWN)
         })
         .collect();
     beside.par_sort_unstable();
@@ -320,10 +313,11 @@ fn beside_turned(images: &[u32], marks: &[f32], width: usize) -> Vec<usize> {
 fn unblended(picture: &Picture, marks: &[f32], pixel: usize, tolerance: f32) -> Option<[f32; 3]> {
     let (width, height) = picture.image.size();
     let (images, depths) = (picture.image.as_slice(), picture.inverse_depth.as_slice());
-    let is_rim = |pixel: usize| around(pixel, width, height).any(|there| was_turned(images, marks, there));
+    let is_rim =
+        |pixel: usize| pixels_around(pixel, (width, height)).any(|there| was_turned(images, marks, there));
     let own = depths[pixel];
     let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for there in around(pixel, width, height) {
+    for there in pixels_around(pixel, (width, height)) {
         let is_same = depths[there].max(own) <= depths[there].min(own) * tolerance;
         if is_same && images[there] != NO_IMAGE && marks[there] == SHOWN && !is_rim(there) {
             (0..3).for_each(|channel| sum[channel] += picture.color.as_slice()[there][channel]);

@@ -169,14 +169,22 @@ impl<'a> SourceViews<'a> {
         weights
     }
 
-    /// The weight of a camera where nothing is known of the surface's slope: the squared sampling rate, up to [`USEFUL_RATE`], times the
-    /// cosine between its line of sight and the vantage's.
+    /// The cosine between the lines of sight of the vantage and of a camera to the surface at inverse depth `w` in pixel `(x, y)`, and
+    /// the squared lengths of both.
     #[inline(always)]
-    fn weight(&self, view: &SourceView, distance_ratio: f32, (x, y): (f32, f32), w: f32) -> f32 {
+    fn sights(&self, view: &SourceView, (x, y): (f32, f32), w: f32) -> (f32, [f32; 2]) {
         let [first, across, down] = self.rays_in_world;
         let ray = first + across * x + down * y;
         let sight = ray + view.offset_in_world * w;
-        let cosine = ray.dot(sight) / (ray.length_squared() * sight.length_squared()).sqrt();
+        let squared = [ray.length_squared(), sight.length_squared()];
+        (ray.dot(sight) / (squared[0] * squared[1]).sqrt(), squared)
+    }
+
+    /// The weight of a camera where nothing is known of the surface's slope: the squared sampling rate, up to [`USEFUL_RATE`], times the
+    /// cosine between its line of sight and the vantage's.
+    #[inline(always)]
+    fn weight(&self, view: &SourceView, distance_ratio: f32, at: (f32, f32), w: f32) -> f32 {
+        let (cosine, _) = self.sights(view, at, w);
         let rate = self.rate(view, distance_ratio).min(USEFUL_RATE);
         rate * rate * cosine.max(0.01)
     }
@@ -192,11 +200,7 @@ impl<'a> SourceViews<'a> {
         w: f32,
         slope: [f32; 2],
     ) -> f32 {
-        let [first, across, down] = self.rays_in_world;
-        let ray = first + across * x + down * y;
-        let sight = ray + view.offset_in_world * w;
-        let (ray_squared, sight_squared) = (ray.length_squared(), sight.length_squared());
-        let cosine = ray.dot(sight) / (ray_squared * sight_squared).sqrt();
+        let (cosine, [ray_squared, sight_squared]) = self.sights(view, (x, y), w);
         // The cosine of incidence over the vantage's.
         let growth = Vec3::new(slope[0], slope[1], w - slope[0] * x - slope[1] * y);
         let facing = 1.0 + view.growth_along_offset.dot(growth);

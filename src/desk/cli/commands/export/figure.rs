@@ -192,12 +192,7 @@ impl FigureArgs {
                 painted = Some(picture.clone());
                 Ok(())
             };
-            match self.orthographic {
-                None => film::paint(&source, &vantage, &mut renderer, &settings, job, take)?,
-                Some(width) => {
-                    film::paint_orthographic(&source, &vantage, width, &mut renderer, &settings, job, take)?;
-                }
-            }
+            film::paint(&source, &vantage, self.orthographic, &mut renderer, &settings, job, take)?;
             painted.ok_or_else(|| Error::invalid("figure", "has no picture"))
         })?;
         output::warn(renderer.notice().map(str::to_owned).as_slice());

@@ -127,17 +127,13 @@ impl Film {
         let mut renderer = Renderer::strict(self.settings.backend)?;
         let source = FilmSource::Disk(self.playback.clone());
         let vantages = &self.stops.vantages;
-        if let Some(width) = self.orthographic {
-            film::paint_orthographic(&source, vantages, width, &mut renderer, &self.settings, job, take)?;
-            return Ok(renderer.notice().map(str::to_owned));
-        }
         let Some(Panorama { width, up }) = self.panorama else {
-            film::paint(&source, vantages, &mut renderer, &self.settings, job, take)?;
+            film::paint(&source, vantages, self.orthographic, &mut renderer, &self.settings, job, take)?;
             return Ok(renderer.notice().map(str::to_owned));
         };
         let faces: Vec<_> = vantages.iter().flat_map(|vantage| faces_around(vantage, up, width)).collect();
         let mut painted = Vec::with_capacity(FACE_COUNT);
-        film::paint(&source, &faces, &mut renderer, &self.settings, job, |nth, face| {
+        film::paint(&source, &faces, None, &mut renderer, &self.settings, job, |nth, face| {
             painted.push(face.clone());
             match <&[Picture; FACE_COUNT]>::try_from(painted.as_slice()) {
                 Ok(all) => take(nth / FACE_COUNT, &equirectangular(all, width))?,

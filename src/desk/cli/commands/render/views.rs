@@ -80,6 +80,6 @@ pub(super) fn paint_orthographic(
     let mut renderer = Renderer::strict(settings.backend)?;
     let source = FilmSource::Disk(playback.clone());
     let write = |nth: usize, picture: &_| paths[nth].write(picture);
-    film::paint_orthographic(&source, &vantages, width, &mut renderer, settings, job, write)?;
+    film::paint(&source, &vantages, Some(width), &mut renderer, settings, job, write)?;
     Ok(renderer.notice().map(str::to_owned))
 }
