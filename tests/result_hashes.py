@@ -75,7 +75,7 @@ def print_samples(path):
         at += 8 + length + length % 2
         if name == b"INDX":
             payload = index_without_offsets(payload)
-        if name not in (b"SETT", b"REPT", b"PROV"):
+        if name not in (b"SETT", b"REPT", b"RPTZ", b"PROV"):
             sys.stdout.buffer.write(name + payload)
 
 

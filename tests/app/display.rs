@@ -69,14 +69,10 @@ pub(crate) fn picture_of(display: &str, folder: &Path) -> image::DynamicImage {
     image::open(&shot).unwrap()
 }
 
-pub(crate) fn colors_of(picture: &image::DynamicImage) -> usize {
-    let picture = picture.to_rgb8();
-    picture.pixels().map(|pixel| pixel.0).collect::<std::collections::HashSet<_>>().len()
-}
-
 /// Different colors on the display.
 pub(crate) fn colors_on(display: &str, folder: &Path) -> usize {
-    colors_of(&picture_of(display, folder))
+    let picture = picture_of(display, folder).to_rgb8();
+    picture.pixels().map(|pixel| pixel.0).collect::<std::collections::HashSet<_>>().len()
 }
 
 /// Whether the programs are there that the tests need; says so where they are not.

@@ -10,21 +10,22 @@ use std::time::Duration;
 use egui_kittest::kittest::Queryable;
 
 use super::display::{
-    can_drive_a_window, colors_of, colors_on, drag, picture_of, quit, start_display, start_program, wait_for,
+    can_drive_a_window, colors_on, drag, picture_of, quit, start_display, start_program, wait_for,
     wait_for_pictures, xdotool,
 };
 use super::driver::{SIZE, open, settle, small_capture};
 
-/// Mean brightness of the left end of the top bar, of 255.
-fn brightness_of_top_bar(display: &str, folder: &Path) -> f64 {
-    let bar = picture_of(display, folder).crop_imm(0, 0, 400, 40).to_luma8();
-    bar.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / f64::from(bar.width() * bar.height())
+/// Mean brightness of a part of the display, of 255: left, top, width and height, pixels.
+fn brightness_of(display: &str, folder: &Path, [left, top, width, height]: [u32; 4]) -> f64 {
+    let part = picture_of(display, folder).crop_imm(left, top, width, height).to_luma8();
+    part.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / f64::from(width * height)
 }
 
-/// Colors in a part of the display that a picture in the source view covers, and that its empty state leaves bare.
-fn colors_in_source_view(display: &str, folder: &Path) -> usize {
-    colors_of(&picture_of(display, folder).crop_imm(30, 168, 420, 34))
-}
+/// The left end of the top bar.
+const TOP_BAR: [u32; 4] = [0, 0, 400, 40];
+
+/// Beside the picture in the source view, which is dark there; a store has no such view, and its live view shows the sky there.
+const BESIDE_SOURCE: [u32; 4] = [12, 230, 40, 150];
 
 /// Where the widget of this name lies in the window: the same layout, off screen.
 fn place_of(name: &str, capture: &Path, share_x: f32) -> [String; 2] {
@@ -46,11 +47,11 @@ fn the_program_opens_a_window_that_answers_and_closes() {
     for keys in ["period", "period", "comma", "2", "space", "space", "w"] {
         xdotool(&display, &["key", keys]).unwrap();
     }
-    let before = brightness_of_top_bar(&display, folder.path());
+    let before = brightness_of(&display, folder.path(), TOP_BAR);
     // The theme switch at the right end of the top bar, then a drag in the live view.
     xdotool(&display, &["mousemove", "1252", "22", "click", "1"]).unwrap();
     wait_for("the other theme", || {
-        let now = brightness_of_top_bar(&display, folder.path());
+        let now = brightness_of(&display, folder.path(), TOP_BAR);
         ((now - before).abs() > 100.0).then_some(())
     });
     drag(&display, ["700", "400"], "40");
@@ -90,17 +91,23 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
     xdotool(&display, &["key", "Escape"]).unwrap();
     drag(&display, [x, y], "20");
     // Until the capture is pruned there is nothing to save: a busy machine is asked again.
-    again_until("the store", &display, || store.exists(), || {
-        xdotool(&display, &["key", "ctrl+s"]).unwrap();
-        choose_where(&display);
-        type_path(&display, path);
-    });
+    again_until(
+        "the store",
+        &display,
+        || store.exists(),
+        || {
+            xdotool(&display, &["key", "ctrl+s"]).unwrap();
+            choose_where(&display);
+            type_path(&display, path);
+        },
+    );
     let (samples, report) = overlook_engine::store::read(&store, &overlook_engine::job::Job::new()).unwrap();
     assert!(samples.settings.pruning.depth_tolerance > 1.5, "{}", samples.settings.pruning.depth_tolerance);
     let report = overlook_engine::preprocess::diagnostics::Report::from_json(&report, "saved").unwrap();
     assert_eq!(report.samples_kept, samples.sample_count());
 
-    let is_open = || colors_in_source_view(&display, folder.path()) < 20;
+    let is_open = || brightness_of(&display, folder.path(), BESIDE_SOURCE) > 100.0;
+    assert!(!is_open(), "the capture is still there");
     again_until("the store in place of the capture", &display, is_open, || {
         xdotool(&display, &["key", "ctrl+o"]).unwrap();
         std::thread::sleep(Duration::from_secs(1));

@@ -316,6 +316,26 @@ fn unknown_chunks_are_skipped() {
 }
 
 #[test]
+fn a_long_report_is_deflated_and_comes_back_and_damage_to_it_is_refused() {
+    let (_folder, path) = scratch();
+    let report = format!("{{\"cameras\":[{}1]}}", "12345,".repeat(20_000));
+    store::file::write(&path, &small_set(), &report, &Job::new()).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    assert_same(&read_bytes(&path, &bytes).unwrap(), &small_set(), &report);
+    let (offset, length) = chunk(&bytes, *b"RPTZ");
+    assert!(20 * length < report.len(), "{length}");
+    for at in [offset + 8, offset + 12, offset + 8 + length / 2] {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 1;
+        assert!(refusal(&path, &damaged).contains("RPTZ"));
+    }
+    // A reader that does not know the chunk finds a report that says nothing.
+    let mut unknown = bytes.clone();
+    unknown[offset..offset + 4].copy_from_slice(b"ANNO");
+    assert_same(&read_bytes(&path, &unknown).unwrap(), &small_set(), "{}");
+}
+
+#[test]
 fn missing_doubled_and_misplaced_chunks_are_refused() {
     let (_folder, path, bytes) = small_store();
     for id in [*b"HEAD", *b"SETT", *b"REPT", *b"PROV", *b"PALT", *b"MODL", *b"INDX"] {

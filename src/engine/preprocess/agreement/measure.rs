@@ -30,6 +30,10 @@ const FEWEST_SAMPLES: usize = 512;
 /// The number of samples falls with more cameras than this.
 const FEW_CAMERAS: usize = 9;
 
+/// Samples are looked for in no more cameras than this, spread over those that may see them: what is measured of one camera does not
+/// grow with the number of the others.
+const MOST_OTHERS: usize = 32;
+
 /// Two cameras that disagree are not enough to tell noise from a wrong camera.
 const MIN_CAMERAS: usize = 3;
 
@@ -112,7 +116,8 @@ impl NoiseLattice {
         Self { runs, differences: Vec::new() }
     }
 
-    /// Adds the differences from what some other cameras show, whose layers are there. The samples are those of `camera`.
+    /// Adds the differences from what some other cameras show, among which are those that are asked and whose layers are there. The
+    /// samples are those of `camera`.
     pub(crate) fn compare(
         &mut self,
         pairs: &OverlapGraph<'_>,
@@ -120,12 +125,12 @@ impl NoiseLattice {
         layers: &[CameraLayer],
         targets: &[usize],
     ) {
+        let mut others: Vec<usize> = pairs.few_others(camera, MOST_OTHERS).collect();
+        others.retain(|other| targets.contains(other) && !layers[*other].geometry.is_empty());
         for run in &self.runs {
-            for (other, registration) in pairs.others_among(camera, targets) {
-                if !layers[other].geometry.is_empty() {
-                    let source = SourceRun { layer: &layers[camera], run };
-                    add_differences(&mut self.differences, registration, source, &layers[other]);
-                }
+            for (other, registration) in pairs.others_among(camera, &others) {
+                let source = SourceRun { layer: &layers[camera], run };
+                add_differences(&mut self.differences, registration, source, &layers[other]);
             }
         }
     }

@@ -18,7 +18,7 @@ use half::f16;
 use serde::{Deserialize, Serialize};
 
 use super::block_motion::{is_same_surface, patterns_move};
-use super::rank::bin_of_rank;
+use super::rank::median_bin;
 use crate::capture::Frame;
 use crate::color;
 
@@ -36,6 +36,9 @@ const DEPTH_BINS: usize = 128 + 1;
 
 /// A brightness class with fewer differences than this is not believed and takes the value of all classes together.
 const MIN_DIFFERENCES: u64 = 500;
+
+/// Fewer differences of depth than this speak for no noise: what moves may be most of so few pixels.
+const MIN_DEPTH_DIFFERENCES: u64 = 256;
 
 /// Where more than half of a picture moves, the median no longer speaks of noise. No renderer and no sensor worth
 /// recording with is noisier than this: standard deviation of color, 8-bit sRGB steps, and of depth, relative.
@@ -194,7 +197,9 @@ impl NoiseMeter {
             let difference = ((bin - 1.0) / DEPTH_BINS_PER_OCTAVE - DEPTH_OCTAVES).exp2();
             (difference / MEDIAN_DIFFERENCE_PER_SIGMA).min(MAX_DEPTH_RELATIVE)
         };
-        let depth_relative = median_bin(&self.depth).filter(|bin| *bin >= 1.0).map_or(0.0, depth);
+        let is_believed = self.depth.iter().sum::<u64>() >= MIN_DEPTH_DIFFERENCES;
+        let bin = median_bin(&self.depth).filter(|bin| is_believed && *bin >= 1.0);
+        let depth_relative = bin.map_or(0.0, depth);
         CameraNoise { color_steps, color_steps_overall, depth_relative }
     }
 }
@@ -263,18 +268,6 @@ pub fn measure_pairs(pairs: &[[&Frame; 2]]) -> CameraNoise {
         }
     }
     meter.noise()
-}
-
-/// Position of the median in a histogram, in bins, interpolated within its bin; `None` where nothing was counted.
-fn median_bin(bins: &[u64]) -> Option<f32> {
-    let total: u64 = bins.iter().sum();
-    if total == 0 {
-        return None;
-    }
-    let half = total as f64 / 2.0;
-    let bin = bin_of_rank(bins.iter().copied(), half.ceil() as u64)?;
-    let below: u64 = bins[..bin].iter().sum();
-    Some(bin as f32 + ((half - below as f64) / bins[bin] as f64) as f32)
 }
 
 #[cfg(test)]
@@ -379,6 +372,19 @@ mod tests {
         assert!(receding.depth_relative < 1e-5, "{receding:?}");
         let noisy = measure_pairs(&[[&frame(2.0, 1e-3, 1), &frame(2.018, 1e-3, 2)]]);
         assert!((0.8e-3..1.25e-3).contains(&noisy.depth_relative), "{noisy:?}");
+    }
+
+    #[test]
+    fn a_thing_that_passes_through_a_picture_of_few_pixels_is_no_noise() {
+        let frame = |from: usize| Frame {
+            color: Grid::filled(16, 21, [f16::ONE; 3]),
+            inverse_depth: Grid::from_fn(16, 21, |x, y| {
+                if (from..from + 8).contains(&x) { 0.5 } else { 0.1 + 1e-3 * y as f32 }
+            }),
+            ..gray(|_| 1.0)
+        };
+        let noise = measure_pairs(&[[&frame(0), &frame(4)], [&frame(4), &frame(8)]]);
+        assert_eq!(noise.depth_relative.to_bits(), 0);
     }
 
     #[test]

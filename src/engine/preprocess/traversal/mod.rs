@@ -104,19 +104,20 @@ fn prune_recording(
     let noise = pruner.window.most_noise();
     // Samples that are moved may be seen by other cameras than before.
     let moved = 1.01 * moved_at_most(noise);
-    let pairs = match &bounds {
+    let of_moved = (noise > 0.0).then(|| match &bounds {
         Some(bounds) if moved < 1.0 => {
             let blurred: Vec<DepthBounds> = bounds.iter().map(|bounds| bounds.blurred(moved)).collect();
             OverlapGraph::of_depths(&capture.cameras, &blurred)
         }
         _ => OverlapGraph::complete(&capture.cameras),
-    };
-    pruner.pairs = &pairs;
+    });
+    let pairs = of_moved.as_ref().unwrap_or(&pairs);
+    pruner.pairs = pairs;
     let is_root_counted = run.contains(0) || scan.frames == 0;
     if noise > 0.0 && is_root_counted {
-        tally.add_reading(better_reading(&pairs, &mut pruner.window, job)?);
+        tally.add_reading(better_reading(pairs, &mut pruner.window, job)?);
     }
-    let mut residuals = Residuals::new(&pairs, scan.frames);
+    let mut residuals = Residuals::new(pairs, scan.frames);
     let mut put = PutSpan { span: root, level: ROOT, counts, lattice: None };
     if is_root_counted {
         residuals.note_asked(&lattice);

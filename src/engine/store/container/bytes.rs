@@ -101,6 +101,7 @@ pub(crate) const HEAD: ChunkId = *b"HEAD";
 pub(crate) const SETTINGS: ChunkId = *b"SETT";
 /// What was dropped and why, JSON.
 pub(crate) const REPORT: ChunkId = *b"REPT";
+pub(crate) const LONG_REPORT: ChunkId = *b"RPTZ";
 /// The position of each image.
 pub(crate) const INDEX: ChunkId = *b"INDX";
 /// One sample image.

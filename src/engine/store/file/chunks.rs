@@ -7,8 +7,8 @@ use super::header::{VERSION, WITH_DOUBTFUL, decode_version};
 use crate::error::{Error, Result};
 use crate::settings::Settings;
 use crate::store::container::{
-    CHECKSUM, CHUNK_HEADER, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, HEAD, INDEX, IffError, MODEL,
-    PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS,
+    CHECKSUM, CHUNK_HEADER, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, HEAD, INDEX, IffError, LONG_REPORT,
+    MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS,
 };
 
 /// The payloads of the chunks that say what a store holds.
@@ -22,12 +22,12 @@ pub(crate) const REQUIRED: [ChunkId; 7] = [HEAD, SETTINGS, REPORT, PROVENANCE, P
 
 /// Whether a chunk is one of those that [`InfoChunks`] holds.
 pub(crate) fn is_known(id: ChunkId) -> bool {
-    REQUIRED.contains(&id) || id == DOUBTFUL
+    REQUIRED.contains(&id) || [DOUBTFUL, LONG_REPORT].contains(&id)
 }
 
 impl InfoChunks {
-    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB` comes before the last
-    /// of them.
+    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB` and `RPTZ` come
+    /// before the last of them.
     pub(crate) fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
         let iff = |error| from_iff(path, error);
         let mut version = None;
@@ -68,9 +68,10 @@ impl InfoChunks {
             let payload = self.get(*id).len() as u64 + CHECKSUM;
             CHUNK_HEADER + payload.next_multiple_of(2)
         };
-        ids.iter().map(of_chunk).sum()
+        ids.iter().filter(|id| self.payloads.contains_key(*id)).map(of_chunk).sum()
     }
 
+    /// The payload of a chunk; empty where there is none.
     pub(crate) fn get(&self, id: ChunkId) -> &[u8] {
         self.payloads.get(&id).map_or(&[], Vec::as_slice)
     }

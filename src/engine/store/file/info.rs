@@ -8,10 +8,11 @@ use glam::DVec3;
 use super::chunks::{InfoChunks, decode_settings, in_chunk};
 use super::header::{HeadChunk, ImageEntry, decode_head, decode_index};
 use super::provenance::Provenance;
+use super::report_chunk;
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::settings::Settings;
-use crate::store::container::{HEAD, INDEX, PROVENANCE, REPORT, SETTINGS};
+use crate::store::container::{HEAD, INDEX, LONG_REPORT, PROVENANCE, REPORT, SETTINGS};
 
 /// What is known of a store before any image is read.
 #[derive(Clone, Debug)]
@@ -50,8 +51,7 @@ impl StoreInfo {
         let (settings, warnings) =
             decode_settings(chunks.get(SETTINGS)).map_err(|what| in_chunk(path, SETTINGS, what))?;
         let json = |id| move |error: serde_json::Error| in_chunk(path, id, error);
-        let report = std::str::from_utf8(chunks.get(REPORT)).map_err(|what| in_chunk(path, REPORT, what))?;
-        serde_json::from_str::<serde::de::IgnoredAny>(report).map_err(json(REPORT))?;
+        let report = report_in(chunks, path)?;
         let provenance = serde_json::from_slice(chunks.get(PROVENANCE)).map_err(json(PROVENANCE))?;
         let images = decode_index(chunks.get(INDEX), bytes, cameras.len(), frame_numbers.len())
             .map_err(|what| in_chunk(path, INDEX, what))?;
@@ -63,11 +63,11 @@ impl StoreInfo {
             up_in_world,
             settings,
             warnings,
-            report: report.to_owned(),
+            report,
             provenance,
             images,
             bytes,
-            record_bytes: chunks.bytes(&[SETTINGS, REPORT, PROVENANCE]),
+            record_bytes: chunks.bytes(&[SETTINGS, REPORT, LONG_REPORT, PROVENANCE]),
         })
     }
 
@@ -82,4 +82,17 @@ impl StoreInfo {
     pub fn span_count(&self) -> usize {
         self.images.iter().map(|image| image.span).collect::<BTreeSet<_>>().len()
     }
+}
+
+/// The report: in its own chunk where it is long.
+fn report_in(chunks: &InfoChunks, path: &Path) -> Result<String> {
+    let long = chunks.get(LONG_REPORT);
+    let (id, report) = if long.is_empty() {
+        let report = std::str::from_utf8(chunks.get(REPORT)).map_err(|what| in_chunk(path, REPORT, what))?;
+        (REPORT, report.to_owned())
+    } else {
+        (LONG_REPORT, report_chunk::unpacked(long).map_err(|what| in_chunk(path, LONG_REPORT, what))?)
+    };
+    serde_json::from_str::<serde::de::IgnoredAny>(&report).map_err(|error| in_chunk(path, id, error))?;
+    Ok(report)
 }

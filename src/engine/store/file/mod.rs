@@ -7,6 +7,7 @@ mod info;
 mod provenance;
 mod read_all;
 mod reader;
+mod report_chunk;
 mod writer;
 
 pub use crate::store::container::ReadAt;

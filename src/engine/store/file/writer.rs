@@ -15,13 +15,15 @@ use super::chunks::from_iff;
 use super::doubtful::encode_doubtful;
 use super::header::{ImageEntry, check_held_once, choose_references, encode_head, encode_index};
 use super::provenance::{PlaneBytes, Provenance};
+use super::report_chunk;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::{ImageBuffer, ImageFacts, SampleImage, SampleSet, Span};
 use crate::settings::StoreSettings;
 use crate::store::codec::{Counts, FrequencyTables};
 use crate::store::container::{
-    ChunkId, DOUBTFUL, FormWriter, HEAD, IMAGE, INDEX, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS, STORE,
+    ChunkId, DOUBTFUL, FormWriter, HEAD, IMAGE, INDEX, LONG_REPORT, MODEL, PALETTE, PROVENANCE, REPORT,
+    SETTINGS, STORE,
 };
 use crate::store::image::{self, BlockCoding, ColorRanks, DoubtfulRuns, UsedColors};
 use crate::whole_file;
@@ -142,7 +144,12 @@ impl Input<'_> {
         let mut form = FormWriter::new(target, STORE).map_err(iff)?;
         form.chunk(HEAD, &head).map_err(iff)?;
         form.chunk(SETTINGS, samples.settings.to_toml().as_bytes()).map_err(iff)?;
-        form.chunk(REPORT, extras.report.as_bytes()).map_err(iff)?;
+        let long_report = report_chunk::packed(&extras.report);
+        let report = if long_report.is_some() { report_chunk::EMPTY } else { &extras.report };
+        form.chunk(REPORT, report.as_bytes()).map_err(iff)?;
+        if let Some(payload) = long_report {
+            form.chunk(LONG_REPORT, &payload).map_err(iff)?;
+        }
         form.chunk(PROVENANCE, &provenance).map_err(iff)?;
         form.chunk(PALETTE, &prepared.palette.encode()).map_err(iff)?;
         form.chunk(MODEL, &prepared.model.encode()).map_err(iff)?;
