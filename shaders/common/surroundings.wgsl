@@ -5,8 +5,10 @@
 
 @group(1) @binding(4) var<storage, read_write> squares: array<vec2<f32>>;
 
-// Nearer surfaces are searched for this far, pixels.
-const REACH: i32 = 16;
+// Nearer surfaces are searched for this far at most and at least, pixels, and in between for one pixel to so many columns.
+const MOST_REACH: i32 = 16;
+const LEAST_REACH: i32 = 8;
+const COLUMNS_TO_REACH: u32 = 32u;
 // A surface is nearer if its inverse depth is more than this many times as large.
 const NEARER: f32 = 2.0;
 // Beyond the picture there may be anything; also the inverse depth of the farthest surface where there is none.
@@ -24,6 +26,10 @@ const DIRECTIONS: array<vec2<i32>, 8> = array<vec2<i32>, 8>(
     vec2<i32>(-1, -1),
     vec2<i32>(1, -1),
 );
+
+fn reach() -> i32 {
+    return clamp(i32(finish.width / COLUMNS_TO_REACH), LEAST_REACH, MOST_REACH);
+}
 
 fn squares_across() -> u32 {
     return (finish.width + 15u) / 16u;

@@ -7,10 +7,11 @@ const ENOUGH: u32 = 7u;
 // Whether enough directions lead from a pixel over hidden ones to a surface nearer than `w`, or out of the picture.
 fn is_enclosed(at: vec2<i32>, w: f32) -> bool {
     let limit = w * NEARER;
+    let reach = reach();
     var missing = 0u;
     for (var nth = 0u; nth < 8u; nth++) {
         var is_found = false;
-        for (var step = 1; step <= REACH; step++) {
+        for (var step = 1; step <= reach; step++) {
             let there = at + DIRECTIONS[nth] * step;
             is_found = shown_at(there) > limit;
             // Beyond the picture every surface counts as nearer.

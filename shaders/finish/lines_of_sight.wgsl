@@ -58,12 +58,13 @@ fn joined_around(square: vec2<i32>) -> vec2<f32> {
 // Whether enough directions lead from a pixel of the square to a surface nearer than `w`, or out of the picture.
 fn may_be_enclosed(local: vec2<u32>, w: f32) -> bool {
     let start = i32((local.y + 16u) * SIDE + local.x + 16u);
+    let reach = reach();
     var found = 0u;
     for (var nth = 0u; nth < 8u; nth++) {
         let direction = DIRECTIONS[nth];
         let stride = direction.y * i32(SIDE) + direction.x;
         var nearest = 0.0;
-        for (var step = 1; step <= REACH; step++) {
+        for (var step = 1; step <= reach; step++) {
             nearest = max(nearest, shown[start + step * stride]);
         }
         found += select(0u, 1u, nearest > w * NEARER);
@@ -95,7 +96,7 @@ fn lines_of_sight(
         return;
     }
     for (var nth = thread; nth < SIDE_SQUARED; nth += 256u) {
-        shown[nth] = shown_at(square * 16 + vec2<i32>(i32(nth % SIDE), i32(nth / SIDE)) - REACH);
+        shown[nth] = shown_at(square * 16 + vec2<i32>(i32(nth % SIDE), i32(nth / SIDE)) - MOST_REACH);
     }
     workgroupBarrier();
     if !is_inside {

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::ray_test::{LineOfSight, RayTest};
-use super::surroundings::{REACH, SQUARE, Surroundings};
+use super::surroundings::{MOST_REACH, SQUARE, Surroundings};
 use crate::render::vantage::{FrontColor, LEAST_SHOWN, NO_FRONT, NO_IMAGE, Picture, pixels_around};
 use crate::simd::{self, VectorLoop, mask};
 
@@ -227,7 +227,7 @@ impl VectorLoop for MarkSquares<'_> {
         let (top, first) = (row * SQUARE, row * SQUARE * width);
         let is_hidden = |there: usize| {
             // Only positions in the picture are looked up: beyond it every surface counts as nearer.
-            let (x, y) = (there % surroundings.across - REACH, there / surroundings.across - REACH);
+            let (x, y) = (there % surroundings.across - MOST_REACH, there / surroundings.across - MOST_REACH);
             hidden_until[y * width + x] >= 0.0
         };
         for (pixel, mark) in marks.iter_mut().enumerate() {

@@ -5,8 +5,15 @@ use rayon::prelude::*;
 use crate::render::vantage::Picture;
 use crate::simd::mask;
 
-/// Nearer surfaces are searched for this far, pixels.
-pub(super) const REACH: usize = 16;
+/// Nearer surfaces are searched for this far at most, pixels.
+pub(super) const MOST_REACH: usize = 16;
+
+/// Columns of a picture to each pixel of the search: gaps are as wide as what is around them, which grows with the picture. At 256 columns
+/// 16 pixels closed gaps between leaves through which there was nothing to be seen but sky.
+const COLUMNS_TO_REACH: usize = 32;
+
+/// No search is shorter than this, pixels: gaps of a few recorded pixels are closed in small pictures too.
+const LEAST_REACH: usize = 8;
 
 /// A surface is nearer than what a pixel shows if its inverse depth is more than this many times as large. Surfaces closer together are
 /// left to the silhouettes, which the cameras vote on.
@@ -26,9 +33,9 @@ const ENOUGH_TO_TEST: usize = 5;
 const DIRECTIONS: [(isize, isize); 8] =
     [(1, 0), (0, 1), (1, 1), (-1, 1), (-1, 0), (0, -1), (-1, -1), (1, -1)];
 
-/// Columns and rows of the squares whose surfaces are taken together: no less than [`REACH`], so that a direction leads through a
+/// Columns and rows of the squares whose surfaces are taken together: no less than [`MOST_REACH`], so that a direction leads through a
 /// pixel's own square and its neighbors alone.
-pub(super) const SQUARE: usize = REACH;
+pub(super) const SQUARE: usize = MOST_REACH;
 
 /// Surfaces are looked for in this many squares on each side of a pixel's own.
 const SQUARES_AROUND: usize = 2;
@@ -52,8 +59,10 @@ impl SurfaceRange {
 /// The surroundings of the pixels of a picture.
 #[derive(Debug, Default)]
 pub(super) struct Surroundings {
-    /// Columns of the picture with a border of [`REACH`] pixels on each side.
+    /// Columns of the picture with a border of [`MOST_REACH`] pixels on each side.
     pub(super) across: usize,
+    /// Nearer surfaces are searched for this far, pixels.
+    reach: usize,
     /// Inverse depths with the border; 0 at infinity and in holes, [`OUTSIDE`] in the border.
     pub(super) w: Vec<f32>,
     /// Columns of squares.
@@ -76,17 +85,18 @@ impl Surroundings {
     /// Takes in the pixels of a picture instead of those of an earlier one.
     pub(super) fn set(&mut self, picture: &Picture) {
         let (width, height) = picture.image.size();
-        let across = width + 2 * REACH;
+        let across = width + 2 * MOST_REACH;
+        self.reach = reach_in(width);
         // As many more at the end as are read at once.
-        let length = across * (height + 2 * REACH) + SQUARE;
+        let length = across * (height + 2 * MOST_REACH) + SQUARE;
         if (self.across, self.w.len()) != (across, length) {
             // The border stays as it is.
             (self.across, self.w) = (across, vec![OUTSIDE; length]);
         }
-        let rows = self.w.par_chunks_mut(across).skip(REACH);
+        let rows = self.w.par_chunks_mut(across).skip(MOST_REACH);
         let rows = rows.zip(picture.inverse_depth.as_slice().par_chunks(width));
         rows.for_each(|(row, from)| {
-            row[REACH..][..width].iter_mut().zip(from).for_each(|(w, from)| *w = from.max(0.0));
+            row[MOST_REACH..][..width].iter_mut().zip(from).for_each(|(w, from)| *w = from.max(0.0));
         });
         let squares_across = width.div_ceil(SQUARE);
         let depths = picture.inverse_depth.as_slice().par_chunks(width * SQUARE);
@@ -100,7 +110,7 @@ impl Surroundings {
     /// Where a pixel of the picture is in `w`.
     #[inline(always)]
     pub(super) fn at(&self, (x, y): (usize, usize)) -> usize {
-        (y + REACH) * self.across + x + REACH
+        (y + MOST_REACH) * self.across + x + MOST_REACH
     }
 
     /// The surfaces around a pixel of the picture.
@@ -113,7 +123,7 @@ impl Surroundings {
     #[inline(always)]
     pub(super) fn may_enclose(&self, column: usize, row: usize) -> bool {
         // The last squares may reach out of the picture, where anything may be.
-        let full = |with_border: usize| (with_border - 2 * REACH) / SQUARE;
+        let full = |with_border: usize| (with_border - 2 * MOST_REACH) / SQUARE;
         let (columns, rows) = (full(self.across), full(self.w.len() / self.across));
         let has_surface = |right: isize, below: isize| {
             let (column, row) = (column.wrapping_add_signed(right), row.wrapping_add_signed(below));
@@ -134,7 +144,7 @@ impl Surroundings {
         for (right, down) in DIRECTIONS {
             let stride = down * self.across as isize + right;
             let (mut nearest, mut there) = ([0.0_f32; SQUARE], at);
-            for _ in 0..REACH {
+            for _ in 0..self.reach {
                 there = there.wrapping_add_signed(stride);
                 let Some(row) = self.w.get(there..).and_then(|row| row.first_chunk::<SQUARE>()) else {
                     break;
@@ -166,7 +176,7 @@ impl Surroundings {
             let stride = down * self.across as isize + right;
             let mut there = at;
             let mut is_found = false;
-            for _ in 0..REACH {
+            for _ in 0..self.reach {
                 there = there.wrapping_add_signed(stride);
                 is_found = self.w[there] > limit;
                 if is_found || !passes(there) {
@@ -180,6 +190,11 @@ impl Surroundings {
         }
         true
     }
+}
+
+/// How far nearer surfaces are searched for in a picture of so many columns, pixels.
+fn reach_in(width: usize) -> usize {
+    (width / COLUMNS_TO_REACH).clamp(LEAST_REACH, MOST_REACH)
 }
 
 /// The surfaces in each square of a row of squares, from the inverse depths of its pixels.
@@ -257,7 +272,7 @@ mod tests {
     fn plainly_enclosed(picture: &Picture, (x, y): (usize, usize), enough: usize) -> bool {
         let own = picture.inverse_depth[(x, y)].max(0.0);
         let leads_to_nearer = |(right, below): (isize, isize)| {
-            (1..=REACH as isize).any(|step| {
+            (1..=reach_in(picture.inverse_depth.size().0) as isize).any(|step| {
                 let at = (x.wrapping_add_signed(step * right), y.wrapping_add_signed(step * below));
                 picture.inverse_depth.get(at.0, at.1).is_none_or(|w| *w > 2.0 * own)
             })
@@ -297,9 +312,9 @@ mod tests {
     #[test]
     fn a_pixel_is_not_enclosed_over_pixels_that_are_seen_free() {
         // A ring of surface around 9×9 pixels of sky.
-        let mut picture = patches((40, 40), 1, u32::MAX, 0);
+        let mut picture = patches((160, 40), 1, u32::MAX, 0);
         for y in 0..40_usize {
-            for x in 0..40_usize {
+            for x in 0..160_usize {
                 let from_middle = x.abs_diff(20).max(y.abs_diff(20));
                 picture.inverse_depth[(x, y)] = if from_middle == 5 { 1.0 } else { 0.0 };
             }
