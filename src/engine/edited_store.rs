@@ -54,7 +54,9 @@ pub fn edit_store(
         counted.note_cut(cut, left.images.facts());
         report = counted.to_json()?;
     }
-    let samples = SampleSet { images: left.images.into_images()?, ..set };
+    // The images before the edits go before those after them come.
+    let outline = SampleSet { images: Vec::new(), ..set };
+    let samples = SampleSet { images: left.images.into_images()?, ..outline };
     Ok(EditedStore { samples, report, dropped: left.dropped })
 }
 
