@@ -8,13 +8,15 @@ pub const TEMPLATE: &str = include_str!("template.html");
 /// How it looks.
 pub const STYLE: &str = include_str!("style.css");
 /// The modules of the script by their names, each after those that it imports.
-pub const MODULES: [(&str, &str); 8] = [
+pub const MODULES: [(&str, &str); 10] = [
     ("math.js", include_str!("math.js")),
     ("decode.js", include_str!("decode.js")),
+    ("decoders.js", include_str!("decoders.js")),
     ("shaders.js", include_str!("shaders.js")),
     ("renderer.js", include_str!("renderer.js")),
     ("view.js", include_str!("view.js")),
     ("address.js", include_str!("address.js")),
     ("controls.js", include_str!("controls.js")),
+    ("load.js", include_str!("load.js")),
     ("main.js", include_str!("main.js")),
 ];

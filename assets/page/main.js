@@ -1,11 +1,12 @@
 // The player: loads the samples while it shows them, lets time pass, and keeps the page and the address true to what is shown.
 
 import { between } from "./math.js";
-import { bytesOfBase64, decodeChunk, inflate, skyColors } from "./decode.js";
-import { CannotDraw, Renderer } from "./renderer.js";
-import { homeDistance, View } from "./view.js";
+import { servesAsDecoder } from "./decoders.js";
+import { CannotDraw } from "./renderer.js";
+import { View } from "./view.js";
 import { fragmentOf, readFragment, roundView } from "./address.js";
 import { Controls, pointOf } from "./controls.js";
+import { load } from "./load.js";
 
 /** The finest and the coarsest picture while it moves, in pixels per recorded pixel along each side; finer where the device is fast. */
 const [FINEST, COARSEST] = [2, 0.45];
@@ -16,16 +17,16 @@ const [SLOW, FAST] = [100, 24];
 /** A view rests after this many milliseconds. */
 const REST = 200;
 /** Pictures of a part of the first frame are this many milliseconds apart. */
-const PART = 1000;
+const PART_INTERVAL = 1000;
 
 const element = (id) => document.getElementById(id);
-const root = document.documentElement;
+const root = globalThis.document?.documentElement;
 
 class Player {
   constructor(scene) {
     this.scene = scene;
     this.canvas = element("picture");
-    this.renderer = new Renderer(this.canvas, scene, homeDistance(scene));
+    this.renderer = null;
     this.view = new View(scene);
     this.controls = new Controls(this, this.canvas);
     this.time = 0;
@@ -36,7 +37,7 @@ class Player {
     // The first picture is a quick one.
     this.finest = 0.7;
     this.movedAt = performance.now();
-    this.drawnAt = -PART;
+    this.drawnAt = -PART_INTERVAL;
     this.wasWhole = false;
     this.drawn = null;
     this.pictures = 0;
@@ -289,7 +290,7 @@ class Player {
    */
   show(finest) {
     const isWhole = this.missing().length === 0;
-    if (!isWhole && !this.isPartTime()) return false;
+    if (!this.renderer || !isWhole && !this.isPartTime()) return false;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.max(Math.round(side * ratio), 1));
     const lens = this.view.pictureLens(width, height, finest);
@@ -313,7 +314,7 @@ class Player {
 
   /** Whether a picture of a part of the first frame is due: some of it is there, and the last such picture is old. */
   isPartTime() {
-    if (this.wasWhole || performance.now() - this.drawnAt < PART) return false;
+    if (this.wasWhole || performance.now() - this.drawnAt < PART_INTERVAL) return false;
     const { chunks } = this.scene;
     return [...this.decoded].some((nth) => chunks[nth].some((image) => this.isAlive(image)));
   }
@@ -330,43 +331,6 @@ class Player {
   isAlive({ start, end }) {
     return start <= this.frame && this.frame < end;
   }
-
-  /** Decodes all chunks, those of the current frame first, as they arrive. */
-  async load() {
-    const { scene } = this;
-    this.isLoading = true;
-    const counts = scene.chunks.map((images) => images.reduce((sum, image) => sum + image.samples, 0));
-    const firsts = counts.map((_, nth) => counts.slice(0, nth).reduce((sum, count) => sum + count, 0));
-    if (scene.sky) this.renderer.uploadSky(skyColors(await inflate(bytesOfBase64(scene.sky.colors))), scene.sky.rows);
-    while (this.decoded.size < counts.length) {
-      const there = document.getElementsByClassName("chunk");
-      // The last one may still be on its way.
-      const whole = document.readyState === "loading" ? there.length - 1 : there.length;
-      const isWaiting = (nth) => nth < whole && !this.decoded.has(nth);
-      const next = this.missing().find(isWaiting) ?? counts.findIndex((_, nth) => isWaiting(nth));
-      if (next < 0) {
-        if (document.readyState !== "loading") throw new Error("the file is cut short");
-        await new Promise((resolve) => { setTimeout(resolve, 20); });
-        continue;
-      }
-      const samples = decodeChunk(await inflate(bytesOfBase64(there[next].textContent)), scene.chunks[next], scene.cameras);
-      this.renderer.upload(samples, scene.chunks[next], firsts[next]);
-      this.decoded.add(next);
-      const percent = Math.round(100 * this.decoded.size / counts.length);
-      element("progress").setAttribute("aria-valuenow", String(percent));
-      element("progress").firstElementChild.style.width = `${percent}%`;
-      this.wake();
-      // Pictures and people come before the next chunk, the first picture above all; a hidden page draws none.
-      const isFirstDue = this.pictures === 0 && this.isPartTime();
-      await new Promise((resolve) => {
-        if (isFirstDue) requestAnimationFrame(resolve);
-        setTimeout(resolve, isFirstDue ? PART : 0);
-      });
-    }
-    this.isLoading = false;
-    element("progress").hidden = true;
-    root.dataset.loaded = String(Math.round(performance.now()));
-  }
 }
 
 function fail(error) {
@@ -376,14 +340,20 @@ function fail(error) {
   element("message").hidden = false;
 }
 
-try {
+function start() {
   const player = new Player(JSON.parse(element("scene").textContent));
   player.canvas.addEventListener("webglcontextlost", (event) => {
     event.preventDefault();
     fail(new CannotDraw("The graphics driver has lost the picture. Loading the page again shows it."));
   });
   window.overlook = player;
-  player.load().catch(fail);
-} catch (error) {
-  fail(error);
+  load(player).catch(fail);
+}
+
+if (!servesAsDecoder()) {
+  try {
+    start();
+  } catch (error) {
+    fail(error);
+  }
 }

@@ -122,7 +122,7 @@ fn a_page_opens_from_disk_asks_for_nothing_plays_turns_and_reopens_its_view() {
 
     assert_eq!(browser.problems(), Vec::<String>::new());
     let own = |address: &String| {
-        address.starts_with("file://") || address.starts_with("about:") || address.starts_with("data:,")
+        ["file://", "about:", "data:,", "blob:null/"].iter().any(|start| address.starts_with(start))
     };
     let others: Vec<String> = browser.requests().into_iter().filter(|address| !own(address)).collect();
     assert!(others.is_empty(), "{others:?}");
