@@ -13,7 +13,41 @@ use rayon::prelude::*;
 use crate::color::steps_from_linear;
 use crate::error::Result;
 use crate::job::Job;
-use crate::samples::{SampleImage, SampleSet, SampleTile, TILE, TileMask};
+use crate::samples::{SampleImage, SampleSet, SampleTile, TILE, TileMask, halved_camera};
+
+/// Halvings by which the largest set within a number of samples is searched for.
+const COUNT_SEARCH_STEPS: usize = 12;
+
+/// A set of at most `most` samples, to show what an export within a budget looks like: merged samples are those of further cameras, which
+/// stand where the others do and have wider pixels. `None` where even the coarsest set has more. The set must have its samples in memory.
+///
+/// # Errors
+/// `Cancelled`.
+pub fn coarsened(set: &SampleSet, most: u64, job: &Job) -> Result<Option<SampleSet>> {
+    if set.sample_count() <= most {
+        return Ok(Some(set.clone()));
+    }
+    let found = Coarsening::new(set, job)?.finest(COUNT_SEARCH_STEPS, |images| {
+        job.check()?;
+        let count: u64 = images.iter().map(|image| image.samples.len() as u64).sum();
+        Ok((count <= most).then(|| images.to_vec()))
+    })?;
+    let of_level = |LeveledImage { samples, level }: LeveledImage| {
+        let camera = (level * set.cameras.len()) as u32 + samples.camera;
+        Arc::new(SampleImage { camera, ..Arc::unwrap_or_clone(samples) })
+    };
+    Ok(found.map(|images| {
+        let mut cameras = set.cameras.clone();
+        for level in 0..LEVELS {
+            let finer = &cameras[level * set.cameras.len()..];
+            let coarser: Vec<_> = finer.iter().map(halved_camera).collect();
+            cameras.extend(coarser);
+        }
+        let mut images: Vec<_> = images.into_iter().map(of_level).collect();
+        images.sort_by_key(|image| (std::cmp::Reverse(image.span.len()), image.span.start, image.camera));
+        SampleSet { cameras, images, ..set.clone() }
+    }))
+}
 
 /// Times that samples may be merged: then one stands for 8×8.
 pub(super) const LEVELS: usize = 3;
@@ -215,6 +249,7 @@ mod tests {
     use super::*;
     use crate::demo::{Demo, DemoSpec};
     use crate::preprocess::preprocess;
+    use crate::render::{CpuRenderer, Vantage};
     use crate::settings::Settings;
 
     #[test]
@@ -232,5 +267,31 @@ mod tests {
         assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
         assert!(counts[8] * 20 < counts[0], "{counts:?}");
         assert!(coarsening.images(steps).iter().all(|image| image.level == LEVELS));
+    }
+    #[test]
+    fn a_set_within_a_number_of_samples_looks_like_the_whole_and_the_more_so_the_more_it_may_hold() {
+        let demo = Demo::new(&DemoSpec::new("orrery").size((96, 72)).frames(1)).unwrap();
+        let settings = Settings::default();
+        let set = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        let vantage = Vantage { camera: set.cameras[0].clone(), frame: 0 };
+        let picture = |set: &SampleSet| {
+            let painted =
+                CpuRenderer::new().render(&Arc::new(set.clone()), &vantage, &settings.render, &Job::new());
+            painted.unwrap().0.color.clone()
+        };
+        let whole = picture(&set);
+        let error = |share: u64| {
+            let most = set.sample_count() / share;
+            let some = coarsened(&set, most, &Job::new()).unwrap().unwrap();
+            assert!(some.sample_count() <= most && some.sample_count() * 3 > most, "{share}");
+            let other = picture(&some);
+            let pairs = whole.as_slice().iter().zip(other.as_slice());
+            let squares =
+                pairs.flat_map(|(a, b)| (0..3).map(move |part| f64::from(a[part] - b[part]).powi(2)));
+            squares.sum::<f64>() / (3 * whole.as_slice().len()) as f64
+        };
+        let [half, tenth] = [error(2), error(10)];
+        assert!(half < tenth && tenth < 0.01, "{half} {tenth}");
+        assert!(coarsened(&set, 1, &Job::new()).unwrap().is_none());
     }
 }

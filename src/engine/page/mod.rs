@@ -31,6 +31,7 @@ use crate::whole_file;
 pub(crate) use budget::{Coarsening, LeveledImage};
 pub(crate) use chunks::gzipped;
 
+pub use budget::coarsened;
 pub use html::escaped;
 pub use options::{PageOptions, PagePath};
 

@@ -12,7 +12,7 @@ use glam::{DAffine3, DVec3};
 
 use super::place::SourceFolder;
 use super::reader::{Description, ReadSource, Reader};
-use super::views::{entry, recording};
+use super::views::{entry, mean_up, recording};
 use crate::capture::colmap::{self, ColmapCamera, ColmapImage};
 use crate::capture::pictures::PictureRows;
 use crate::capture::transforms::{Keys, NormalSpaceName, PictureEntry, keys_of_colmap};
@@ -75,12 +75,12 @@ impl Reader for Colmap {
             description.notes.push(format!("of several reconstructions the largest is read, {name}"));
         }
         let reconstruction = Reconstruction::read(place, &workspace.model)?;
-        let (frames, up) = reconstruction.pictures(place, workspace, &mut description)?;
+        let frames = reconstruction.pictures(place, workspace, &mut description)?;
         let keys = Keys {
             depth_unit_scale_factor: Some(1.0),
             depth_kind: Some("planar_z".to_owned()),
             normal_space: Some(NormalSpaceName::Text("camera_opencv".to_owned())),
-            up: Some(up.to_array()),
+            up: Some(mean_up(&frames).unwrap_or(DVec3::NEG_Y).to_array()),
             // COLMAP reads the rows as they are stored.
             picture_orientation: Some(PictureRows::AsStored),
             ..Keys::default()
@@ -159,15 +159,15 @@ impl Reconstruction {
         Ok(Self { cameras, images, inputs: paths.to_vec() })
     }
 
-    /// The entries of images with a map of depth, a file and a pose, and the mean of their cameras' up. `description` gets the others.
+    /// The entries of images with a map of depth, a file and a pose. `description` gets the others.
     fn pictures(
         &self,
         place: &SourceFolder,
         workspace: &ColmapWorkspace,
         description: &mut Description,
-    ) -> Result<(Vec<PictureEntry>, DVec3)> {
+    ) -> Result<Vec<PictureEntry>> {
         let maps = Maps::find(place, workspace, description);
-        let (mut frames, mut ups) = (Vec::new(), DVec3::ZERO);
+        let mut frames = Vec::new();
         for image in &self.images {
             let Some(depth) = maps.of(place, "depth", &image.name) else {
                 description.skip("without a map of depth", image.name.clone());
@@ -189,11 +189,10 @@ impl Reconstruction {
                 );
                 Error::invalid(self.inputs[1].display(), what)
             })?;
-            ups -= pose.matrix3.y_axis;
             let normal = maps.of(place, "normal", &image.name);
             frames.push(picture(color, depth, normal, &pose, camera, &self.inputs[0])?);
         }
-        Ok((frames, ups.try_normalize().unwrap_or(DVec3::NEG_Y)))
+        Ok(frames)
     }
 }
 

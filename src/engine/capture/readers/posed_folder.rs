@@ -8,10 +8,12 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
 use super::place::SourceFolder;
 use super::reader::{Description, ReadSource, Reader};
 use super::text::TextFile;
-use super::views::{json, lens, recording};
+use super::views::{json, lens, mean_up, nearest_axis, recording};
 use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::Result;
 
@@ -61,8 +63,23 @@ impl Reader for PosedFolder {
         let (inputs, keys, frames) = (Vec::new(), Keys::default(), Vec::new());
         let mut found = Found { place, description, inputs, keys, frames };
         (self.find)(&mut found)?;
+        if let Some(up) = mean_up(&found.frames).filter(|_| found.keys.up.is_none()).map(nearest_axis) {
+            // Lists of poses do not say it, and few worlds are as askew as the cameras in them.
+            found.keys.up = Some(up.to_array());
+            found
+                .description
+                .notes
+                .push(format!("up is {}, the axis nearest to the mean of the cameras' up", axis_name(up)));
+        }
         recording(place, found.keys, found.frames, found.description, found.inputs)
     }
+}
+
+/// The name of an axis of the world, as in `−y`.
+fn axis_name(axis: DVec3) -> String {
+    let sign = if axis.element_sum() < 0.0 { '−' } else { '+' };
+    let name = ["x", "y", "z"].into_iter().zip(axis.to_array()).find(|(_, part)| *part != 0.0);
+    format!("{sign}{}", name.map_or("z", |(name, _)| name))
 }
 
 impl Found<'_> {

@@ -14,6 +14,9 @@ use crate::whole_file;
 /// How far a quaternion's length, squared, may be from 1, and the axes of a matrix from orthonormal.
 const RIGID_TOLERANCE: f64 = 1e-2;
 
+/// Length of the mean of the cameras' up below which they do not agree on one.
+const LEAST_AGREEMENT: f64 = 0.1;
+
 /// The pose of a unit quaternion `x y z w` and a translation; `None` where the quaternion is not of length 1, or a number is not
 /// finite, as trackers write that are lost.
 pub(super) fn pose_of_quaternion(xyzw: [f64; 4], translation: [f64; 3]) -> Option<DAffine3> {
@@ -50,6 +53,25 @@ pub(super) fn entry(color: String, depth: Option<String>, world_from_camera: &DA
 /// The pose of our axes (x right, y down, z forward) from one of OpenGL's (x right, y up, looking along −z).
 pub(super) fn from_opengl(world_from_camera: &DAffine3) -> DAffine3 {
     *world_from_camera * DAffine3::from_scale(DVec3::new(1.0, -1.0, -1.0))
+}
+
+/// The mean of the cameras' up, unit length; `None` without cameras, or where it is undecided.
+pub(super) fn mean_up(frames: &[PictureEntry]) -> Option<DVec3> {
+    let up = |frame: &PictureEntry| {
+        let rows = &frame.transform_matrix;
+        DVec3::from_array(std::array::from_fn(|row| {
+            rows.get(row).and_then(|row| row.get(1)).copied().unwrap_or(0.0)
+        }))
+    };
+    let sum: DVec3 = frames.iter().map(up).sum();
+    (sum.length() > LEAST_AGREEMENT * frames.len() as f64).then(|| sum.normalize())
+}
+
+/// The axis of the world, with its sign, that is nearest to a direction.
+pub(super) fn nearest_axis(direction: DVec3) -> DVec3 {
+    let axis =
+        DVec3::AXES.into_iter().max_by(|a, b| a.dot(direction).abs().total_cmp(&b.dot(direction).abs()));
+    axis.map_or(DVec3::Z, |axis| axis * axis.dot(direction).signum())
 }
 
 /// The keys of a pinhole of the picture's size. `pixel_center_offset` is the first pixel's center in the units of the principal
