@@ -7,11 +7,13 @@ use egui::{Rect, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
 
+use super::command::{overlook, succeed};
 use super::display::{
     can_drive_a_window, clipboard_text, drag, picture_of, quit, start_display, start_program, wait_for,
     wait_for_pictures, xdotool,
 };
-use super::driver::{SIZE, Window, click, demo, look_at, open_fresh, settle, shows};
+use super::driver::{SIZE, Window, click, demo, look_at, open_fresh, settle, shows, wait};
+use overlook::app::Start;
 
 fn rect_of(window: &Window, name: &str) -> Rect {
     window.get_by_label(name).rect()
@@ -40,6 +42,25 @@ fn the_introduction_covers_nothing_that_it_explains_and_goes_with_the_views_it_s
     assert!(shows(&window, "Kept") || shows(&window, "Dropped"), "the pixel is explained");
     click(&mut window, "Maximize Live view");
     assert!(window.query_by_label("Got it").is_none(), "nothing speaks of views that are not there");
+}
+
+#[test]
+fn a_start_without_anything_to_open_shows_a_room_that_moves_says_what_it_is_and_leads_to_why_in_one_click() {
+    for size in [[1280.0, 800.0], [1024.0, 640.0]] {
+        let mut window = open_fresh(Start::Welcome, size);
+        wait(&mut window, "time to pass", |window| window.state().observed().frame > 0);
+        wait(&mut window, "the first picture", |window| shows(window, "covered"));
+        assert!(shows(&window, "9 cameras filmed this room for 60 frames"));
+        for nothing in ["–", "…"] {
+            assert!(window.query_all_by_label(nothing).next().is_none(), "a figure is {nothing}");
+        }
+        assert!(shows(&window, "What became of all pixels: Kept 2"), "the bars are in sight");
+        assert!(!shows(&window, "Aligning") && !shows(&window, "Reading frames"));
+        click(&mut window, "See why");
+        assert!(shows(&window, "What was dropped, and why"));
+        click(&mut window, "Got it");
+        assert!(!shows(&window, "filmed this room"));
+    }
 }
 
 /// A window of the program on a display of its own, and where its parts lie.
@@ -120,15 +141,18 @@ fn in_the_first_minute_a_real_window_is_maximized_orbited_asked_about_a_pixel_an
     if !can_drive_a_window() {
         return;
     }
-    let mut plan = open_fresh(demo(3, 4, (96, 72)), SIZE);
+    let folder = tempfile::tempdir().unwrap();
+    let size = ["--cameras", "3", "--frames", "4", "--size", "240x180", "--out", "orrery"];
+    succeed(overlook(folder.path(), &[&["demo", "orrery"], size.as_slice()].concat()));
+    let capture = folder.path().join("orrery");
+    let mut plan = open_fresh(Start::Path(capture.clone()), SIZE);
     settle(&mut plan);
     let live = rect_of(&plan, "Live picture").shrink(12.0);
     let [tab, settings] = ["Live view", "Settings"].map(|name| tab_of(&plan, name));
     let pixel_panel = Rect::from_min_max(settings.left_bottom(), egui::pos2(SIZE[0], live.bottom()));
     let source = rect_of(&plan, "Source picture").shrink(12.0);
-    let folder = tempfile::tempdir().unwrap();
     let (_server, display) = start_display();
-    let program = start_program(&display, folder.path(), &[]);
+    let program = start_program(&display, folder.path(), &[&capture]);
     let window = RealWindow { display: &display, folder: folder.path(), live };
     wait_for_pictures(&display, folder.path());
 

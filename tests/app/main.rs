@@ -5,6 +5,10 @@ mod alignment;
 mod camera_signs;
 mod cameras_and_view;
 mod color;
+#[cfg(target_os = "linux")]
+#[expect(dead_code, reason = "other tests need its scene")]
+#[path = "../common/command.rs"]
+mod command;
 mod device;
 mod dialogs;
 #[cfg(target_os = "linux")]

@@ -8,7 +8,7 @@ use super::driver::{
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use overlook::app::{OverlookApp, Start};
+use overlook::app::OverlookApp;
 
 #[test]
 fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
@@ -171,17 +171,12 @@ fn closing_with_changed_thresholds_asks_first() {
     assert!(!shows(&window, "Close without saving?"));
 }
 
-/// What the program opens by itself, small.
-fn welcome() -> Start {
-    let Start::Demo(spec) = small_demo() else { unreachable!("the small demo is one") };
-    Start::Welcome(spec)
-}
-
 #[test]
-fn the_scene_of_a_start_without_a_path_moves_by_itself_and_a_clicked_pixel_stops_it() {
-    let mut window = open(welcome(), SIZE);
+fn a_scene_that_plays_says_why_it_gives_no_verdict_and_a_clicked_pixel_stops_it() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Play");
     wait(&mut window, "time to pass", |window| window.state().observed().frame > 0);
-    assert!(shows(&window, "dB vs unpruned"), "what pruning cost was known before");
     let picture = window.get_by_label("Source picture").rect();
     window.hover_at(picture.center());
     wait(&mut window, "a word on why there is no verdict", |window| {
@@ -194,23 +189,6 @@ fn the_scene_of_a_start_without_a_path_moves_by_itself_and_a_clicked_pixel_stops
     let frame = window.state().observed().frame;
     window.run_steps(20);
     assert_eq!(window.state().observed().frame, frame);
-}
-
-#[test]
-fn whoever_takes_over_before_is_not_set_in_motion() {
-    // On a busy machine the scene may be in motion before the key is pressed.
-    let taken_over = (0..10).find_map(|_| {
-        let mut window = open(welcome(), SIZE);
-        wait(&mut window, "the scene", |window| window.state().observed().scene_name.is_some());
-        window.key_press(Key::Period);
-        window.step();
-        window.query_by_label("Play").is_some().then_some(window)
-    });
-    let mut window = taken_over.expect("one of ten keys comes before the motion");
-    settle(&mut window);
-    window.run_steps(20);
-    assert!(shows(&window, "dB vs unpruned") && window.query_by_label("Play").is_some());
-    assert!(window.state().observed().frame <= 1);
 }
 
 #[test]

@@ -182,7 +182,7 @@ fn the_ten_steps_of_the_guide_lead_from_a_folder_to_a_tuned_store() {
     let (_server, display) = start_display();
     let mut program = start_program(&display, folder.path(), &[]);
 
-    say(&display, "close the introduction");
+    xdotool(&display, &["key", "ctrl+2"]).unwrap();
     say(&display, "open path");
     answer(&display, &capture);
     std::thread::sleep(Duration::from_secs(2));

@@ -6,11 +6,10 @@ use winit::event_loop::EventLoop;
 
 use super::control::{OverlookApp, Start};
 use super::pace::{LeastPeriod, PacedWindow};
-use overlook_engine::demo::{DemoSpec, SCENES};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::gpu::device_descriptor;
 
-/// Opens the window on a capture or store at `path`, or on the first built-in scene, and runs until it is closed.
+/// Opens the window on a capture or store at `path`, or on the room that comes with the program, and runs until it is closed.
 ///
 /// # Errors
 /// [`Error::Gpu`] where there is no display or no window can be opened.
@@ -21,7 +20,7 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
                 .to_owned(),
         });
     }
-    let start = path.map_or_else(|| Start::Welcome(default_demo()), Start::Path);
+    let start = path.map_or(Start::Welcome, Start::Path);
     let has_card = has_graphics_card();
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -69,10 +68,6 @@ fn window_device() -> eframe::egui_wgpu::WgpuConfiguration {
         setup.device_descriptor = std::sync::Arc::new(device_descriptor);
     }
     configuration
-}
-
-fn default_demo() -> DemoSpec {
-    DemoSpec::new(SCENES.first().map_or("orrery", |(name, _)| name))
 }
 
 /// Only X11 and Wayland can be missing; other systems always have a display.

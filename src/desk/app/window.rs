@@ -40,8 +40,11 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
         .exact_size(space::TOP_BAR)
         .frame(bar)
         .show(ui, |ui| panels::top_bar_ui(ui, state, commands));
-    if !state.look.hides_totals && state.look.maximized.is_none() {
-        Panel::top("totals").exact_size(space::TOTALS).frame(bar).show(ui, |ui| panels::totals_ui(ui, state));
+    if state.scene.is_some() && !state.look.hides_totals && state.look.maximized.is_none() {
+        Panel::top("totals")
+            .exact_size(space::TOTALS)
+            .frame(bar)
+            .show(ui, |ui| panels::totals_ui(ui, state, commands));
     }
     panels::introduction_ui(ui, state, commands);
     Panel::bottom("status")
@@ -116,7 +119,7 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
         for (name, command) in [
             ("Open folder…", Command::AskPath(Purpose::OpenFolder)),
             ("Open file…", Command::AskPath(Purpose::OpenFile)),
-            ("Open the demo scene", Command::OpenDemo("orrery".to_owned())),
+            ("Open the demo", Command::OpenRoom),
         ] {
             if ui.button(name).clicked() {
                 commands.push(command);

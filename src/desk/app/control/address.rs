@@ -20,7 +20,7 @@ impl OverlookApp {
         let view = ViewAddress::of(&orbit.world_from_camera, orbit.pivot_distance, lenses, frame_number);
         let place = match &scene.origin {
             SceneSource::Path(path) => path.display().to_string(),
-            SceneSource::Demo(_) => String::new(),
+            SceneSource::Demo(_) | SceneSource::Room => String::new(),
         };
         self.ctx.copy_text(format!("{place}{view}"));
         self.go_to_view(&scene, &view);

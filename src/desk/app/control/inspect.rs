@@ -47,10 +47,8 @@ impl OverlookApp {
                 state.inspector.find_setting = Some(path);
                 self.dock.open(DockView::Thresholds);
             }
-            Command::Introduced => {
-                state.inspector.introduced = true;
-                self.play_once_ready();
-            }
+            Command::Introduced => state.inspector.introduced = true,
+            Command::RoomExplained => state.inspector.room_explained = true,
             Command::Stay => {
                 state.inspector.closing.asks = false;
                 state.open_after_question = None;
@@ -210,6 +208,8 @@ impl OverlookApp {
             .clone()
             .map(|orbit| SavedPathKey { orbit, frame: self.state.timeline.frame });
         let path = &mut self.state.inspector.path;
+        let before = path.keys.clone();
+        let mut moved = None;
         match command {
             Command::AddKey => {
                 if let Some(key) = here {
@@ -227,7 +227,10 @@ impl OverlookApp {
                     *key = here;
                 }
             }
-            Command::MoveKey { index, frame } => path.move_key(index, frame),
+            Command::MoveKey { index, frame } => {
+                path.move_key(index, frame);
+                moved = Some(index);
+            }
             Command::GoToKey(index) => {
                 if let Some(key) = path.keys.get(index).cloned() {
                     self.go_to_key(key);
@@ -242,7 +245,16 @@ impl OverlookApp {
             Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
             other => return Some(other),
         }
+        self.keys_changed(before, moved);
         None
+    }
+
+    /// Notes what the keys of the path were, so that the change can be taken back.
+    pub(super) fn keys_changed(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
+        let path = &mut self.state.inspector.path;
+        let changes = path.keys != before;
+        path.note_change(before, moved);
+        self.state.edits.is_latest &= !changes;
     }
 
     /// Moves the view to a key of the path.

@@ -11,7 +11,7 @@ use super::remembered::Memory;
 use crate::address::ViewAddress;
 use crate::app::dock::Dock;
 use crate::app::model::{
-    Busy, Command, DockView, Message, NoticeKind, State, StoppableWork, Stopwatch, TypedPath,
+    Busy, Command, DockView, Message, NoticeKind, State, StoppableWork, Stopwatch, TypedPath, Workspace,
 };
 use crate::app::pace::LeastPeriod;
 use crate::app::theme;
@@ -40,8 +40,8 @@ const EARLY: f32 = 0.2;
 pub enum Start {
     /// A built-in scene.
     Demo(DemoSpec),
-    /// A built-in scene that starts to move once all about it is known, unless the person at the window takes over before.
-    Welcome(DemoSpec),
+    /// The room that comes with the program: it moves at once, in the workspace for looking around.
+    Welcome,
     /// A capture (a folder, or a file that it is known by) or a store.
     Path(PathBuf),
 }
@@ -104,7 +104,7 @@ impl OverlookApp {
         state.look.workspace = dock.workspace();
         if storage.is_none() {
             // Nothing can be remembered, so that it would be a first run every time.
-            state.inspector.introduced = true;
+            (state.inspector.introduced, state.inspector.room_explained) = (true, true);
         }
         let mut app = Self {
             state,
@@ -123,9 +123,13 @@ impl OverlookApp {
             address_to_open: None,
             least_period: LeastPeriod::default(),
         };
-        app.state.timeline.plays_once_ready = matches!(start, Start::Welcome(_));
         match start {
-            Start::Demo(spec) | Start::Welcome(spec) => app.open_demo(spec),
+            Start::Demo(spec) => app.open_demo(spec),
+            Start::Welcome => {
+                app.apply(Command::Workspace(Workspace::Explore));
+                app.state.timeline.plays_once_open = true;
+                app.open_room();
+            }
             Start::Path(path) => app.open_path(&path),
         }
         Ok(app)

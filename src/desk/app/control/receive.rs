@@ -176,17 +176,6 @@ impl OverlookApp {
             return;
         }
         self.state.accuracy = accuracy;
-        self.play_once_ready();
-    }
-
-    /// Plays the scene of a start without a path, once it is ready and the introduction is closed: that explains pixels, whose verdicts
-    /// belong to one frame.
-    pub(crate) fn play_once_ready(&mut self) {
-        if self.state.accuracy.is_none() || !self.state.inspector.introduced {
-            return;
-        }
-        let plays_once_ready = std::mem::take(&mut self.state.timeline.plays_once_ready);
-        self.state.timeline.playing |= plays_once_ready && self.state.frame_count() > 1;
     }
 
     fn settings_loaded(&mut self, path: &Path, settings: Settings) {
@@ -231,6 +220,8 @@ impl OverlookApp {
         self.workers.readings.cancel();
         self.scheduler = crate::app::work::Scheduler::default();
         self.go_to_opened_address(scene);
+        let plays_once_open = std::mem::take(&mut self.state.timeline.plays_once_open);
+        self.state.timeline.playing |= plays_once_open && scene.frame_count() > 1;
     }
 
     /// Puts back to its start what belonged to the scene before `scene`.

@@ -32,6 +32,7 @@ pub(crate) struct Memory {
     guides: Guides,
     layout: String,
     introduced: bool,
+    room_explained: bool,
     presets: Vec<(String, String)>,
 }
 
@@ -65,6 +66,7 @@ impl Memory {
             guides: state.live.guides,
             layout: dock.to_json(),
             introduced: state.inspector.introduced,
+            room_explained: state.inspector.room_explained,
             presets: (state.inspector.presets.iter())
                 .map(|(name, settings)| (name.clone(), settings.to_toml()))
                 .collect(),
@@ -92,6 +94,7 @@ impl Memory {
         state.live.show_cameras = self.show_cameras;
         state.live.guides = self.guides;
         state.inspector.introduced = self.introduced;
+        state.inspector.room_explained = self.room_explained;
         state.inspector.presets =
             (self.presets.into_iter()).filter_map(|(name, text)| Some((name, settings(&text)?))).collect();
         Dock::from_json(&self.layout)

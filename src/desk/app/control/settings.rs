@@ -9,6 +9,12 @@ use overlook_engine::settings::Settings;
 impl OverlookApp {
     /// Carries out what concerns settings; gives back what does not.
     pub(super) fn apply_to_settings(&mut self, command: Command) -> Option<Command> {
+        // The last change is taken back first, whatever it was.
+        match command {
+            Command::Undo if self.state.inspector.path.step(true) => return None,
+            Command::Redo if self.state.inspector.path.step(false) => return None,
+            _ => {}
+        }
         let now = &self.state.settings;
         let history = &mut self.state.inspector.history;
         let own = &mut self.state.inspector.presets;
@@ -78,6 +84,7 @@ impl OverlookApp {
         if settings != self.state.settings {
             self.state.inspector.history.record(&self.state.settings, number, Instant::now());
             self.state.edits.is_latest = false;
+            self.state.inspector.path.changes.is_latest = false;
             self.put_settings(settings);
         }
     }

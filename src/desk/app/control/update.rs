@@ -16,7 +16,7 @@ use overlook_engine::settings::{Fill, RenderSettings};
 impl OverlookApp {
     /// Carries out one command.
     pub(crate) fn apply(&mut self, command: Command) {
-        self.state.timeline.plays_once_ready &= only_looks(&command);
+        self.state.timeline.plays_once_open &= only_looks(&command);
         let rest = self
             .apply_to_typed_path(command)
             .and_then(|command| self.apply_to_edits(command))
@@ -30,7 +30,12 @@ impl OverlookApp {
             .and_then(|command| self.apply_to_view(command))
             .and_then(|command| self.apply_to_views(command));
         match rest {
-            Some(command @ (Command::OpenDemo(_) | Command::OpenPath(_) | Command::OpenReading(_))) => {
+            Some(
+                command @ (Command::OpenDemo(_)
+                | Command::OpenRoom
+                | Command::OpenPath(_)
+                | Command::OpenReading(_)),
+            ) => {
                 self.ask_to_open(command);
             }
             Some(Command::ForgetRecent) => {
@@ -158,6 +163,7 @@ impl OverlookApp {
             Command::OpenDemo(scene) => {
                 self.open_demo(DemoSpec::new(scene));
             }
+            Command::OpenRoom => self.open_room(),
             Command::OpenPath(path) => self.open_path(&path),
             Command::OpenReading(otherwise) => self.open_reading(otherwise),
             _ => {}
@@ -181,6 +187,12 @@ impl OverlookApp {
     pub(crate) fn open_demo(&mut self, spec: DemoSpec) {
         self.state.opening = Some(model::words(&spec.scene));
         self.workers.open.submit(OpenRequest::Demo { spec, settings: self.state.settings.capture.clone() });
+    }
+
+    /// Opens the room that comes with the program.
+    pub(crate) fn open_room(&mut self) {
+        self.state.opening = Some("room".to_owned());
+        self.workers.open.submit(OpenRequest::Room);
     }
 
     /// Opens a capture or a store, at the view that an address names.
@@ -282,6 +294,7 @@ fn only_looks(command: &Command) -> bool {
             | Command::OpenView(_)
             | Command::ResetLayout
             | Command::Introduced
+            | Command::RoomExplained
             | Command::Dark(_)
     )
 }

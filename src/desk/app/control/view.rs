@@ -119,7 +119,7 @@ impl OverlookApp {
     pub(super) fn path_loaded(&mut self, place: &Path, views: &[PathView]) {
         let Some(scene) = self.state.scene.clone() else { return };
         let path = &mut self.state.inspector.path;
-        let is_new = path.keys.is_empty();
+        let (is_new, before) = (path.keys.is_empty(), path.keys.clone());
         let keys: Vec<SavedPathKey> =
             views.iter().filter(|view| view.is_key).map(|view| key_of(&scene, view)).collect();
         let count = keys.len();
@@ -129,6 +129,7 @@ impl OverlookApp {
             path.take_pace_of(views);
             path.saved = path.keys.clone();
         }
+        self.keys_changed(before, None);
         let text = format!("{} from {}", counted(count, "key"), place.display());
         self.state.notify(NoticeKind::Done, "Camera path opened", text);
     }

@@ -33,11 +33,31 @@ pub(crate) struct CameraPath {
     pub saved: Vec<SavedPathKey>,
     /// The picture that is played; `None` while it does not play.
     pub playing: Option<f32>,
+    /// What the keys were before each change, and what was taken back.
+    pub changes: KeyChanges,
+}
+
+/// Earlier keys of a path, and those that were taken back.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct KeyChanges {
+    past: Vec<Vec<SavedPathKey>>,
+    future: Vec<Vec<SavedPathKey>>,
+    /// The key that was moved last, if nothing followed: while it is dragged, all its moves are one change.
+    moved: Option<usize>,
+    /// Whether nothing else that can be taken back was changed since.
+    pub is_latest: bool,
 }
 
 impl Default for CameraPath {
     fn default() -> Self {
-        Self { keys: Vec::new(), pictures_per_leg: 48, size: None, saved: Vec::new(), playing: None }
+        Self {
+            keys: Vec::new(),
+            pictures_per_leg: 48,
+            size: None,
+            saved: Vec::new(),
+            playing: None,
+            changes: KeyChanges::default(),
+        }
     }
 }
 
@@ -78,6 +98,34 @@ impl CameraPath {
         let after = neighbor(index.checked_add(1)).filter(|after| *after >= own);
         self.keys[index].frame = frame.clamp(before.unwrap_or(0), after.unwrap_or(usize::MAX));
         self.playing = None;
+    }
+
+    /// Notes that the keys were `before`, if they changed; `moved` is the key that was moved.
+    pub(crate) fn note_change(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
+        let changes = &mut self.changes;
+        if before == self.keys {
+            return;
+        }
+        let goes_on = moved.is_some() && changes.moved == moved && changes.is_latest;
+        if !goes_on {
+            changes.past.push(before);
+        }
+        (changes.moved, changes.is_latest) = (moved, true);
+        changes.future.clear();
+    }
+
+    /// Takes the last change of the keys back, or does it again; false where there is none, or something else was changed since.
+    pub(crate) fn step(&mut self, undo: bool) -> bool {
+        let changes = &mut self.changes;
+        if !changes.is_latest {
+            return false;
+        }
+        let (past, future) = (&mut changes.past, &mut changes.future);
+        let (from, to) = if undo { (past, future) } else { (future, past) };
+        let Some(keys) = from.pop() else { return false };
+        to.push(std::mem::replace(&mut self.keys, keys));
+        (changes.moved, self.playing) = (None, None);
+        true
     }
 
     /// Whether all keys are in a file.

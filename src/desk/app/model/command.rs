@@ -25,6 +25,8 @@ use overlook_engine::settings::Settings;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
     OpenDemo(String),
+    /// Open the room that comes with the program.
+    OpenRoom,
     OpenPath(PathBuf),
     /// Ask for a path by the system's dialog.
     AskPath(Purpose),
@@ -152,6 +154,8 @@ pub(crate) enum Command {
     FoundSetting,
     /// The introduction of the first run was read.
     Introduced,
+    /// Close the sentence about the room that comes with the program.
+    RoomExplained,
     /// Cancel the question before closing or opening.
     Stay,
     /// Close or open in spite of what is lost.

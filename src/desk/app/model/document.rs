@@ -217,6 +217,11 @@ impl State {
         }
     }
 
+    /// Whether the true picture of some viewpoint is known.
+    pub(crate) fn has_truth(&self) -> bool {
+        matches!(self.content(), Some(Content::Capture { truth, .. }) if !truth.is_empty())
+    }
+
     /// Whether thresholds differ from those of the last saved store; before one is saved, from those at opening.
     pub(crate) fn is_unsaved(&self) -> bool {
         let saved = self.inspector.saved.as_ref().filter(|_| self.has_capture());

@@ -88,6 +88,8 @@ pub(crate) struct Inspector {
     pub held_memory: Vec<(&'static str, u64)>,
     /// Whether the introduction of the first run was read.
     pub introduced: bool,
+    /// Whether the sentence about the room that comes with the program was read.
+    pub room_explained: bool,
     /// The settings of the store that was saved last of the open capture, at first those that it was opened with.
     pub saved: Option<Settings>,
     /// What stands between the person and closing the window.

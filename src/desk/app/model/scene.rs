@@ -19,7 +19,10 @@ static NEXT_ID: AtomicU64 = AtomicU64::new(1);
 /// Where a scene came from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum SceneSource {
+    /// A built-in scene, traced as it is read.
     Demo(String),
+    /// The room that comes with the program, pruned already.
+    Room,
     Path(PathBuf),
 }
 
@@ -91,16 +94,16 @@ impl OpenScene {
     ///
     /// # Errors
     /// `Io` and `Cancelled`, and where the store has no frame.
-    pub(crate) fn of_store(path: PathBuf, playback: Playback, job: &Job) -> Result<Self> {
+    pub(crate) fn of_store(origin: SceneSource, playback: Playback, job: &Job) -> Result<Self> {
         let first = playback.at(0, job)?;
         let first = first.images.iter().find(|image| !image.is_empty());
         let typical_depth = first.map_or(1.0, |image| median_depth(&image.inverse_depths()));
         let samples = playback.outline().clone();
         let info = playback.store().info();
-        let (report, bytes) = (Report::from_json(&info.report, &path.display().to_string())?, info.bytes);
+        let (report, bytes) = (Report::from_json(&info.report, &samples.name)?, info.bytes);
         Ok(Self {
             id: NEXT_ID.fetch_add(1, Ordering::Relaxed),
-            origin: SceneSource::Path(path),
+            origin,
             name: samples.name.clone(),
             cameras: samples.cameras.clone(),
             frame_numbers: samples.frame_numbers.clone(),

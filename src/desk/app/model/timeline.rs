@@ -10,8 +10,8 @@ pub(crate) struct Timeline {
     pub frame: usize,
     /// Whether it advances.
     pub playing: bool,
-    /// Whether it will by itself, once all is known of what is open.
-    pub plays_once_ready: bool,
+    /// Whether it will by itself, once what is asked for is open.
+    pub plays_once_open: bool,
     pub frames_per_second: f32,
     /// Seconds since the last advance.
     pub elapsed_secs: f32,

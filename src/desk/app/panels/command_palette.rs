@@ -241,6 +241,7 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         add(format!("Open recent: {name}"), "", Command::OpenPath(path.clone()));
     }
+    add("Demo: room, pruned".to_owned(), "", Command::OpenRoom);
     for (name, _) in SCENES {
         add(format!("Demo: {name}"), "", Command::OpenDemo((*name).to_owned()));
     }

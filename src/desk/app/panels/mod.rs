@@ -2,6 +2,7 @@
 
 mod alignment;
 mod camera_list;
+mod causes;
 mod color_panel;
 mod command_palette;
 mod edits;

@@ -119,6 +119,11 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 fn demo_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     menu_ui(ui, ICON_SCIENCE, "Demo", |ui| {
+        let room =
+            ui.button("Room, pruned").on_hover_text("The room that the program comes with: opens at once.");
+        if room.clicked() {
+            commands.push(Command::OpenRoom);
+        }
         for (name, help) in SCENES {
             if ui.button(model::words(name)).on_hover_text(*help).clicked() {
                 commands.push(Command::OpenDemo((*name).to_owned()));
@@ -168,7 +173,8 @@ fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
 fn title_of(state: &State) -> Option<[RichText; 2]> {
     let scene = state.scene.as_ref()?;
     let kind = match (&scene.origin, scene.capture().is_some()) {
-        (SceneSource::Demo(_), _) => "built-in capture",
+        (SceneSource::Demo(_), _) => "built-in capture, traced here",
+        (SceneSource::Room, _) => "built-in store",
         (_, true) => "capture",
         (_, false) => "store",
     };

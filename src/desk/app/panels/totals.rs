@@ -1,8 +1,9 @@
-//! The strip that is always in view: what pruning saved, and what it cost.
+//! The strip that is always in view: what pruning saved, why, and what it cost.
 
 use egui::{Align, Layout, RichText, Ui};
 
-use crate::app::model::{self, Accuracy, Content, State};
+use super::causes::causes_ui;
+use crate::app::model::{self, Accuracy, Command, Commands, Content, DockView, State};
 use crate::app::theme::{Tokens, figure_style};
 use crate::app::widgets::one_line;
 use overlook_engine::plural::counted;
@@ -26,21 +27,34 @@ struct KeyFigure {
     of_whole: bool,
 }
 
-pub(crate) fn totals_ui(ui: &mut Ui, state: &State) {
+/// Width of the bars beside the figures at most, points; as many again as figures need are theirs first.
+const CAUSES_MOST: f32 = 640.0;
+
+pub(crate) fn totals_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let figures = figures(state);
-    let widths = widths(ui, &figures);
+    let account = state.report().map(Report::pixel_account);
+    let (needed, spare) = widths(ui, &figures);
+    let bars = if account.is_some() { spare.min(CAUSES_MOST) } else { 0.0 };
+    let more = (spare - bars) / figures.len().max(1) as f32;
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
-        for (figure, width) in figures.iter().zip(widths) {
-            ui.allocate_ui_with_layout(egui::vec2(width, FIGURE), Layout::top_down(Align::Min), |ui| {
+        for (figure, width) in figures.iter().zip(needed) {
+            let size = egui::vec2(width + more, FIGURE);
+            ui.allocate_ui_with_layout(size, Layout::top_down(Align::Min), |ui| {
                 figure_ui(ui, figure, state.is_stale());
             });
         }
+        let Some(account) = account else { return };
+        ui.allocate_ui_with_layout(egui::vec2(bars, FIGURE), Layout::top_down(Align::Min), |ui| {
+            if causes_ui(ui, &account).is_some_and(|bars| bars.clicked()) {
+                commands.push(Command::OpenView(DockView::Report));
+            }
+        });
     });
 }
 
-/// Equal widths if everything fits into them; otherwise each figure gets what it needs, and the rest is shared out.
-fn widths(ui: &Ui, figures: &[KeyFigure]) -> Vec<f32> {
+/// What each figure needs, and what is left beside them.
+fn widths(ui: &Ui, figures: &[KeyFigure]) -> (Vec<f32>, f32) {
     let styles = (figure_style().resolve(ui.style()), egui::TextStyle::Small.resolve(ui.style()));
     let width_of = |text: &str, font: &egui::FontId| {
         ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER).size().x
@@ -52,12 +66,8 @@ fn widths(ui: &Ui, figures: &[KeyFigure]) -> Vec<f32> {
             line.max(width_of(figure.name, &styles.1)) + MARGIN
         })
         .collect();
-    let equal = ui.available_width() / figures.len() as f32;
-    if needed.iter().all(|needed| *needed <= equal) {
-        return vec![equal; figures.len()];
-    }
-    let spare = (ui.available_width() - needed.iter().sum::<f32>()) / figures.len() as f32;
-    needed.into_iter().map(|needed| needed + spare).collect()
+    let spare = (ui.available_width() - needed.iter().sum::<f32>()).max(0.0);
+    (needed, spare)
 }
 
 fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
@@ -91,7 +101,7 @@ fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
 fn figures(state: &State) -> Vec<KeyFigure> {
     let report = state.report();
     let figure = |name, of_whole, value_and_note: Option<[String; 2]>, help: &str| {
-        let [value, note] = value_and_note.unwrap_or_else(|| ["–".to_owned(), String::new()]);
+        let [value, note] = value_and_note.unwrap_or_else(|| ["…".to_owned(), String::new()]);
         KeyFigure { name, value, note, help: help.to_owned(), of_whole }
     };
     let memory_note = |report: &Report| match state.content() {
@@ -105,7 +115,7 @@ fn figures(state: &State) -> Vec<KeyFigure> {
         let covered = model::percent(pixels.saturating_sub(stats.holes), pixels);
         [format!("{} ms", model::significant(stats.milliseconds)), format!("{covered} covered")]
     });
-    vec![
+    let mut figures = vec![
         figure(
             "Samples kept",
             true,
@@ -117,8 +127,7 @@ fn figures(state: &State) -> Vec<KeyFigure> {
             true,
             report.map(|r| {
                 let account = r.pixel_account();
-                let redundant = model::percent(account.represented(), account.pixels);
-                [model::percent(account.not_kept(), account.pixels), format!("{redundant} redundant")]
+                [model::percent(account.not_kept(), account.pixels), String::new()]
             }),
             &report.map_or_else(String::new, |r| dropped_help(&r.pixel_account())),
         ),
@@ -128,21 +137,26 @@ fn figures(state: &State) -> Vec<KeyFigure> {
             report.map(|r| [model::bytes(r.bytes_memory), memory_note(r)]),
             "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth; a saved store is smaller.",
         ),
-        accuracy_figure(state.accuracy, figure),
-        figure(
-            "Preprocessing",
+    ];
+    // What nobody can know here has no place.
+    if state.accuracy.is_some() || state.has_truth() {
+        figures.push(accuracy_figure(state.accuracy, figure));
+    }
+    if state.has_capture() {
+        figures.push(figure(
+            "Pruning",
             true,
             seconds.map(|seconds| [format!("{} s", model::significant(seconds)), String::new()]),
-            "Seconds that pruning the whole capture took; a store does not record them, so that equal input gives equal \
-             files.",
-        ),
-        figure(
-            "Live view",
-            false,
-            render,
-            "Milliseconds that rendering the live view took, and the share of it that samples reached.",
-        ),
-    ]
+            "Seconds that pruning the whole capture took.",
+        ));
+    }
+    figures.push(figure(
+        "Live view",
+        false,
+        render,
+        "Milliseconds that rendering the live view took, and the share of it that samples reached.",
+    ));
+    figures
 }
 
 /// The parts of what is not kept, which add up.
@@ -169,8 +183,8 @@ fn accuracy_figure(
     figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> KeyFigure,
 ) -> KeyFigure {
     let Some(accuracy) = accuracy else {
-        let help = "Accuracy is measured at viewpoints whose true picture is known: built-in captures have them, and captures with a \
-                    novel/transforms.json. There is none here, or it is not measured yet: it is not while the scene plays, nor after Esc.";
+        let help = "Accuracy is measured at the viewpoints whose true picture is known, once the scene is pruned and rests: not while it \
+                    plays, nor after Esc.";
         return figure("Accuracy", true, None, help);
     };
     let Accuracy { psnr_db, unpruned_psnr_db, views } = accuracy;

@@ -2,8 +2,11 @@
 
 use egui::{Frame, Id, Label, Margin, Modal, Panel, RichText, Ui};
 
-use crate::app::model::{Command, Commands, Purpose, ShareCommand, ShareWay, State, Table, Workspace};
+use crate::app::model::{
+    self, Command, Commands, DockView, Purpose, SceneSource, ShareCommand, ShareWay, State, Table, Workspace,
+};
 use crate::app::theme::{Tokens, space};
+use overlook_engine::plural::counted;
 
 /// What a first run explains: title and text. Each speaks of a view that the first workspace shows.
 const HINTS: [(&str, &str); 3] = [
@@ -26,8 +29,54 @@ const HINTS: [(&str, &str); 3] = [
 /// Room for the button that dismisses the introduction, points.
 const DISMISS_WIDTH: f32 = 76.0;
 
+/// Room for the buttons beside what is said of the room, points.
+const ROOM_BUTTONS_WIDTH: f32 = 270.0;
+
+/// What somebody can do about the room, in its band.
+const ROOM_HELP: &str =
+    "Drag the picture to look around, turn the wheel to come nearer; space stops the time.";
+
+/// What the room that comes with the program is, until it is read.
+fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let Some((scene, report)) = state.scene.as_ref().zip(state.report()) else { return };
+    let tokens = Tokens::in_ui(ui);
+    let band = Frame::new().fill(tokens.accent_faint).inner_margin(Margin::symmetric(space::PANEL, 8));
+    let account = report.pixel_account();
+    let sentence = format!(
+        "{} filmed this room for {}. {} of what they recorded is repeated, and said as well by another pixel: here is the rest.",
+        model::sentence(&counted(scene.cameras.len(), "camera")),
+        counted(scene.frame_count(), "frame"),
+        model::percent(account.represented(), account.pixels),
+    );
+    Panel::top("room").frame(band).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.vertical(|ui| {
+                ui.spacing_mut().item_spacing.y = 1.0;
+                ui.set_width(ui.available_width() - ROOM_BUTTONS_WIDTH);
+                ui.add(Label::new(RichText::new(sentence).strong()).wrap());
+                ui.add(Label::new(RichText::new(ROOM_HELP).color(tokens.text)).wrap());
+            });
+            if ui.button("See why").on_hover_text("What was dropped, and by which rule.").clicked() {
+                commands.push(Command::OpenView(DockView::Report));
+            }
+            let own =
+                ui.button("Open your own…").on_hover_text("A capture folder; or drop it on the window.");
+            if own.clicked() {
+                commands.push(Command::AskPath(Purpose::OpenFolder));
+            }
+            if ui.button("Got it").clicked() {
+                commands.push(Command::RoomExplained);
+            }
+        });
+    });
+}
+
 /// The introduction, until it is dismissed: a band of its own, so that it covers nothing of what it explains.
 pub(crate) fn introduction_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let is_room = state.scene.as_ref().is_some_and(|scene| scene.origin == SceneSource::Room);
+    if is_room && !state.inspector.room_explained && state.look.maximized.is_none() {
+        return room_ui(ui, state, commands);
+    }
     // It explains recorded pictures and thresholds, which a store does not have, and views that other workspaces lack.
     let explains = state.has_capture() && state.look.workspace == Workspace::Inspect;
     if state.inspector.introduced || !explains || state.look.maximized.is_some() {

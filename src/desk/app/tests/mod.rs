@@ -1,11 +1,13 @@
 //! What the window does between commands and answers, without a picture of it.
 
 mod edits;
+mod first_minute;
 mod motion;
 mod paths;
 mod sharing;
 mod stopping;
 mod telling;
+mod undoing;
 
 use std::time::{Duration, Instant};
 

@@ -1,6 +1,6 @@
 //! Opens captures and stores.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::requests::OpenRequest;
@@ -11,7 +11,14 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::settings::CaptureSettings;
 use overlook_engine::store;
+use overlook_engine::store::file::Store;
 use overlook_engine::store::playback::Playback;
+
+/// The store that the window opens by itself: `assets/room/make.sh` made it.
+static ROOM: &[u8] = include_bytes!("../../../../assets/room/room.ovl");
+
+/// What errors about it name.
+const ROOM_NAME: &str = "the built-in room";
 
 /// Opens a built-in scene, a capture or a store.
 pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
@@ -22,6 +29,11 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
             let capture = demo.capture(&settings);
             let truth = demo.truth_views();
             open_capture(SceneSource::Demo(spec.scene), capture, truth, job)
+        }
+        OpenRequest::Room => {
+            let store = Store::over(Path::new(ROOM_NAME), Box::new(ROOM.to_vec()))?;
+            let playback = Playback::new(store, store::playback::DEFAULT_CACHE_BYTES);
+            OpenScene::of_store(SceneSource::Room, playback, job)
         }
         OpenRequest::Path { path, settings, keys } => {
             job.start(format!("Opening {}", path.display()), 0);
@@ -39,9 +51,9 @@ fn open_path(
     keys: &[(String, String)],
     job: &Job,
 ) -> Result<OpenScene> {
-    if store::file::Store::is_store(&path)? {
-        let playback = Playback::new(store::file::Store::open(&path)?, store::playback::DEFAULT_CACHE_BYTES);
-        return OpenScene::of_store(path, playback, job);
+    if Store::is_store(&path)? {
+        let playback = Playback::new(Store::open(&path)?, store::playback::DEFAULT_CACHE_BYTES);
+        return OpenScene::of_store(SceneSource::Path(path), playback, job);
     }
     let source = Source::find(&path)?;
     let manifest = source.manifest().map(PathBuf::from);

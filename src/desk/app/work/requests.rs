@@ -28,6 +28,8 @@ use overlook_lab::sweep::Point;
 pub(crate) enum OpenRequest {
     /// A built-in scene.
     Demo { spec: DemoSpec, settings: CaptureSettings },
+    /// The room that comes with the program.
+    Room,
     /// A file or folder; `keys` of a manifest, with their values as JSON, count whatever its files say.
     Path { path: PathBuf, settings: CaptureSettings, keys: Vec<(String, String)> },
 }
