@@ -11,8 +11,9 @@ use super::remembered::remember_recent;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::{
     self, Accuracy, CarriedLook, Display, DockView, LiveKey, LivePicture, Message, NoticeKind, NoticeLink,
-    OpenScene, OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneEdits, SceneSource, ShownCameras,
-    ShownCarried, ShownPicture, SourceLook, Spot, State, Texture, Unit, Whole, WorkKind, method_of,
+    OpenScene, OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneEdits, SceneSource, SharePreview,
+    ShownCameras, ShownCarried, ShownPicture, ShownPreview, SourceLook, Spot, State, Texture, Unit, Whole,
+    WorkKind, method_of,
 };
 use overlook_engine::capture::Camera;
 use overlook_engine::error::Error;
@@ -127,6 +128,14 @@ impl OverlookApp {
             Message::ReadingsShown { images, .. } => self.readings_shown(images),
             Message::Stopped { title, text } => self.stopped_writing(title, text),
             Message::SizesMeasured { facts, .. } => state.share.facts = Some(facts),
+            Message::SharePreviewed { key, preview } => {
+                let replaced = state.share.preview.take().and_then(|shown| shown.picture);
+                let picture = preview.map(|SharePreview { image, decibels }| {
+                    let replaced = replaced.map(|(texture, _)| texture);
+                    (Texture::send(ctx, "preview", TextureOptions::LINEAR, &image, replaced), decibels)
+                });
+                state.share.preview = Some(ShownPreview { key, picture });
+            }
             Message::Failed { work, error } => self.failed(work, &error),
             // Nobody sees it, or the system shows it.
             Message::Prepared | Message::FolderShown => {}

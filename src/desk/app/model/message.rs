@@ -14,7 +14,7 @@ use super::purpose::{Destination, Purpose};
 use super::readings::ReadingImages;
 use super::results::{Accuracy, CameraMemory, Inspected};
 use super::scene::OpenScene;
-use super::share::ShareFacts;
+use super::share::{ShareFacts, SharePreview, SharePreviewKey};
 use super::source_picture::{SourceKey, SourcePicture};
 use super::work_kind::WorkKind;
 use overlook_engine::capture::conventions::Finding;
@@ -116,6 +116,11 @@ pub(crate) enum Message {
         exported: Exported,
     },
     /// What sizes follow from is measured.
+    /// What is shared within a budget; `None` where it is too small for anything.
+    SharePreviewed {
+        key: SharePreviewKey,
+        preview: Option<SharePreview>,
+    },
     SizesMeasured {
         scene: u64,
         facts: ShareFacts,
@@ -211,6 +216,7 @@ impl Message {
             | Self::EditsLoaded { scene, .. }
             | Self::PathLoaded { scene, .. } => Some(*scene),
             Self::Edited { key, .. } => Some(key.scene.id),
+            Self::SharePreviewed { key, .. } => Some(key.scene.id),
             Self::SourcePainted { key, .. } => Some(key.scene),
             Self::LivePainted { key, .. } => Some(key.scene),
             Self::LiveCarried { key, .. } => Some(key.scene),

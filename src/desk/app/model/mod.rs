@@ -92,7 +92,8 @@ pub(crate) use recent::{RECENT_SIDES, RecentPicture};
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth};
 pub(crate) use share::{
-    PictureFacts, ShareCommand, ShareFacts, ShareKey, ShareOptions, ShareOutcome, ShareWay, SharedPictures,
+    PictureFacts, ShareCommand, ShareFacts, ShareKey, ShareOptions, ShareOutcome, SharePreview,
+    SharePreviewKey, ShareWay, SharedPictures, ShownPreview,
 };
 pub(crate) use source_picture::{
     Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,

@@ -7,7 +7,10 @@ use super::figure::{FigureOf, FigureOptions};
 use super::live_picture::LivePicture;
 use super::purpose::Purpose;
 use super::scene::OpenScene;
+use super::texture::Texture;
+use overlook_engine::render::Vantage;
 use overlook_engine::samples::SampleSet;
+use overlook_engine::settings::RenderSettings;
 use overlook_engine::splats::{SplatFormat, SplatSky};
 
 /// A way out.
@@ -177,6 +180,8 @@ pub(crate) struct ShareDialog {
     pub options: ShareOptions,
     /// What the sizes follow from; `None` until it is measured.
     pub facts: Option<ShareFacts>,
+    /// What the budget leaves: of which request, its picture where there is any, and by how many decibels it is like that of all samples.
+    pub preview: Option<ShownPreview>,
     /// Where what was asked for last is written, until it is.
     pub asked: Option<PathBuf>,
     pub outcome: Option<ShareOutcome>,
@@ -228,6 +233,43 @@ impl PartialEq for ShareKey {
         };
         Arc::ptr_eq(&self.samples, &other.samples) && self.frame == other.frame && same_picture
     }
+}
+
+/// What a preview is of.
+#[derive(Clone)]
+pub(crate) struct SharePreviewKey {
+    pub scene: Arc<OpenScene>,
+    /// As in [`ShareKey`].
+    pub samples: Arc<SampleSet>,
+    pub vantage: Vantage,
+    pub settings: RenderSettings,
+    /// The samples that the budget leaves, as a share of all.
+    pub share: f64,
+}
+
+impl PartialEq for SharePreviewKey {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+            && self.scene.id == other.scene.id
+            && self.vantage == other.vantage
+            && self.settings == other.settings
+            && self.share.to_bits() == other.share.to_bits()
+    }
+}
+
+/// A picture of what a budget leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SharePreview {
+    pub image: Arc<egui::ColorImage>,
+    /// PSNR beside the picture of all samples, dB.
+    pub decibels: Option<f64>,
+}
+
+/// A preview as the dialog shows it.
+pub(crate) struct ShownPreview {
+    pub key: SharePreviewKey,
+    /// Its texture and decibels; `None` where the budget leaves nothing.
+    pub picture: Option<(Texture, Option<f64>)>,
 }
 
 /// What was measured of the open scene, for sizes.

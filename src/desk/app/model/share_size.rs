@@ -3,9 +3,10 @@
 
 use super::document::State;
 use super::figure::FigureOf;
-use super::share::{ShareFacts, ShareOptions, ShareWay, SharedPictures};
+use super::share::{ShareFacts, ShareOptions, SharePreviewKey, ShareWay, SharedPictures};
 use super::text::{bytes, count_of, significant};
 use overlook_engine::plural::counted;
+use overlook_engine::render::Vantage;
 use overlook_engine::samples::are_far_from_origin;
 use overlook_engine::splats::{SplatFormat, SplatSky};
 
@@ -61,7 +62,39 @@ fn bytes_of_splat(format: SplatFormat) -> f64 {
     }
 }
 
+/// Columns of a preview, pixels.
+const PREVIEW_COLUMNS: u32 = 320;
+
 impl State {
+    /// The preview that the dialog shows of the chosen way, where a budget makes it coarser.
+    pub(crate) fn share_preview_key(&self) -> Option<SharePreviewKey> {
+        let (facts, options) = (self.share.facts.as_ref()?, &self.share.options);
+        let share = match options.way {
+            ShareWay::Page => {
+                let most = options.page_at_most()? as f64 - EMPTY_PAGE;
+                most / (facts.store_bytes * PAGE_BY_STORE).max(1.0)
+            }
+            ShareWay::Splats => {
+                let most = options.splats_at_most()? as f64;
+                let all = if options.format.holds_time() { facts.samples } else { facts.placed_here };
+                most / all.max(1) as f64
+            }
+            _ => return None,
+        };
+        let [width, height] = self.live.size;
+        let rows = (PREVIEW_COLUMNS * height / width.max(1)).max(1);
+        let camera = self.live_camera([PREVIEW_COLUMNS, rows])?;
+        let ready = self.is_whole_ready() && self.share.is_open && share < 1.0;
+        let samples = self.whole_samples().filter(|_| ready)?;
+        Some(SharePreviewKey {
+            scene: self.scene.clone()?,
+            samples: samples.clone(),
+            vantage: Vantage { camera, frame: self.timeline.frame },
+            settings: self.settings.render.clone(),
+            share: share.max(0.0),
+        })
+    }
+
     /// The size of a way out, with the options of the dialog.
     pub(crate) fn share_size(&self, way: ShareWay) -> ShareSize {
         if self.scene.is_none() {

@@ -17,6 +17,8 @@ pub(crate) enum WorkKind {
     Dialog,
     /// What the sizes of what is shared follow from.
     MeasureSizes,
+    /// What is shared within a budget, as a picture.
+    PreviewShare,
     ShowInFolder,
     CheckPath,
     PixelExplanation,
@@ -46,6 +48,7 @@ impl WorkKind {
             Self::File => "Could not save or load",
             Self::Dialog => "Could not ask for a path",
             Self::MeasureSizes => "Could not measure sizes",
+            Self::PreviewShare => "Could not preview what is shared",
             Self::ShowInFolder => "Could not show the folder",
             Self::CheckPath => "Could not check the path",
             Self::PixelExplanation => "Could not explain this pixel",

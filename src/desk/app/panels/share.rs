@@ -100,6 +100,7 @@ fn way_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut
         ui.label(RichText::new(model::sentence(&size.text)).strong());
         weak(ui, size.reason);
     });
+    preview_ui(ui, state);
     ui.add_space(space::SMALL);
     let writing = state.share.asked.as_ref().and_then(|_| busy_of(state));
     if let Some(busy) = writing {
@@ -111,6 +112,47 @@ fn way_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut
     if let Some(outcome) = &state.share.outcome {
         outcome_ui(ui, outcome, commands);
     }
+}
+
+/// Height of a preview, points.
+const PREVIEW: f32 = 108.0;
+
+/// What a budget leaves of the view, while it makes it coarser.
+fn preview_ui(ui: &mut Ui, state: &State) {
+    let Some(key) = state.share_preview_key() else { return };
+    let intrinsics = key.vantage.camera.intrinsics;
+    let size = Vec2::new(PREVIEW * intrinsics.width as f32 / intrinsics.height.max(1) as f32, PREVIEW);
+    let shown = state.share.preview.as_ref();
+    let is_late = shown.is_none_or(|shown| shown.key != key);
+    ui.add_space(space::SMALL);
+    ui.horizontal_top(|ui| {
+        let (area, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+        let picture = shown.and_then(|shown| shown.picture.as_ref());
+        response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Preview of what is shared"));
+        if let Some((texture, _)) = picture {
+            crate::app::widgets::picture(ui.painter(), texture.id(), area);
+        } else {
+            ui.painter().rect_filled(area, 4.0, Tokens::in_ui(ui).surface);
+        }
+        if is_late {
+            crate::app::widgets::waiting(ui, area, 20.0);
+        }
+        ui.vertical(|ui| {
+            let kept = model::percent((key.share * 1e6) as u64, 1_000_000);
+            let text = match (is_late, picture) {
+                (true, _) => "Preview…".to_owned(),
+                (false, None) => "So little holds nothing of this frame.".to_owned(),
+                (false, Some((_, decibels))) => {
+                    let like = decibels.map_or_else(String::new, |decibels| {
+                        format!(", {} dB from that of all samples", model::significant(decibels))
+                    });
+                    format!("This view of about {kept} of the samples{like}.")
+                }
+            };
+            ui.add(Label::new(RichText::new(text).small().color(Tokens::in_ui(ui).text_weak)).wrap());
+        });
+    });
 }
 
 /// The work that writes what is shared.

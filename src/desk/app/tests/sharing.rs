@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::{ready, settle, wait};
 use crate::app::control::OverlookApp;
-use crate::app::model::{Command, Purpose, ShareCommand, ShareOutcome, ViewCommand};
+use crate::app::model::{Command, Purpose, ShareCommand, ShareOptions, ShareOutcome, ShareWay, ViewCommand};
 use overlook_engine::splats::SplatFormat;
 
 #[test]
@@ -30,6 +30,30 @@ fn what_is_stopped_leaves_nothing_behind() {
         );
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{name}");
     }
+}
+
+#[test]
+fn what_a_budget_leaves_is_seen_before_it_is_made_and_less_is_farther_from_all() {
+    let mut app = ready(3, 2);
+    app.apply(Command::Share(ShareCommand::Open(Some(ShareWay::Splats))));
+    settle(&mut app);
+    assert!(app.state.share.preview.is_none(), "nothing is made coarser");
+    let all = app.state.share.facts.unwrap().placed_here;
+    let mut decibels_of = |kilosplats: u64| {
+        let options =
+            ShareOptions { splats_are_bounded: true, kilosplats, ..app.state.share.options.clone() };
+        app.apply(Command::Share(ShareCommand::Change(Box::new(options))));
+        settle(&mut app);
+        let shown = app.state.share.preview.as_ref().unwrap();
+        assert!(
+            Some(&shown.key) == app.state.share_preview_key().as_ref(),
+            "the preview is of another budget"
+        );
+        shown.picture.as_ref().map(|(_, decibels)| decibels.unwrap())
+    };
+    let [more, less] = [(all - 500) / 1000, all / 3000].map(|kilosplats| decibels_of(kilosplats).unwrap());
+    assert!(more > less && less > 10.0, "{more} {less} of {all}");
+    assert_eq!(decibels_of(0), None, "nothing is left");
 }
 
 #[test]

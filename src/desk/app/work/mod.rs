@@ -25,6 +25,7 @@ mod readings;
 mod requests;
 mod scheduler;
 mod share_facts;
+mod share_preview;
 mod sharing;
 mod source_comparisons;
 mod source_image;

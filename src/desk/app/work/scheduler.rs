@@ -9,8 +9,8 @@ use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
 use super::worker::Worker;
 use super::workers::Workers;
 use crate::app::model::{
-    CompareKey, DockView, EditKey, OpenScene, ProbeKey, SceneSource, SettingsSlot, ShareKey, SourceKey, Spot,
-    State, method_of,
+    CompareKey, DockView, EditKey, OpenScene, ProbeKey, SceneSource, SettingsSlot, ShareKey, SharePreviewKey,
+    SourceKey, Spot, State, method_of,
 };
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::samples::SampleSet;
@@ -69,6 +69,7 @@ pub(crate) struct Scheduler {
     checked: Option<u64>,
     shown_readings: Option<u64>,
     sizes: Option<ShareKey>,
+    preview: Option<SharePreviewKey>,
     edits: Option<EditKey>,
     /// When a setting was last changed.
     pub changed_at: Option<Instant>,
@@ -299,6 +300,9 @@ impl Scheduler {
             picture: shown.map(|shown| shown.picture.clone()),
         };
         submit_new(&workers.sizes, &mut self.sizes, key);
+        if let Some(key) = state.share_preview_key() {
+            submit_new(&workers.preview, &mut self.preview, key);
+        }
     }
 
     fn request_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::files::save_picture;
 use super::sharing::temporary_folder;
 use crate::app::model::{
-    Content, Display, LivePicture, Message, PictureFacts, PixelSource, ShareFacts, ShareKey,
+    Content, Display, LivePicture, Message, OpenScene, PictureFacts, PixelSource, ShareFacts, ShareKey,
 };
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -28,15 +28,10 @@ pub(crate) struct StoreMeter {
 impl StoreMeter {
     /// Counts and measures.
     pub(crate) fn facts(&mut self, key: &ShareKey, job: &Job) -> Result<Message> {
-        let (samples, store_bytes, here) = match &key.scene.content {
-            Content::Store { playback, bytes, .. } => {
-                let here = playback.at(key.frame, job)?;
-                (playback.store().info().sample_count(), *bytes as f64, here)
-            }
-            Content::Capture { .. } => {
-                let all = key.samples.sample_count();
-                (all, self.store_bytes(&key.samples, job)?, key.samples.clone())
-            }
+        let here = samples_of_frame(&key.scene, &key.samples, key.frame, job)?;
+        let (samples, store_bytes) = match &key.scene.content {
+            Content::Store { playback, bytes, .. } => (playback.store().info().sample_count(), *bytes as f64),
+            Content::Capture { .. } => (here.sample_count(), self.store_bytes(&here, job)?),
         };
         let of_frame = || here.images_at(key.frame);
         let placed_here: u64 = of_frame().map(|image| image.placed_count()).sum();
@@ -63,6 +58,19 @@ impl StoreMeter {
         let bytes = written as f64 * samples.sample_count() as f64 / some.sample_count().max(1) as f64;
         self.known = Some((samples.clone(), bytes));
         Ok(bytes)
+    }
+}
+
+/// A set that has the samples of a frame in memory; `samples` are those of a capture.
+pub(super) fn samples_of_frame(
+    scene: &OpenScene,
+    samples: &Arc<SampleSet>,
+    frame: usize,
+    job: &Job,
+) -> Result<Arc<SampleSet>> {
+    match &scene.content {
+        Content::Store { playback, .. } => playback.at(frame, job),
+        Content::Capture { .. } => Ok(samples.clone()),
     }
 }
 

@@ -13,11 +13,12 @@ use super::requests::{
 use super::worker::Supersede::{Alternate, Always, Never, Queue};
 use super::worker::{Outbox, Worker};
 use super::{
-    carry, facts, files, histograms, live_image, opening, pruning, share_facts, sharing, source_image, study,
+    carry, facts, files, histograms, live_image, opening, pruning, share_facts, share_preview, sharing,
+    source_image, study,
 };
 use crate::app::model::{
     CarryKey, CompareKey, Destination, EditKey, LiveKey, Message, OpenScene, ProbeKey, Purpose, ShareKey,
-    SourceKey, WorkKind as Kind,
+    SharePreviewKey, SourceKey, WorkKind as Kind,
 };
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -52,6 +53,8 @@ pub(crate) struct Workers {
     pub export: Worker<ExportRequest>,
     /// What the sizes of what is shared follow from.
     pub sizes: Worker<ShareKey>,
+    /// What is shared within a budget, as a picture.
+    pub preview: Worker<SharePreviewKey>,
     pub show_in_folder: Worker<PathBuf>,
     pub study: Worker<StudyRequest>,
     /// What edits leave of the samples.
@@ -101,7 +104,7 @@ impl Workers {
         let Pools { background, decoder, studying, rendering, carrying } = Pools::start()?;
         let mut carrier = PictureCarrier::default();
         let (measuring, preparing) = (background.clone(), background.clone());
-        let comparing = studying.clone();
+        let (comparing, previewing) = (studying.clone(), studying.clone());
         let (progress, points) = (outbox.clone(), outbox.clone());
         let mut renderer = Renderer::sharing(shared);
         let mut filter = live_image::CameraFilter::default();
@@ -164,6 +167,9 @@ impl Workers {
                 or_stopped(job, "Export stopped", request.stopped(), || sharing::export(&request, job))
             })?,
             sizes: Worker::start(Kind::MeasureSizes, Never, outbox, move |key, job| meter.facts(&key, job))?,
+            preview: Worker::start(Kind::PreviewShare, Never, outbox, move |key, job| {
+                previewing.install(|| share_preview::preview(key, job))
+            })?,
             show_in_folder: Worker::start(Kind::ShowInFolder, Queue, outbox, |path: PathBuf, _| {
                 share_facts::show_in_folder(&path)
             })?,
@@ -198,6 +204,7 @@ impl Workers {
             && self.compare.is_idle()
             && self.export.is_idle()
             && self.sizes.is_idle()
+            && self.preview.is_idle()
             && self.study.is_idle()
             && self.readings.is_idle()
             && self.edits.is_idle()
