@@ -11,6 +11,7 @@
 //! Importers convert to the program's conventions (see the crate page); nothing behind this module does.
 
 mod camera;
+pub mod cinema;
 pub mod colmap;
 pub mod conventions;
 mod depth_claim;

@@ -8,6 +8,7 @@
 //! [`READERS`]. It knows one source's layout, axes, units and quirks. It knows nothing of pictures' bytes: the manifest's keys
 //! describe them.
 
+mod cinema;
 mod colmap;
 mod convertible;
 mod easymocap;
@@ -59,6 +60,7 @@ const READERS: &[&dyn Reader] = &[
     &kubric::Kubric,
     &msr::Msr,
     &easymocap::EasyMocap,
+    &cinema::Cinema,
     &exr_header::ExrHeader,
 ];
 

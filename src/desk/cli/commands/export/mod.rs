@@ -1,5 +1,6 @@
 //! `overlook export`: what a store holds, in forms that other programs read.
 
+mod cinema;
 mod figure;
 mod frame_files;
 mod miv;
@@ -32,6 +33,8 @@ enum ExportKind {
     Video(video::VideoArgs),
     /// A figure for print: a picture with what its colors mean, a scale bar and a caption, as PDF, SVG or PNG.
     Figure(Box<figure::FigureArgs>),
+    /// Pictures from many angles as an image database, which Cinema's viewers open: PNG, depth as EXR, and a table.
+    Cinema(cinema::CinemaArgs),
     /// A capture as MPEG immersive video, which TMIV and RVS read: cameras as JSON, texture and depth as raw video.
     Miv(miv::MivArgs),
     /// One HTML file that plays the scene from any viewpoint, in any browser and offline.
@@ -49,6 +52,7 @@ impl ExportArgs {
             ExportKind::Pictures(args) => args.run(),
             ExportKind::Video(args) => args.run(),
             ExportKind::Figure(args) => args.run(),
+            ExportKind::Cinema(args) => args.run(),
             ExportKind::Miv(args) => args.run(),
             ExportKind::Page(args) => args.run(),
             ExportKind::Splats(args) => args.run(),

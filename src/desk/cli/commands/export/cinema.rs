@@ -1,0 +1,123 @@
+//! `overlook export cinema`.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::super::demo::parse_size;
+use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs};
+use crate::cli::output::{self, CommandError, PicturePaths};
+use overlook_engine::capture::cinema::{AngleRange, DatabaseRow, grid, write_table};
+use overlook_engine::capture::{Camera, Intrinsics, pivot};
+use overlook_engine::error::{Error, Result};
+use overlook_engine::plural::counted;
+use overlook_engine::render::film::{self, FilmSource};
+use overlook_engine::render::{Renderer, Vantage};
+use overlook_engine::settings::Settings;
+use overlook_engine::whole_file;
+
+/// Angles where none are asked for: about what cameras look at, and above it.
+const COUNTS: [usize; 2] = [9, 3];
+
+/// The most pictures of a database.
+const MOST_PICTURES: usize = 100_000;
+
+#[derive(Debug, Args)]
+pub(crate) struct CinemaArgs {
+    /// The store.
+    store: PathBuf,
+    #[command(flatten)]
+    edits: EditsArgs,
+    /// Folder for the database, by custom with the ending .cdb.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Angles about up, degrees: the first, the last and how many, as in --phi 0,360,24 [default: 9 between the cameras]
+    #[arg(long, value_name = "FIRST,LAST,COUNT", value_parser = parse_range, allow_hyphen_values = true)]
+    phi: Option<AngleRange>,
+    /// Angles above what the cameras look at, degrees, likewise [default: 3 between the cameras]
+    #[arg(long, value_name = "FIRST,LAST,COUNT", value_parser = parse_range, allow_hyphen_values = true)]
+    theta: Option<AngleRange>,
+    /// Columns and rows of the pictures [default: those of the first camera]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+    #[command(flatten)]
+    painting: PaintingArgs,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+/// `FIRST,LAST,COUNT`.
+fn parse_range(text: &str) -> std::result::Result<AngleRange, String> {
+    let wrong = || format!("'{text}' is not of the form FIRST,LAST,COUNT in degrees, as in 0,360,24");
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [first, last, count] = parts[..] else { return Err(wrong()) };
+    let angle = |text: &str| text.parse().ok().filter(|angle: &f64| angle.abs() <= 3600.0).ok_or_else(wrong);
+    let count = count.parse().ok().filter(|count| (1..=10_000).contains(count)).ok_or_else(wrong)?;
+    Ok(AngleRange { first: angle(first)?, last: angle(last)?, count })
+}
+
+impl CinemaArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        self.settings.only("render")?;
+        output::check_folder(&self.out)?;
+        output::refuse_input(&self.store, &self.out)?;
+        let playback = Arc::new(self.edits.open_store(&self.store)?);
+        let info = playback.store().info();
+        let mut settings: Settings = self.settings.over(info.settings.clone())?;
+        self.painting.apply(&mut settings.render);
+        let outline = playback.outline();
+        let first = outline.cameras.first();
+        let lens =
+            first.ok_or_else(|| Error::invalid(self.store.display(), "there is no camera in it"))?.intrinsics;
+        let (width, height) = self.size.unwrap_or((lens.width, lens.height));
+        let middle = pivot(&outline.cameras, 1.0);
+        let views = grid(&outline.cameras, middle, outline.up_in_world, [self.phi, self.theta], COUNTS);
+        let count = views.len() * outline.frame_count();
+        if count > MOST_PICTURES {
+            let what = format!(
+                "{count} pictures are too many for one database; give fewer angles with --phi and --theta"
+            );
+            return Err(Error::invalid(self.out.display(), what).into());
+        }
+        let mut rows = Vec::new();
+        let mut vantages = Vec::new();
+        for (frame, number) in outline.frame_numbers.iter().enumerate() {
+            for (nth, (angles, camera)) in views.iter().enumerate() {
+                let pose = camera.world_from_camera().zip(camera.focal_length_px(f64::from(height)));
+                // Straight from above no direction is up.
+                let Some((world_from_camera, focal)) = pose else { continue };
+                let [cx, cy] = [width, height].map(|side| 0.5 * f64::from(side));
+                let intrinsics = Intrinsics { width, height, fx: focal, fy: focal, cx, cy };
+                let camera_of = Camera { name: format!("view {nth}"), intrinsics, world_from_camera };
+                vantages.push(Vantage { camera: camera_of, frame });
+                let files = ["png", "exr"].map(|extension| format!("{number:04}_{nth:04}.{extension}"));
+                rows.push(DatabaseRow { time: *number, angles: *angles, camera: *camera, files });
+            }
+        }
+        let mut renderer = Renderer::strict(settings.render.backend)?;
+        let source = FilmSource::Disk(playback.clone());
+        output::watched(|job| {
+            whole_file::write_folder(&self.out, |folder| {
+                film::paint(
+                    &source,
+                    &vantages,
+                    None,
+                    &mut renderer,
+                    &settings.render,
+                    job,
+                    |nth, picture| PicturePaths::below(folder, &rows[nth].files[0])?.write(picture),
+                )?;
+                write_table(folder, &rows)
+            })
+        })?;
+        output::warn(renderer.notice().map(str::to_owned).as_slice());
+        output::warn(&playback.store().damage());
+        let places = counted(views.len(), "viewpoint");
+        output::print(&format!(
+            "Wrote {}, of {places}, to {}",
+            counted(rows.len(), "picture"),
+            self.out.display()
+        ))
+    }
+}
