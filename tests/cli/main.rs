@@ -11,6 +11,7 @@ mod said;
 mod skip;
 
 mod bench_command;
+mod cinema_command;
 mod commands;
 mod edit_command;
 mod export_command;
