@@ -21,7 +21,7 @@ use overlook_engine::error::Error;
 
 const EXAMPLES: &str = "\
 Examples:
-  overlook                                                  explore the built-in scene in a window
+  overlook                                                  explore a room that comes with the program
   overlook open 'scene.ovl#view=…&frame=…'                  at a view whose address was copied from a window or a page
   overlook demo orrery --out scene                          write a capture to try things on
   overlook place coarse --cameras 6 --out placed.json       where cameras show the most, by a capture of few pixels
@@ -47,7 +47,7 @@ const USAGE: &str = "overlook [OPTIONS] [PATH]\n       overlook [OPTIONS] <COMMA
 
 /// See, prune and explore animated scenes recorded as color and depth by several static cameras.
 ///
-/// Without a command, a window opens on PATH, or on the built-in scene.
+/// Without a command, a window opens on PATH, or on the room that comes with the program.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES, override_usage = USAGE)]
 struct Cli {
@@ -104,7 +104,7 @@ enum CliCommand {
     Settings(commands::settings::SettingsCommandArgs),
 }
 
-/// Opens the window on a capture or store, or on the built-in scene.
+/// Opens the window on a capture or store, or on the room that comes with the program.
 pub type OpenWindow = fn(Option<PathBuf>) -> Result<(), Error>;
 
 /// Runs the program with the arguments it was started with. The window is handed in: commands need none.
