@@ -1,4 +1,4 @@
-//! What views show in numbers leaves the window as CSV.
+//! What views show in numbers leaves the window as text.
 
 use egui_kittest::kittest::Queryable;
 
@@ -70,7 +70,7 @@ fn a_sweep_that_would_be_lost_can_be_saved_from_the_question() {
     let mut window = with_a_point();
     close(&mut window);
     assert!(shows(&window, "This would be lost: the sweep ("));
-    for choice in ["Save sweep as CSV…", "Discard and close", "Cancel closing"] {
+    for choice in ["Save sweep…", "Discard and close", "Cancel closing"] {
         assert!(window.query_by_label(choice).is_some(), "{choice}");
     }
     click(&mut window, "Cancel closing");

@@ -9,7 +9,7 @@ use egui::{
 use egui_material_icons::MaterialIcon;
 
 use super::camera_cues;
-use super::model::{Command, Commands, Purpose, Table};
+use super::model::{Command, Commands, Purpose, Table, TableForm};
 use super::theme::{Tokens, space};
 use overlook_engine::capture::Camera;
 
@@ -192,14 +192,14 @@ pub(crate) fn one_line(ui: &mut Ui, text: impl Into<String>, color: Color32) -> 
     ui.add(egui::Label::new(RichText::new(text).small().color(color)).truncate())
 }
 
-/// Copies or saves what a view shows as CSV.
+/// Copies or saves what a view shows in numbers.
 pub(crate) fn table_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
-    ui.horizontal(|ui| {
-        for (name, command) in [
-            ("Copy CSV", Command::CopyTable(table)),
-            ("Save CSV…", Command::AskPath(Purpose::SaveTable(table))),
-        ] {
-            let button = ui.add(Button::new(RichText::new(name).small()).small());
+    ui.horizontal_wrapped(|ui| {
+        let copies =
+            TableForm::ALL.map(|(form, name, _)| (format!("Copy {name}"), Command::CopyTable(table, form)));
+        let save = ("Save table…".to_owned(), Command::AskPath(Purpose::SaveTable(table)));
+        for (name, command) in copies.into_iter().chain([save]) {
+            let button = ui.add(Button::new(RichText::new(&name).small()).small());
             if button.accessible_name(format!("{name} of the {}", table.name())).clicked() {
                 commands.push(command);
             }

@@ -2,7 +2,9 @@
 
 use super::overlook_app::OverlookApp;
 use crate::app::model::{Command, HelpPage, NoticeKind, SavedPathKey, Study};
-use crate::app::model::{DockView, PictureZoom, Spot, Table, csv, setting_names, verdict_text};
+use crate::app::model::{
+    DockView, PictureZoom, Spot, Table, TableForm, setting_names, table_text, verdict_text,
+};
 use crate::app::work::StudyRequest;
 use overlook_engine::settings::Settings;
 
@@ -32,7 +34,7 @@ impl OverlookApp {
             Command::ClosePictures(id) => state.inspector.close_pictures(|folder| folder.id == id),
             Command::Palette(palette) => state.inspector.palette = palette,
             Command::Isolate(camera) => state.inspector.isolated = camera,
-            Command::CopyTable(table) => self.copy_table(table),
+            Command::CopyTable(table, form) => self.copy_table(table, form),
             Command::Help(page) => {
                 state.inspector.help = page;
                 if page == Some(HelpPage::About) {
@@ -151,13 +153,13 @@ impl OverlookApp {
         self.state.notify(NoticeKind::Done, "Copied", "The explanation of the pixel is on the clipboard.");
     }
 
-    fn copy_table(&mut self, table: Table) {
-        let Some(text) = csv::csv(table, &self.state) else {
+    fn copy_table(&mut self, table: Table, form: TableForm) {
+        let Some(text) = table_text(table, form, &self.state) else {
             let text = format!("There is no {} yet.", table.name());
             return self.state.warn_of_scene("Nothing to copy", text);
         };
         self.ctx.copy_text(text);
-        let text = format!("The {} is on the clipboard as CSV.", table.name());
+        let text = format!("The {} is on the clipboard as {}.", table.name(), form.name());
         self.state.notify(NoticeKind::Done, "Copied", text);
     }
 

@@ -20,6 +20,7 @@ fn endings(purpose: Purpose) -> Option<&'static [&'static str]> {
         Purpose::ExportFilm => Some(&["mp4", "m4v"]),
         Purpose::ExportPage => Some(&["html", "htm"]),
         Purpose::ExportFigure => Some(&FIGURE_ENDINGS),
+        Purpose::SaveTable(_) => Some(&["csv", "md", "tex"]),
         Purpose::ExportSplats(SplatFormat::Ply) | Purpose::ExportPoints => Some(&["ply"]),
         Purpose::ExportSplats(SplatFormat::Spz) => Some(&["spz"]),
         Purpose::ExportSplats(SplatFormat::Glb) => Some(&["glb"]),

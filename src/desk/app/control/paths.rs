@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use super::overlook_app::OverlookApp;
 use super::path_names::{lasting, named, other_ending, place, suggested_name, typed_destination};
 use crate::app::model::{
-    Command, Content, Destination, DockView, FigureOf, NO_KEYS, NoticeKind, Purpose, State, TypedPath,
-    WorkKind, csv,
+    Command, Content, Destination, DockView, FigureOf, NO_KEYS, NoticeKind, Purpose, State, TableForm,
+    TypedPath, WorkKind, table_text,
 };
 use crate::app::work::FileRequest;
 use overlook_engine::error::Error;
@@ -144,7 +144,7 @@ impl OverlookApp {
             }
             Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
             Purpose::SaveTable(table) => {
-                if let Some(text) = csv::csv(table, &self.state) {
+                if let Some(text) = table_text(table, TableForm::of_file(&path), &self.state) {
                     self.workers.file.submit(FileRequest::SaveText { path, text });
                 }
             }
@@ -265,7 +265,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
     let no_samples = || no_scene().or_else(|| where_not(state.is_whole_ready(), not_pruned(state)));
     let (title, text) = match purpose {
         Purpose::SaveTable(table) => {
-            let is_empty = csv::csv(table, state).is_none();
+            let is_empty = table_text(table, TableForm::Csv, state).is_none();
             return is_empty.then(|| ("Nothing to save yet", format!("There is no {} yet.", table.name())));
         }
         Purpose::SaveStore => ("Nothing to save yet", no_samples()),

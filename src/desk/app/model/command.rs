@@ -15,7 +15,7 @@ use super::pixel::Spot;
 use super::purpose::Purpose;
 use super::share::ShareCommand;
 use super::source_picture::Overlay;
-use super::table::Table;
+use super::table::{Table, TableForm};
 use super::view::{Area, DockView};
 use super::view_look::ViewCommand;
 use super::workspace::Workspace;
@@ -144,8 +144,7 @@ pub(crate) enum Command {
     Help(Option<HelpPage>),
     /// Show one camera alone in its color where colors are those of cameras, or all of them.
     Isolate(Option<usize>),
-    /// Copy a table as CSV.
-    CopyTable(Table),
+    CopyTable(Table, TableForm),
     /// Everything larger (1), smaller (−1) or as at first (0).
     InterfaceSize(i8),
     /// Show a setting in its panel, by its path.

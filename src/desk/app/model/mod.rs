@@ -13,7 +13,6 @@ mod command;
 mod comparable;
 mod compare_vantage;
 mod comparison;
-pub(crate) mod csv;
 mod display;
 mod document;
 mod edited_samples;
@@ -45,6 +44,7 @@ mod share;
 mod share_size;
 mod source_picture;
 mod table;
+mod table_text;
 mod text;
 mod texture;
 mod timeline;
@@ -98,7 +98,8 @@ pub(crate) use share::{
 pub(crate) use source_picture::{
     Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
 };
-pub(crate) use table::Table;
+pub(crate) use table::{Table, TableForm};
+pub(crate) use table_text::table_text;
 pub(crate) use text::{bytes, count, count_of, percent, sentence, significant, time_left, words};
 pub(crate) use texture::Texture;
 pub(crate) use timeline::{ShownRate, Timeline};

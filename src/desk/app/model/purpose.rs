@@ -20,7 +20,7 @@ pub(crate) enum Purpose {
     LoadSettings,
     /// Write the picture of the live view.
     SavePicture,
-    /// Write a table as CSV.
+    /// Write a table, in the form that the ending of its file says.
     SaveTable(Table),
     /// Write the pictures of the camera path into a folder.
     ExportPictures,
@@ -97,7 +97,7 @@ impl Purpose {
             Self::SaveSettings => "Save the settings",
             Self::LoadSettings => "Load settings",
             Self::SavePicture => "Share the picture of the live view",
-            Self::SaveTable(_) => "Save a table as CSV",
+            Self::SaveTable(_) => "Save a table as CSV, Markdown (.md) or LaTeX (.tex)",
             Self::ExportPictures => "Share pictures in a folder",
             Self::SaveShot => "Share the view with its legend",
             Self::ExportExr => "Share EXR pictures in a folder",
@@ -126,7 +126,7 @@ impl Purpose {
             Self::OpenFile | Self::OpenFolder => "Open path…",
             Self::SaveSettings => "Save settings to path…",
             Self::LoadSettings => "Load settings from path…",
-            Self::SaveTable(_) => "Save … as CSV to path",
+            Self::SaveTable(_) => "Save table…",
             Self::SavePath => "Save camera path to path…",
             Self::LoadPath => "Open camera path from path…",
             Self::OpenPictures => "Open pictures from path…",

@@ -21,7 +21,7 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - space::MEDIUM);
         stale_ui(ui, state);
-        rules_ui(ui, report);
+        rules_ui(ui, report, commands);
         ui.add_space(space::LARGE);
         replacements_ui(ui, report, commands);
         ui.add_space(space::LARGE);
@@ -102,7 +102,7 @@ fn rule_words(rule: &str) -> (String, &'static str) {
     (words.to_owned(), help)
 }
 
-fn rules_ui(ui: &mut Ui, report: &Report) {
+fn rules_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("What was dropped, and why");
     let account = report.pixel_account();
@@ -132,6 +132,7 @@ fn rules_ui(ui: &mut Ui, report: &Report) {
     );
     let share = report.samples_kept as f32 / report.samples_in.max(1) as f32;
     share_ui(ui, "Kept", &kept, share, tokens.moving).on_hover_text("Samples that stay.");
+    table_ui(ui, Table::Pixels, commands);
 }
 
 /// How much darker the rim of a bar is.

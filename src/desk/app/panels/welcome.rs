@@ -157,7 +157,7 @@ fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut C
         (Table::Sweep, !inspector.charts.sweep.is_empty()),
         (Table::StressTest, !inspector.charts.stress.is_empty()),
     ] {
-        let name = format!("Save {} as CSV…", table.name());
+        let name = format!("Save {}…", table.name());
         if is_lost && ui.button(name).clicked() {
             commands.push(Command::Stay);
             commands.push(Command::AskPath(Purpose::SaveTable(table)));

@@ -8,7 +8,7 @@ use egui_material_icons::icons::{
 
 use crate::app::camera_chips::chips;
 use crate::app::model::verdict_text as words;
-use crate::app::model::{CameraText, Command, Commands, OpenScene, Probed, State, Table};
+use crate::app::model::{CameraText, Command, Commands, OpenScene, Probed, State, Table, TableForm};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
@@ -138,7 +138,7 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
                 ICON_TABLE_VIEW,
                 "Copy CSV of the pixel table",
                 "Copy the table as CSV",
-                Command::CopyTable(Table::Pixel),
+                Command::CopyTable(Table::Pixel, TableForm::Csv),
             ),
             (pin, pin_name, pin_help, Command::Pin(!pinned)),
         ] {

@@ -9,7 +9,7 @@ use super::figures::FIGURE_ENDINGS;
 use super::other_pictures;
 use super::requests::FileRequest;
 use crate::address;
-use crate::app::model::{Background, Destination, Display, Message, Purpose};
+use crate::app::model::{Background, Destination, Display, Message, Purpose, TableForm};
 use crate::pruned_store;
 use overlook_engine::capture::Capture;
 use overlook_engine::capture::transforms::{PathView, open_path, path_to_json};
@@ -198,7 +198,10 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         Purpose::LoadPath => dialog.add_filter("Camera path", &["json"]).pick_file(),
         Purpose::SaveStore => dialog.add_filter("Store", &["ovl"]).save_file(),
         Purpose::SaveSettings => dialog.add_filter("Settings", &["toml"]).save_file(),
-        Purpose::SaveTable(_) => dialog.add_filter("CSV", &["csv"]).save_file(),
+        Purpose::SaveTable(_) => TableForm::ALL
+            .iter()
+            .fold(dialog, |dialog, (_, name, ending)| dialog.add_filter(*name, &[ending]))
+            .save_file(),
         Purpose::SavePicture => dialog.add_filter("PNG, EXR", &ENDINGS).save_file(),
         Purpose::SaveShot => dialog.add_filter("PNG", &["png"]).save_file(),
         Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "m4v"]).save_file(),
