@@ -12,20 +12,25 @@ impl OverlookApp {
     /// Copies the address of the view. The view becomes the one that the address says, a trillionth from where it was: whoever opens it
     /// sees the same to the last bit.
     pub(super) fn copy_address(&mut self) {
-        let state = &mut self.state;
-        let (Some(scene), Some(orbit)) = (state.scene.clone(), &state.live.orbit) else { return };
-        let Some(first) = scene.cameras.first() else { return };
-        let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
-        let lenses = [orbit.lens, first.intrinsics];
-        let view = ViewAddress::of(&orbit.world_from_camera, orbit.pivot_distance, lenses, frame_number);
+        let (Some(scene), Some(view)) = (self.state.scene.clone(), self.view_address()) else { return };
         let place = match &scene.origin {
             SceneSource::Path(path) => path.display().to_string(),
             SceneSource::Demo(_) | SceneSource::Room => String::new(),
         };
         self.ctx.copy_text(format!("{place}{view}"));
         self.go_to_view(&scene, &view);
+        let state = &mut self.state;
         let text = "Paste it into a window of Overlook (Ctrl+V), give it to overlook open, or append what follows the # to a page.";
-        self.state.notify(NoticeKind::Done, "Address copied", text);
+        state.notify(NoticeKind::Done, "Address copied", text);
+    }
+
+    /// The address of the view, without the scene's; `None` while nothing is shown.
+    pub(super) fn view_address(&self) -> Option<ViewAddress> {
+        let state = &self.state;
+        let (scene, orbit) = (state.scene.as_ref()?, state.live.orbit.as_ref()?);
+        let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
+        let lenses = [orbit.lens, scene.cameras.first()?.intrinsics];
+        Some(ViewAddress::of(&orbit.world_from_camera, orbit.pivot_distance, lenses, frame_number))
     }
 
     /// Goes to the view of an address. A scene that is not open is opened first; a page and an address without a scene mean what is open.
@@ -53,7 +58,7 @@ impl OverlookApp {
         }
     }
 
-    fn go_to_view(&mut self, scene: &OpenScene, view: &ViewAddress) {
+    pub(super) fn go_to_view(&mut self, scene: &OpenScene, view: &ViewAddress) {
         if let Some(orbit) = orbit_of(scene, view) {
             self.state.live.orbit = Some(orbit);
         }

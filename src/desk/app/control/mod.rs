@@ -12,6 +12,7 @@ mod paths;
 mod readings;
 mod receive;
 mod remembered;
+mod session;
 mod settings;
 mod share;
 mod update;

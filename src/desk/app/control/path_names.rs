@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::app::model::{Purpose, State, TypedPath};
+use crate::app::model::{Purpose, SESSION_ENDING, State, TypedPath};
 use crate::app::work::{FIGURE_ENDINGS, with_ending};
 use overlook_engine::splats::SplatFormat;
 
@@ -21,6 +21,7 @@ fn endings(purpose: Purpose) -> Option<&'static [&'static str]> {
         Purpose::ExportPage => Some(&["html", "htm"]),
         Purpose::ExportFigure => Some(&FIGURE_ENDINGS),
         Purpose::SaveTable(_) => Some(&["csv", "md", "tex"]),
+        Purpose::SaveSession => Some(&[SESSION_ENDING]),
         Purpose::ExportSplats(SplatFormat::Ply) | Purpose::ExportPoints => Some(&["ply"]),
         Purpose::ExportSplats(SplatFormat::Spz) => Some(&["spz"]),
         Purpose::ExportSplats(SplatFormat::Glb) => Some(&["glb"]),
@@ -48,6 +49,7 @@ pub(super) fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::ExportFilm => "video.mp4".to_owned(),
         Purpose::SavePath => "transforms.json".to_owned(),
         Purpose::SaveEdits => "edits.toml".to_owned(),
+        Purpose::SaveSession => format!("session.{SESSION_ENDING}"),
         Purpose::OpenFile
         | Purpose::OpenFolder
         | Purpose::LoadSettings

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use super::overlook_app::OverlookApp;
 use super::path_names::{lasting, named, other_ending, place, suggested_name, typed_destination};
 use crate::app::model::{
-    Command, Content, Destination, DockView, FigureOf, NO_KEYS, NoticeKind, Purpose, State, TableForm,
-    TypedPath, WorkKind, table_text,
+    Command, Content, Destination, DockView, FigureOf, NO_KEYS, NoticeKind, Purpose, SceneSource, State,
+    TableForm, TypedPath, WorkKind, table_text,
 };
 use crate::app::work::FileRequest;
 use overlook_engine::error::Error;
@@ -157,6 +157,7 @@ impl OverlookApp {
                 }
             }
             Purpose::SaveEdits => self.save_edits(path),
+            Purpose::SaveSession => self.save_session(&path),
             Purpose::LoadEdits => {
                 if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
                     self.workers.file.submit(FileRequest::LoadEdits { path, scene });
@@ -279,6 +280,13 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         Purpose::ExportFigure => ("Nothing to export yet", no_scene().or_else(|| no_figure(state))),
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
+        Purpose::SaveSession => {
+            let has_path =
+                state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
+            let text =
+                "A session names the file or folder that is open; what comes with the program has none.";
+            ("No session to save", where_not(has_path, text))
+        }
         Purpose::SaveEdits | Purpose::LoadEdits => ("No scene for edits", no_scene()),
         Purpose::OpenPictures => (
             "Nothing to compare pictures with",

@@ -228,6 +228,9 @@ impl OverlookApp {
         self.workers.compare.cancel();
         self.workers.readings.cancel();
         self.scheduler = crate::app::work::Scheduler::default();
+        if let Some(session) = &scene.session {
+            self.take_session(session, scene);
+        }
         self.go_to_opened_address(scene);
         let plays_once_open = std::mem::take(&mut self.state.timeline.plays_once_open);
         self.state.timeline.playing |= plays_once_open && scene.frame_count() > 1;

@@ -118,10 +118,17 @@ impl OverlookApp {
     /// Takes in the keys of a path that was read: after those that are there.
     pub(super) fn path_loaded(&mut self, place: &Path, views: &[PathView]) {
         let Some(scene) = self.state.scene.clone() else { return };
+        let count = self.take_path_views(&scene, views);
+        let text = format!("{} from {}", counted(count, "key"), place.display());
+        self.state.notify(NoticeKind::Done, "Camera path opened", text);
+    }
+
+    /// Takes the keys among some views after those that are there; gives how many.
+    pub(super) fn take_path_views(&mut self, scene: &OpenScene, views: &[PathView]) -> usize {
         let path = &mut self.state.inspector.path;
         let (is_new, before) = (path.keys.is_empty(), path.keys.clone());
         let keys: Vec<SavedPathKey> =
-            views.iter().filter(|view| view.is_key).map(|view| key_of(&scene, view)).collect();
+            views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)).collect();
         let count = keys.len();
         path.keys.extend(keys);
         path.playing = None;
@@ -130,8 +137,7 @@ impl OverlookApp {
             path.saved = path.keys.clone();
         }
         self.keys_changed(before, None);
-        let text = format!("{} from {}", counted(count, "key"), place.display());
-        self.state.notify(NoticeKind::Done, "Camera path opened", text);
+        count
     }
 
     /// Takes in that a path was written.

@@ -39,6 +39,7 @@ mod recent;
 mod results;
 mod scene;
 mod seen_picture;
+mod session;
 pub(crate) mod setting_names;
 mod share;
 mod share_size;
@@ -91,6 +92,7 @@ pub(crate) use readings::{ReadingCheck, ReadingImages, ShownReadings};
 pub(crate) use recent::{RECENT_SIDES, RecentPicture};
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth};
+pub(crate) use session::{SESSION_ENDING, Session};
 pub(crate) use share::{
     PictureFacts, ShareCommand, ShareFacts, ShareKey, ShareOptions, ShareOutcome, SharePreview,
     SharePreviewKey, ShareWay, SharedPictures, ShownPreview,

@@ -50,6 +50,8 @@ pub(crate) enum Purpose {
     SaveEdits,
     /// Read an edit list from TOML.
     LoadEdits,
+    /// Write what is open and all that was set about it.
+    SaveSession,
 }
 
 impl Purpose {
@@ -106,6 +108,7 @@ impl Purpose {
             Self::OpenPictures => "Open pictures of another program",
             Self::SaveEdits => "Save the edits",
             Self::LoadEdits => "Open edits",
+            Self::SaveSession => "Save the session",
             Self::ExportFilm => "Share a video",
             Self::ExportPage => "Share an interactive page",
             Self::ExportSplats(_) => "Share splats",
@@ -132,6 +135,7 @@ impl Purpose {
             Self::OpenPictures => "Open pictures from path…",
             Self::SaveEdits => "Save edits to path…",
             Self::LoadEdits => "Open edits from path…",
+            Self::SaveSession => "Save session…",
             Self::SaveStore
             | Self::SavePicture
             | Self::SaveShot

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
 
+use super::session::Session;
 use overlook_engine::capture::{Camera, Capture, TruthView, pivot};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -66,6 +67,8 @@ pub(crate) struct OpenScene {
     pub manifest: Option<PathBuf>,
     /// Whether a capture is open under another reading than that of its files.
     pub is_reread: bool,
+    /// The session that opened it, if one did.
+    pub session: Option<Session>,
 }
 
 impl OpenScene {
@@ -87,6 +90,7 @@ impl OpenScene {
             content: Content::Capture { capture: Box::new(capture), truth },
             manifest: None,
             is_reread: false,
+            session: None,
         }
     }
 
@@ -117,6 +121,7 @@ impl OpenScene {
             },
             manifest: None,
             is_reread: false,
+            session: None,
         })
     }
 

@@ -168,7 +168,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 39] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 40] {
     [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
         ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
@@ -176,6 +176,7 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 39] {
         ("Save settings", "", Command::AskPath(Purpose::SaveSettings)),
         ("Load settings", "", Command::AskPath(Purpose::LoadSettings)),
         ("Save edits", "", Command::AskPath(Purpose::SaveEdits)),
+        ("Save session", "", Command::AskPath(Purpose::SaveSession)),
         ("Open edits", "", Command::AskPath(Purpose::LoadEdits)),
         ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
         ("Edit: keep only the selection", "", Command::Edit(EditCommand::Act(Action::KeepOnly))),

@@ -27,6 +27,7 @@ fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
         }
         Purpose::SaveStore => ("Save", ".ovl file"),
         Purpose::SaveSettings | Purpose::SaveEdits => ("Save", ".toml file"),
+        Purpose::SaveSession => ("Save", ".overlook file"),
         Purpose::SaveTable(_) => ("Save", ".csv, .md or .tex file"),
         Purpose::SaveShot => ("Save", ".png file"),
         Purpose::SavePicture => ("Save", ".png or .exr file"),

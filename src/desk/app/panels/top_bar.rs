@@ -102,6 +102,7 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
             ("Copy picture", "", shown, Command::CopyPicture),
             ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
+            ("Save session…", "", opened, Command::AskPath(Purpose::SaveSession)),
             ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
             ("Save settings to path…", "", true, Command::TypePath(Purpose::SaveSettings)),
             ("Save edits to path…", "", opened, Command::TypePath(Purpose::SaveEdits)),

@@ -12,11 +12,11 @@ use overlook_engine::job::Job;
 use overlook_engine::render::Picture;
 use overlook_engine::store::file::Store;
 
-fn small_capture() -> PathBuf {
+pub(super) fn small_capture() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")
 }
 
-fn open(app: &mut OverlookApp, path: &Path, is_capture: bool) {
+pub(super) fn open(app: &mut OverlookApp, path: &Path, is_capture: bool) {
     let before = app.state.scene.as_ref().map(|scene| scene.id);
     app.state.edits.saved = app.state.edits.list.clone();
     app.open_path(path);
@@ -32,7 +32,7 @@ fn edit(app: &mut OverlookApp, command: EditCommand) {
     settle(app);
 }
 
-fn delete(app: &mut OverlookApp, region: Region) {
+pub(super) fn delete(app: &mut OverlookApp, region: Region) {
     edit(app, EditCommand::Select(region));
     assert!(app.state.edited().unwrap().selected > 0);
     edit(app, EditCommand::Act(Action::Delete));

@@ -4,6 +4,7 @@ mod edits;
 mod first_minute;
 mod motion;
 mod paths;
+mod session;
 mod sharing;
 mod stopping;
 mod telling;

@@ -9,7 +9,7 @@ use super::figures::FIGURE_ENDINGS;
 use super::other_pictures;
 use super::requests::FileRequest;
 use crate::address;
-use crate::app::model::{Background, Destination, Display, Message, Purpose, TableForm};
+use crate::app::model::{Background, Destination, Display, Message, Purpose, SESSION_ENDING, TableForm};
 use crate::pruned_store;
 use overlook_engine::capture::Capture;
 use overlook_engine::capture::transforms::{PathView, open_path, path_to_json};
@@ -188,11 +188,15 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         | Purpose::ExportPointsOfFrames
         | Purpose::OpenPictures => dialog.pick_folder(),
         Purpose::OpenFile => dialog
-            .add_filter("Stores and captures", &["ovl", "json", "txt", "bin", "log"])
+            .add_filter(
+                "Stores, captures and sessions",
+                &["ovl", SESSION_ENDING, "json", "txt", "bin", "log"],
+            )
             .add_filter("All files", &["*"])
             .pick_file(),
         Purpose::LoadSettings => dialog.add_filter("Settings", &["toml"]).pick_file(),
         Purpose::LoadEdits => dialog.add_filter("Edits", &["toml"]).pick_file(),
+        Purpose::SaveSession => dialog.add_filter("Session", &[SESSION_ENDING]).save_file(),
         Purpose::SaveEdits => dialog.add_filter("Edits", &["toml"]).save_file(),
         Purpose::SavePath => dialog.add_filter("Camera path", &["json"]).save_file(),
         Purpose::LoadPath => dialog.add_filter("Camera path", &["json"]).pick_file(),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::requests::OpenRequest;
-use crate::app::model::{Message, OpenScene, SceneSource, median_depth};
+use crate::app::model::{Message, OpenScene, SceneSource, Session, median_depth};
 use overlook_engine::capture::{Capture, Source, TruthView, transforms};
 use overlook_engine::demo::Demo;
 use overlook_engine::error::{Error, Result};
@@ -13,6 +13,7 @@ use overlook_engine::settings::CaptureSettings;
 use overlook_engine::store;
 use overlook_engine::store::file::Store;
 use overlook_engine::store::playback::Playback;
+use overlook_engine::whole_file;
 
 /// The store that the window opens by itself: `assets/room/make.sh` made it.
 static ROOM: &[u8] = include_bytes!("../../../../assets/room/room.ovl");
@@ -37,12 +38,23 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
         }
         OpenRequest::Path { path, settings, keys } => {
             job.start(format!("Opening {}", path.display()), 0);
-            open_path(path, &settings, &keys, job)
+            if Session::is_session(&path) {
+                open_session(&path, job)
+            } else {
+                open_path(path, &settings, &keys, job)
+            }
         }
     }?;
     // Who cancelled meanwhile, or opened something else, does not want it any more.
     job.check()?;
     Ok(Message::Opened(Arc::new(opened)))
+}
+
+/// Opens what a session names, with its settings.
+fn open_session(path: &Path, job: &Job) -> Result<OpenScene> {
+    let session = Session::from_text(&whole_file::short_text(path)?, path)?;
+    let scene = open_path(session.opens.clone(), &session.settings.capture, &[], job)?;
+    Ok(OpenScene { session: Some(session), ..scene })
 }
 
 fn open_path(

@@ -1,0 +1,85 @@
+//! A session is saved and opened again, by itself or by another window.
+
+use super::edits::{delete, open};
+use super::*;
+use overlook_engine::edits::Region;
+
+/// Everything that a session holds, of a window.
+fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
+    let state = &app.state;
+    let keys: Vec<_> =
+        state.inspector.path.keys.iter().map(|key| (key.orbit.world_from_camera, key.frame)).collect();
+    (
+        (state.settings.clone(), state.edits.list.clone(), state.inspector.path.pictures_per_leg, keys),
+        (state.live.orbit.clone(), state.timeline.frame, state.look.workspace, app.dock.to_json()),
+        state.scene.as_ref().map(|scene| scene.origin.clone()),
+    )
+}
+
+#[test]
+fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_same_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let [session, store, again] = ["a.overlook", "a.ovl", "again.ovl"].map(|name| folder.path().join(name));
+    let mut app = ready(2, 1);
+    assert!(
+        app.state
+            .scene
+            .as_ref()
+            .is_some_and(|scene| matches!(scene.origin, super::super::model::SceneSource::Demo(_)))
+    );
+    app.apply(Command::TypePath(Purpose::SaveSession));
+    assert!(
+        app.notices().iter().any(|notice| notice.starts_with("No session to save")),
+        "{:?}",
+        app.notices()
+    );
+    open(&mut app, &edits::small_capture(), true);
+    let mut settings = app.state.settings.clone();
+    settings.pruning.depth_tolerance = 2.0;
+    app.change_settings(settings);
+    settle(&mut app);
+    delete(&mut app, Region::ConfirmedByFewerThan(1));
+    for (frame, angle) in [(0, 0.1), (2, -0.2)] {
+        app.apply(Command::Frame(frame));
+        app.apply(Command::Orbit(glam::DVec2::new(angle, 0.05)));
+        app.apply(Command::AddKey);
+    }
+    app.apply(Command::Workspace(super::super::model::Workspace::Compare));
+    // The address of a view rounds it; who saved it and who opens it see the same.
+    app.apply(Command::View(super::super::model::ViewCommand::CopyAddress));
+    settle(&mut app);
+    app.take_path(Purpose::SaveSession, session.clone());
+    app.take_path(Purpose::SaveStore, store.clone());
+    settle(&mut app);
+    let before = held(&app);
+
+    let text = std::fs::read_to_string(&session).unwrap();
+    assert!(text.lines().nth(1).unwrap().contains("--set pruning.depth_tolerance=2"), "{text}");
+    let mut other = OverlookApp::new(&egui::Context::default(), None, None, Start::Path(session)).unwrap();
+    other.state.live.size = [48, 36];
+    settle(&mut other);
+    assert_eq!(held(&other), before);
+    other.take_path(Purpose::SaveStore, again.clone());
+    settle(&mut other);
+    assert!(std::fs::read(store).unwrap() == std::fs::read(again).unwrap(), "another store");
+}
+
+#[test]
+fn a_session_whose_capture_is_gone_or_that_is_damaged_says_so_and_leaves_what_is_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.overlook");
+    let mut app = ready(2, 1);
+    let id = app.state.scene.as_ref().unwrap().id;
+    for (text, words) in [("version = 1\nopens = \"gone\"\n", "gone"), ("nonsense", "line 1: ")] {
+        std::fs::write(&path, text).unwrap();
+        app.apply(Command::OpenPath(path.clone()));
+        settle(&mut app);
+        let notices = app.notices();
+        assert!(
+            notices.iter().any(|notice| notice.starts_with("Could not open") && notice.contains(words)),
+            "{notices:?}"
+        );
+        assert_eq!(app.state.scene.as_ref().unwrap().id, id);
+        app.state.notices.clear();
+    }
+}
