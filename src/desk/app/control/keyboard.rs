@@ -214,6 +214,11 @@ fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     if pressed(ctx, Modifiers::NONE, Key::F11) {
         commands.push(Command::FullScreen);
     }
+    for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
+        if pressed(ctx, Modifiers::ALT, key) {
+            commands.push(Command::View(command));
+        }
+    }
     for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
         if pressed(ctx, Modifiers::COMMAND, key) {
             commands.push(Command::ShowArea(area, !state.look.shows(area)));

@@ -7,7 +7,7 @@ use super::path_names::lasting;
 use crate::address;
 use crate::app::model::{
     self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, ShownRate, StoppableWork,
-    ViewCommand,
+    ViewCommand, ViewHistory,
 };
 use crate::app::work::OpenRequest;
 use overlook_engine::demo::DemoSpec;
@@ -17,6 +17,7 @@ impl OverlookApp {
     /// Carries out one command.
     pub(crate) fn apply(&mut self, command: Command) {
         self.state.timeline.plays_once_open &= only_looks(&command);
+        let left = self.state.live.orbit.clone().filter(|_| ViewHistory::is_jump(&command));
         let rest = self
             .apply_to_typed_path(command)
             .and_then(|command| self.apply_to_edits(command))
@@ -62,6 +63,9 @@ impl OverlookApp {
             Some(Command::Holes(holes)) => self.show_holes(holes),
             Some(Command::Dismiss(id)) => self.state.notices.retain(|notice| notice.id != id),
             _ => {}
+        }
+        if let Some(left) = left.filter(|left| self.state.live.orbit.as_ref() != Some(left)) {
+            self.state.inspector.views.left(left);
         }
         // Whichever camera or key the view was taken to, what is up stays.
         let up = self.state.up_in_world();

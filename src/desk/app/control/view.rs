@@ -22,6 +22,8 @@ impl OverlookApp {
             ViewCommand::Copy => self.copy_view(),
             ViewCommand::CopyAddress => self.copy_address(),
             ViewCommand::GoToAddress(text) => self.go_to_address(&text),
+            ViewCommand::Back => self.step_view(true),
+            ViewCommand::Forward => self.step_view(false),
             ViewCommand::Paste => self.ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             ViewCommand::Pasted(text) => self.paste_view(&text),
             ViewCommand::Guides(guides) => live.guides = guides,
@@ -57,6 +59,13 @@ impl OverlookApp {
             pose => self.pose_view(&pose),
         }
         None
+    }
+
+    fn step_view(&mut self, back: bool) {
+        let Some(now) = self.state.live.orbit.clone() else { return };
+        if let Some(view) = self.state.inspector.views.step(back, now) {
+            self.state.live.orbit = Some(view);
+        }
     }
 
     fn pose_view(&mut self, command: &ViewCommand) {

@@ -20,6 +20,7 @@ use super::presets::OwnPreset;
 use super::readings::ReadingCheck;
 use super::results::CameraMemory;
 use super::undo::History;
+use super::view_history::ViewHistory;
 use overlook_engine::plural;
 use overlook_engine::settings::Settings;
 
@@ -86,6 +87,8 @@ pub(crate) struct Inspector {
     pub graphics_memory: Option<u64>,
     /// What the program held in memory when it was asked for, by part, bytes.
     pub held_memory: Vec<(&'static str, u64)>,
+    /// Views that were left by a jump.
+    pub views: ViewHistory,
     /// Whether the introduction of the first run was read.
     pub introduced: bool,
     /// Whether the sentence about the room that comes with the program was read.
@@ -112,6 +115,7 @@ impl Inspector {
         self.close_pictures(|_| true);
         self.compared = None;
         self.path = CameraPath::default();
+        self.views = ViewHistory::default();
         self.charts = Charts::default();
         self.saved = None;
         self.compare_error = None;

@@ -52,6 +52,7 @@ mod timeline;
 mod undo;
 pub(crate) mod verdict_text;
 mod view;
+mod view_history;
 mod view_look;
 mod work_kind;
 mod workspace;
@@ -107,6 +108,7 @@ pub(crate) use texture::Texture;
 pub(crate) use timeline::{ShownRate, Timeline};
 pub(crate) use undo::SettingsSlot;
 pub(crate) use view::{Area, DockView};
+pub(crate) use view_history::ViewHistory;
 pub(crate) use view_look::{
     FLY_SPEEDS, FrameGuide, Guides, Ruler, ShownCameras, UP_DIRECTIONS, Unit, ViewCommand,
 };

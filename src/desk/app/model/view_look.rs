@@ -152,6 +152,10 @@ pub(crate) enum ViewCommand {
     CopyAddress,
     /// Go to the view of an address; opens its scene where another is open.
     GoToAddress(String),
+    /// Back to the view before the last jump.
+    Back,
+    /// To the view that was left by going back.
+    Forward,
     /// Ask the system for what was copied.
     Paste,
     /// Take what was copied.

@@ -168,7 +168,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 40] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 42] {
     [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
         ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
@@ -192,6 +192,8 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 40] {
         ("Switch between settings A and B", "", Command::SwitchSettings),
         ("Play or pause", "Space", Command::TogglePlay),
         ("Reset view to start", "Home", Command::Home),
+        ("Back to the view before", "Alt+Left", Command::View(ViewCommand::Back)),
+        ("Forward to the next view", "Alt+Right", Command::View(ViewCommand::Forward)),
         ("Center view on selected pixel", "F", Command::FramePoint),
         ("Add key to the camera path", "K", Command::AddKey),
         ("Recompute the whole capture", "", Command::Recompute),

@@ -3,7 +3,7 @@
 use egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_REPLAY};
 
-use crate::app::model::{self, Busy, Command, Commands, State, StoppableWork};
+use crate::app::model::{self, Busy, Command, Commands, SceneSource, State, StoppableWork};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
 
@@ -37,11 +37,22 @@ pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
 }
 
+/// A stage in the words of somebody who watches it: a built-in scene is traced as it is read, and nobody moves its cameras.
+fn stage_words<'a>(state: &State, stage: &'a str) -> &'a str {
+    let is_traced = state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_)));
+    match stage {
+        "" => "Starting",
+        "Reading frames" if is_traced => "Tracing the built-in scene",
+        "Aligning cameras" => "Checking camera poses",
+        stage => stage,
+    }
+}
+
 /// The running work. If it is a part of larger work, the larger comes first and has the remaining time.
 fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
     let tokens = Tokens::in_ui(ui);
     let progress = &busy.progress;
-    let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
+    let stage = stage_words(state, &progress.stage);
     let study = state.inspector.charts.under_way().filter(|_| busy.work == StoppableWork::Study);
     let whole = match study {
         Some(study) if progress.context.is_empty() => study.name().to_owned(),

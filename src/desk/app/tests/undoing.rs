@@ -1,6 +1,7 @@
 //! What is taken back by Ctrl+Z, and in which order.
 
 use super::*;
+use crate::app::model::ViewCommand;
 
 #[test]
 fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
@@ -33,4 +34,28 @@ fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
     app.apply(Command::ClearPath);
     app.apply(Command::Undo);
     assert_eq!(keys(&app), [0, 1]);
+}
+
+#[test]
+fn a_view_that_was_left_by_a_jump_is_gone_back_to_and_left_again() {
+    let mut app = ready(3, 1);
+    let view = |app: &OverlookApp| app.state.live.orbit.clone().unwrap();
+    let go = |app: &mut OverlookApp, command| app.apply(Command::View(command));
+    app.apply(Command::Orbit(glam::DVec2::new(0.3, 0.1)));
+    let turned = view(&app);
+    app.apply(Command::JumpTo(1));
+    app.apply(Command::Dolly(0.5));
+    let near = view(&app);
+    app.apply(Command::Home);
+    let home = view(&app);
+    app.apply(Command::Home);
+    go(&mut app, ViewCommand::Back);
+    assert_eq!(view(&app), near, "a jump to where the view is leaves nothing");
+    go(&mut app, ViewCommand::Back);
+    assert_eq!(view(&app), turned);
+    go(&mut app, ViewCommand::Back);
+    assert_eq!(view(&app), turned, "there is nothing before");
+    go(&mut app, ViewCommand::Forward);
+    go(&mut app, ViewCommand::Forward);
+    assert_eq!(view(&app), home);
 }

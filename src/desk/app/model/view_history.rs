@@ -1,0 +1,46 @@
+//! The views that somebody left by a jump: back to them, and forward again, as a browser does.
+
+use super::command::Command;
+use super::orbit_camera::OrbitCamera;
+use super::view_look::ViewCommand;
+
+/// Views that are remembered.
+const MOST: usize = 50;
+
+/// Views that were left.
+#[derive(Default)]
+pub(crate) struct ViewHistory {
+    past: Vec<OrbitCamera>,
+    future: Vec<OrbitCamera>,
+}
+
+impl ViewHistory {
+    /// Whether a command takes the view elsewhere at once. Views that are moved by hand stay under the hand.
+    pub(crate) fn is_jump(command: &Command) -> bool {
+        match command {
+            Command::JumpTo(_) | Command::Home | Command::GoToKey(_) | Command::FramePoint => true,
+            Command::View(command) => matches!(
+                command,
+                ViewCommand::LookAlong(_) | ViewCommand::GoToAddress(_) | ViewCommand::Pasted(_)
+            ),
+            _ => false,
+        }
+    }
+
+    /// Notes a view that was left.
+    pub(crate) fn left(&mut self, view: OrbitCamera) {
+        self.past.push(view);
+        let surplus = self.past.len().saturating_sub(MOST);
+        self.past.drain(..surplus);
+        self.future.clear();
+    }
+
+    /// The view before `now`, or after it.
+    pub(crate) fn step(&mut self, back: bool, now: OrbitCamera) -> Option<OrbitCamera> {
+        let (from, to) =
+            if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
+        let view = from.pop()?;
+        to.push(now);
+        Some(view)
+    }
+}
