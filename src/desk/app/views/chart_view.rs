@@ -15,9 +15,9 @@ use crate::app::model::{
 use crate::app::theme::Tokens;
 use crate::app::widgets::{choice_ui, one_line, table_ui, weak};
 use overlook_engine::plural::{counted, either};
-use overlook_engine::settings::Kernel;
+use overlook_engine::settings::{Kernel, Settings};
 use overlook_lab::chart::{ChartSeries, Marker, Scale, series};
-use overlook_lab::stress::{StressPoint, distinct};
+use overlook_lab::stress::{StressPlan, StressPoint, distinct};
 use overlook_lab::sweep::{Point, Series};
 
 /// Names of the line and of the ring in the chart.
@@ -199,10 +199,13 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, points: &[StressPoint]) {
     let place = |point: &StressPoint| [point.dial, point.point.psnr_filled_db];
     let is_here = |point: &&StressPoint| point.disturbance == disturbance;
     let here: Vec<&StressPoint> = points.iter().filter(is_here).collect();
-    // The looks of a method stay, whichever disturbance is shown.
-    let methods = series(points, |point| point.method.as_str()).into_iter().enumerate();
+    // The looks of a method are its own, whichever disturbance is shown and however much is measured.
+    let known = StressPlan::standard(&Settings::default()).with_rivals(&Settings::default()).methods;
+    let methods = series(points, |point| point.method.as_str());
     let curves: Vec<_> = methods
-        .map(|(index, method)| {
+        .into_iter()
+        .map(|method| {
+            let index = known.iter().position(|of| of.name == method.kind).unwrap_or(known.len());
             let places: Vec<_> = method.points.into_iter().filter(is_here).map(place).collect();
             (SHAPES[index % SHAPES.len()], camera_cues::color(index), method_name(method.kind), places)
         })
@@ -236,7 +239,6 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, points: &[StressPoint]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use overlook_engine::settings::Settings;
     use overlook_lab::trial::{Trial, TrialResult};
 
     #[test]
