@@ -84,6 +84,7 @@ fn set_of(cameras: Vec<Camera>, frames: usize, images: Vec<SampleImage>) -> Samp
         up_in_world: DVec3::new(0.0, 0.6, 0.8),
         settings: lossless(),
         images: images.into_iter().filter(|image| !image.is_empty()).map(Arc::new).collect(),
+        values: Vec::new(),
     }
 }
 

@@ -272,6 +272,7 @@ impl Store {
             depth: DepthPlane::default(),
             normal: None,
             doubtful: Vec::new(),
+            values: crate::capture::Values::default(),
         }
     }
 
@@ -312,6 +313,7 @@ impl Store {
             up_in_world: self.info.up_in_world,
             settings: self.info.settings.clone(),
             images: placeholders.collect(),
+            values: Vec::new(),
         }
     }
 

@@ -319,6 +319,7 @@ fn with_capacity(like: &SampleImage, tiles: usize, samples: usize, normals: bool
         depth: DepthPlane::with_capacity(tiles, samples),
         normal: normals.then(|| Vec::with_capacity(samples)),
         doubtful: Vec::new(),
+        values: crate::capture::Values::default(),
     }
 }
 
