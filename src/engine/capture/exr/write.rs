@@ -7,16 +7,18 @@
 //! | `sampled.V` | half | 1 where a sample was seen, 0 where the pixel was filled or is a hole (rendered pictures only) |
 //! | `Z` | float | planar z; 1e10 where nothing was hit, NaN for no depth |
 //! | `N.X N.Y N.Z` | float | unit normal in world space, 0 for no normal |
+//! | `value.NAME` | float | a scalar value; NaN where it is missing |
 
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, LineOrder, WritableImage,
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, LineOrder, Text, WritableImage,
 };
 use half::f16;
 
 use super::depth::HALF_MAX;
 use crate::capture::frame::Frame;
+use crate::capture::values::ValueChannel;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::whole_file;
@@ -24,14 +26,20 @@ use crate::whole_file;
 /// Depth written where nothing was hit, as Blender does.
 const MISS_DEPTH: f32 = 1e10;
 
-/// Writes a frame as `R G B Z`, and `N.X N.Y N.Z` where it has normals. Reading it gives the same frame, but for the
+/// The channel of a scalar value.
+pub(crate) fn value_channel(name: &str) -> String {
+    format!("value.{name}")
+}
+
+/// Writes a frame of a capture with these channels of scalar values as `R G B Z`, `N.X N.Y N.Z` where it has normals, and its values where
+/// it has some. Reading it gives the same frame, but for the
 /// rounding of the reciprocal.
 ///
 /// The file appears under its name only when it is complete.
 ///
 /// # Errors
 /// `Io` where the file cannot be written, `Invalid` for a frame without pixels.
-pub(crate) fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
+pub(crate) fn write_frame(path: &Path, frame: &Frame, values: &[ValueChannel]) -> Result<()> {
     let depth = frame.inverse_depth.as_slice().iter().map(|&inverse| depth_of(inverse)).collect();
     let mut channels = color_channels(|channel| frame.color.as_slice().iter().map(|c| c[channel]).collect());
     channels.push(AnyChannel::new("Z", FlatSamples::F32(depth)));
@@ -40,6 +48,10 @@ pub(crate) fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
             let plane = normals.as_slice().iter().map(|normal| normal[axis]).collect();
             channels.push(AnyChannel::new(name, FlatSamples::F32(plane)));
         }
+    }
+    for (index, channel) in values.iter().enumerate().filter(|_| !frame.values.is_empty()) {
+        let name = Text::from(value_channel(&channel.name).as_str());
+        channels.push(AnyChannel::new(name, FlatSamples::F32(frame.values.channel(index).collect())));
     }
     write_channels(path, frame.size(), channels)
 }

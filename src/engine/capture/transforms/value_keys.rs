@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{Keys, PictureEntry};
-use crate::capture::values::MAX_VALUE_CHANNELS;
+use crate::capture::exr::value_channel;
+use crate::capture::values::{MAX_VALUE_CHANNELS, ValueChannel};
 use crate::error::{Error, Result};
 use crate::plural::counted;
 
@@ -27,6 +28,21 @@ pub(crate) struct ValueKeys {
     /// Full name of the channel in OpenEXR; the name where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
+}
+
+impl ValueKeys {
+    /// The keys of a channel in a capture that we write.
+    pub(super) fn of_written(channel: &ValueChannel) -> Self {
+        let ValueChannel { name, unit, range, tolerance } = channel.clone();
+        let channel = Some(value_channel(&name));
+        Self {
+            name,
+            unit,
+            range: (range[0] < range[1]).then_some(range),
+            tolerance: Some(tolerance),
+            channel,
+        }
+    }
 }
 
 /// Where the values of one channel are for one picture.
