@@ -3,7 +3,9 @@
 use glam::{DAffine3, DQuat, DVec3};
 use half::f16;
 use overlook_engine::alignment::{Aligned, align};
-use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Values};
+use overlook_engine::capture::{
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Values,
+};
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;

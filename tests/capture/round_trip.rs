@@ -6,7 +6,9 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::transforms::{self, write_capture};
-use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, TruthView, Values};
+use overlook_engine::capture::{
+    Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, TruthView, Values,
+};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;

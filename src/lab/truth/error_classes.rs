@@ -9,7 +9,7 @@ use crate::metrics::{ClassMap, ErrorClass};
 use crate::rivals::RecordedView;
 use overlook_engine::capture::sighting::tolerances::SEEN_POINTS;
 use overlook_engine::capture::sighting::{Landing, Sighting};
-use overlook_engine::capture::{Camera, Capture, Frame, TruthView, Values};
+use overlook_engine::capture::{Camera, Capture, Frame, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
@@ -142,7 +142,7 @@ mod tests {
             inverse_depth: Grid::from_fn(32, 8, depth),
             normal_in_world: None,
             depth_step_relative: 0.0,
-            values: Values::default(),
+            values: overlook_engine::capture::Values::default(),
         };
         RecordedView { camera, frame: Arc::new(frame) }
     }

@@ -18,7 +18,7 @@ use half::f16;
 
 use super::depth::HALF_MAX;
 use crate::capture::frame::Frame;
-use crate::capture::values::ValueChannel;
+use crate::capture::values::{ValueChannel, Values};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::whole_file;
@@ -49,10 +49,7 @@ pub(crate) fn write_frame(path: &Path, frame: &Frame, values: &[ValueChannel]) -
             channels.push(AnyChannel::new(name, FlatSamples::F32(plane)));
         }
     }
-    for (index, channel) in values.iter().enumerate().filter(|_| !frame.values.is_empty()) {
-        let name = Text::from(value_channel(&channel.name).as_str());
-        channels.push(AnyChannel::new(name, FlatSamples::F32(frame.values.channel(index).collect())));
-    }
+    channels.extend(value_layers(values, &frame.values));
     write_channels(path, frame.size(), channels)
 }
 
@@ -60,7 +57,7 @@ pub(crate) fn write_frame(path: &Path, frame: &Frame, values: &[ValueChannel]) -
 const SAMPLED: &str = "sampled.V";
 
 /// Writes a rendered picture as linear `R G B A Z` and [`SAMPLED`]. `shown` and `sampled` are 1 or 0: whether a pixel shows anything,
-/// and whether that is a sample and no filling. `inverse_depth` is as in [`Frame::inverse_depth`], 1e10 being written where it is
+/// and whether that is a sample and no filling, `values` are channels of scalar values and those of every pixel, if any. `inverse_depth` is as in [`Frame::inverse_depth`], 1e10 being written where it is
 /// negative. All are of one size.
 ///
 /// The file appears under its name only when it is complete.
@@ -72,6 +69,7 @@ pub(crate) fn write_picture(
     color: &Grid<[f32; 3]>,
     [shown, sampled]: [&Grid<f32>; 2],
     inverse_depth: &Grid<f32>,
+    (value_channels, values): (&[ValueChannel], &Values),
 ) -> Result<()> {
     if [shown.size(), sampled.size(), inverse_depth.size()].iter().any(|size| *size != color.size()) {
         return Err(Error::invalid(path.display(), "color, coverage and depth differ in size"));
@@ -86,7 +84,17 @@ pub(crate) fn write_picture(
     }
     let depth = inverse_depth.as_slice().iter().map(|&w| if w > 0.0 { depth_of(w) } else { MISS_DEPTH });
     channels.push(AnyChannel::new("Z", FlatSamples::F32(depth.collect())));
+    channels.extend(value_layers(value_channels, values));
     write_channels(path, color.size(), channels)
+}
+
+/// Layers of scalar values; none where there are no values.
+fn value_layers(channels: &[ValueChannel], values: &Values) -> Vec<AnyChannel<FlatSamples>> {
+    let of_channel = |(index, channel): (usize, &ValueChannel)| {
+        let name = Text::from(value_channel(&channel.name).as_str());
+        AnyChannel::new(name, FlatSamples::F32(values.channel(index).collect()))
+    };
+    channels.iter().enumerate().filter(|_| !values.is_empty()).map(of_channel).collect()
 }
 
 fn depth_of(inverse_depth: f32) -> f32 {
@@ -140,7 +148,7 @@ mod tests {
         let shown = Grid::from_vec(2, 1, vec![1.0, 0.0]);
         let sampled = Grid::from_vec(2, 1, vec![0.0, 0.0]);
         let inverse_depth = Grid::from_vec(2, 1, vec![0.25, -1.0]);
-        write_picture(&path, &color, [&shown, &sampled], &inverse_depth).unwrap();
+        write_picture(&path, &color, [&shown, &sampled], &inverse_depth, (&[], &Values::default())).unwrap();
         let file = ExrFile::open(&path, "picture").unwrap();
         let names: Vec<&str> = file.channels().iter().map(|channel| channel.name.as_str()).collect();
         assert_eq!(names, ["A", "B", "G", "R", "Z", "sampled.V"]);
