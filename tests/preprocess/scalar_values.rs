@@ -14,8 +14,8 @@ use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
-use overlook_engine::samples::SampleSet;
-use overlook_engine::settings::{CaptureSettings, Precision, Settings, SpanLevels};
+use overlook_engine::samples::{SampleImage, SampleSet};
+use overlook_engine::settings::{CaptureSettings, Settings, SpanLevels};
 use overlook_engine::store::file::{Store, write};
 use overlook_engine::store::read;
 
@@ -57,7 +57,13 @@ impl FrameSource for Valued {
 }
 
 fn channel(name: &str, range: [f32; 2]) -> ValueChannel {
-    ValueChannel { name: name.into(), unit: "Pa".into(), range, tolerance: (range[1] - range[0]) / 256.0 }
+    ValueChannel {
+        name: name.into(),
+        unit: "Pa".into(),
+        range,
+        tolerance: (range[1] - range[0]) / 256.0,
+        is_exact: true,
+    }
 }
 
 fn valued(original: Capture, channels: Vec<ValueChannel>, field: Field) -> Capture {
@@ -121,7 +127,10 @@ fn every_kept_sample_has_its_source_s_values_bit_for_bit_in_the_set_and_in_the_s
         let path = folder.path().join("scene.ovl");
         write(&path, &kept, "{}", &Job::new()).unwrap();
         let (stored, _) = read(&path, &Job::new()).unwrap();
-        assert_eq!((stored.values.as_slice(), &stored.images), (capture.value_channels(), &kept.images));
+        assert!(stored.values == capture.value_channels());
+        let same = |(stored, kept): (&Arc<SampleImage>, &Arc<SampleImage>)| stored.values == kept.values;
+        assert!(stored.images.iter().zip(&kept.images).all(same));
+        assert_eq!(compared_with_source(&stored, &capture), (count, missing));
         let info = Store::open(&path).unwrap().info().clone();
         assert!(info.values.iter().all(|stored| stored.error == 0.0 && stored.bytes > 0));
     }
@@ -140,36 +149,56 @@ fn a_capture_without_values_keeps_the_samples_and_the_bytes_that_it_has_without_
     assert!(valued.0.sample_count() >= plain.0.sample_count() && valued.1 > plain.1);
 }
 
-#[test]
-fn a_smooth_value_within_half_its_tolerance_adds_at_most_fifteen_percent_of_bytes() {
+/// Bytes of the store of a capture with one value and without it, and how much its stored values differ at most.
+fn bytes_with_and_without(capture: &Capture) -> (u64, u64, f32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ovl");
-    let mut settings = Settings::default();
-    settings.store.precision = Precision::Bits12;
-    let capture = orrery(1);
-    let kept = preprocess(&capture, &settings, &Job::new()).unwrap().samples;
+    let kept = preprocess(capture, &Settings::default(), &Job::new()).unwrap().samples;
     let with = write(&path, &kept, "{}", &Job::new()).unwrap();
     let (stored, _) = read(&path, &Job::new()).unwrap();
-    let half = capture.value_channels()[0].tolerance * 0.500_001;
+    let mut most: f32 = 0.0;
     for (stored, kept) in stored.images.iter().zip(&kept.images) {
         for (stored, kept) in stored.values.channel(0).zip(kept.values.channel(0)) {
-            assert!(stored.is_nan() == kept.is_nan() && !((stored - kept).abs() > half), "{stored} {kept}");
+            assert_eq!(stored.is_nan(), kept.is_nan());
+            most = if kept.is_nan() { most } else { most.max((stored - kept).abs()) };
         }
     }
-    let bare = SampleSet {
-        values: Vec::new(),
-        images: kept.images.iter().map(|image| without_values(image)).collect(),
-        ..SampleSet::clone(&kept)
+    let bare = |image: &Arc<SampleImage>| {
+        Arc::new(SampleImage { values: Values::default(), ..SampleImage::clone(image) })
     };
-    let without = write(&path, &bare, "{}", &Job::new()).unwrap();
-    println!("bounded: {with} bytes, {without} without values");
-    assert!((with as f64) < 1.15 * without as f64, "{with} {without}");
+    let images = kept.images.iter().map(bare).collect();
+    let without = SampleSet { values: Vec::new(), images, ..SampleSet::clone(&kept) };
+    (with, write(&path, &without, "{}", &Job::new()).unwrap(), most)
 }
 
-fn without_values(
-    image: &overlook_engine::samples::SampleImage,
-) -> Arc<overlook_engine::samples::SampleImage> {
-    Arc::new(overlook_engine::samples::SampleImage { values: Values::default(), ..image.clone() })
+/// The crystal of spheres or the planets, with one value.
+fn with_value(name: &str, is_exact: bool, field: Field) -> Capture {
+    let spec = DemoSpec::new(name).cameras(4).frames(4).size((160, 120));
+    let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
+    valued(capture, vec![ValueChannel { is_exact, ..channel("pressure", [-3.0, 3.0]) }], field)
+}
+
+#[test]
+fn a_smooth_value_within_half_its_tolerance_adds_at_most_fifteen_percent_of_bytes() {
+    let smooth: Field = |point, frame, camera| fields(point, frame, camera)[..1].to_vec();
+    let (with, without, most) = bytes_with_and_without(&with_value("orrery", false, smooth));
+    println!("smooth, bounded: {with} bytes, {without} without, {most} off at most");
+    assert!((with as f64) < 1.15 * without as f64, "{with} {without}");
+    assert!(most > 0.0 && most <= 6.0 / 256.0 / 2.0 * 1.000_001, "{most}");
+}
+
+#[test]
+fn labels_are_kept_bit_for_bit_for_at_most_fifteen_percent_of_bytes() {
+    let label: Field = |point, _, _| vec![(point.x.floor() + 2.0 * point.y.floor()) as f32];
+    let smooth: Field = |point, frame, camera| fields(point, frame, camera)[..1].to_vec();
+    let linear: Field = |point, _, _| vec![(0.25 * point.x + 0.125 * point.y) as f32];
+    for (name, field) in [("linear", linear), ("smooth", smooth)] {
+        let (with, without, most) = bytes_with_and_without(&with_value("orrery", true, field));
+        println!("{name}, exact: {with} bytes, {without} without, {most} off at most");
+    }
+    let (with, without, most) = bytes_with_and_without(&with_value("orrery", true, label));
+    println!("label, exact: {with} bytes, {without} without");
+    assert!((with as f64) < 1.15 * without as f64 && most == 0.0, "{with} {without} {most}");
 }
 
 /// Two cameras before a wall of one color, whose values differ from camera to camera.
@@ -236,7 +265,7 @@ fn a_capture_that_is_written_and_opened_again_has_the_same_values() {
     let folder = tempfile::tempdir().unwrap();
     let capture = orrery(3);
     write_capture(folder.path(), &capture, &[], &Job::new()).unwrap();
-    let (again, _) = open(folder.path(), &CaptureSettings::default()).unwrap();
+    let again = open(folder.path(), &CaptureSettings::default()).unwrap();
     assert_eq!(again.value_channels(), capture.value_channels());
     for (camera, frame) in [(0, 0), (3, 2)] {
         let [a, b] = [&capture, &again].map(|capture| capture.frame(camera, frame).unwrap());
@@ -269,7 +298,7 @@ fn opened(folder: &Path, values: &str, file: &str) -> std::result::Result<Captur
         entry["value_file_paths"] = serde_json::from_str(file).unwrap();
     }
     std::fs::write(&path, manifest.to_string()).unwrap();
-    open(&path, &CaptureSettings::default()).map(|(capture, _)| capture).map_err(|error| error.to_string())
+    open(&path, &CaptureSettings::default()).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -292,6 +321,7 @@ fn arrays_of_numpy_are_read_to_the_last_bit_and_what_is_wrong_with_them_is_said_
         unit: "Pa".into(),
         range: [0.0, 0.1 * 47.0_f32],
         tolerance: ((0.1 * 47.0_f32) as f64 / 256.0) as f32,
+        is_exact: true,
     };
     assert_eq!(good.value_channels(), [expected]);
     for (values, file, named) in [

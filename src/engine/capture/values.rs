@@ -24,6 +24,8 @@ pub struct ValueChannel {
     pub range: [f32; 2],
     /// Values that differ by no more are the same to pruning; at least 0. Finite.
     pub tolerance: f32,
+    /// Whether stores keep its values bit for bit; else within half the tolerance.
+    pub is_exact: bool,
 }
 
 /// Values of pixels or samples, those of one after those of the other. Without channels there are none.

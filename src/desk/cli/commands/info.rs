@@ -77,7 +77,7 @@ impl ValueInfo {
     }
 
     fn line(&self) -> String {
-        let ValueChannel { name, unit, range: [low, high], tolerance } = &self.channel;
+        let ValueChannel { name, unit, range: [low, high], tolerance, .. } = &self.channel;
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         let mut line = format!("value {name}: {low} to {high}{unit}, the same within {tolerance}");
         if let (Some(error), Some(bytes)) = (self.error, self.bytes) {

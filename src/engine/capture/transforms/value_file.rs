@@ -100,7 +100,7 @@ pub(super) fn channels(recording: &CameraFiles, place: &str) -> Result<Vec<Value
 }
 
 fn channel(keys: &ValueKeys, index: usize, firsts: &[Values], place: &str) -> Result<ValueChannel> {
-    let ValueKeys { name, unit, range, tolerance, .. } = keys;
+    let ValueKeys { name, unit, range, tolerance, exact, .. } = keys;
     let measured = || {
         let values = firsts.iter().flat_map(|values| values.channel(index)).filter(|value| value.is_finite());
         let [low, high] = values
@@ -116,5 +116,6 @@ fn channel(keys: &ValueKeys, index: usize, firsts: &[Values], place: &str) -> Re
     let range = range.map_or_else(measured, Ok)?;
     let share = ((f64::from(range[1]) - f64::from(range[0])) * f64::from(DEFAULT_TOLERANCE)) as f32;
     let tolerance = tolerance.unwrap_or(share);
-    Ok(ValueChannel { name: name.clone(), unit: unit.clone(), range, tolerance })
+    let is_exact = exact.unwrap_or(true);
+    Ok(ValueChannel { name: name.clone(), unit: unit.clone(), range, tolerance, is_exact })
 }

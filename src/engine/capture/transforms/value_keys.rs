@@ -25,6 +25,9 @@ pub(crate) struct ValueKeys {
     /// How far apart values may be to count as the same; a share of the range where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f32>,
+    /// Whether stores keep the values bit for bit, as they do where missing, or within half the tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exact: Option<bool>,
     /// Full name of the channel in OpenEXR; the name where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
@@ -33,15 +36,11 @@ pub(crate) struct ValueKeys {
 impl ValueKeys {
     /// The keys of a channel in a capture that we write.
     pub(super) fn of_written(channel: &ValueChannel) -> Self {
-        let ValueChannel { name, unit, range, tolerance } = channel.clone();
+        let ValueChannel { name, unit, range, tolerance, is_exact } = channel.clone();
         let channel = Some(value_channel(&name));
-        Self {
-            name,
-            unit,
-            range: (range[0] < range[1]).then_some(range),
-            tolerance: Some(tolerance),
-            channel,
-        }
+        let range = (range[0] < range[1]).then_some(range);
+        let exact = (!is_exact).then_some(false);
+        Self { name, unit, range, tolerance: Some(tolerance), exact, channel }
     }
 }
 

@@ -8,7 +8,7 @@
 use super::integers::{unzigzag, zigzag};
 use super::model::ACTIVITIES;
 use super::neighborhood::{
-    BLOCK, CELLS, CodingContext, N, NE, NN, NW, Neighbors, PerPixel, STRIDE, W, WW, activity, cell,
+    BLOCK, CELLS, CodingContext, N, NE, NW, Neighbors, PerPixel, STRIDE, W, activity, cell,
 };
 use super::rans::TOKENS;
 
@@ -27,12 +27,48 @@ pub(crate) enum ValuePredictor {
     Plane,
     /// The same of value × inverse depth.
     PlaneInPicture,
+    /// The surface of second order through neighbors.
+    Curved,
+    /// The same of value × inverse depth.
+    CurvedInPicture,
 }
 
 impl ValuePredictor {
     /// All of them; their places are their numbers in the store.
-    pub(crate) const ALL: [Self; 3] = [Self::Neighbor, Self::Plane, Self::PlaneInPicture];
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Neighbor, Self::Plane, Self::PlaneInPicture, Self::Curved, Self::CurvedInPicture];
+
+    /// Whether values count times inverse depth.
+    fn is_in_picture(self) -> bool {
+        matches!(self, Self::PlaneInPicture | Self::CurvedInPicture)
+    }
+
+    /// The sums that are tried, the better ones first; of the first list of which any is there, the median counts.
+    fn sums(self) -> &'static [[Sum; 4]] {
+        match self {
+            Self::Neighbor => &[],
+            Self::Plane | Self::PlaneInPicture => &[PLANES],
+            Self::Curved | Self::CurvedInPicture => &[CURVES, PLANES],
+        }
+    }
 }
+
+/// Pixels to the left (to the right where negative) and up of one, and by what their values are multiplied.
+type Sum = &'static [(isize, usize, f64)];
+
+const PLANES: [Sum; 4] = [
+    &[(1, 0, 1.0), (0, 1, 1.0), (1, 1, -1.0)],
+    &[(1, 0, 2.0), (2, 0, -1.0)],
+    &[(0, 1, 2.0), (0, 2, -1.0)],
+    &[(1, 0, 1.0), (-1, 1, 1.0), (0, 1, -1.0)],
+];
+
+const CURVES: [Sum; 4] = [
+    &[(1, 0, 3.0), (2, 0, -3.0), (3, 0, 1.0)],
+    &[(0, 1, 3.0), (0, 2, -3.0), (0, 3, 1.0)],
+    &[(1, 0, 1.0), (0, 1, 2.0), (1, 1, -2.0), (0, 2, -1.0), (1, 2, 1.0)],
+    &[(0, 1, 1.0), (1, 0, 2.0), (1, 1, -2.0), (2, 0, -1.0), (2, 1, 1.0)],
+];
 
 /// How values become whole numbers: exactly, or as multiples of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,20 +153,17 @@ impl ValuePixels {
         }
     }
 
+    /// Whether the pixel so far to the left and up of one holds a sample.
+    fn has(&self, (x, y): (usize, usize), left: isize, up: usize) -> bool {
+        let row = y.checked_sub(up).map_or(0, |y| self.rows[y]);
+        x.checked_add_signed(-left).is_some_and(|x| x < BLOCK && row >> x & 1 == 1)
+    }
+
     /// Which pixels around one hold a sample.
-    fn near(&self, x: usize, y: usize) -> Neighbors {
-        let row = |up: usize| y.checked_sub(up).map_or(0, |y| self.rows[y]);
-        let at = |row: u64, left: usize| if left > x { 0 } else { (row >> (x - left) & 1) as u8 };
-        let (here, above) = (row(0), row(1));
-        let right = if x + 1 < BLOCK { (above >> (x + 1) & 1) as u8 } else { 0 };
-        Neighbors(
-            at(here, 1) * W
-                | at(above, 0) * N
-                | at(above, 1) * NW
-                | right * NE
-                | at(here, 2) * WW
-                | at(row(2), 0) * NN,
-        )
+    fn near(&self, place: (usize, usize)) -> Neighbors {
+        let around = [(W, 1, 0), (N, 0, 1), (NW, 1, 1), (NE, -1, 1)];
+        let there = around.into_iter().filter(|(_, left, up)| self.has(place, *left, *up));
+        Neighbors(there.fold(0, |near, (pixel, ..)| near | pixel))
     }
 }
 
@@ -149,11 +182,11 @@ pub(crate) fn traverse_values(
             while columns != 0 {
                 let x = columns.trailing_zeros() as usize;
                 columns &= columns - 1;
-                let (at, near) = (cell(x, y), pixels.near(x, y));
+                let (at, near) = (cell(x, y), pixels.near((x, y)));
                 let before = reference
                     .filter(|reference| reference.rows[y] >> x & 1 == 1)
                     .map(|reference| reference.codes[channel][at]);
-                let (prediction, kind) = predict(coding, channel, pixels, (at, near), before, &as_before);
+                let (prediction, kind) = predict(coding, channel, pixels, ((x, y), near), before, &as_before);
                 let place = CodingContext { at, near, before: None };
                 let context = kind * ACTIVITIES + activity(&residuals, place);
                 let own = &mut pixels.codes[channel][at];
@@ -170,59 +203,62 @@ fn predict(
     coding: &ChannelCoding,
     channel: usize,
     pixels: &ValuePixels,
-    (at, near): (usize, Neighbors),
+    ((x, y), near): ((usize, usize), Neighbors),
     before: Option<i32>,
     as_before: &[bool],
 ) -> (i32, usize) {
-    let Some(before) = before else { return spatial(coding, channel, pixels, at, near) };
+    let Some(before) = before else { return spatial(coding, channel, pixels, (x, y), near) };
+    let at = cell(x, y);
     let rests = |back: usize, pixel: u8| usize::from(as_before[at - back] && near.has(pixel));
     let resting = rests(1, W) + rests(STRIDE, N);
     if near.0 & (W | N) == 0 || resting > 0 {
         return (before, 3 + resting);
     }
-    let (prediction, kind) = spatial(coding, channel, pixels, at, near);
+    let (prediction, kind) = spatial(coding, channel, pixels, (x, y), near);
     (prediction, 6 + kind)
 }
 
-/// The number that the pixels around let expect: 2 a plane, 1 a neighbor, 0 nothing.
+/// The number that the pixels around let expect: 2 a sum, 1 a neighbor, 0 nothing.
 fn spatial(
     coding: &ChannelCoding,
     channel: usize,
     pixels: &ValuePixels,
-    at: usize,
+    place: (usize, usize),
     near: Neighbors,
 ) -> (i32, usize) {
-    let codes = &pixels.codes[channel];
+    let (codes, at) = (&pixels.codes[channel], cell(place.0, place.1));
     let Some(first) = near.first(at).map(|first| codes[first]) else {
         return (coding.scale.code(coding.start), 0);
     };
-    if coding.predictor == ValuePredictor::Neighbor || coding.scale.value(first).is_nan() {
+    if coding.scale.value(first).is_nan() {
         return (first, 1);
     }
     let own_weight = f64::from(pixels.inverse_depths[at]);
-    let in_picture = coding.predictor == ValuePredictor::PlaneInPicture && own_weight > 0.0;
-    let weight = |at: usize| if in_picture { f64::from(pixels.inverse_depths[at]) } else { 1.0 };
-    let value = |back: usize| f64::from(coding.scale.value(codes[at - back])) * weight(at - back);
-    let sums = [
-        (W | N | NW, value(1) + value(STRIDE) - value(STRIDE + 1)),
-        (W | WW, 2.0 * value(1) - value(2)),
-        (N | NN, 2.0 * value(STRIDE) - value(2 * STRIDE)),
-        (W | N | NE, value(1) + value(STRIDE - 1) - value(STRIDE)),
-    ];
-    let mut known = [f64::INFINITY; 4];
-    let mut count = 0;
-    for (pixels, sum) in sums {
-        if near.has(pixels) && sum.is_finite() {
-            known[count] = sum;
-            count += 1;
+    let in_picture = coding.predictor.is_in_picture() && own_weight > 0.0;
+    let of_term = |&(left, up, factor): &(isize, usize, f64)| {
+        let there = at.wrapping_add_signed(-left) - up * STRIDE;
+        let weight = if in_picture { f64::from(pixels.inverse_depths[there]) } else { 1.0 };
+        factor * (f64::from(coding.scale.value(codes[there])) * weight)
+    };
+    for sums in coding.predictor.sums() {
+        let mut known = [f64::INFINITY; 4];
+        let mut count = 0;
+        for sum in sums {
+            if sum.iter().all(|(left, up, _)| pixels.has(place, *left, *up)) {
+                let sum = sum.iter().map(of_term).fold(0.0, |sum, term| sum + term);
+                if sum.is_finite() {
+                    known[count] = sum;
+                    count += 1;
+                }
+            }
+        }
+        if count > 0 {
+            known.sort_unstable_by(f64::total_cmp);
+            let median = (known[(count - 1) / 2] + known[count / 2]) * 0.5;
+            return (coding.scale.nearest(median / if in_picture { own_weight } else { 1.0 }), 2);
         }
     }
-    if count == 0 {
-        return (first, 1);
-    }
-    known.sort_unstable_by(f64::total_cmp);
-    let median = (known[(count - 1) / 2] + known[count / 2]) * 0.5;
-    (coding.scale.nearest(median / if in_picture { own_weight } else { 1.0 }), 2)
+    (first, 1)
 }
 
 #[cfg(test)]

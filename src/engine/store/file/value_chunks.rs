@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::capture::{MAX_VALUE_CHANNELS, ValueChannel};
 use crate::error::{Error, Result};
 use crate::samples::{SampleImage, SampleSet};
-use crate::settings::{Coding, Precision, StoreSettings};
+use crate::settings::Coding;
 use crate::store::codec::{
     ChannelCoding, PlaneModel, VALUE_CONTEXTS, VALUE_TOKENS, ValueCounts, ValuePredictor, ValueScale,
 };
@@ -109,7 +109,7 @@ impl ValueTable {
     pub(crate) fn encode(&self) -> Vec<u8> {
         let mut bytes = vec![self.stored.len() as u8, u8::from(self.coding.plain)];
         for (stored, coding) in self.stored.iter().zip(&self.coding.channels) {
-            let ValueChannel { name, unit, range, tolerance } = &stored.channel;
+            let ValueChannel { name, unit, range, tolerance, is_exact } = &stored.channel;
             push_text(&mut bytes, name);
             push_text(&mut bytes, unit);
             for number in [range[0], range[1], *tolerance, coding.scale.step, coding.start] {
@@ -117,6 +117,7 @@ impl ValueTable {
             }
             let predictor = ValuePredictor::ALL.iter().position(|other| *other == coding.predictor);
             bytes.push(predictor.unwrap_or(0) as u8);
+            bytes.push(u8::from(*is_exact));
             bytes.extend(stored.bytes.to_be_bytes());
         }
         self.coding.tables.iter().for_each(|tables| tables.encode(&mut bytes));
@@ -171,9 +172,8 @@ fn steps(
     let none = || vec![0.0; channels];
     let larger = |a: Vec<f32>, b: Vec<f32>| Ok(a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect());
     let largest = largest.try_reduce(none, larger)?;
-    let StoreSettings { precision, .. } = samples.settings.store;
     let step = |(channel, largest): (&ValueChannel, f32)| {
-        let is_bounded = precision != Precision::Lossless && largest <= MOST_STEPS * channel.tolerance;
+        let is_bounded = !channel.is_exact && largest <= MOST_STEPS * channel.tolerance;
         if is_bounded { channel.tolerance } else { 0.0 }
     };
     Ok(samples.values.iter().zip(largest).map(step).collect())
@@ -198,5 +198,6 @@ fn decode_channel(
     let predictor = reader.u8()?;
     let predictor = *ValuePredictor::ALL.get(usize::from(predictor)).ok_or("an unknown prediction")?;
     let coding = ChannelCoding { scale: ValueScale { step }, predictor, start };
-    Ok((ValueChannel { name, unit, range, tolerance }, coding, reader.u64()?))
+    let is_exact = reader.u8()? != 0;
+    Ok((ValueChannel { name, unit, range, tolerance, is_exact }, coding, reader.u64()?))
 }
