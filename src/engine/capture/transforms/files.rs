@@ -7,7 +7,7 @@ use super::manifest::{Keys, Manifest};
 use super::normal_space_name::NormalSpaceName;
 use super::raw_video::RawVideo;
 use super::same_name::SimilarNames;
-use super::value_keys::ValueFile;
+use super::value_places::ValueFile;
 use super::view_list::ViewList;
 use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{

@@ -46,6 +46,7 @@ mod source;
 mod turned_pictures;
 mod value_file;
 mod value_keys;
+mod value_places;
 mod view_list;
 mod write;
 

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use super::cameras::CameraFiles;
 use super::files::PictureFiles;
-use super::value_keys::{ValueFile, ValueKeys, listed};
+use super::value_keys::ValueKeys;
+use super::value_places::{ValueFile, listed};
 use crate::capture::camera::{Camera, wrong_size};
 use crate::capture::exr::{ChannelPlane, ExrFile};
 use crate::capture::pictures::{self, PictureFormat, format_of, parse_npy};

@@ -102,7 +102,7 @@ impl ValueScale {
         if self.step == 0.0 {
             f32::from_bits(ordered(code) as u32)
         } else if code == NO_MULTIPLE {
-            crate::capture::MISSING_VALUE
+            f32::NAN
         } else {
             (f64::from(code) * f64::from(self.step)) as f32
         }
@@ -264,12 +264,11 @@ fn spatial(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::MISSING_VALUE;
 
     #[test]
     fn numbers_of_exact_values_are_in_their_order_and_give_the_same_bits_back() {
         let exact = ValueScale { step: 0.0 };
-        let values = [f32::NEG_INFINITY, -2.0, -1e-40, -0.0, 0.0, 1e-40, 2.0, f32::INFINITY, MISSING_VALUE];
+        let values = [f32::NEG_INFINITY, -2.0, -1e-40, -0.0, 0.0, 1e-40, 2.0, f32::INFINITY, f32::NAN];
         let codes = values.map(|value| exact.code(value));
         assert!(codes.is_sorted_by(|a, b| a < b));
         assert_eq!(codes.map(|code| exact.value(code).to_bits()), values.map(f32::to_bits));
@@ -283,6 +282,6 @@ mod tests {
             assert!((rounded - value).abs() <= 0.050_001 + value.abs() * 1e-7, "{value} {rounded}");
             assert_eq!(bounded.value(bounded.code(rounded)).to_bits(), rounded.to_bits());
         }
-        assert!(bounded.value(bounded.code(MISSING_VALUE)).is_nan());
+        assert!(bounded.value(bounded.code(f32::NAN)).is_nan());
     }
 }

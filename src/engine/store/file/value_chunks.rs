@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::capture::{MAX_VALUE_CHANNELS, ValueChannel};
 use crate::error::{Error, Result};
+use crate::plural::counted;
 use crate::samples::{SampleImage, SampleSet};
 use crate::settings::Coding;
 use crate::store::codec::{
@@ -136,7 +137,10 @@ impl ValueTable {
         let mut reader = ByteReader::new(payload);
         let (channels, flags) = (usize::from(reader.u8()?), reader.u8()?);
         if !(1..=MAX_VALUE_CHANNELS).contains(&channels) || flags > 1 {
-            return Err(format!("{channels} channels with flags {flags}; a newer Overlook may read it"));
+            return Err(format!(
+                "{} with flags {flags}; a newer Overlook may read it",
+                counted(channels, "channel")
+            ));
         }
         let (mut stored, mut codings) = (Vec::new(), Vec::new());
         for _ in 0..channels {
@@ -163,7 +167,8 @@ fn steps(
     let largest = (0..images).into_par_iter().map(|index| {
         let (image, _) = image(index)?;
         if image.values.channels() != channels && !image.is_empty() {
-            let what = format!("it has {} channels of values, not {channels}", image.values.channels());
+            let has = counted(image.values.channels(), "channel");
+            let what = format!("an image has {has} of values where the set has {channels}");
             return Err(Error::invalid("scalar values", what));
         }
         let largest = |channel: usize| image.values.channel(channel).map(f32::abs).fold(0.0, f32::max);
