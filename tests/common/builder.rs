@@ -66,6 +66,7 @@ fn image(
             .then(|| (0..count).map(|i| OctNormal([value(i) as i8, (value(i) >> 8) as i8])).collect()),
         doubtful: doubtful(&tiles, values),
         tiles,
+        values: overlook_engine::capture::Values::default(),
     }
 }
 

@@ -101,13 +101,14 @@ impl Values {
     }
 
     /// Those of one channel.
+    #[must_use]
     pub fn channel(&self, channel: usize) -> impl ExactSizeIterator<Item = f32> + '_ {
         self.values.iter().skip(channel).step_by(self.channels.max(1)).copied()
     }
 
     /// All of them from one pixel on.
     #[inline(always)]
-    pub(crate) fn from(&self, first: usize) -> &[f32] {
+    pub(crate) fn starting_at(&self, first: usize) -> &[f32] {
         &self.values[first * self.channels..]
     }
 

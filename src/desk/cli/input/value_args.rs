@@ -31,7 +31,7 @@ pub(crate) struct ValueArgs {
     /// Show the values between these two numbers alone; all others are gray.
     #[arg(long, value_name = "LOW,HIGH", requires = "color_by", allow_hyphen_values = true)]
     isolate: Option<ValueRange>,
-    /// Also write each value as an array of NumPy beside the picture: NAME.npy behind the picture's name, float32, NaN where it is missing.
+    /// Also write each value as an array beside the picture: NAME.npy behind the picture's name, float32, NaN where it is missing.
     #[arg(long)]
     pub(crate) values: bool,
 }

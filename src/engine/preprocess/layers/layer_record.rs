@@ -29,7 +29,7 @@ impl CameraLayer {
     /// The planes of another layer of as many pixels, whatever they hold, with what is known of this camera.
     pub(crate) fn with_planes_of(self, other: Self) -> Self {
         let Self { noise, noise_share, depth_step_relative, noise_between, value_tolerances, .. } = self;
-        Self { noise, noise_share, depth_step_relative, noise_between, value_tolerances, ..other }
+        Self { value_tolerances, noise, noise_share, depth_step_relative, noise_between, ..other }
     }
 }
 

@@ -194,8 +194,11 @@ impl<'a, const N: usize> SourceRun<'a, N> {
     /// A run of pixels of a layer.
     #[inline(always)]
     pub(crate) fn of_layer(layer: &'a CameraLayer, run: &'a PixelRun<N>) -> Self {
-        let values =
-            if layer.values.is_empty() { &[] } else { layer.values.from(run.row * layer.width + run.column) };
+        let values = if layer.values.is_empty() {
+            &[]
+        } else {
+            layer.values.starting_at(run.row * layer.width + run.column)
+        };
         Self { layer, run, values, lanes: u32::MAX }
     }
 
@@ -208,7 +211,7 @@ impl<'a, const N: usize> SourceRun<'a, N> {
         first: usize,
         lanes: u32,
     ) -> Self {
-        Self { layer, run, values: samples.values.from(first), lanes }
+        Self { layer, run, values: samples.values.starting_at(first), lanes }
     }
 
     /// The values of the sample in a lane, one a channel; `None` where the lane holds none.

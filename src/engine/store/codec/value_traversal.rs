@@ -167,6 +167,11 @@ impl ValuePixels {
     }
 }
 
+#[expect(clippy::large_stack_arrays, reason = "on its way to the heap")]
+fn no_residuals() -> Box<PerPixel<u32>> {
+    Box::new([0; CELLS])
+}
+
 /// Hands every value of `pixels` to `coder` and takes what it gives back, channel by channel.
 pub(crate) fn traverse_values(
     coder: &mut impl ValueCoder,
@@ -175,7 +180,7 @@ pub(crate) fn traverse_values(
     reference: Option<&ValuePixels>,
 ) {
     for (channel, coding) in channels.iter().enumerate() {
-        let mut residuals: Box<PerPixel<u32>> = Box::new([0; CELLS]);
+        let mut residuals = no_residuals();
         let mut as_before = vec![false; CELLS];
         for y in 0..BLOCK {
             let mut columns = pixels.rows[y];

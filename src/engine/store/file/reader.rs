@@ -20,8 +20,8 @@ use crate::store::container::{
     STORE, VALUES,
 };
 use crate::store::image::{
-    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, DoubtfulRuns, ImageHead, ReferenceImage,
-    ValueCodes, VisibleBlocks,
+    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, DoubtfulRuns, ImageHead, ImageValues,
+    ReferenceImage, ValueCodes, VisibleBlocks,
 };
 use crate::whole_file;
 
@@ -211,10 +211,11 @@ impl Store {
         let payload = self.values_payload(index);
         let values = self.values.as_ref().map(|table| {
             let codes = payload.as_deref().map_err(Error::to_string);
-            (&table.coding, codes.and_then(|payload| ValueCodes::of(payload, head.blocks.len())))
+            let codes = codes.and_then(|payload| ValueCodes::of(payload, head.blocks.len()));
+            ImageValues { coding: &table.coding, codes }
         });
         let (mut image, damage) =
-            image::decode(&decoded.image, &head, reference, &coding, values, code, &missing);
+            image::decode(&decoded.image, &head, reference, &coding, values.as_ref(), code, &missing);
         if let Some(runs) = self.doubtful.get(&index) {
             image.doubtful = runs.masks(&image.tiles, coding.size.0);
         }

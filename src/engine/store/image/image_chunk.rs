@@ -10,7 +10,7 @@
 use rayon::prelude::*;
 
 use super::blocks::{BlockCoding, ImageBlock, assemble, blocks_of, depth_bounds, find, summary};
-use super::value_blocks::{ValueCodes, ValueCoding};
+use super::value_blocks::ImageValues;
 use crate::capture::Camera;
 use crate::plural::counted;
 use crate::samples::{SampleImage, TILE, TileMask};
@@ -243,7 +243,7 @@ pub(crate) fn decode<'a>(
     head: &ImageHead,
     reference: Option<ReferenceImage>,
     coding: &BlockCoding,
-    values: Option<(&ValueCoding, Result<ValueCodes<'_>, String>)>,
+    values: Option<&ImageValues<'_>>,
     code: impl Fn(&BlockEntry) -> Result<&'a [u8], String> + Sync,
     blocks: &[&BlockEntry],
 ) -> (SampleImage, Vec<Damage>) {
@@ -266,7 +266,7 @@ pub(crate) fn decode<'a>(
         if samples.color.len() != block.samples as usize || farthest < least || nearest > most {
             return Err("its contents differ from its image's head".to_owned());
         }
-        if let Some((coding, codes)) = &values {
+        if let Some(ImageValues { coding, codes }) = values {
             let nth = head.blocks.iter().position(|other| other.place == block.place).unwrap_or(usize::MAX);
             samples.values =
                 coding.decode(&samples, codes.as_ref().map_err(String::clone)?.of_block(nth)?, before)?;

@@ -16,5 +16,5 @@ pub(crate) use doubtful::DoubtfulRuns;
 pub use image_chunk::{BlockEntry, ImageHead};
 pub(crate) use image_chunk::{Damage, ReferenceImage, check, count, decode, decode_head, encode};
 pub(crate) use precision::{check_again, color_room, depth_shift, reduce};
-pub(crate) use value_blocks::{ValueCodes, ValueCoding, count_values, encode_values};
+pub(crate) use value_blocks::{ImageValues, ValueCodes, ValueCoding, count_values, encode_values};
 pub(crate) use visible_blocks::{VisibleBlocks, visible_blocks};

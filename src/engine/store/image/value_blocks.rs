@@ -165,6 +165,12 @@ fn held(pixels: &ValuePixels) -> impl Iterator<Item = usize> + '_ {
         .flat_map(|(y, row)| (0..BLOCK).filter(move |x| row >> x & 1 == 1).map(move |x| cell(x, y)))
 }
 
+/// How the values of an image are coded, and their codes, or why there are none.
+pub(crate) struct ImageValues<'a> {
+    pub(crate) coding: &'a ValueCoding,
+    pub(crate) codes: Result<ValueCodes<'a>, String>,
+}
+
 /// The codes of the values of an image's blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct ValueCodes<'a> {
