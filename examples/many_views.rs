@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use half::f16;
-use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, open};
+use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, Values, open};
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess_buffered;
@@ -120,7 +120,13 @@ impl FrameSource for Walk {
             let noise = if self.is_noisy { NOISE * 3.0_f64.sqrt() * draws().sum::<f64>() } else { 0.0 };
             inverse_depth[(x, y)] = (1.0 / (length * (1.0 + noise))) as f32;
         }
-        Ok(Frame { color, inverse_depth, normal_in_world: None, depth_step_relative: 0.0 })
+        Ok(Frame {
+            color,
+            inverse_depth,
+            normal_in_world: None,
+            depth_step_relative: 0.0,
+            values: Values::default(),
+        })
     }
 
     fn place(&self, camera: usize, _frame: usize) -> String {

@@ -57,6 +57,24 @@ class Camera:
         """World from camera, (4, 4)."""
 
 @final
+class ValueChannel:
+    """What the numbers of one channel of scalar values mean."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def unit(self) -> str:
+        """Empty where there is none."""
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Between which values colors run; values may lie outside."""
+
+    @property
+    def tolerance(self) -> float:
+        """Values that differ by no more are the same to pruning."""
+
+@final
 class Frame:
     """One frame of one camera, as the engine understood its files."""
 
@@ -71,6 +89,10 @@ class Frame:
     @property
     def normal_in_world(self) -> NDArray[np.float32] | None:
         """Unit vectors toward the camera, (height, width, 3), zero without a normal; None if the capture has no normals."""
+
+    @property
+    def values(self) -> dict[str, NDArray[np.float32]]:
+        """Scalar values by the names of their channels, (height, width); NaN where one is missing. Empty if the capture has none."""
 
 @final
 class Capture:
@@ -87,6 +109,10 @@ class Capture:
     @property
     def warnings(self) -> list[str]:
         """Problems found while opening that did not stop it."""
+
+    @property
+    def values(self) -> list[ValueChannel]:
+        """The channels of scalar values; empty if the capture has none."""
 
     def frame(self, camera: str | int, frame: int = 0) -> Frame:
         """One frame of one camera, by its name or index.
@@ -129,6 +155,10 @@ class Samples:
     @property
     def normal_in_world(self) -> NDArray[np.float32] | None:
         """Unit vectors, (n, 3); None unless the setting store.normals keeps them."""
+
+    @property
+    def values(self) -> dict[str, NDArray[np.float32]]:
+        """Scalar values by the names of their channels, (n,), those of the first frame of the span; NaN where one is missing."""
 
     def __len__(self) -> int: ...
 
@@ -218,6 +248,10 @@ class Store:
         """What looks wrong in the capture, or is damaged in the file."""
 
     @property
+    def values(self) -> list[ValueChannel]:
+        """The channels of scalar values; empty if the samples have none."""
+
+    @property
     def report(self) -> dict[str, Any]:
         """The report of preprocessing, as `overlook preprocess --json` prints it."""
 
@@ -270,6 +304,18 @@ class Store:
         the picture was filled.
 
         Raises Error if the viewpoint is not a valid camera, ValueError if the pose is not a rigid motion."""
+
+    def render_values(
+        self,
+        pose: NDArray[np.float64],
+        lens: Lens,
+        frame: int = 0,
+        settings: Settings | None = None,
+    ) -> dict[str, NDArray[np.float32]]:
+        """The scalar values that the same picture shows, by the names of their channels, (height, width): in each pixel those of the
+        nearest sample, never blended; NaN in holes, filled or not, and where one is missing.
+
+        Raises as `render`."""
 
 def open(path: Path, settings: Settings | None = None) -> Capture:
     """Opens a capture: any folder or file that `overlook info` understands.

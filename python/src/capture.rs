@@ -12,8 +12,9 @@ use super::camera::PyCamera;
 use super::choices::settings_over;
 use super::exceptions::to_exception;
 use super::store::PyStore;
+use super::values::{self, PyValueChannel};
 use super::{arrays, work};
-use overlook_engine::capture::{self, Capture, Frame, TruthView, transforms};
+use overlook_engine::capture::{self, Capture, Frame, TruthView, ValueChannel, transforms};
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Error;
 use overlook_engine::plural::counted;
@@ -88,6 +89,12 @@ impl PyCapture {
         self.capture.warnings.clone()
     }
 
+    /// The channels of scalar values.
+    #[getter]
+    fn values(&self) -> Vec<PyValueChannel> {
+        values::channels(self.capture.value_channels())
+    }
+
     /// One frame of one camera, by name or index.
     #[pyo3(signature = (camera, frame=0))]
     fn frame(&self, py: Python<'_>, camera: &Bound<'_, PyAny>, frame: usize) -> PyResult<PyFrame> {
@@ -99,7 +106,8 @@ impl PyCapture {
                 self.capture.name
             )));
         }
-        Ok(PyFrame(work::run(py, None, |_| self.capture.frame(camera, frame))?))
+        let channels = self.capture.value_channels().to_vec();
+        Ok(PyFrame(work::run(py, None, |_| self.capture.frame(camera, frame))?, channels))
     }
 
     /// The whole method: scan over time, split into spans, prune between cameras.
@@ -180,7 +188,7 @@ pub fn evaluate<'py>(
 
 /// One frame of one camera.
 #[pyclass(name = "Frame", module = "overlook", frozen)]
-pub struct PyFrame(Arc<Frame>);
+pub struct PyFrame(Arc<Frame>, Vec<ValueChannel>);
 
 #[pymethods]
 impl PyFrame {
@@ -192,6 +200,12 @@ impl PyFrame {
     #[getter]
     fn depth<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         arrays::plane(py, &self.0.inverse_depth, |w| arrays::depth_of(*w))
+    }
+
+    /// Scalar values by the names of their channels.
+    #[getter]
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        values::planes(py, &self.1, &self.0.values, self.0.size())
     }
 
     #[getter]

@@ -21,6 +21,7 @@ mod page;
 mod placement;
 mod splats;
 mod store;
+mod values;
 mod work;
 
 pub use camera::{PyCamera, PyLens};
@@ -30,14 +31,15 @@ pub use page::PyPage;
 pub use placement::{PyPlacement, place};
 pub use splats::PySplats;
 pub use store::{PySamples, PyStore, open_store};
+pub use values::PyValueChannel;
 
 /// The module `overlook._engine`, which the package `overlook` re-exports.
 #[pyo3::pymodule]
 mod _engine {
     #[pymodule_export]
     use crate::{
-        Error, PyCamera, PyCapture, PyFrame, PyLens, PyPage, PyPlacement, PySamples, PySplats, PyStore, demo,
-        evaluate, open, open_store, place,
+        Error, PyCamera, PyCapture, PyFrame, PyLens, PyPage, PyPlacement, PySamples, PySplats, PyStore,
+        PyValueChannel, demo, evaluate, open, open_store, place,
     };
 
     use pyo3::prelude::*;

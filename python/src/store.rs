@@ -15,15 +15,18 @@ use super::choices::settings_over;
 use super::exceptions::to_exception;
 use super::page::PyPage;
 use super::splats::PySplats;
+use super::values::{self, PyValueChannel};
 use super::{arrays, work};
-use overlook_engine::capture::Camera;
+use overlook_engine::capture::{Camera, ValueChannel};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::page::{self, PageOptions};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::Preprocessed;
-use overlook_engine::render::{NO_IMAGE, Renderer, Vantage};
+use overlook_engine::render::output::PictureValues;
+use overlook_engine::render::{NO_IMAGE, Picture, Renderer, Vantage};
 use overlook_engine::samples::{SampleImage, SampleSet};
+use overlook_engine::settings::RenderSettings;
 use overlook_engine::splats::{self, SplatAmount, SplatSky};
 use overlook_engine::store::file::{Store, write};
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
@@ -90,6 +93,23 @@ impl PyStore {
         Err(PyIndexError::new_err(format!("'{}' has {frames} and {cameras}", self.outline.name)))
     }
 
+    /// A picture, and the samples that it was made of.
+    fn picture(
+        &self,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        job: &Job,
+    ) -> Result<(Arc<Picture>, Arc<SampleSet>)> {
+        vantage.check(&self.outline)?;
+        let samples = match &self.samples {
+            Samples::InMemory(samples) => samples.clone(),
+            Samples::OnDisk(_, playback) => playback.seen_from(&vantage.camera, vantage.frame, job)?,
+        };
+        let mut renderer = self.renderer.lock().unwrap_or_else(PoisonError::into_inner);
+        let picture = renderer.render(&samples, vantage, settings, job)?.0;
+        Ok((picture, samples))
+    }
+
     pub(super) fn of(Preprocessed { samples, report }: Preprocessed) -> PyResult<Self> {
         let warnings = report.warnings();
         let report = report.to_json().map_err(|error| to_exception(&error))?;
@@ -124,6 +144,12 @@ impl PyStore {
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
+    }
+
+    /// The channels of scalar values.
+    #[getter]
+    fn values(&self) -> Vec<PyValueChannel> {
+        values::channels(&self.outline.values)
     }
 
     /// What preprocessing counted and measured.
@@ -205,7 +231,7 @@ impl PyStore {
             }
             Ok(rows)
         })?;
-        rows.into_arrays(py)
+        rows.into_arrays(py, &self.outline.values)
     }
 
     /// A picture from any place: color, depth, and where samples were seen.
@@ -219,26 +245,32 @@ impl PyStore {
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Rendered<'py>> {
         let settings = settings_over(self.outline.settings.clone(), settings)?.render;
-        let camera = Camera {
-            name: "python".to_owned(),
-            intrinsics: lens.intrinsics(),
-            world_from_camera: pose_of(&pose)?,
-        };
-        let vantage = Vantage { camera, frame };
-        let picture = work::run(py, None, |job| {
-            vantage.check(&self.outline)?;
-            let samples = match &self.samples {
-                Samples::InMemory(samples) => samples.clone(),
-                Samples::OnDisk(_, playback) => playback.seen_from(&vantage.camera, frame, job)?,
-            };
-            let mut renderer = self.renderer.lock().unwrap_or_else(PoisonError::into_inner);
-            Ok(renderer.render(&samples, &vantage, &settings, job)?.0)
-        })?;
+        let vantage = vantage_at(&pose, lens, frame)?;
+        let (picture, _) = work::run(py, None, |job| self.picture(&vantage, &settings, job))?;
         Ok((
             arrays::vectors(py, &picture.color)?,
             arrays::plane(py, &picture.inverse_depth, |w| arrays::depth_of(*w))?,
             arrays::plane(py, &picture.image, |image| *image != NO_IMAGE)?,
         ))
+    }
+
+    /// The scalar values that such a picture shows, those of the nearest surface, by the names of their channels.
+    #[pyo3(signature = (pose, lens, frame=0, settings=None))]
+    fn render_values<'py>(
+        &self,
+        py: Python<'py>,
+        pose: PyReadonlyArray2<'_, f64>,
+        lens: PyLens,
+        frame: usize,
+        settings: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let settings = settings_over(self.outline.settings.clone(), settings)?.render;
+        let vantage = vantage_at(&pose, lens, frame)?;
+        let PictureValues { channels, values } = work::run(py, None, |job| {
+            let (picture, samples) = self.picture(&vantage, &settings, job)?;
+            Ok(PictureValues::of(&samples, &vantage, &picture))
+        })?;
+        values::planes(py, &channels, &values, vantage.camera.intrinsics.size())
     }
 
     fn __repr__(&self) -> String {
@@ -248,6 +280,11 @@ impl PyStore {
         };
         format!("<overlook.Store '{}', {place}>", self.outline.name)
     }
+}
+
+fn vantage_at(pose: &PyReadonlyArray2<'_, f64>, lens: PyLens, frame: usize) -> PyResult<Vantage> {
+    let (name, intrinsics) = ("python".to_owned(), lens.intrinsics());
+    Ok(Vantage { camera: Camera { name, intrinsics, world_from_camera: pose_of(pose)? }, frame })
 }
 
 fn page_options(
@@ -274,6 +311,8 @@ struct SampleRows {
     depth: Vec<f32>,
     point_in_world: Vec<[f64; 3]>,
     normal_in_world: Vec<[f32; 3]>,
+    /// Channel by channel.
+    values: Vec<Vec<f32>>,
 }
 
 impl SampleRows {
@@ -295,13 +334,18 @@ impl SampleRows {
             self.color.push(image.color[sample.index].map(f16::to_f32));
             self.depth.push(arrays::depth_of(inverse_depth));
             self.point_in_world.push(no_nan(point).to_array());
+            self.values.resize_with(image.values.channels(), Vec::new);
+            for (column, value) in self.values.iter_mut().zip(image.values.of(sample.index)) {
+                column.push(*value);
+            }
             if let Some(normals) = &image.normal {
                 self.normal_in_world.push(normals[sample.index].decode().to_array());
             }
         }
     }
 
-    fn into_arrays(self, py: Python<'_>) -> PyResult<PySamples> {
+    fn into_arrays(mut self, py: Python<'_>, channels: &[ValueChannel]) -> PyResult<PySamples> {
+        self.values.resize_with(channels.len(), Vec::new);
         let has_normals = self.normal_in_world.len() == self.camera.len();
         let normals = has_normals.then(|| arrays::rows(py, self.normal_in_world)).transpose()?;
         Ok(PySamples {
@@ -312,6 +356,7 @@ impl SampleRows {
             depth: self.depth.into_pyarray(py).unbind(),
             point_in_world: arrays::rows(py, self.point_in_world)?.unbind(),
             normal_in_world: normals.map(Bound::unbind),
+            values: values::columns(py, channels, self.values)?.unbind(),
         })
     }
 }
@@ -331,6 +376,7 @@ pub struct PySamples {
     depth: Py<PyArray1<f32>>,
     point_in_world: Py<PyArray2<f64>>,
     normal_in_world: Option<Py<PyArray2<f32>>>,
+    values: Py<PyDict>,
 }
 
 #[pymethods]

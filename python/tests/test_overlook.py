@@ -261,3 +261,44 @@ def test_cameras_are_placed_as_by_the_command_line_and_their_manifest_holds_them
         overlook.place(overlook.open(folder), 0)
     with pytest.raises(ValueError, match="one of them"):
         overlook.place(overlook.open(folder), ring=True, within=((0, 0, 0), (1, 1, 1)))
+
+
+def test_values_are_those_of_the_arrays_in_frames_in_samples_and_in_rendered_pictures(folder, tmp_path):
+    copy = tmp_path / "valued"
+    subprocess.run(["cp", "-r", str(folder), str(copy)], check=True)
+    manifest = json.loads((copy / "transforms.json").read_text())
+    rows, columns = np.mgrid[0:72, 0:96].astype(np.float32)
+    plane = (columns + 100 * rows).astype(np.float32)
+    plane[0, :] = np.nan
+    np.save(copy / "pressure.npy", plane)
+    manifest["values"] = [{"name": "pressure", "unit": "Pa", "range": [0, 8000], "tolerance": 1e9}]
+    for entry in manifest["frames"]:
+        entry["value_file_paths"] = {"pressure": "pressure.npy"}
+    (copy / "transforms.json").write_text(json.dumps(manifest))
+    capture = overlook.open(copy)
+    (channel,) = capture.values
+    assert (channel.name, channel.unit, channel.range) == ("pressure", "Pa", (0.0, 8000.0))
+    assert np.array_equal(capture.frame(0).values["pressure"], plane, equal_nan=True)
+    store = capture.preprocess()
+    saved = tmp_path / "valued.ovl"
+    store.save(saved)
+    for one in (store, overlook.open_store(saved)):
+        samples = one.samples()
+        x, y = samples.pixel.T
+        assert np.array_equal(samples.values["pressure"], plane[y, x], equal_nan=True)
+        camera = capture.cameras[0]
+        shown = one.render_values(camera.pose, camera.lens)["pressure"]
+        known = shown[np.isfinite(shown)]
+        assert shown.shape == plane.shape and known.size > plane.size // 2
+        # Never blended: every value is some pixel's.
+        assert np.isin(known, plane).all()
+    assert overlook.open(folder).values == [] and overlook.open(folder).frame(0).values == {}
+
+
+def test_a_value_that_there_is_not_is_named_in_one_line(folder, tmp_path):
+    manifest = json.loads((folder / "transforms.json").read_text())
+    manifest["values"] = [{"name": "pressure"}]
+    wrong = folder / "wrong_values.json"
+    wrong.write_text(json.dumps(manifest))
+    with pytest.raises(overlook.Error, match="no channel 'pressure'"):
+        overlook.open(wrong)

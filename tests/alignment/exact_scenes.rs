@@ -9,7 +9,7 @@ use crate::scene::normal_draw;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics,
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, IntrinsicsValues,
 };
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
@@ -207,7 +207,13 @@ impl FrameSource for ExactScene {
             let none = if self.background == Background::Sky { 0.0 } else { INVALID_INVERSE_DEPTH };
             hit.map_or(none, |(t, _)| (1.0 / (t * (1.0 + self.noise.depth * draw(x, y, 2)))) as f32)
         });
-        Ok(Frame { color, inverse_depth, normal_in_world: None, depth_step_relative: 0.0 })
+        Ok(Frame {
+            color,
+            inverse_depth,
+            normal_in_world: None,
+            depth_step_relative: 0.0,
+            values: Values::default(),
+        })
     }
 
     fn place(&self, camera: usize, _frame: usize) -> String {

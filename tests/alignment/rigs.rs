@@ -3,7 +3,9 @@
 use glam::{DAffine3, DQuat, DVec3};
 use half::f16;
 use overlook_engine::alignment::{Aligned, align};
-use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH};
+use overlook_engine::capture::{
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, ValueChannel, Values,
+};
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -140,6 +142,7 @@ struct Exposed {
     stops: Vec<f64>,
     /// Pixels without depth, as a share of ten.
     holes: usize,
+    values: ValueChannel,
 }
 
 impl FrameSource for Exposed {
@@ -154,19 +157,31 @@ impl FrameSource for Exposed {
                 *inverse_depth = INVALID_INVERSE_DEPTH;
             }
         }
+        exposed.values = numbered(exposed.color.len());
         Ok(exposed)
     }
 
     fn place(&self, camera: usize, frame: usize) -> String {
         self.right.place(camera, frame)
     }
+
+    fn value_channels(&self) -> &[ValueChannel] {
+        std::slice::from_ref(&self.values)
+    }
+}
+
+/// Each pixel's number as its value.
+fn numbered(pixels: usize) -> Values {
+    Values::from_planes(&[(0..pixels).map(|pixel| pixel as f32).collect()])
 }
 
 /// A capture whose cameras were exposed by other stops, and what was found of it.
 fn exposed(stops: &[f64], holes: usize) -> (Capture, Aligned) {
     let right = capture("orrery", 0.02);
     let parts: CaptureParts = (*right).clone();
-    let source = Arc::new(Exposed { right: right.clone(), stops: stops.to_vec(), holes });
+    let (name, unit) = ("pixel".to_owned(), String::new());
+    let values = ValueChannel { name, unit, range: [0.0, 1e5], tolerance: 0.0, is_exact: true };
+    let source = Arc::new(Exposed { right: right.clone(), stops: stops.to_vec(), holes, values });
     let found = aligned(&Capture::new(CaptureParts { source, ..parts }, 1 << 28));
     (right, found)
 }
@@ -194,6 +209,7 @@ fn exposures_are_found_and_undone() {
         }
     }
     let [before, after] = [&right, &found.capture].map(|capture| capture.frame(1, 0).unwrap());
+    assert!(after.values == numbered(after.color.len()), "values are no colors");
     let mean = |frame: &Frame| {
         frame.color.as_slice().iter().map(|color| f32::from(color[1])).sum::<f32>() / frame.color.len() as f32
     };
@@ -217,6 +233,7 @@ impl FrameSource for Plane {
             inverse_depth,
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: Values::default(),
         })
     }
 

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::transforms::{self, write_capture};
-use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, TruthView};
+use overlook_engine::capture::{
+    Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, TruthView, Values,
+};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
@@ -29,6 +31,7 @@ fn numbered_frame(camera: usize, frame: usize) -> Frame {
             if x + y < 2 { [0.0; 3] } else { [0.0, -1.0, 0.0] }
         })),
         depth_step_relative: 0.0,
+        values: Values::default(),
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics,
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, IntrinsicsValues,
 };
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
@@ -75,7 +75,13 @@ impl Blocks {
                 inverse_depth[(x, y)] = w as f32;
             }
         }
-        Frame { color, inverse_depth, normal_in_world: None, depth_step_relative: 0.0 }
+        Frame {
+            color,
+            inverse_depth,
+            normal_in_world: None,
+            depth_step_relative: 0.0,
+            values: Values::default(),
+        }
     }
 
     /// The scene recorded by `cameras` over `frames` frames.

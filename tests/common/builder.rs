@@ -66,6 +66,7 @@ fn image(
             .then(|| (0..count).map(|i| OctNormal([value(i) as i8, (value(i) >> 8) as i8])).collect()),
         doubtful: doubtful(&tiles, values),
         tiles,
+        values: overlook_engine::capture::Values::default(),
     }
 }
 
@@ -84,6 +85,7 @@ fn set_of(cameras: Vec<Camera>, frames: usize, images: Vec<SampleImage>) -> Samp
         up_in_world: DVec3::new(0.0, 0.6, 0.8),
         settings: lossless(),
         images: images.into_iter().filter(|image| !image.is_empty()).map(Arc::new).collect(),
+        values: Vec::new(),
     }
 }
 

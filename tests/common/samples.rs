@@ -41,6 +41,7 @@ pub(crate) fn samples(
         depth: DepthPlane::default(),
         normal: None,
         doubtful: Vec::new(),
+        values: overlook_engine::capture::Values::default(),
     };
     for tile in 0..width.div_ceil(TILE) * height.div_ceil(TILE) {
         let (tile_x, tile_y) = (tile % width.div_ceil(TILE), tile / width.div_ceil(TILE));
@@ -72,5 +73,6 @@ pub(crate) fn samples(
         up_in_world: DVec3::NEG_Y,
         settings: Settings::default(),
         images,
+        values: Vec::new(),
     })
 }

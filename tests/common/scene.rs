@@ -8,7 +8,7 @@ use crate::draws::Draws;
 use glam::{DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics,
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, IntrinsicsValues,
 };
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
@@ -145,6 +145,7 @@ impl Scene {
             inverse_depth,
             normal_in_world: self.normals.then_some(normal),
             depth_step_relative: if self.half_depth { 1.0 / 2048.0 } else { 0.0 },
+            values: Values::default(),
         }
     }
 

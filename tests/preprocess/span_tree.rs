@@ -6,7 +6,7 @@ use crate::draws::Draws;
 use crate::scene::{Scene, arc, camera};
 use glam::{DVec3, Vec3};
 use half::f16;
-use overlook_engine::capture::{Capture, Frame, INVALID_INVERSE_DEPTH};
+use overlook_engine::capture::{Capture, Frame, INVALID_INVERSE_DEPTH, Values};
 use overlook_engine::color;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
@@ -64,6 +64,7 @@ fn readings(width: usize, frames: usize, seed: u64) -> Vec<Arc<Frame>> {
                 inverse_depth: Grid::from_vec(width, 1, depths.collect()),
                 normal_in_world: Some(Grid::from_vec(width, 1, normal.clone())),
                 depth_step_relative: 0.0,
+                values: Values::default(),
             })
         })
         .collect()

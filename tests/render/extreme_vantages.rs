@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::samples::{plain_camera, samples};
 use glam::{DAffine3, DMat3, DVec3};
 use half::f16;
-use overlook_engine::capture::{Camera, Frame, Intrinsics};
+use overlook_engine::capture::{Camera, Frame, Intrinsics, Values};
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
@@ -152,6 +152,7 @@ fn what_lies_behind_is_never_painted() {
         inverse_depth: Grid::filled(WIDTH as usize, HEIGHT as usize, 0.5),
         normal_in_world: None,
         depth_step_relative: 0.0,
+        values: Values::default(),
     };
     // Behind the camera and looking away; past everything and looking ahead.
     for camera in [turned, moved(DVec3::new(0.3, -0.2, 20.0))] {

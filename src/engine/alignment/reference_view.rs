@@ -6,7 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::surface_extent::{measured_levels, pure_levels};
-use crate::capture::{Camera, Capture, Frame};
+use crate::capture::{Camera, Capture, Frame, Values};
 use crate::color::brightness;
 use crate::error::Result;
 use crate::grid::Grid;
@@ -37,6 +37,7 @@ fn without_normals(frame: Arc<Frame>) -> Arc<Frame> {
         inverse_depth: inverse_depth.clone(),
         normal_in_world: None,
         depth_step_relative: *depth_step_relative,
+        values: Values::default(),
     })
 }
 

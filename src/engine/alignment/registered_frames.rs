@@ -23,7 +23,13 @@ fn registered(frame: &Frame, depth: &Camera, lens: &ColorLens, rays: &RayCache) 
                 .unwrap_or_default()
         })
     });
-    Frame { color: frame.color.clone(), inverse_depth, normal_in_world, ..*frame }
+    Frame {
+        color: frame.color.clone(),
+        inverse_depth,
+        normal_in_world,
+        values: frame.values.clone(),
+        ..*frame
+    }
 }
 
 /// The depth camera's normal of the surface at a position of the color picture; `None` where it has none.

@@ -9,6 +9,7 @@ use super::depth_claim::DepthClaim;
 use super::frame::Frame;
 use super::parts::{Capture, CaptureParts, FrameSource};
 use super::pose_convention::PoseConvention;
+use super::values::ValueChannel;
 use crate::error::Result;
 
 /// Frames made of the frames of a capture.
@@ -46,6 +47,10 @@ where
 
     fn depth_claim(&self) -> DepthClaim {
         self.original.source.depth_claim()
+    }
+
+    fn value_channels(&self) -> &[ValueChannel] {
+        self.original.value_channels()
     }
 
     fn pose_convention(&self) -> PoseConvention {
@@ -109,6 +114,7 @@ mod tests {
                 inverse_depth: Grid::filled(1, 1, (10 * camera + frame) as f32),
                 normal_in_world: None,
                 depth_step_relative: 0.0,
+                values: crate::capture::Values::default(),
             })
         }
 

@@ -1,7 +1,8 @@
-//! One picture of one camera: color, inverse depth and, where given, normals.
+//! One picture of one camera: color, inverse depth and, where given, normals and scalar values.
 
 use half::f16;
 
+use super::values::Values;
 use crate::grid::Grid;
 
 /// Inverse depth of a pixel that has no depth at all. Every negative value means the same.
@@ -20,6 +21,8 @@ pub struct Frame {
     pub normal_in_world: Option<Grid<[f32; 3]>>,
     /// Relative quantization step of the depth as recorded (2⁻¹¹ for half floats, 0 where it is exact to `f32`).
     pub depth_step_relative: f32,
+    /// Scalar values of every pixel, row-major, one for each of the capture's channels; empty where it has none.
+    pub values: Values,
 }
 
 impl Frame {
@@ -39,6 +42,6 @@ impl Frame {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let normals = if self.normal_in_world.is_some() { 12 } else { 0 };
-        self.inverse_depth.len() * (6 + 4 + normals)
+        self.inverse_depth.len() * (6 + 4 + normals) + self.values.bytes()
     }
 }

@@ -68,6 +68,7 @@ mod tests {
             inverse_depth: Grid::filled(pixels, 1, 1.0),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: crate::capture::Values::default(),
         }
     }
 

@@ -31,6 +31,7 @@ mod recording;
 pub mod sighting;
 mod skipped;
 pub mod transforms;
+mod values;
 mod yuv;
 
 pub(crate) use camera::is_believable_size;
@@ -45,3 +46,7 @@ pub use pivot::pivot;
 pub use readers::Description;
 pub use recording::{Addition, CoveredSet, GreedyCover, ViewChoice};
 pub use skipped::Skipped;
+#[cfg(test)]
+pub(crate) use values::NO_VALUES;
+pub(crate) use values::agree;
+pub use values::{MAX_VALUE_CHANNELS, MISSING_VALUE, ValueChannel, Values};

@@ -11,8 +11,10 @@ use super::depth_claim::DepthClaim;
 use super::frame::Frame;
 use super::frame_cache::FrameCache;
 use super::pose_convention::PoseConvention;
+use super::values::ValueChannel;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
+use crate::plural::counted;
 
 /// Where the frames of a capture come from: files, or a scene that is rendered on demand.
 pub trait FrameSource: Send + Sync {
@@ -42,6 +44,11 @@ pub trait FrameSource: Send + Sync {
     /// How the numbers of depth files were read.
     fn depth_claim(&self) -> DepthClaim {
         DepthClaim::default()
+    }
+
+    /// The channels of scalar values that every frame has; none as a rule.
+    fn value_channels(&self) -> &[ValueChannel] {
+        &[]
     }
 
     /// What the matrices of the poses were taken for.
@@ -134,6 +141,14 @@ impl Capture {
             );
             return Err(Error::invalid(self.place(camera, frame), what));
         }
+        let (given, channels) = (loaded.values.channels(), self.value_channels().len());
+        if given != channels
+            || loaded.values.len() != if channels > 0 { loaded.inverse_depth.len() } else { 0 }
+        {
+            let what =
+                format!("it has {} of values where the capture has {channels}", counted(given, "channel"));
+            return Err(Error::invalid(self.place(camera, frame), what));
+        }
         Ok(loaded)
     }
 
@@ -198,6 +213,12 @@ impl Capture {
     #[must_use]
     pub fn frames_are_ranked(&self) -> bool {
         self.source.frames_are_ranked()
+    }
+
+    /// The channels of scalar values that every frame has.
+    #[must_use]
+    pub fn value_channels(&self) -> &[ValueChannel] {
+        self.source.value_channels()
     }
 
     /// The index of the frame that bears `number`, or `None`.

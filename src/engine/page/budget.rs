@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::capture::Values;
 use crate::color::steps_from_linear;
 use crate::error::Result;
 use crate::job::Job;
@@ -231,7 +232,7 @@ fn squared_differences(fine: &SampleImage, coarse: &SampleImage) -> BTreeMap<Pla
 /// An image of some of the tiles of another.
 fn with_tiles(image: &SampleImage, is_wanted: impl Fn(&SampleTile) -> bool) -> SampleImage {
     let mut part = image.without_samples();
-    part.normal = None;
+    (part.normal, part.values) = (None, Values::default());
     for (index, tile) in image.tiles.iter().enumerate().filter(|(_, tile)| is_wanted(tile)) {
         if let Some(rows) = image.doubtful_rows(index) {
             part.doubtful.push(TileMask { tile: part.tiles.len() as u32, rows: *rows });

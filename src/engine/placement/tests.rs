@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use half::f16;
 
 use super::*;
-use crate::capture::{CaptureParts, Frame, FrameSource};
+use crate::capture::{CaptureParts, Frame, FrameSource, Values};
 use crate::grid::Grid;
 use crate::settings::AlignSettings;
 
@@ -60,6 +60,7 @@ impl FrameSource for Scene {
             inverse_depth,
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: Values::default(),
         })
     }
 

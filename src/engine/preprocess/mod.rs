@@ -305,6 +305,7 @@ pub(crate) fn sample_set(capture: &Capture, settings: &Settings, images: Vec<Sam
         frame_numbers: capture.frame_numbers.clone(),
         up_in_world: capture.up_in_world,
         settings: settings.clone(),
+        values: capture.value_channels().to_vec(),
         images: images.into_iter().map(Arc::new).collect(),
     }
 }

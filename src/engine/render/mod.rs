@@ -35,6 +35,7 @@ mod resolve;
 mod splat;
 mod stage_times;
 mod supersample;
+mod value_colors;
 mod vantage;
 
 pub use carried_picture::{CarriedPicture, PictureCarrier, ScreenColor, ScreenPicture};
@@ -45,6 +46,7 @@ pub use orthographic::OrthographicView;
 pub use painter::Painter;
 pub use renderer::{Renderer, WindowPicture};
 pub use stage_times::StageTimes;
+pub use value_colors::{MISSING_COLOR, ValueColors};
 pub use vantage::{MAX_PIXELS, NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use half::f16;
 use super::depth_plane::{DepthPlane, TILE_SAMPLES};
 use super::sample_set::SampleImage;
 use super::tile::{SampleTile, TILE, TileMask};
-use crate::capture::{Camera, Intrinsics};
+use crate::capture::{Camera, Intrinsics, Values};
 
 /// Columns and rows of the four tiles that one coarser tile is made of.
 const SIDE: usize = 2 * TILE;
@@ -98,7 +98,7 @@ impl Square {
 }
 
 impl SampleImage {
-    /// The image at half the resolution, as [`halved_camera`] of its camera sees it, without normals. The focal length of its own
+    /// The image at half the resolution, as [`halved_camera`] of its camera sees it, without normals and scalar values. The focal length of its own
     /// camera is in pixels.
     #[must_use]
     pub(crate) fn halved(&self, focal_px: f32) -> Self {
@@ -114,6 +114,7 @@ impl SampleImage {
             depth: DepthPlane::default(),
             normal: None,
             doubtful: Vec::new(),
+            values: Values::default(),
         };
         let mut depths = Vec::with_capacity(TILE_SAMPLES);
         let mut square = Square { parts: vec![None; SIDE * SIDE] };
@@ -179,7 +180,16 @@ mod tests {
         }
         let depth = DepthPlane::pack(&tiles, &depth);
         let span = Span { start: 0, end: 1 };
-        SampleImage { camera: 0, span, tiles, color, depth, normal: None, doubtful: Vec::new() }
+        SampleImage {
+            camera: 0,
+            span,
+            tiles,
+            color,
+            depth,
+            normal: None,
+            doubtful: Vec::new(),
+            values: Values::default(),
+        }
     }
 
     /// Every sample of an image.

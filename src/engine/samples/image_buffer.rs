@@ -2,7 +2,7 @@
 //! sequence of any length is preprocessed and stored in memory that does not grow with it.
 //!
 //! ```text
-//! record in the file: tiles, tiles of depth, color, low halves of depth, high bytes of depth, [normals], masks of doubtful samples
+//! record in the file: tiles, tiles of depth, color, low halves of depth, high bytes of depth, [normals], masks of doubtful samples, [values]
 //! ```
 
 use std::cmp::Reverse;
@@ -17,6 +17,7 @@ use super::oct_normal::OctNormal;
 use super::sample_set::{SampleImage, Span};
 use super::spill_file::{Record, RecordPlace, SpillFile};
 use super::tile::{SampleTile, TileMask};
+use crate::capture::Values;
 use crate::error::Result;
 
 /// What is known of an image without its samples.
@@ -51,6 +52,7 @@ pub(crate) struct ImageShape {
     high_bytes: usize,
     normals: bool,
     doubtful_tiles: usize,
+    value_channels: usize,
 }
 
 impl Record for SampleImage {
@@ -66,6 +68,7 @@ impl Record for SampleImage {
             high_bytes: self.depth.high().len(),
             normals: self.normal.is_some(),
             doubtful_tiles: self.doubtful.len(),
+            value_channels: self.values.channels(),
         }
     }
 
@@ -78,11 +81,12 @@ impl Record for SampleImage {
             self.depth.high(),
             bytemuck::cast_slice(self.normal.as_deref().unwrap_or_default()),
             bytemuck::cast_slice(&self.doubtful),
+            self.values.as_bytes(),
         ]
     }
 
     fn read(
-        &ImageShape { facts, high_bytes, normals, doubtful_tiles }: &ImageShape,
+        &ImageShape { facts, high_bytes, normals, doubtful_tiles, value_channels }: &ImageShape,
         fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
     ) -> Result<Self> {
         let ImageFacts { camera, span, samples, tiles, .. } = facts;
@@ -92,6 +96,7 @@ impl Record for SampleImage {
         let (mut high, mut normal) =
             (vec![0; high_bytes], vec![OctNormal::default(); if normals { samples } else { 0 }]);
         let mut doubtful = vec![<TileMask as bytemuck::Zeroable>::zeroed(); doubtful_tiles];
+        let mut values = Values::missing(value_channels, samples);
         fill(&mut [
             bytemuck::cast_slice_mut(&mut tiles),
             bytemuck::cast_slice_mut(&mut depth_tiles),
@@ -100,9 +105,11 @@ impl Record for SampleImage {
             &mut high,
             bytemuck::cast_slice_mut(&mut normal),
             bytemuck::cast_slice_mut(&mut doubtful),
+            values.as_bytes_mut(),
         ])?;
         let depth = DepthPlane::of_planes(depth_tiles, low, high);
-        Ok(Self { camera, span, tiles, color, depth, normal: normals.then_some(normal), doubtful })
+        let normal = normals.then_some(normal);
+        Ok(Self { camera, span, tiles, color, depth, normal, doubtful, values })
     }
 }
 
@@ -245,6 +252,7 @@ mod tests {
                     rows: std::array::from_fn(|row| u16::from(row == 3) << (start % 16)),
                 })
                 .collect(),
+            values: Values::from_planes(&vec![(0..count).map(|i| i as f32).collect(); start as usize % 3]),
         }
     }
 

@@ -15,17 +15,18 @@ struct GrowingImage {
 
 /// What an image holds at one pixel.
 #[derive(Clone, Copy)]
-struct PixelSample {
+struct PixelSample<'a> {
     x: usize,
     y: usize,
     color: [f16; 3],
     inverse_depth: f32,
     normal: Option<OctNormal>,
     is_doubtful: bool,
+    values: &'a [f32],
 }
 
-impl PixelSample {
-    fn of(image: &SampleImage, sample: &Sample, inverse_depths: &[f32]) -> Self {
+impl<'a> PixelSample<'a> {
+    fn of(image: &'a SampleImage, sample: &Sample, inverse_depths: &[f32]) -> Self {
         Self {
             x: sample.x,
             y: sample.y,
@@ -33,6 +34,7 @@ impl PixelSample {
             inverse_depth: inverse_depths[sample.index],
             normal: image.normal.as_ref().map(|normals| normals[sample.index]),
             is_doubtful: !image.doubtful.is_empty() && image.is_doubtful(sample.x, sample.y),
+            values: image.values.of(sample.index),
         }
     }
 
@@ -47,7 +49,7 @@ impl GrowingImage {
         Self { image: SampleImage { span, ..like.without_samples() }, inverse_depths: Vec::new() }
     }
 
-    fn push(&mut self, sample: PixelSample) {
+    fn push(&mut self, sample: PixelSample<'_>) {
         let part = &mut self.image;
         let (tile_x, tile_y) = ((sample.x / TILE) as u16, (sample.y / TILE) as u16);
         if part.tiles.last().is_none_or(|tile| (tile.tile_x, tile.tile_y) != (tile_x, tile_y)) {
@@ -68,6 +70,7 @@ impl GrowingImage {
             }
         }
         part.color.push(sample.color);
+        part.values.push(sample.values);
         if let (Some(normals), Some(normal)) = (&mut part.normal, sample.normal) {
             normals.push(normal);
         }
@@ -130,6 +133,7 @@ mod tests {
             normal: None,
             doubtful: vec![TileMask { tile: 1, rows }],
             tiles,
+            values: crate::capture::Values::default(),
         };
         assert_eq!(image.part(image.span, |_, _| true), image);
         let some = image.part(image.span, |sample, depth| (sample.x, sample.y) == (35, 57) || depth == 0.0);

@@ -79,6 +79,7 @@ mod tests {
             depth,
             normal: None,
             doubtful: Vec::new(),
+            values: crate::capture::Values::default(),
         };
         let camera = camera(DVec3::new(1.0, -2.0, 5.0));
         let placed: Vec<_> = image.placed(&camera).collect();

@@ -3,9 +3,9 @@
 //! ```text
 //! SampleSet ── images ──▶ SampleImage (camera, span)
 //!                           tiles:  [tile 0][tile 3][tile 4]…      only tiles that hold a sample, row-major
-//!                           planes: color[…] depth[…] normal[…]   samples of tile 0, then of tile 3, …
+//!                           planes: color[…] depth[…] normal[…] values[…]   samples of tile 0, then of tile 3, …
 //!
-//! bytes a sample: color 6, depth 3 (see depth_plane), normal 2 where set;  a tile: 40, and 12 for its depths
+//! bytes a sample: color 6, depth 3 (see depth_plane), normal 2 where set, a value 4;  a tile: 40, and 12 for its depths
 //! ```
 //!
 //! Inside a tile samples are stored row by row, left to right; bit `x` of `rows[y]` says whether pixel `(x, y)` of the
@@ -17,7 +17,7 @@ use half::f16;
 use super::depth_plane::DepthPlane;
 use super::oct_normal::OctNormal;
 use super::tile::{SampleTile, TILE, TileMask};
-use crate::capture::Camera;
+use crate::capture::{Camera, ValueChannel, Values};
 use crate::settings::{PruningMethod, Settings};
 
 /// A run of frames `[start, end)`, as frame indices.
@@ -62,6 +62,8 @@ pub struct SampleImage {
     /// The doubtful samples, tile after tile: those that no other camera confirms, among noisy cameras. Of tiles without one there is
     /// no mask.
     pub doubtful: Vec<TileMask>,
+    /// Scalar values, one for each of the set's channels and sample: those of some picture, bit for bit; empty where the set has none.
+    pub values: Values,
 }
 
 /// One sample, as [`SampleImage::samples`] gives them.
@@ -128,6 +130,7 @@ impl SampleImage {
             depth: DepthPlane::default(),
             normal: self.normal.as_ref().map(|_| Vec::new()),
             doubtful: Vec::new(),
+            values: Values::missing(self.values.channels(), 0),
         }
     }
 
@@ -158,6 +161,7 @@ impl SampleImage {
             + self.depth.bytes()
             + normal
             + size_of_val(self.doubtful.as_slice())
+            + self.values.bytes()
     }
 }
 
@@ -174,6 +178,8 @@ pub struct SampleSet {
     pub up_in_world: DVec3,
     /// How the set was made.
     pub settings: Settings,
+    /// The channels of scalar values that samples have; none as a rule.
+    pub values: Vec<ValueChannel>,
     /// Sample images, ordered by span (longest first, then earliest), then by camera. Empty ones are left out, save where a
     /// set holds one frame of a store that plays from disk: the images of other frames are in their places without samples.
     pub images: Vec<std::sync::Arc<SampleImage>>,

@@ -218,3 +218,33 @@ choice! {
         Portable = "portable",
     }
 }
+
+choice! {
+    /// Which colors stand for scalar values.
+    pub enum Colormap {
+        /// From dark violet over green to yellow: perceptually uniform, safe for the color-blind.
+        Viridis = "viridis",
+        /// From dark blue over gray to yellow: the same to eyes that see fewer colors.
+        Cividis = "cividis",
+        /// From black over purple to a light yellow: perceptually uniform, with the widest range of brightness.
+        Magma = "magma",
+        /// From black over red to a bright yellow: perceptually uniform.
+        Inferno = "inferno",
+        /// From purple over white to orange: for values on both sides of zero, safe for the color-blind.
+        Diverging = "diverging",
+        /// A color for each whole number: for labels and indices.
+        Categories = "categories",
+    }
+}
+
+choice! {
+    /// How a range of scalar values runs over a colormap.
+    pub enum ValueScale {
+        /// Evenly.
+        Linear = "linear",
+        /// Evenly in logarithms; values that are not above 0 are shown as missing.
+        Log = "log",
+        /// Evenly, as far below zero as above it.
+        Symmetric = "symmetric",
+    }
+}

@@ -17,8 +17,9 @@ mod other_version;
 mod section;
 
 pub use choices::{
-    AgreementRule, Antialias, Backend, Coarse, Coding, Correction, Fill, Instructions, Kernel, Magnified,
-    MixedPixels, NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
+    AgreementRule, Antialias, Backend, Coarse, Coding, Colormap, Correction, Fill, Instructions, Kernel,
+    Magnified, MixedPixels, NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
+    ValueScale,
 };
 pub use section::{Field, ValueKind};
 

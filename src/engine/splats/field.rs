@@ -231,5 +231,6 @@ pub(super) fn of_frame(set: &SampleSet, frame: usize) -> SampleSet {
         up_in_world: set.up_in_world,
         settings: set.settings.clone(),
         images: images.collect(),
+        values: Vec::new(),
     }
 }

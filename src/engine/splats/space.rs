@@ -100,6 +100,7 @@ mod tests {
             up_in_world,
             settings: Settings::default(),
             images: Vec::new(),
+            values: Vec::new(),
         }
     }
 

@@ -68,6 +68,7 @@ mod tests {
             inverse_depth: Grid::filled(2, 1, 1.0),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: overlook_engine::capture::Values::default(),
         };
         let classes = Grid::from_vec(2, 1, vec![Some(ErrorClass::Inner), Some(ErrorClass::Edge)]);
         let png = error_picture(&picture, &truth, Some(&classes)).unwrap();

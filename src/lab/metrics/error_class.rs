@@ -125,6 +125,7 @@ mod tests {
             inverse_depth: Grid::filled(4, 1, 1.0),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: overlook_engine::capture::Values::default(),
         };
         let classes = [Some(ErrorClass::Inner), Some(ErrorClass::Edge), Some(ErrorClass::Unseen), None];
         let mut errors = ClassErrors::of(&picture, &truth, &Grid::from_vec(4, 1, classes.to_vec()));

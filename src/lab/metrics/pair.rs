@@ -170,6 +170,7 @@ mod tests {
             inverse_depth: Grid::from_vec(4, 1, vec![0.5, 0.0, 0.5, -1.0]),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: overlook_engine::capture::Values::default(),
         };
         (picture, truth)
     }

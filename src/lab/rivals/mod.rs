@@ -109,7 +109,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use overlook_engine::capture::{Camera, Frame, Intrinsics};
+    use overlook_engine::capture::{Camera, Frame, Intrinsics, Values};
     use overlook_engine::grid::Grid;
 
     /// A camera at `x` that looks along +z, at a slope of gray stripes that is 3 away in the middle.
@@ -132,6 +132,7 @@ mod tests {
             inverse_depth: Grid::from_fn(48, 32, |column, _| (1.0 / depth(column).0) as f32),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: Values::default(),
         };
         RecordedView { camera, frame: Arc::new(frame) }
     }

@@ -10,7 +10,7 @@ use super::view::{AlignedScore, Evaluation, painted};
 use crate::metrics::Pair;
 use half::f16;
 use overlook_engine::alignment::align_view;
-use overlook_engine::capture::{Camera, Frame, TruthView};
+use overlook_engine::capture::{Camera, Frame, TruthView, Values};
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
@@ -98,6 +98,7 @@ fn as_frame(picture: &Picture) -> Frame {
         inverse_depth: Grid::from_vec(width, height, depth.collect()),
         normal_in_world: None,
         depth_step_relative: 0.0,
+        values: Values::default(),
     }
 }
 

@@ -145,6 +145,7 @@ mod tests {
             }),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: overlook_engine::capture::Values::default(),
         }
     }
 

@@ -142,6 +142,7 @@ mod tests {
             inverse_depth: Grid::from_fn(32, 8, depth),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: overlook_engine::capture::Values::default(),
         };
         RecordedView { camera, frame: Arc::new(frame) }
     }

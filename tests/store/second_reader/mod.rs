@@ -39,6 +39,7 @@ fn set() -> SampleSet {
         up_in_world: DVec3::Z,
         settings,
         images,
+        values: Vec::new(),
     }
 }
 
@@ -84,7 +85,16 @@ fn image(index: usize, camera: &Camera, span: Span) -> SampleImage {
     let depth = DepthPlane::pack(&tiles, &depths);
     let normal = (index == 1).then_some(normals);
     let doubtful = if index == 0 { Vec::new() } else { every_other_row(&tiles) };
-    SampleImage { camera: index as u32, span, tiles, color, depth, normal, doubtful }
+    SampleImage {
+        camera: index as u32,
+        span,
+        tiles,
+        color,
+        depth,
+        normal,
+        doubtful,
+        values: overlook_engine::capture::Values::default(),
+    }
 }
 
 /// The samples in every other row as doubtful ones.

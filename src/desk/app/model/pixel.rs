@@ -72,6 +72,8 @@ pub(crate) struct Probed {
     pub explanation: Option<PixelExplanation>,
     /// The spans in which the pixel is stored; `None` while the whole capture is not pruned, and for stores.
     pub spans: Option<Vec<Span>>,
+    /// Scalar values with their names and units, one line a channel; in the live view those of the sample that is shown, else as recorded.
+    pub values: Vec<String>,
 }
 
 impl Probed {

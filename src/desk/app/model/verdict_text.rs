@@ -129,6 +129,7 @@ pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
             ("other normal", "The depth agrees, but the surfaces face different ways.")
         }
         Some(Outcome::ColorDiffers) => ("other color", "The depth agrees, but the colors differ."),
+        Some(Outcome::ValueDiffers) => ("other value", "The depth agrees, but scalar values differ."),
         Some(Outcome::Seam) => (
             "at a depth edge",
             "The surface ends beside the pixel and cannot be interpolated there, so that the pixel may not replace another.",
@@ -145,11 +146,11 @@ pub(crate) fn ordered(evidence: &[CameraEvidence], winner: Option<usize>) -> Vec
             None => 0,
             Some(_) if winner == Some(row.camera) => 1,
             Some(Outcome::Same(_)) => 2,
-            Some(Outcome::ShorterSpan | Outcome::Seam | Outcome::NormalDiffers | Outcome::ColorDiffers) => 3,
             Some(Outcome::SeesPast) if row.vote == Some(Vote::LooksPast) => 4,
             Some(Outcome::SeesPast | Outcome::Occluded) => 5,
             Some(Outcome::NoDepth) => 6,
             Some(Outcome::OutsideView | Outcome::Behind) => 7,
+            Some(_) => 3,
         };
         // This pixel's r beside that camera's: the larger, the denser that camera is.
         let denser = if is_same_point(row) && row.footprint_r.is_finite() { -row.footprint_r } else { 0.0 };

@@ -115,6 +115,9 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     if let Some(point) = point {
         note(ui, point);
     }
+    for value in &probed.values {
+        note(ui, value);
+    }
     spans_ui(ui, state, probed);
 }
 

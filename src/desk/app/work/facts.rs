@@ -6,6 +6,7 @@ use egui::ColorImage;
 
 use crate::app::colormap::{dimmed, recorded};
 use crate::app::model::{CameraMemory, Content, ProbeKey, Probed, Spot};
+use overlook_engine::capture::ValueChannel;
 use overlook_engine::preprocess::inspect::{
     CameraInspection, FrameInspection, explain_pixel, spans_of_pixel,
 };
@@ -58,14 +59,16 @@ pub(crate) fn memory(samples: &SampleSet) -> Vec<CameraMemory> {
 
 /// Explains a spot; `None` for a spot without a sample.
 pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
-    let (camera, x, y, seen) = match key.spot {
-        Spot::Source { camera, x, y } => (camera, x, y, None),
+    let (camera, x, y, seen, mut values) = match key.spot {
+        Spot::Source { camera, x, y } => (camera, x, y, None, Vec::new()),
         Spot::Live { x, y, size } => {
             let (live, shown) = key.live.as_ref()?;
             let [x, y] = [(x, size[0], shown.size[0]), (y, size[1], shown.size[1])]
                 .map(|(at, of, side)| (2 * at + 1) * side / (2 * of.max(1)));
             let picked = pick(&shown.samples, &live.vantage, shown.rendered()?, x, y)?;
-            (picked.camera, picked.x, picked.y, picked.point_in_world)
+            let shown_values = shown.samples.images[picked.image].values.of(picked.index);
+            let values = value_lines(&shown.samples.values, shown_values);
+            (picked.camera, picked.x, picked.y, picked.point_in_world, values)
         }
     };
     let explanation = key.inspection.as_ref().and_then(|inspection| explain_pixel(inspection, camera, x, y));
@@ -76,5 +79,45 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
         Content::Capture { .. } => key.whole.as_ref(),
     };
     let spans = samples.map(|samples| spans_of_pixel(samples, camera, x, y));
-    Some(Probed { spot: key.spot, camera, x, y, point_in_world, explanation, spans })
+    if let (Spot::Source { .. }, Some(inspection)) = (key.spot, &key.inspection)
+        && let Some(frame) = inspection.cameras.get(camera).map(|camera| &camera.frame)
+        && x < frame.size().0
+        && y < frame.size().1
+    {
+        let pixel = y * frame.size().0 + x;
+        values = value_lines(&inspection.samples.values, frame.values.of(pixel));
+    }
+    Some(Probed { spot: key.spot, camera, x, y, point_in_world, explanation, spans, values })
+}
+
+/// A line for each channel: the shortest number that has the value's bits, and its unit.
+fn value_lines(channels: &[ValueChannel], values: &[f32]) -> Vec<String> {
+    let line = |(channel, value): (&ValueChannel, &f32)| match value {
+        value if value.is_nan() => format!("{}: no value", channel.name),
+        value if channel.unit.is_empty() => format!("{} {value}", channel.name),
+        value => format!("{} {value} {}", channel.name, channel.unit),
+    };
+    channels.iter().zip(values).map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_said_to_its_last_bit_with_its_unit_and_a_missing_one_is_said_to_be_missing() {
+        let channel = |name: &str, unit: &str| ValueChannel {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            range: [0.0, 1.0],
+            tolerance: 0.0,
+            is_exact: true,
+        };
+        let channels = [channel("pressure", "Pa"), channel("grain", ""), channel("speed", "m/s")];
+        let value = 0.1_f32 + 0.2_f32;
+        let lines = value_lines(&channels, &[value, 7.0, f32::NAN]);
+        let said = lines[0].strip_prefix("pressure ").and_then(|line| line.strip_suffix(" Pa")).unwrap();
+        assert_eq!(said.parse::<f32>().unwrap().to_bits(), value.to_bits());
+        assert_eq!(lines[1..], ["grain 7", "speed: no value"]);
+    }
 }

@@ -276,6 +276,7 @@ mod tests {
             up_in_world: DVec3::Z,
             settings: Settings::default(),
             images: Vec::new(),
+            values: Vec::new(),
         };
         LiveKey {
             scene: 1,
@@ -334,6 +335,7 @@ mod tests {
                 normal: None,
                 doubtful: Vec::new(),
                 tiles,
+                values: overlook_engine::capture::Values::default(),
             })
         };
         let samples = Arc::new(SampleSet { images: vec![image(0), image(1)], ..(*key(1.0).samples).clone() });

@@ -272,6 +272,7 @@ mod tests {
             inverse_depth: Grid::filled(width, height, 0.5),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: overlook_engine::capture::Values::default(),
         };
         let lost = Verdict { rule: Rule::LowerRate, witness_level: 0, witness_camera: 2, witness_pixel: 0 };
         let camera = CameraInspection {

@@ -8,12 +8,12 @@ use serde::Serialize;
 
 use crate::cli::output::{self, CommandError, Sizes};
 use overlook_engine::capture::conventions::{self, Finding};
-use overlook_engine::capture::{Camera, Capture, Description, Source, ViewChoice};
+use overlook_engine::capture::{Camera, Capture, Description, Source, ValueChannel, ViewChoice};
 use overlook_engine::error::Error;
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::settings::{CaptureSettings, Settings};
-use overlook_engine::store::file::{Provenance, Store};
+use overlook_engine::store::file::{Provenance, Store, StoredValues};
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
@@ -54,6 +54,40 @@ struct ChosenView {
     share_shown: f64,
 }
 
+/// A channel of scalar values.
+#[derive(Serialize)]
+struct ValueInfo {
+    #[serde(flatten)]
+    channel: ValueChannel,
+    /// By how much a stored value differs from the capture's, at most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<f32>,
+    /// Bytes of the channel in the store.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bytes: Option<u64>,
+}
+
+impl ValueInfo {
+    fn of(channel: &ValueChannel) -> Self {
+        Self { channel: channel.clone(), error: None, bytes: None }
+    }
+
+    fn stored(stored: &StoredValues) -> Self {
+        Self { channel: stored.channel.clone(), error: Some(stored.error), bytes: Some(stored.bytes) }
+    }
+
+    fn line(&self) -> String {
+        let ValueChannel { name, unit, range: [low, high], tolerance, .. } = &self.channel;
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        let mut line = format!("value {name}: {low} to {high}{unit}, the same within {tolerance}");
+        if let (Some(error), Some(bytes)) = (self.error, self.bytes) {
+            let kept = if error > 0.0 { format!("within {error}") } else { "exact".to_owned() };
+            let _ = write!(line, "; {kept}, {}", output::bytes(bytes));
+        }
+        line
+    }
+}
+
 #[derive(Serialize)]
 struct ConventionInfo {
     /// In words.
@@ -69,6 +103,8 @@ enum Contents {
     Capture {
         pixels: u64,
         normals: bool,
+        /// The channels of scalar values.
+        values: Vec<ValueInfo>,
         reading: Box<Description>,
         /// The share of the pixels that are no samples because they are transparent, in pictures that were looked at.
         #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,6 +121,8 @@ enum Contents {
         bytes: u64,
         sizes: Box<Sizes>,
         spans: usize,
+        /// The channels of scalar values.
+        values: Vec<ValueInfo>,
         version: String,
         settings: Box<Settings>,
         report: Box<Report>,
@@ -130,6 +168,7 @@ impl InfoArgs {
             contents: Contents::Capture {
                 pixels: capture.pixel_count(),
                 normals: capture.has_normals,
+                values: capture.value_channels().iter().map(ValueInfo::of).collect(),
                 reading: Box::new(source.description().clone()),
                 transparent: capture.transparent_share()?,
                 warnings: capture.warnings.clone(),
@@ -170,6 +209,7 @@ fn of_store(path: &Path) -> Result<Info, CommandError> {
             bytes: info.bytes,
             sizes: Box::new(Sizes::of(info, &report)),
             spans: info.span_count(),
+            values: info.values.iter().map(ValueInfo::stored).collect(),
             version: format!("{}.{}", info.version.0, info.version.1),
             settings: Box::new(info.settings.clone()),
             report: Box::new(report),
@@ -219,7 +259,11 @@ impl Info {
                 );
             }
         }
-        let (Contents::Capture { warnings, .. } | Contents::Store { warnings, .. }) = &self.contents;
+        let (Contents::Capture { warnings, values, .. } | Contents::Store { warnings, values, .. }) =
+            &self.contents;
+        for value in values {
+            let _ = writeln!(text, "  {}", value.line());
+        }
         for warning in warnings {
             let _ = writeln!(text, "  warning: {warning}");
         }

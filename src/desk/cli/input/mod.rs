@@ -5,6 +5,7 @@ mod open;
 mod options;
 mod part_args;
 mod truth;
+mod value_args;
 
 pub(crate) use crate::pruned_store::{summed_up, sums_of};
 pub(crate) use fingerprint::{capture_state, pictures_state};
@@ -12,3 +13,4 @@ pub(crate) use open::{EditsArgs, open_capture};
 pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, amount, choice, length, only_cameras};
 pub(crate) use part_args::PartArgs;
 pub(crate) use truth::TruthArgs;
+pub(crate) use value_args::ValueArgs;

@@ -30,5 +30,5 @@ pub(crate) use study::{
 };
 pub(crate) use text::{
     bytes, count, count_of, cut_by_hand, number, percent, print, print_error, print_json, print_parts, warn,
-    without_depth,
+    warn_of_values, without_depth,
 };

@@ -3,8 +3,10 @@
 use std::path::{Component, Path, PathBuf};
 
 use overlook_engine::error::{Error, Result};
-use overlook_engine::render::Picture;
-use overlook_engine::render::output::{write_exr, write_png};
+use overlook_engine::render::output::{
+    PictureValues, write_exr, write_exr_with_values, write_npy, write_png, write_value_png,
+};
+use overlook_engine::render::{Picture, ValueColors};
 
 /// Paths of a view's picture: its own name below the output folder, once with each extension.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,6 +47,36 @@ impl PicturePaths {
         }
         write_exr(&self.exr, picture)?;
         write_png(&self.png, picture)
+    }
+
+    /// The same of a picture that shows scalar values: they are layers of the EXR, the PNG is in the `colors` of a channel if given, and
+    /// where `as_arrays`, each channel is an array of `NumPy` beside it.
+    pub(crate) fn write_with_values(
+        &self,
+        picture: &Picture,
+        values: &PictureValues,
+        colors: Option<(usize, ValueColors)>,
+        as_arrays: bool,
+    ) -> Result<()> {
+        if let Some(folder) = self.exr.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+        }
+        write_exr_with_values(&self.exr, picture, values)?;
+        if as_arrays {
+            for (index, channel) in values.channels.iter().enumerate() {
+                write_npy(&self.array(&channel.name), picture, values, index)?;
+            }
+        }
+        match colors {
+            Some((channel, colors)) => write_value_png(&self.png, picture, values, channel, &colors),
+            None => write_png(&self.png, picture),
+        }
+    }
+
+    /// Where the array of a channel goes. What is no part of a file's name becomes an underscore.
+    fn array(&self, channel: &str) -> PathBuf {
+        let name = channel.replace(['/', '\\', ':'], "_");
+        self.exr.with_extension(format!("{name}.npy"))
     }
 }
 

@@ -7,6 +7,7 @@ use indicatif::{DecimalBytes, HumanCount};
 use serde::Serialize;
 
 use super::command_error::CommandError;
+use overlook_engine::capture::ValueChannel;
 use overlook_engine::edits::CutByHand;
 use overlook_engine::error::Error;
 use overlook_engine::part::Part;
@@ -52,6 +53,15 @@ pub(crate) fn print_error(line: &str) {
 pub(crate) fn warn(warnings: &[String]) {
     for warning in warnings {
         print_error(&format!("warning: {warning}"));
+    }
+}
+
+/// Says that a form holds no scalar values, where there are any.
+pub(crate) fn warn_of_values(channels: &[ValueChannel], form: &str) {
+    if !channels.is_empty() {
+        let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
+        let names = names.join(", ");
+        warn(&[format!("{form} holds no scalar values: {names} stay in the capture and the store")]);
     }
 }
 

@@ -9,6 +9,7 @@ use super::color_planes::ColorPlanes;
 use super::transparency::AlphaPlane;
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::frame::Frame;
+use crate::capture::values::Values;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::simd::{self, LANES, VectorLoop};
@@ -109,6 +110,7 @@ impl Layers {
             inverse_depth: Grid::from_vec(width, height, self.inverse_depth),
             normal_in_world,
             depth_step_relative: self.depth_step_relative,
+            values: Values::default(),
         })
     }
 }

@@ -32,4 +32,4 @@ pub(crate) use header::HeaderAttributes;
 pub use plane::ChannelPlane;
 pub(crate) use primaries::Primaries;
 pub(crate) use transparency::AlphaPlane;
-pub(crate) use write::{write_frame, write_picture};
+pub(crate) use write::{value_channel, write_frame, write_picture};

@@ -7,16 +7,18 @@
 //! | `sampled.V` | half | 1 where a sample was seen, 0 where the pixel was filled or is a hole (rendered pictures only) |
 //! | `Z` | float | planar z; 1e10 where nothing was hit, NaN for no depth |
 //! | `N.X N.Y N.Z` | float | unit normal in world space, 0 for no normal |
+//! | `value.NAME` | float | a scalar value; NaN where it is missing |
 
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, LineOrder, WritableImage,
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, LineOrder, Text, WritableImage,
 };
 use half::f16;
 
 use super::depth::HALF_MAX;
 use crate::capture::frame::Frame;
+use crate::capture::values::{ValueChannel, Values};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::whole_file;
@@ -24,14 +26,20 @@ use crate::whole_file;
 /// Depth written where nothing was hit, as Blender does.
 const MISS_DEPTH: f32 = 1e10;
 
-/// Writes a frame as `R G B Z`, and `N.X N.Y N.Z` where it has normals. Reading it gives the same frame, but for the
+/// The channel of a scalar value.
+pub(crate) fn value_channel(name: &str) -> String {
+    format!("value.{name}")
+}
+
+/// Writes a frame of a capture with these channels of scalar values as `R G B Z`, `N.X N.Y N.Z` where it has normals, and its values where
+/// it has some. Reading it gives the same frame, but for the
 /// rounding of the reciprocal.
 ///
 /// The file appears under its name only when it is complete.
 ///
 /// # Errors
 /// `Io` where the file cannot be written, `Invalid` for a frame without pixels.
-pub(crate) fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
+pub(crate) fn write_frame(path: &Path, frame: &Frame, values: &[ValueChannel]) -> Result<()> {
     let depth = frame.inverse_depth.as_slice().iter().map(|&inverse| depth_of(inverse)).collect();
     let mut channels = color_channels(|channel| frame.color.as_slice().iter().map(|c| c[channel]).collect());
     channels.push(AnyChannel::new("Z", FlatSamples::F32(depth)));
@@ -41,6 +49,7 @@ pub(crate) fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
             channels.push(AnyChannel::new(name, FlatSamples::F32(plane)));
         }
     }
+    channels.extend(value_layers(values, &frame.values));
     write_channels(path, frame.size(), channels)
 }
 
@@ -48,7 +57,7 @@ pub(crate) fn write_frame(path: &Path, frame: &Frame) -> Result<()> {
 const SAMPLED: &str = "sampled.V";
 
 /// Writes a rendered picture as linear `R G B A Z` and [`SAMPLED`]. `shown` and `sampled` are 1 or 0: whether a pixel shows anything,
-/// and whether that is a sample and no filling. `inverse_depth` is as in [`Frame::inverse_depth`], 1e10 being written where it is
+/// and whether that is a sample and no filling, `values` are channels of scalar values and those of every pixel, if any. `inverse_depth` is as in [`Frame::inverse_depth`], 1e10 being written where it is
 /// negative. All are of one size.
 ///
 /// The file appears under its name only when it is complete.
@@ -60,6 +69,7 @@ pub(crate) fn write_picture(
     color: &Grid<[f32; 3]>,
     [shown, sampled]: [&Grid<f32>; 2],
     inverse_depth: &Grid<f32>,
+    (value_channels, values): (&[ValueChannel], &Values),
 ) -> Result<()> {
     if [shown.size(), sampled.size(), inverse_depth.size()].iter().any(|size| *size != color.size()) {
         return Err(Error::invalid(path.display(), "color, coverage and depth differ in size"));
@@ -74,7 +84,17 @@ pub(crate) fn write_picture(
     }
     let depth = inverse_depth.as_slice().iter().map(|&w| if w > 0.0 { depth_of(w) } else { MISS_DEPTH });
     channels.push(AnyChannel::new("Z", FlatSamples::F32(depth.collect())));
+    channels.extend(value_layers(value_channels, values));
     write_channels(path, color.size(), channels)
+}
+
+/// Layers of scalar values; none where there are no values.
+fn value_layers(channels: &[ValueChannel], values: &Values) -> Vec<AnyChannel<FlatSamples>> {
+    let of_channel = |(index, channel): (usize, &ValueChannel)| {
+        let name = Text::from(value_channel(&channel.name).as_str());
+        AnyChannel::new(name, FlatSamples::F32(values.channel(index).collect()))
+    };
+    channels.iter().enumerate().filter(|_| !values.is_empty()).map(of_channel).collect()
 }
 
 fn depth_of(inverse_depth: f32) -> f32 {
@@ -128,7 +148,7 @@ mod tests {
         let shown = Grid::from_vec(2, 1, vec![1.0, 0.0]);
         let sampled = Grid::from_vec(2, 1, vec![0.0, 0.0]);
         let inverse_depth = Grid::from_vec(2, 1, vec![0.25, -1.0]);
-        write_picture(&path, &color, [&shown, &sampled], &inverse_depth).unwrap();
+        write_picture(&path, &color, [&shown, &sampled], &inverse_depth, (&[], &Values::default())).unwrap();
         let file = ExrFile::open(&path, "picture").unwrap();
         let names: Vec<&str> = file.channels().iter().map(|channel| channel.name.as_str()).collect();
         assert_eq!(names, ["A", "B", "G", "R", "Z", "sampled.V"]);

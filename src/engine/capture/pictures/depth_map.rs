@@ -47,7 +47,7 @@ impl DepthMap {
                 Ok(Self { size, values, whole_up_to: None, step_relative: 0.0 })
             }
             PictureFormat::Npy => {
-                let npy::NpyArray { size, values, is_whole, is_half } = npy::parse(&bytes()?, place)?;
+                let npy::NpyArray { size, values, is_whole, is_half, .. } = npy::parse(&bytes()?, place)?;
                 let step_relative = if is_half { HALF_STEP } else { 0.0 };
                 Ok(Self { size, values, whole_up_to: is_whole.then_some(f32::from(u16::MAX)), step_relative })
             }

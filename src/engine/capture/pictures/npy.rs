@@ -20,6 +20,8 @@ pub struct NpyArray {
     pub is_whole: bool,
     /// Whether they are half floats.
     pub is_half: bool,
+    /// Whether single precision holds every number of their type.
+    pub is_exact: bool,
 }
 
 /// Reads an array of `height × width`, with or without further dimensions of 1.
@@ -47,7 +49,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<NpyArray> {
     let (height, width) = match (shape.as_slice(), wide.as_slice()) {
         ([height, width], _) | (_, [height, width]) => (*height, *width),
         _ => {
-            let what = format!("the array has the shape {shape:?}; depth has rows and columns alone");
+            let what = format!("the array has the shape {shape:?}; there must be rows and columns alone");
             return Err(Error::unsupported(place, what));
         }
     };
@@ -57,7 +59,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<NpyArray> {
     let descr = quoted_after(&header, "descr").ok_or_else(|| broken("its header has no descr"))?;
     let (size, read, is_whole) = reader(descr).ok_or_else(|| {
         let descr = one_line(descr);
-        Error::unsupported(place, format!("arrays of type '{descr}' are no depth; save them as float32"))
+        Error::unsupported(place, format!("arrays of type '{descr}' are not read; save them as float32"))
     })?;
     let data = &bytes[start + length..];
     let needed = width * height * size;
@@ -68,7 +70,8 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<NpyArray> {
     if header.replace(' ', "").contains("'fortran_order':True") {
         values = (0..width * height).map(|index| values[index % width * height + index / width]).collect();
     }
-    Ok(NpyArray { size: (width, height), values, is_whole, is_half: descr.ends_with("f2") })
+    let is_exact = !(descr.ends_with('8') || descr.ends_with("u4") || descr.ends_with("i4"));
+    Ok(NpyArray { size: (width, height), values, is_whole, is_half: descr.ends_with("f2"), is_exact })
 }
 
 type ReadValue = fn(&[u8]) -> f32;

@@ -13,7 +13,7 @@ use super::origin::ManifestOrigin;
 use super::placed_entry::PlacedEntry;
 use super::same_camera::refuse_motion;
 use super::same_name::{SimilarNames, is_absolute};
-use super::{frame_numbers, pose};
+use super::{frame_numbers, pose, value_places};
 use crate::capture::camera::Camera;
 use crate::capture::pictures::RayCache;
 use crate::capture::pose_convention::upright;
@@ -82,6 +82,7 @@ fn picture_files(
     let [confidence, mask] = [resolve(&entry.confidence_file_path), resolve(&entry.mask_path)];
     let mut files = PictureFiles::new(color.clone(), apart(depth), apart(normal), keys, &place)?;
     (files.confidence, files.mask) = (confidence, mask);
+    files.values = value_places::files(entry, keys, &place, |name| named_path(folder, name, &[], similar))?;
     Ok(files)
 }
 

@@ -7,6 +7,7 @@ use super::manifest::{Keys, Manifest};
 use super::normal_space_name::NormalSpaceName;
 use super::raw_video::RawVideo;
 use super::same_name::SimilarNames;
+use super::value_places::ValueFile;
 use super::view_list::ViewList;
 use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{
@@ -33,6 +34,8 @@ pub(crate) struct PictureFiles {
     pub confidence: Option<PathBuf>,
     /// Pixels that are 0 in it are left out.
     pub mask: Option<PathBuf>,
+    /// Where scalar values are, channel by channel.
+    pub values: Vec<ValueFile>,
     /// What the color camera's lens does to the picture; `None` where it is a pinhole.
     pub distortion: Option<Distortion>,
     /// The depth camera, where it is another one than color's.
@@ -118,6 +121,7 @@ impl PictureFiles {
             normal,
             confidence: None,
             mask: None,
+            values: Vec::new(),
             distortion: keys.distortion(place)?,
             depth_camera: keys
                 .depth_camera
@@ -160,13 +164,15 @@ impl PictureFiles {
     pub(crate) fn missing(&self, place: &str) -> Option<(&'static str, Error)> {
         let more = [&self.depth, &self.normal, &self.confidence, &self.mask].map(Option::as_ref);
         let [depth, normal, confidence, mask] = more;
-        for (name, path) in [
+        let values = self.values.iter().map(|value| ("value", value.path.as_ref()));
+        let fixed = [
             ("picture", Some(&self.color)),
             ("depth", depth),
             ("normal", normal),
             ("confidence", confidence),
             ("mask", mask),
-        ] {
+        ];
+        for (name, path) in fixed.into_iter().chain(values) {
             if let Some(path) = path
                 && !path.is_file()
             {

@@ -2,6 +2,9 @@
 
 use std::borrow::Cow;
 
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
 /// UTF-8 without the mark that editors of Windows put before it, also of a text in UTF-16, which its shells write; and texts in place of
 /// the numbers that JSON cannot hold (`NaN`, `Infinity`), which Python writes: a key that is never read may have them, and a message
 /// about one that is read quotes them.
@@ -50,6 +53,27 @@ fn quoted_numbers(text: &[u8]) -> Option<Vec<u8>> {
         at += 1;
     }
     Some(quoted)
+}
+
+/// Which value of a manifest, whose entries and keys are of these types, is of the wrong type, in words: serde alone names neither
+/// entry nor key.
+pub(super) fn wrong_value<Entry: DeserializeOwned, Keys: DeserializeOwned>(bytes: &[u8]) -> Option<String> {
+    let manifest: Value = serde_json::from_slice(bytes).ok()?;
+    let entries = manifest.get("frames").and_then(Value::as_array).into_iter().flatten().enumerate();
+    let in_entry = |(index, entry): (usize, &Value)| {
+        let error = serde_json::from_value::<Entry>(entry.clone()).err()?;
+        let what = wrong_key::<Keys>(entry).unwrap_or_else(|| error.to_string());
+        Some(format!("frames[{index}]: {what}"))
+    };
+    wrong_key::<Keys>(&manifest).or_else(|| entries.into_iter().find_map(in_entry))
+}
+
+/// The key whose value alone is refused, and why.
+fn wrong_key<Keys: DeserializeOwned>(object: &Value) -> Option<String> {
+    object.as_object()?.iter().find_map(|(key, value)| {
+        let alone = Value::Object([(key.clone(), value.clone())].into_iter().collect());
+        serde_json::from_value::<Keys>(alone).err().map(|error| format!("\"{key}\": {error}"))
+    })
 }
 
 #[cfg(test)]

@@ -7,10 +7,12 @@ use super::exr_picture::{DecodedPlanes, DepthChannels, DepthPart, ExrPicture, no
 use super::files::PictureFiles;
 use super::header_probe;
 use super::normal_file;
+use super::value_file;
 use crate::capture::camera::Camera;
 use crate::capture::exr::{AlphaPlane, ColorPlanes, DepthTrouble, Layers, Primaries};
 use crate::capture::frame::{Frame, INVALID_INVERSE_DEPTH};
 use crate::capture::pictures::{self, PictureFormat, format_of};
+use crate::capture::values::Values;
 use crate::color::linear_from_srgb;
 use crate::error::Result;
 use crate::grid::Grid;
@@ -71,14 +73,15 @@ fn mask_out(
     Ok(())
 }
 
-/// The frame of a picture that is left out.
-pub(super) fn without_samples(camera: &Camera, normals: bool) -> Frame {
+/// The frame of a picture that is left out, of a capture with so many channels of values.
+pub(super) fn without_samples(camera: &Camera, normals: bool, values: usize) -> Frame {
     let (width, height) = camera.intrinsics.size();
     Frame {
         color: Grid::filled(width, height, [half::f16::ZERO; 3]),
         inverse_depth: Grid::filled(width, height, INVALID_INVERSE_DEPTH),
         normal_in_world: normals.then(|| Grid::filled(width, height, [0.0; 3])),
         depth_step_relative: 0.0,
+        values: Values::missing(values, width * height),
     }
 }
 
@@ -129,6 +132,9 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
         // The normals of a frame that alone has none are unknown.
         let (width, height) = camera.intrinsics.size();
         frame.normal_in_world.get_or_insert_with(|| Grid::filled(width, height, [0.0; 3]));
+    }
+    if need != NeededPlanes::ColorOnly {
+        frame.values = value_file::read(files, camera, place)?;
     }
     Ok(frame)
 }

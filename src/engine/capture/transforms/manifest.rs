@@ -1,18 +1,19 @@
 //! The keys of the manifest, as JSON has them.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use super::camera_name::camera_name;
 use super::depth_camera::DepthCameraKeys;
-use super::json_text::plain;
+use super::json_text::{plain, wrong_value};
 use super::lens::LensKeys;
 use super::manifest_file::other_file;
 use super::normal_space_name::{NormalSpaceName, present};
 use super::pose_rows::rows;
 use super::raw_video::RawVideoKeys;
+use super::value_keys::ValueKeys;
 use crate::capture::pictures::{Distortion, PictureRows};
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 use crate::error::{Error, Result, one_line};
@@ -144,6 +145,9 @@ pub(crate) struct Keys {
     /// Where the axes of the poses' camera space point; OpenGL's where missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_axes: Option<CameraAxes>,
+    /// Channels of scalar values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub values: Option<Vec<ValueKeys>>,
 }
 
 /// The keys of `own`, and where one is missing that of `file`.
@@ -196,7 +200,7 @@ impl Keys {
             applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
             depth_unit_scale_factor, integer_depth_scale, depth_integer_scale, depth_scale, depth_invalid_value,
             depth_camera, near_clip, far_clip, normal_space, antialiased_color, pixel_center_offset, use_alpha, color_space, up,
-            picture_orientation, raw_video, transform_direction, camera_axes);
+            picture_orientation, raw_video, transform_direction, camera_axes, values);
         Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }
 }
@@ -226,6 +230,10 @@ pub(crate) struct PictureEntry {
     #[serde(default)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mask_path: Option<String>,
+    /// Files of scalar values, by the names of their channels.
+    #[serde(default)]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub value_file_paths: BTreeMap<String, String>,
     /// Whether a camera path has a key here.
     #[serde(default)]
     pub path_key: bool,
@@ -250,14 +258,14 @@ impl PictureEntry {
     pub(crate) fn paths(&self) -> impl Iterator<Item = &String> {
         let sensed = [&self.depth_file_path, &self.depth_path, &self.confidence_file_path];
         let more = sensed.into_iter().chain([&self.normal_file_path, &self.mask_path]);
-        std::iter::once(&self.file_path).chain(more.flatten())
+        std::iter::once(&self.file_path).chain(more.flatten()).chain(self.value_file_paths.values())
     }
 
     /// The files that it names, to be changed.
     pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
         let sensed = [&mut self.depth_file_path, &mut self.depth_path, &mut self.confidence_file_path];
         let more = sensed.into_iter().chain([&mut self.normal_file_path, &mut self.mask_path]);
-        std::iter::once(&mut self.file_path).chain(more.flatten())
+        std::iter::once(&mut self.file_path).chain(more.flatten()).chain(self.value_file_paths.values_mut())
     }
 }
 
@@ -311,7 +319,7 @@ impl Manifest {
     pub(crate) fn from_json(bytes: &[u8], place: &str) -> Result<Self> {
         let bytes = &plain(bytes);
         let mut manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
-            let what = wrong_value(bytes).unwrap_or_else(|| error.to_string());
+            let what = wrong_value::<PictureEntry, Keys>(bytes).unwrap_or_else(|| error.to_string());
             let what = one_line(&what);
             let what = format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json");
             Error::invalid(place, what)
@@ -327,26 +335,6 @@ impl Manifest {
         }
         Ok(manifest)
     }
-}
-
-/// Which value of a manifest is of the wrong type, in words: serde alone names neither entry nor key.
-fn wrong_value(bytes: &[u8]) -> Option<String> {
-    let manifest: Value = serde_json::from_slice(bytes).ok()?;
-    let entries = manifest.get("frames").and_then(Value::as_array).into_iter().flatten().enumerate();
-    let in_entry = |(index, entry): (usize, &Value)| {
-        let error = PictureEntry::deserialize(entry).err()?;
-        let what = wrong_key(entry).unwrap_or_else(|| error.to_string());
-        Some(format!("frames[{index}]: {what}"))
-    };
-    wrong_key(&manifest).or_else(|| entries.into_iter().find_map(in_entry))
-}
-
-/// The key whose value alone is refused, and why.
-fn wrong_key(object: &Value) -> Option<String> {
-    object.as_object()?.iter().find_map(|(key, value)| {
-        let alone = Value::Object([(key.clone(), value.clone())].into_iter().collect());
-        Keys::deserialize(alone).err().map(|error| format!("\"{key}\": {error}"))
-    })
 }
 
 #[cfg(test)]

@@ -44,6 +44,9 @@ mod same_camera;
 mod same_name;
 mod source;
 mod turned_pictures;
+mod value_file;
+mod value_keys;
+mod value_places;
 mod view_list;
 mod write;
 
@@ -148,7 +151,8 @@ fn open_manifest(
     let up_in_world = up_in_world(keys(), path)?;
     // Renderers filter color unless the manifest denies it.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
-    let source = Arc::new(FileSource { recording, has_normals });
+    let values = value_file::channels(&recording, &path.display().to_string())?;
+    let source = Arc::new(FileSource { recording, has_normals, values });
     let recording = &source.recording;
     let capture = Capture::new(
         CaptureParts {

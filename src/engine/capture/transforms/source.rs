@@ -8,6 +8,7 @@ use crate::capture::depth_claim::DepthClaim;
 use crate::capture::frame::Frame;
 use crate::capture::parts::FrameSource;
 use crate::capture::pose_convention::PoseConvention;
+use crate::capture::values::ValueChannel;
 use crate::error::Result;
 
 /// Decodes frames from their files on demand.
@@ -16,6 +17,8 @@ pub(super) struct FileSource {
     pub recording: CameraFiles,
     /// Whether normals are read.
     pub has_normals: bool,
+    /// The channels of values.
+    pub values: Vec<ValueChannel>,
 }
 
 impl FileSource {
@@ -29,7 +32,11 @@ impl FrameSource for FileSource {
     fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
         let entry = &self.recording.entries[camera][frame];
         if entry.is_left_out {
-            return Ok(load::without_samples(&self.recording.cameras[camera], self.has_normals));
+            return Ok(load::without_samples(
+                &self.recording.cameras[camera],
+                self.has_normals,
+                self.values.len(),
+            ));
         }
         let need = NeededPlanes::Geometry { normals: self.has_normals };
         load::frame(&entry.files, &self.recording.cameras[camera], &entry.place, need)
@@ -55,6 +62,10 @@ impl FrameSource for FileSource {
         self.first_entry().map(|entry| entry.files.depth_claim()).unwrap_or_default()
     }
 
+    fn value_channels(&self) -> &[ValueChannel] {
+        &self.values
+    }
+
     fn pose_convention(&self) -> PoseConvention {
         self.first_entry().map(|entry| entry.keys.pose_convention()).unwrap_or_default()
     }
@@ -66,7 +77,8 @@ impl FrameSource for FileSource {
         }
         let files = &entry.files;
         let more = [&files.depth, &files.normal, &files.confidence, &files.mask];
-        std::iter::once(&files.color).chain(more.into_iter().flatten()).cloned().collect()
+        let values = files.values.iter().filter_map(|value| value.path.as_ref());
+        std::iter::once(&files.color).chain(more.into_iter().flatten()).chain(values).cloned().collect()
     }
 }
 

@@ -15,10 +15,12 @@ use serde::Serialize;
 
 use super::manifest_file::MANIFEST_NAME;
 use super::pose;
+use super::value_keys::ValueKeys;
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::exr::write_frame;
 use crate::capture::frame::Frame;
 use crate::capture::parts::{Capture, TruthView};
+use crate::capture::values::ValueChannel;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::whole_file;
@@ -42,10 +44,11 @@ struct PictureToWrite<'a> {
 
 /// The keys that a manifest has for all its pictures.
 #[derive(Clone, Copy)]
-struct ManifestFacts {
+struct ManifestFacts<'a> {
     up_in_world: DVec3,
     has_normals: bool,
     antialiased_color: bool,
+    values: &'a [ValueChannel],
 }
 
 /// A manifest of pictures as [`write_frame`] writes them, in the order of its keys.
@@ -60,6 +63,8 @@ struct WrittenManifest<'a> {
     pixel_center_offset: f64,
     color_space: &'static str,
     up: [f64; 3],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    values: Vec<ValueKeys>,
     frames: Vec<WrittenEntry<'a>>,
 }
 
@@ -78,7 +83,7 @@ struct WrittenEntry<'a> {
 }
 
 /// Writes a manifest, which appears only when it is complete.
-fn write_manifest(path: &Path, facts: ManifestFacts, pictures: &[PictureToWrite]) -> Result<()> {
+fn write_manifest(path: &Path, facts: ManifestFacts<'_>, pictures: &[PictureToWrite]) -> Result<()> {
     let frames = pictures.iter().map(|PictureToWrite { file_path, camera, frame_number }| {
         let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;
         WrittenEntry {
@@ -104,6 +109,7 @@ fn write_manifest(path: &Path, facts: ManifestFacts, pictures: &[PictureToWrite]
         pixel_center_offset: 0.5,
         color_space: "linear Rec.709, scene referred",
         up: facts.up_in_world.to_array(),
+        values: facts.values.iter().map(ValueKeys::of_written).collect(),
         frames: frames.collect(),
     };
     whole_file::write(path, |writer| {
@@ -121,7 +127,7 @@ pub fn write_cameras(path: &Path, cameras: &[Camera], frame_number: i64, up_in_w
         .iter()
         .map(|camera| PictureToWrite { file_path: picture_name(camera, frame_number), camera, frame_number })
         .collect();
-    let facts = ManifestFacts { up_in_world, has_normals: true, antialiased_color: true };
+    let facts = ManifestFacts { up_in_world, has_normals: true, antialiased_color: true, values: &[] };
     write_manifest(path, facts, &entries)
 }
 
@@ -148,7 +154,7 @@ pub fn write_capture(folder: &Path, capture: &Capture, views: &[TruthView], job:
     entries.par_iter().enumerate().try_for_each(|(index, entry)| {
         job.check()?;
         let frame = capture.frame(index / frame_count, index % frame_count)?;
-        write_frame(&folder.join(&entry.file_path), &frame)?;
+        write_frame(&folder.join(&entry.file_path), &frame, capture.value_channels())?;
         job.advance(1);
         Ok(())
     })?;
@@ -156,6 +162,7 @@ pub fn write_capture(folder: &Path, capture: &Capture, views: &[TruthView], job:
         up_in_world: capture.up_in_world,
         has_normals: capture.has_normals,
         antialiased_color: capture.antialiased_color,
+        values: capture.value_channels(),
     };
     if !views.is_empty() {
         write_views(&folder.join(NOVEL_FOLDER), views, facts, job)?;
@@ -181,7 +188,7 @@ fn capture_entries(capture: &Capture) -> Vec<PictureToWrite<'_>> {
     capture.cameras.iter().flat_map(of_camera).collect()
 }
 
-fn write_views(folder: &Path, views: &[TruthView], facts: ManifestFacts, job: &Job) -> Result<()> {
+fn write_views(folder: &Path, views: &[TruthView], facts: ManifestFacts<'_>, job: &Job) -> Result<()> {
     let entries: Vec<PictureToWrite> = views
         .iter()
         .map(|view| PictureToWrite {
@@ -202,11 +209,11 @@ fn write_views(folder: &Path, views: &[TruthView], facts: ManifestFacts, job: &J
         if frame.normal_in_world.is_none() {
             all_have_normals.store(false, Ordering::Relaxed);
         }
-        write_frame(&folder.join(&entry.file_path), &frame)?;
+        write_frame(&folder.join(&entry.file_path), &frame, &[])?;
         job.advance(1);
         Ok(())
     })?;
-    let facts = ManifestFacts { has_normals: all_have_normals.into_inner(), ..facts };
+    let facts = ManifestFacts { has_normals: all_have_normals.into_inner(), values: &[], ..facts };
     write_manifest(&folder.join(MANIFEST_NAME), facts, &entries)
 }
 

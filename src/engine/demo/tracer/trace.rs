@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::camera_noise::RenderNoise;
 use super::shade;
 use super::world::{Ray, World};
-use crate::capture::{Camera, Frame};
+use crate::capture::{Camera, Frame, Values};
 use crate::grid::Grid;
 
 /// Where in the pixel the color of an edge is sampled besides its center: five points of a rotated grid.
@@ -62,6 +62,7 @@ pub(crate) fn picture(world: &World, camera: &Camera, wanted: WantedPlanes) -> F
         inverse_depth: surfels.map(|surfel| surfel.inverse_depth),
         normal_in_world: wanted.normals.then(|| surfels.map(|surfel| surfel.normal)),
         depth_step_relative: 0.0,
+        values: Values::default(),
     }
 }
 

@@ -129,7 +129,7 @@ impl NoiseLattice {
         others.retain(|other| targets.contains(other) && !layers[*other].geometry.is_empty());
         for run in &self.runs {
             for (other, registration) in pairs.others_among(camera, &others) {
-                let source = SourceRun { layer: &layers[camera], run };
+                let source = SourceRun::of_layer(&layers[camera], run);
                 add_differences(&mut self.differences, registration, source, &layers[other]);
             }
         }

@@ -273,7 +273,7 @@ impl VoteTest {
         let block = PixelRun::<1>::new(layer, x, y, 1);
         let mut votes = VotedRun::NONE;
         let is_thin = |_| self.is_thin(layer, pixel as usize, registration.source_side);
-        self.add(registration, SourceRun { layer, run: &block }, target, 1, is_thin, &mut votes);
+        self.add(registration, SourceRun::of_layer(layer, &block), target, 1, is_thin, &mut votes);
         match votes.counts(0) {
             VoteCounts { confirm: 1, .. } => Vote::Confirms,
             VoteCounts { look_past: 1, .. } => Vote::LooksPast,

@@ -350,7 +350,7 @@ impl VectorLoop for Compare<'_> {
                 relevant[lane] = (asked >> lane & 1) & u32::from(carried.bits[lane] & IN_VIEW != 0);
             }
             let mut required = RequiredTolerances::new(0.0);
-            let source = SourceRun { layer: source, run: block };
+            let source = SourceRun::of_layer(source, block);
             let target = TargetRun { layer: target, reprojected: &carried };
             let answers = limits.compare_measuring::<LANES, true>(
                 registration,
@@ -369,7 +369,7 @@ impl VectorLoop for Compare<'_> {
                     Outcome::SeesPast | Outcome::NormalDiffers => {
                         readings.footprints.count(required.depth[lane]);
                     }
-                    Outcome::ColorDiffers | Outcome::Seam | Outcome::Same(_) => {
+                    Outcome::ColorDiffers | Outcome::ValueDiffers | Outcome::Seam | Outcome::Same(_) => {
                         readings.footprints.count(required.depth[lane]);
                         readings.color_steps.count(required.color[lane]);
                     }

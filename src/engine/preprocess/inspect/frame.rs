@@ -105,7 +105,7 @@ impl FrameInspection {
                     for other in others().filter(|&other| !self.layers[other].geometry.is_empty()) {
                         let target = &self.layers[other];
                         let registration = pairs.registration(camera, other);
-                        let source = SourceRun { layer, run: &block };
+                        let source = SourceRun::of_layer(layer, &block);
                         let pixel = row * width + column;
                         let is_thin = |lane| votes.is_thin(layer, pixel + lane, registration.source_side);
                         votes.add(registration, source, target, asked, is_thin, &mut voted);

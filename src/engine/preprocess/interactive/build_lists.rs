@@ -240,7 +240,7 @@ impl ListBuilder<'_> {
         let mut required = RequiredTolerances::new(self.negligible_steps);
         let matches = limits.compare_measuring::<LANES, true>(
             other.registration,
-            SourceRun { layer: source, run: pixels },
+            SourceRun::of_layer(source, pixels),
             TargetRun { layer: target, reprojected: run },
             relevant,
             &mut required,

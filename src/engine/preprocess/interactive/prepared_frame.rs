@@ -60,7 +60,9 @@ impl FrameLayers {
     pub fn unscanned(capture: &Capture, settings: &Settings, frame: usize, job: &Job) -> Result<Self> {
         // A background without any sample: every pixel counts as foreground.
         let sizes = capture.cameras.iter().map(|camera| camera.intrinsics.size());
-        let background = sizes.map(|(width, height)| CameraLayer::empty(width, height)).collect();
+        let channels = capture.value_channels();
+        let empty = |(width, height)| CameraLayer::empty_for(width, height, channels);
+        let background = sizes.map(empty).collect();
         Self::at(frame, SpanStack::new(capture, None, settings, background), job)
     }
 

@@ -6,7 +6,7 @@ use glam::Vec3;
 use half::f16;
 
 use super::packed_sample::{ABSENT_RANK, PackedColor, PackedGeometry, Rank};
-use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
+use crate::capture::{Frame, INVALID_INVERSE_DEPTH, ValueChannel, Values};
 use crate::preprocess::noise::{CameraNoise, NoiseBetween};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel, SpanSamples};
 
@@ -31,6 +31,10 @@ pub struct CameraLayer {
     pub(crate) packed_colors: Vec<PackedColor>,
     /// The level of each pixel's sample; [`NO_SAMPLE`] without a sample.
     pub(crate) level: Vec<SpanLevel>,
+    /// Scalar values; empty where the capture has none.
+    pub(crate) values: Values,
+    /// How far apart values of each channel may be to be the same.
+    pub(crate) value_tolerances: Vec<f32>,
     /// Noise of a single frame. Samples of one frame carry it.
     pub(crate) noise: CameraNoise,
     /// How much of [`CameraLayer::noise`] is left in the samples of each level, 0 to 1; 0 for levels beyond the last.
@@ -49,6 +53,13 @@ impl CameraLayer {
         Self { footprint: vec![f32::INFINITY; pixels], ..layer.of_size(width, height) }
     }
 
+    /// The same of a capture with these channels of scalar values.
+    pub(crate) fn empty_for(width: usize, height: usize, channels: &[ValueChannel]) -> Self {
+        let value_tolerances = channels.iter().map(|channel| channel.tolerance).collect();
+        let values = Values::missing(channels.len(), width * height);
+        Self { values, value_tolerances, ..Self::empty(width, height) }
+    }
+
     /// What is known of the camera, with room for samples in `width × height` pixels, but for their normals and footprints.
     pub(crate) fn of_size(self, width: usize, height: usize) -> Self {
         let pixels = width * height;
@@ -60,6 +71,7 @@ impl CameraLayer {
             geometry: vec![PackedGeometry::ABSENT; pixels],
             packed_colors: vec![PackedColor::ABSENT; pixels],
             level: vec![NO_SAMPLE; pixels],
+            values: Values::missing(self.value_tolerances.len(), pixels),
             ..self
         }
     }
@@ -67,6 +79,7 @@ impl CameraLayer {
     /// What is known of the camera without its samples: they take no memory, and the layer takes part in nothing.
     pub(crate) fn without_samples(&self) -> Self {
         Self {
+            value_tolerances: self.value_tolerances.clone(),
             noise: self.noise.clone(),
             noise_share: self.noise_share.clone(),
             depth_step_relative: self.depth_step_relative,
@@ -83,6 +96,7 @@ impl CameraLayer {
             self.color[pixel] = samples.color[index];
             self.inverse_depth[pixel] = samples.inverse_depth[index];
             self.normal[pixel] = samples.normal.get(index).copied().unwrap_or(Vec3::ZERO);
+            self.values.put(pixel, samples.values.of(index));
         }
     }
 
@@ -99,6 +113,7 @@ impl CameraLayer {
             if let Some(normals) = &frame.normal_in_world {
                 self.normal[pixel] = Vec3::from(normals.as_slice()[pixel]);
             }
+            self.values.put(pixel, frame.values.of(pixel));
             pixels.push(pixel as u32);
         }
         pixels

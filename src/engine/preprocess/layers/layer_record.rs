@@ -1,18 +1,19 @@
 //! A layer in a temporary file: its samples, without what is known of the camera and without footprints.
 //!
 //! ```text
-//! level u8 …, rank u32 …, geometry 4 × f32 …, packed color 2 × u32 …, color 3 × f16 …, inverse depth f32 …, [normal 3 × f32 …]
+//! level u8 …, rank u32 …, geometry 4 × f32 …, packed color 2 × u32 …, color 3 × f16 …, inverse depth f32 …, [normal 3 × f32 …] [values f32 …]
 //! ```
 
 use glam::Vec3;
 
 use super::layer::CameraLayer;
+use crate::capture::Values;
 use crate::error::Result;
 use crate::samples::Record;
 
 impl CameraLayer {
     /// The planes that are put away, in the order of the file.
-    pub(crate) fn planes_mut(&mut self) -> [&mut [u8]; 7] {
+    pub(crate) fn planes_mut(&mut self) -> [&mut [u8]; 8] {
         [
             &mut self.level,
             bytemuck::cast_slice_mut(&mut self.ranks),
@@ -21,26 +22,27 @@ impl CameraLayer {
             bytemuck::cast_slice_mut(&mut self.color),
             bytemuck::cast_slice_mut(&mut self.inverse_depth),
             bytemuck::cast_slice_mut(&mut self.normal),
+            self.values.as_bytes_mut(),
         ]
     }
 
     /// The planes of another layer of as many pixels, whatever they hold, with what is known of this camera.
     pub(crate) fn with_planes_of(self, other: Self) -> Self {
-        let Self { noise, noise_share, depth_step_relative, noise_between, .. } = self;
-        Self { noise, noise_share, depth_step_relative, noise_between, ..other }
+        let Self { noise, noise_share, depth_step_relative, noise_between, value_tolerances, .. } = self;
+        Self { value_tolerances, noise, noise_share, depth_step_relative, noise_between, ..other }
     }
 }
 
 impl Record for CameraLayer {
-    /// Columns, rows, and whether there are normals.
-    type RecordShape = (usize, usize, bool);
+    /// Columns, rows, whether there are normals, and channels of values.
+    type RecordShape = (usize, usize, bool, usize);
 
     fn bytes(&self) -> usize {
         self.planes().iter().map(|plane| plane.len()).sum()
     }
 
     fn shape(&self) -> Self::RecordShape {
-        (self.width, self.height(), !self.normal.is_empty())
+        (self.width, self.height(), !self.normal.is_empty(), self.values.channels())
     }
 
     fn planes(&self) -> Vec<&[u8]> {
@@ -52,15 +54,17 @@ impl Record for CameraLayer {
             bytemuck::cast_slice(&self.color),
             bytemuck::cast_slice(&self.inverse_depth),
             bytemuck::cast_slice(&self.normal),
+            self.values.as_bytes(),
         ]
     }
 
     fn read(
-        &(width, height, normals): &Self::RecordShape,
+        &(width, height, normals, channels): &Self::RecordShape,
         fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
     ) -> Result<Self> {
         let mut layer = Self::default().of_size(width, height);
         layer.normal = vec![Vec3::ZERO; if normals { width * height } else { 0 }];
+        layer.values = Values::missing(channels, width * height);
         fill(&mut layer.planes_mut())?;
         Ok(layer)
     }

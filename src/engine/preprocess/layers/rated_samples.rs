@@ -5,7 +5,7 @@
 //! samples again.
 //!
 //! ```text
-//! record in a file: pixel u32 …, rank u32 …, geometry 4 × f32 …, packed color 2 × u32 …, color 3 × f16 …, [normal 3 × f32 …]
+//! record in a file: pixel u32 …, rank u32 …, geometry 4 × f32 …, packed color 2 × u32 …, color 3 × f16 …, [normal 3 × f32 …] [values f32 …]
 //! ```
 
 use std::ops::Range;
@@ -15,6 +15,7 @@ use half::f16;
 
 use super::layer::CameraLayer;
 use super::packed_sample::{PackedColor, PackedGeometry, Rank};
+use crate::capture::Values;
 use crate::error::Result;
 use crate::preprocess::temporal::SpanLevel;
 use crate::samples::Record;
@@ -38,6 +39,8 @@ pub(crate) struct RatedSamples {
     color: Vec<[f16; 3]>,
     /// World-space normals; empty where they are not stored.
     normal: Vec<Vec3>,
+    /// Scalar values; empty where the capture has none.
+    pub(crate) values: Values,
 }
 
 /// Samples within sixteen pixels of a row.
@@ -63,6 +66,7 @@ impl RatedSamples {
             packed_colors: at_places(&layer.packed_colors, &pixels),
             color: at_places(&layer.color, &pixels),
             normal: if normals { at_places(&layer.normal, &pixels) } else { Vec::new() },
+            values: layer.values.at_places(&pixels),
             pixels,
         }
     }
@@ -87,6 +91,7 @@ impl RatedSamples {
             ranks: at_places(&self.ranks, places),
             geometry: at_places(&self.geometry, places),
             packed_colors: at_places(&self.packed_colors, places),
+            values: self.values.at_places(places),
             ..Self::default()
         }
     }
@@ -101,6 +106,7 @@ impl RatedSamples {
             layer.ranks[pixel] = self.ranks[index];
             layer.geometry[pixel] = self.geometry[index];
             layer.packed_colors[pixel] = self.packed_colors[index];
+            layer.values.put(pixel, self.values.of(index));
         }
         for (&pixel, normal) in self.pixels.iter().zip(&self.normal) {
             layer.normal[pixel as usize] = *normal;
@@ -145,15 +151,15 @@ fn at_places<T: Copy>(plane: &[T], places: &[u32]) -> Vec<T> {
 }
 
 impl Record for RatedSamples {
-    /// Columns, level, samples, and whether they have normals.
-    type RecordShape = (usize, SpanLevel, usize, bool);
+    /// Columns, level, samples, whether they have normals, and channels of values.
+    type RecordShape = (usize, SpanLevel, usize, bool, usize);
 
     fn bytes(&self) -> usize {
         self.planes().iter().map(|plane| plane.len()).sum()
     }
 
     fn shape(&self) -> Self::RecordShape {
-        (self.width, self.level, self.len(), !self.normal.is_empty())
+        (self.width, self.level, self.len(), !self.normal.is_empty(), self.values.channels())
     }
 
     fn planes(&self) -> Vec<&[u8]> {
@@ -164,11 +170,12 @@ impl Record for RatedSamples {
             bytemuck::cast_slice(&self.packed_colors),
             bytemuck::cast_slice(&self.color),
             bytemuck::cast_slice(&self.normal),
+            self.values.as_bytes(),
         ]
     }
 
     fn read(
-        &(width, level, count, normals): &Self::RecordShape,
+        &(width, level, count, normals, channels): &Self::RecordShape,
         fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
     ) -> Result<Self> {
         let mut read = Self {
@@ -180,6 +187,7 @@ impl Record for RatedSamples {
             packed_colors: vec![PackedColor::ABSENT; count],
             color: vec![[f16::ZERO; 3]; count],
             normal: vec![Vec3::ZERO; if normals { count } else { 0 }],
+            values: Values::missing(channels, count),
         };
         fill(&mut [
             bytemuck::cast_slice_mut(&mut read.pixels),
@@ -188,6 +196,7 @@ impl Record for RatedSamples {
             bytemuck::cast_slice_mut(&mut read.packed_colors),
             bytemuck::cast_slice_mut(&mut read.color),
             bytemuck::cast_slice_mut(&mut read.normal),
+            read.values.as_bytes_mut(),
         ])?;
         Ok(read)
     }

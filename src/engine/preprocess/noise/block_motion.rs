@@ -150,6 +150,7 @@ mod tests {
             inverse_depth: Grid::filled(SIZE, SIZE, 0.5),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: crate::capture::Values::default(),
         }
     }
 

@@ -322,6 +322,7 @@ mod tests {
             inverse_depth: Grid::filled(80, 80, 0.5),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: crate::capture::Values::default(),
         }
     }
 
@@ -390,8 +391,7 @@ mod tests {
     #[test]
     fn noise_free_input_measures_exactly_zero() {
         let mut meter = NoiseMeter::default();
-        for i in 0..1000 {
-            let moved = if i % 3 == 0 { 40.0 } else { 0.0 };
+        for moved in (0..1000).map(|i| if i % 3 == 0 { 40.0 } else { 0.0 }) {
             meter.add_color(80.0, moved);
             meter.add_depth(moved);
         }

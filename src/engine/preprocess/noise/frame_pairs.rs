@@ -124,6 +124,7 @@ mod tests {
                 inverse_depth: Grid::from_vec(2, 1, vec![1.0, pictures[frame] as f32]),
                 normal_in_world: None,
                 depth_step_relative: 0.0,
+                values: crate::capture::Values::default(),
             }))
         };
         let found = NoiseFrames::of(pictures.len(), load).unwrap();

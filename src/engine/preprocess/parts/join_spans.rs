@@ -36,7 +36,8 @@ pub fn join_spans<'a>(
     let mut writer = RecordWriter::new(writer, "the spans of all parts")?;
     job.start("Joining spans", capture.cameras.len());
     for (camera, preview) in capture.cameras.iter().zip(&measured.cameras) {
-        let test = StaticTest::new(&settings.spans, &preview.noise, preview.depth_step_relative, frames);
+        let test = StaticTest::new(&settings.spans, &preview.noise, preview.depth_step_relative, frames)
+            .with_values(capture.value_channels());
         let mut split = Split::new(camera.intrinsics.pixel_count(), frames, test);
         let mut invalid = 0;
         for part in &mut parts {

@@ -73,7 +73,7 @@ pub(crate) fn static_layer(
         }
         (None, None) => Arc::default(),
     };
-    let mut layer = CameraLayer::empty(width, height);
+    let mut layer = CameraLayer::empty_for(width, height, capture.value_channels());
     layer.noise = of_camera.noise.clone();
     // Those of all frames are their means.
     layer.noise_share = vec![(scan.frames.max(1) as f32).sqrt().recip()];

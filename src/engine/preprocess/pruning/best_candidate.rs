@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::decision::{Candidate, Rule, Verdict, is_better, rule_of_kept};
 use super::pass::PruningPass;
 use crate::capture::overlap::{OverlapGraph, Registration};
-use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, Rank, SampleRun};
+use crate::preprocess::layers::{ABSENT_RANK, CameraLayer, Rank, RatedSamples, SampleRun};
 use crate::preprocess::registration::{
     IN_VIEW, PixelRun, ReprojectedRun, SameSurface, SourceRun, TargetRun, lanes_of,
 };
@@ -109,12 +109,12 @@ impl ComparedRun {
     pub(crate) const NOWHERE: Self = Self { reprojected: ReprojectedRun::NOWHERE, relevant: [0; LANES] };
 }
 
-/// Compares samples of `camera` with those of another camera. `compared` is scratch, at least one for each run. All are reprojected
+/// Compares samples of a camera with those of another camera. `compared` is scratch, at least one for each run. All are reprojected
 /// before any of them is compared, so that many fetches from memory are under way at once.
 #[inline(always)]
 pub(crate) fn compare_runs(
     pass: &PruningPass<'_>,
-    camera: usize,
+    (camera, samples): (usize, &RatedSamples),
     undecided: &mut [UndecidedRun],
     other: &mut OtherCamera<'_>,
     compared: &mut [ComparedRun],
@@ -135,7 +135,9 @@ pub(crate) fn compare_runs(
     }
     for (run, compared) in undecided.iter_mut().zip(&*compared) {
         if any(&compared.relevant) {
-            other.improved += run.best.compare(pass, camera, &run.block, other, compared);
+            let SampleRun { first, lanes, .. } = run.run;
+            let source = SourceRun::of_samples(&pass.layers[camera], &run.block, samples, first, lanes);
+            other.improved += run.best.compare(pass, source, other, compared);
         }
     }
 }
@@ -215,21 +217,20 @@ impl BestCandidates {
         relevant
     }
 
-    /// Compares the samples of a block of `camera` with those of another camera. Gives for how many that camera's is the best
+    /// Compares the samples of a block with those of another camera. Gives for how many that camera's is the best
     /// so far.
     #[inline(always)]
     fn compare(
         &mut self,
         pass: &PruningPass<'_>,
-        camera: usize,
-        block: &PixelRun,
+        source: SourceRun<'_>,
         other: &OtherCamera<'_>,
         ComparedRun { reprojected, relevant }: &ComparedRun,
     ) -> u32 {
-        let (source, target) = (&pass.layers[camera], &pass.layers[other.camera]);
+        let target = &pass.layers[other.camera];
         let matches = other.limits.compare(
             other.registration,
-            SourceRun { layer: source, run: block },
+            source,
             TargetRun { layer: target, reprojected },
             *relevant,
         );

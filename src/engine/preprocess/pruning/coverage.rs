@@ -374,7 +374,7 @@ fn candidates<'a>(
     let is_same = move |(candidate, registration): &(Candidate, &Registration)| {
         let target = &pass.layers[candidate.camera as usize];
         let reprojected = registration.reproject(&point, target.width);
-        let from = SourceRun { layer: &pass.layers[camera], run: &point };
+        let from = SourceRun::of_samples(&pass.layers[camera], &point, samples, index, 1);
         let seen = TargetRun { layer: target, reprojected: &reprojected };
         pass.limits.compare(registration, from, seen, [1]).is_same(0)
     };

@@ -77,7 +77,7 @@ impl VectorLoop for FindBest<'_, '_> {
             // One camera after the other, so that its picture is read along its rows.
             compared.resize_with(compared.len().max(undecided.len()), || ComparedRun::NOWHERE);
             for other in &mut others {
-                compare_runs(pass, band.camera, &mut undecided, other, &mut compared);
+                compare_runs(pass, (band.camera, band.samples), &mut undecided, other, &mut compared);
             }
             others.sort_by_key(|other| Reverse(other.improved));
             for run in &undecided {
@@ -229,7 +229,7 @@ fn contradicted_lanes(
         }
         left -= 1;
         let target = &pass.layers[other.camera];
-        let source = SourceRun { layer, run: block };
+        let source = SourceRun::of_samples(layer, block, band.samples, run.first, run.lanes);
         let is_thin = |lane| pass.votes.is_thin(layer, pixel + lane, other.registration.source_side);
         pass.votes.add(other.registration, source, target, asked, is_thin, &mut votes);
     }
@@ -281,7 +281,7 @@ impl VectorLoop for AskOthers<'_, '_> {
             let block = PixelRun::of_samples(band.samples, run);
             let mut votes = VotedRun::NONE;
             for other in others.iter().filter(|other| other.may_see[run.nth]) {
-                let source = SourceRun { layer, run: &block };
+                let source = SourceRun::of_samples(layer, &block, band.samples, run.first, run.lanes);
                 let is_thin = |lane: usize| thin >> lane & 1 == 1;
                 let target = &pass.layers[other.camera];
                 pass.votes.add(other.registration, source, target, asked, is_thin, &mut votes);

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::decision::LevelVerdicts;
 use super::pass::KEPT;
+use crate::capture::Values;
 use crate::preprocess::agreement::{AgreedSample, Consensus};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::SpanLevel;
@@ -88,6 +89,7 @@ pub fn pack(
     let (mut tiles, mut doubtful) = (Vec::new(), Vec::new());
     let (mut color, mut inverse_depth) = (Vec::with_capacity(count), Vec::with_capacity(count));
     let mut normal = normals.then(|| Vec::with_capacity(count));
+    let mut values = Values::default();
     for (index, rows) in masks.rows.into_iter().enumerate() {
         if rows == [0; TILE] {
             continue;
@@ -107,6 +109,7 @@ pub fn pack(
         for (&pixel, sample) in pixels.iter().zip(samples) {
             color.push(sample.color);
             inverse_depth.push(sample.inverse_depth);
+            values.push(layer.values.of(pixel as usize));
             if sample.is_doubtful {
                 let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
                 doubtful_rows[y % TILE] |= 1 << (x % TILE);
@@ -121,5 +124,5 @@ pub fn pack(
         tiles.push(tile);
     }
     let depth = DepthPlane::pack(&tiles, &inverse_depth);
-    Some(SampleImage { camera: camera as u32, span, tiles, color, depth, normal, doubtful })
+    Some(SampleImage { camera: camera as u32, span, tiles, color, depth, normal, doubtful, values })
 }

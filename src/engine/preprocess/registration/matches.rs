@@ -22,6 +22,8 @@ pub enum Outcome {
     NormalDiffers,
     /// Same depth, but the colors differ.
     ColorDiffers,
+    /// Same depth, but some scalar value differs.
+    ValueDiffers,
     /// The camera shows the surface only on one side of the point: there it cannot be interpolated.
     Seam,
     /// The camera saw the same surface point, at this pixel (`y * width + x`).
@@ -44,10 +46,11 @@ pub(crate) const HAS_DEPTH: u32 = 1 << 2;
 pub(crate) const ON_SURFACE: u32 = 1 << 3;
 pub(crate) const NORMAL_AGREES: u32 = 1 << 4;
 pub(crate) const COLOR_AGREES: u32 = 1 << 5;
-pub(crate) const SURROUNDED: u32 = 1 << 6;
-pub(crate) const SAME: u32 = (1 << 7) - 1;
+pub(crate) const VALUES_AGREE: u32 = 1 << 6;
+pub(crate) const SURROUNDED: u32 = 1 << 7;
+pub(crate) const SAME: u32 = (1 << 8) - 1;
 /// The target sees something nearer than the point: no condition, but part of the outcome.
-pub(crate) const NEARER: u32 = 1 << 7;
+pub(crate) const NEARER: u32 = 1 << 8;
 
 /// For the samples of a block, the smallest tolerances at which each shows the same surface point as the target does, up to
 /// rounding; anything where no tolerance makes it so.
@@ -88,6 +91,7 @@ impl<const N: usize> SurfaceMatches<N> {
             ON_SURFACE => Outcome::SeesPast,
             NORMAL_AGREES => Outcome::NormalDiffers,
             COLOR_AGREES => Outcome::ColorDiffers,
+            VALUES_AGREE => Outcome::ValueDiffers,
             SURROUNDED => Outcome::Seam,
             _ => Outcome::Same(self.pixel[lane]),
         }

@@ -59,7 +59,7 @@ impl<const N: usize> ColorNoise<'_, N> {
     /// explains: of the channel where that is most.
     #[inline(always)]
     fn beyond_noise(&self, lane: usize, found: usize) -> f32 {
-        let (SourceRun { layer: source, run }, target) = (self.source, self.target);
+        let (SourceRun { layer: source, run, .. }, target) = (self.source, self.target);
         let sigmas = self.limits.color_sigmas;
         let found_color = self.packed_colors[lane].color();
         let of_channel = |channel: usize| {
@@ -84,7 +84,7 @@ fn off_surfaces<const N: usize>(
     own_noise: impl Fn(&CameraLayer, f32) -> f32,
     noise: impl Fn(&CameraLayer, usize) -> f32,
 ) -> [f32; N] {
-    let SourceRun { layer: source, run } = source;
+    let SourceRun { layer: source, run, .. } = source;
     let TargetRun { layer: target, reprojected } = found.target;
     let mut off = [0.0; N];
     for (lane, off) in off.iter_mut().enumerate() {

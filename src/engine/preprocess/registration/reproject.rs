@@ -184,6 +184,41 @@ fn spread<T: Copy>(values: &[T], lanes: u32, nothing: T) -> [T; LANES] {
 pub(crate) struct SourceRun<'a, const N: usize = LANES> {
     pub(crate) layer: &'a CameraLayer,
     pub(crate) run: &'a PixelRun<N>,
+    /// Scalar values from the run's first sample on.
+    values: &'a [f32],
+    /// The lanes whose samples these values are of, in turn.
+    lanes: u32,
+}
+
+impl<'a, const N: usize> SourceRun<'a, N> {
+    /// A run of pixels of a layer.
+    #[inline(always)]
+    pub(crate) fn of_layer(layer: &'a CameraLayer, run: &'a PixelRun<N>) -> Self {
+        let values = if layer.values.is_empty() {
+            &[]
+        } else {
+            layer.values.starting_at(run.row * layer.width + run.column)
+        };
+        Self { layer, run, values, lanes: u32::MAX }
+    }
+
+    /// A run of samples, the first of which has this index, of the camera of a layer.
+    #[inline(always)]
+    pub(crate) fn of_samples(
+        layer: &'a CameraLayer,
+        run: &'a PixelRun<N>,
+        samples: &'a RatedSamples,
+        first: usize,
+        lanes: u32,
+    ) -> Self {
+        Self { layer, run, values: samples.values.starting_at(first), lanes }
+    }
+
+    /// The values of the sample in a lane, one a channel; `None` where the lane holds none.
+    pub(crate) fn values_of(&self, lane: usize, channels: usize) -> Option<&'a [f32]> {
+        let before = (self.lanes & ((1 << lane) - 1)).count_ones() as usize;
+        self.values.get(before * channels..(before + 1) * channels)
+    }
 }
 
 /// Where the samples of a run lie in another camera, with that camera's layer.

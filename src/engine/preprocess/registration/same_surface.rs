@@ -15,15 +15,15 @@
 use super::around::Around;
 use super::matches::{
     COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
-    RequiredTolerances, SAME, SURROUNDED, SurfaceMatches,
+    RequiredTolerances, SAME, SURROUNDED, SurfaceMatches, VALUES_AGREE,
 };
 use super::noise_tolerance::{
     ColorNoise, FoundSurfaces, depth_noise_between, granted_depth_noise, granted_depth_noise_around,
 };
 use super::reproject::{PixelRun, ReprojectedRun, SourceRun, TargetRun};
 use super::tolerances::{SurfaceTolerances, VisibleLevels};
-use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::capture::overlap::{PinholeLens, Registration};
+use crate::capture::{INVALID_INVERSE_DEPTH, agree};
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
@@ -87,7 +87,7 @@ impl SameSurface {
         pixel: usize,
         depth: f32,
     ) -> bool {
-        let SourceRun { layer: source, run } = source;
+        let SourceRun { layer: source, run, .. } = source;
         let (w, there) = (run.inverse_depth[lane], target.inverse_depth[pixel]);
         let limits = &self.tolerances;
         let footprint = (registration.source_side * there).max(registration.target.side * w);
@@ -115,7 +115,7 @@ impl SameSurface {
         if reprojected.bits[0] & IN_VIEW == 0 {
             return if reprojected.bits[0] & IN_FRONT == 0 { Outcome::Behind } else { Outcome::OutsideView };
         }
-        let source = SourceRun { layer: source, run: &block };
+        let source = SourceRun::of_layer(source, &block);
         let target = TargetRun { layer: target, reprojected: &reprojected };
         self.compare(registration, source, target, [1]).outcome(0)
     }
@@ -168,7 +168,7 @@ impl SameSurface {
         relevant: [u32; N],
         required: &mut RequiredTolerances<N>,
     ) -> SurfaceMatches<N> {
-        let SourceRun { layer: source, run: block } = source_run;
+        let SourceRun { layer: source, run: block, .. } = source_run;
         let TargetRun { layer: target, reprojected } = target_run;
         let limits = &self.tolerances;
         let mut found = [PackedGeometry::ABSENT; N];
@@ -212,9 +212,13 @@ impl SameSurface {
             matches.bits[i] |= if there >= 0.0 { HAS_DEPTH } else { 0 }
                 | if on_surface { ON_SURFACE } else { 0 }
                 | if there * qz > w { NEARER } else { 0 }
-                | if facing { NORMAL_AGREES } else { 0 };
+                | if facing { NORMAL_AGREES } else { 0 }
+                | VALUES_AGREE;
         }
         self.compare_colors::<N, MEASURING>(source_run, target_run, relevant, &mut matches, required);
+        if self.tolerances.values && !target.values.is_empty() {
+            compare_values(source_run, target_run, &mut matches);
+        }
         self.surround::<N, MEASURING>(lens, surfaces, &between, &mut matches, relevant, required);
         matches
     }
@@ -341,6 +345,32 @@ impl SameSurface {
             }
         }
         depths
+    }
+}
+
+/// Takes [`VALUES_AGREE`] from the samples whose scalar values differ from the target's by more than their tolerances.
+#[cold]
+#[inline(never)]
+fn compare_values<const N: usize>(
+    source: SourceRun<'_, N>,
+    TargetRun { layer: target, reprojected }: TargetRun<'_, N>,
+    matches: &mut SurfaceMatches<N>,
+) {
+    let tolerances = &target.value_tolerances;
+    for lane in 0..N {
+        if matches.bits[lane] & ON_SURFACE == 0 {
+            continue;
+        }
+        let found = target.values.of(reprojected.pixel[lane] as usize);
+        let are_same = |own: &[f32]| {
+            own.iter()
+                .zip(found)
+                .zip(tolerances)
+                .all(|((own, found), tolerance)| agree(*own, *found, *tolerance))
+        };
+        if !source.values_of(lane, tolerances.len()).is_some_and(are_same) {
+            matches.bits[lane] &= !VALUES_AGREE;
+        }
     }
 }
 

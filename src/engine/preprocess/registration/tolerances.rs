@@ -16,6 +16,8 @@ pub(super) struct SurfaceTolerances {
     pub(super) between_sigmas: f32,
     /// Whether the target has to show the surface all around the point.
     pub(super) overlap: bool,
+    /// Whether scalar values have to agree.
+    pub(super) values: bool,
 }
 
 /// Samples of deeper levels are invisible.
@@ -45,6 +47,7 @@ impl SurfaceTolerances {
             depth_sigmas: settings.spans.noise * SIGMAS,
             between_sigmas: settings.spans.noise * SIGMAS,
             overlap: pruning.overlap,
+            values: true,
         }
     }
 
@@ -58,6 +61,7 @@ impl SurfaceTolerances {
             depth_sigmas: 0.0,
             between_sigmas: 0.0,
             overlap: false,
+            values: false,
         }
     }
 

@@ -8,6 +8,7 @@ use super::pixel_stats::{FrameRun, direction, relative_range, summand};
 use super::span_store::SpanSamples;
 use super::span_tree::halves;
 use super::staticness::StaticTest;
+use super::value_ranges::are_static;
 use crate::color::widened;
 use crate::samples::Span;
 use crate::simd::{self, LANES, VectorLoop};
@@ -196,7 +197,9 @@ impl VectorLoop for Descend<'_> {
                 let i = left.trailing_zeros() as usize % LANES;
                 left &= left - 1;
                 let pixel = pixels[i];
-                if node.halves.is_some() && !range.is_color_static(i, test) {
+                if node.halves.is_some()
+                    && !(range.is_color_static(i, test) && has_static_values(runs, pixel, test))
+                {
                     is_static &= !(1 << i);
                     continue;
                 }
@@ -210,6 +213,7 @@ impl VectorLoop for Descend<'_> {
                 if !runs[0].normal.is_empty() {
                     samples.normal.push(mean_normal(runs, pixel));
                 }
+                samples.values.push(runs[0].values_of(pixel));
             }
             if let Some([left, right]) = node.halves {
                 let still_open = open[index] & !is_static;
@@ -217,6 +221,13 @@ impl VectorLoop for Descend<'_> {
             }
         }
     }
+}
+
+/// Whether the scalar values of a pixel stay within their tolerances.
+#[inline(always)]
+fn has_static_values(runs: &[FrameRun<'_>], pixel: usize, test: &StaticTest) -> bool {
+    let tolerances = test.value_tolerances();
+    tolerances.is_empty() || are_static(runs.iter().map(|run| run.values_of(pixel)), tolerances)
 }
 
 fn mean(runs: &[FrameRun<'_>], pixel: usize) -> [f32; 3] {

@@ -14,6 +14,7 @@ mod staticness;
 mod sums_record;
 mod tree_split;
 mod two_level;
+mod value_ranges;
 
 pub use batch::BATCH;
 pub(crate) use pixel_stats::SpanSums;

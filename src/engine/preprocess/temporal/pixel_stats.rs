@@ -8,7 +8,8 @@
 use glam::Vec3;
 
 use super::staticness::StaticTest;
-use crate::capture::INVALID_INVERSE_DEPTH;
+use super::value_ranges::ValueRanges;
+use crate::capture::{INVALID_INVERSE_DEPTH, Values};
 use crate::color::{WIDENING, widened_small};
 use crate::simd::{self, VectorLoop};
 
@@ -21,6 +22,31 @@ pub(super) struct FrameRun<'a> {
     pub inverse_depth: &'a [f32],
     /// World-space normals; empty where the capture gives none.
     pub normal: &'a [f32],
+    /// Scalar values of the whole frame; empty where the capture gives none.
+    pub values: &'a Values,
+    /// The pixel in the frame that comes first.
+    pub first: usize,
+}
+
+impl<'a> FrameRun<'a> {
+    /// The scalar values of a pixel.
+    #[inline(always)]
+    pub(super) fn values_of(&self, pixel: usize) -> &'a [f32] {
+        self.values.of(self.first + pixel)
+    }
+}
+
+/// How far the scalar values of the first pixels of some frames range.
+fn value_ranges(frames: &[FrameRun<'_>], pixels: usize) -> ValueRanges {
+    let Some((first, later)) = frames.split_first() else { return ValueRanges::default() };
+    if first.values.is_empty() {
+        return ValueRanges::default();
+    }
+    let mut ranges = ValueRanges::of(first.values.part_of(first.first..first.first + pixels));
+    for frame in later {
+        ranges.add_frame(|pixel| frame.values_of(pixel));
+    }
+    ranges
 }
 
 /// See the module's page. One entry per pixel, or three.
@@ -38,6 +64,8 @@ pub(crate) struct SpanSums {
     pub(crate) inverse_depth: Vec<f64>,
     /// Sums of [`summand`]; empty where the capture gives none.
     pub(crate) normal: Vec<f64>,
+    /// Ranges of scalar values; empty where the capture gives none.
+    pub(crate) values: ValueRanges,
 }
 
 impl SpanSums {
@@ -54,6 +82,7 @@ impl SpanSums {
             max_inverse_depth: vec![0.0; pixels],
             inverse_depth: vec![0.0; pixels],
             normal: vec![0.0; normals],
+            values: value_ranges(frames, pixels),
         };
         simd::run(Add { sums: &mut sums, frames });
         sums
@@ -91,11 +120,13 @@ impl SpanSums {
         let high =
             |channel: usize| self.max_color[3 * pixel + channel].max(later.max_color[3 * pixel + channel]);
         test.is_color_static([0, 1, 2].map(low), [0, 1, 2].map(high))
+            && self.values.is_static_with(&later.values, pixel, test.value_tolerances())
     }
 
     /// Adds the frames that follow.
     pub(super) fn merge(&mut self, later: &Self) {
         self.frames += later.frames;
+        self.values.merge(&later.values);
         simd::run(Merge { sums: self, later });
     }
 
@@ -348,7 +379,13 @@ mod tests {
         }
         let pixels = halves.len() / 3;
         let inverse_depth = vec![1.0; pixels];
-        let run = FrameRun { color: &bits, inverse_depth: &inverse_depth, normal: &[] };
+        let run = FrameRun {
+            color: &bits,
+            inverse_depth: &inverse_depth,
+            normal: &[],
+            values: &crate::capture::NO_VALUES,
+            first: 0,
+        };
         let sums = SpanSums::of(&[run; 4], pixels);
         for pixel in 0..pixels {
             assert_eq!(

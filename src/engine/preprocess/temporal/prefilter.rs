@@ -10,6 +10,21 @@ use crate::simd::{self, VectorLoop};
 pub(crate) fn list_uncertain(sums: [&SpanSums; 2], test: &StaticTest, uncertain: &mut Vec<u16>) {
     uncertain.clear();
     simd::run(StaticnessPrefilter { sums, test, uncertain });
+    if !test.value_tolerances().is_empty() {
+        add_changing_values(sums, test, uncertain);
+    }
+}
+
+/// Adds the pixels whose scalar values are not static there.
+#[cold]
+fn add_changing_values([sums, later]: [&SpanSums; 2], test: &StaticTest, uncertain: &mut Vec<u16>) {
+    let changes = |pixel: &usize| {
+        let is_static = sums.values.is_static_with(&later.values, *pixel, test.value_tolerances());
+        !is_static && (sums.is_open(*pixel) | later.is_open(*pixel))
+    };
+    uncertain.extend((0..sums.pixels()).filter(changes).map(|pixel| pixel as u16));
+    uncertain.sort_unstable();
+    uncertain.dedup();
 }
 
 struct StaticnessPrefilter<'a> {
@@ -107,7 +122,13 @@ mod tests {
             .collect();
         let runs: Vec<FrameRun<'_>> = frames
             .iter()
-            .map(|(color, inverse_depth)| FrameRun { color, inverse_depth, normal: &[] })
+            .map(|(color, inverse_depth)| FrameRun {
+                color,
+                inverse_depth,
+                normal: &[],
+                values: &crate::capture::NO_VALUES,
+                first: 0,
+            })
             .collect();
         let mut sums = SpanSums::of(&runs, pixels);
         let closed = (0..pixels).filter(|pixel| !sums.is_static(*pixel, test) && pixel % 7 != 0);

@@ -21,7 +21,7 @@ use super::span_tree::SpanTree;
 use super::staticness::StaticTest;
 use super::tree_split::{OpenSums, Split};
 use super::two_level::{CameraSum, SequenceRanges};
-use crate::capture::{Capture, Frame};
+use crate::capture::{Capture, Frame, ValueChannel};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::noise::{CameraNoise, NoiseFrames, measure_pairs};
@@ -64,6 +64,8 @@ pub struct TemporalScan {
     pub cameras: Vec<CameraScan>,
     /// The samples of every span of the tree; for the tree only.
     pub spans: Option<SpanStore>,
+    /// The channels of scalar values.
+    values: Vec<ValueChannel>,
     made_with: SpanSettings,
     /// The edge threshold that [`CameraScan::normal_errors`] goes with.
     pub(crate) edge: f32,
@@ -78,7 +80,7 @@ impl TemporalScan {
         settings: &Settings,
     ) -> Self {
         let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
-        Self { frames, cameras, spans: Some(spans), made_with, edge }
+        Self { frames, cameras, spans: Some(spans), values: Vec::new(), made_with, edge }
     }
 
     /// Whether the scan serves these settings, or another pass over the frames is needed.
@@ -105,6 +107,7 @@ impl TemporalScan {
     pub fn static_test(&self, camera: usize, settings: &SpanSettings) -> StaticTest {
         let scan = &self.cameras[camera];
         StaticTest::new(settings, &scan.noise, scan.depth_step_relative, self.frames)
+            .with_values(&self.values)
     }
 }
 
@@ -123,7 +126,8 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
         (scan_cameras(capture, |camera| scan_ranges(capture, camera, settings, job))?, None)
     };
     let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
-    Ok(TemporalScan { frames, cameras, spans, made_with, edge })
+    let values = capture.value_channels().to_vec();
+    Ok(TemporalScan { frames, cameras, spans, values, made_with, edge })
 }
 
 /// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
@@ -148,7 +152,7 @@ fn scan_cameras(
 /// Frames of this camera that are held at a time: a power of two that takes a moderate share of the memory, since the next
 /// batch is decoded while one is split.
 fn batch_size(capture: &Capture, camera: usize, settings: &Settings) -> usize {
-    let pixel_bytes = if capture.has_normals { 22 } else { 10 };
+    let pixel_bytes = if capture.has_normals { 22 } else { 10 } + 4 * capture.value_channels().len();
     let frame_bytes = capture.cameras[camera].intrinsics.pixel_count().max(1) * pixel_bytes;
     let affordable = ((settings.capture.memory as usize) << 20) / 4 / SIDE_BY_SIDE / (2 * frame_bytes);
     BATCH.min(1 << affordable.max(1).ilog2())
@@ -241,7 +245,8 @@ fn scan_spans(
     let preview = Preview::of(capture, camera, settings, job)?;
     let frames = capture.frame_count();
     let CameraPreview { noise, depth_step_relative, .. } = &preview.found;
-    let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames);
+    let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames)
+        .with_values(capture.value_channels());
     let mut split = Split::new(capture.cameras[camera].intrinsics.pixel_count(), frames, test);
     let batches = Batches::of_all(capture, camera, settings);
     pass_over(capture, camera, batches, &preview.held, job, |frames| {
@@ -277,7 +282,8 @@ pub(crate) fn scan_run(
 ) -> Result<ScannedRun> {
     let CameraPreview { noise, depth_step_relative, .. } = preview;
     let frames = capture.frame_count();
-    let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames);
+    let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames)
+        .with_values(capture.value_channels());
     let pixels = capture.cameras[camera].intrinsics.pixel_count();
     let mut split = Split::of_run(pixels, frames, run.start, test);
     let mut short = SpanStore::new(samples_in_memory(settings) / SIDE_BY_SIDE);

@@ -2,7 +2,7 @@
 //! they wait in a temporary file, as kept samples do ([`crate::samples`]).
 //!
 //! ```text
-//! record in the file: pixel u32 …, inverse depth f32 …, [normal 3 × f32 …,] color 3 × f16 …    machine's byte order
+//! record in the file: pixel u32 …, inverse depth f32 …, [normal 3 × f32 …,] color 3 × f16 … [values f32 …]    machine's byte order
 //! ```
 
 use std::collections::BTreeMap;
@@ -11,6 +11,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use half::f16;
 
+use crate::capture::Values;
 use crate::error::Result;
 use crate::samples::{Record, RecordPlace, Span, SpillFile};
 
@@ -25,6 +26,8 @@ pub struct SpanSamples {
     pub inverse_depth: Vec<f32>,
     /// Given world-space normals, one per pixel (zero if not given); empty if the capture gives none.
     pub normal: Vec<Vec3>,
+    /// Scalar values, those of the span's first frame; empty if the capture gives none.
+    pub values: Values,
 }
 
 impl SpanSamples {
@@ -47,6 +50,7 @@ impl SpanSamples {
             color: Vec::with_capacity(count),
             inverse_depth: Vec::with_capacity(count),
             normal: Vec::new(),
+            values: Values::default(),
         }
     }
 
@@ -56,6 +60,7 @@ impl SpanSamples {
         self.color.extend_from_slice(&later.color);
         self.inverse_depth.extend_from_slice(&later.inverse_depth);
         self.normal.extend_from_slice(&later.normal);
+        self.values.extend(&later.values);
     }
 
     /// Makes room for more samples, without normals.
@@ -70,15 +75,15 @@ impl SpanSamples {
 const SAMPLE_BYTES: usize = size_of::<u32>() + size_of::<[f16; 3]>() + size_of::<f32>();
 
 impl Record for SpanSamples {
-    /// Samples, and whether they have normals.
-    type RecordShape = (usize, bool);
+    /// Samples, whether they have normals, and how many channels of values.
+    type RecordShape = (usize, bool, usize);
 
     fn bytes(&self) -> usize {
-        self.len() * SAMPLE_BYTES + size_of_val(self.normal.as_slice())
+        self.len() * SAMPLE_BYTES + size_of_val(self.normal.as_slice()) + self.values.bytes()
     }
 
-    fn shape(&self) -> (usize, bool) {
-        (self.len(), !self.normal.is_empty())
+    fn shape(&self) -> (usize, bool, usize) {
+        (self.len(), !self.normal.is_empty(), self.values.channels())
     }
 
     fn planes(&self) -> Vec<&[u8]> {
@@ -87,11 +92,12 @@ impl Record for SpanSamples {
             bytemuck::cast_slice(&self.inverse_depth),
             bytemuck::cast_slice(&self.normal),
             bytemuck::cast_slice(&self.color),
+            self.values.as_bytes(),
         ]
     }
 
     fn read(
-        &(samples, normals): &(usize, bool),
+        &(samples, normals, channels): &(usize, bool, usize),
         fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
     ) -> Result<Self> {
         let mut read = Self {
@@ -99,12 +105,14 @@ impl Record for SpanSamples {
             color: vec![[f16::ZERO; 3]; samples],
             inverse_depth: vec![0.0; samples],
             normal: vec![Vec3::ZERO; if normals { samples } else { 0 }],
+            values: Values::missing(channels, samples),
         };
         fill(&mut [
             bytemuck::cast_slice_mut(&mut read.pixels),
             bytemuck::cast_slice_mut(&mut read.inverse_depth),
             bytemuck::cast_slice_mut(&mut read.normal),
             bytemuck::cast_slice_mut(&mut read.color),
+            read.values.as_bytes_mut(),
         ])?;
         Ok(read)
     }
@@ -158,6 +166,7 @@ mod tests {
             color: pixels.iter().map(|p| [f16::from_f32(*p as f32 / 64.0); 3]).collect(),
             inverse_depth: pixels.iter().map(|p| 1.0 / (1.0 + *p as f32)).collect(),
             normal: pixels.iter().filter(|_| normals).map(|p| Vec3::X * *p as f32).collect(),
+            values: Values::from_planes(&vec![pixels.iter().map(|p| *p as f32).collect(); seed as usize % 3]),
             pixels,
         }
     }

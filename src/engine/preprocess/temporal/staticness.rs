@@ -11,6 +11,7 @@
 
 use half::f16;
 
+use crate::capture::ValueChannel;
 use crate::preprocess::noise::{BRIGHTNESS_BINS, CameraNoise, brightness_bin, granted_range_sigmas};
 use crate::settings::SpanSettings;
 use crate::{color, simd};
@@ -27,6 +28,8 @@ pub struct StaticTest {
     noisy_color_steps: [[f32; BRIGHTNESS_BINS]; BRIGHTNESS_BINS],
     /// Depth range that is granted, relative.
     depth_relative: f32,
+    /// Ranges of scalar values that are granted, channel by channel.
+    value_tolerances: Vec<f32>,
     /// See [`StaticTest::is_clearly_static`]; by the bits of the larger half float.
     margins: Vec<u16>,
     /// The same in few steps: the least from some bits up to the next. Ascending.
@@ -84,7 +87,19 @@ impl StaticTest {
             // A difference of one quantization step either way is no difference.
             depth_relative: settings.depth_tolerance.max(2.0 * depth_step_relative)
                 + sigmas * noise.depth_relative,
+            value_tolerances: Vec::new(),
         }
+    }
+
+    /// The same rule for a capture with these channels of scalar values: none may range over more than its tolerance.
+    #[must_use]
+    pub fn with_values(self, channels: &[ValueChannel]) -> Self {
+        Self { value_tolerances: channels.iter().map(|channel| channel.tolerance).collect(), ..self }
+    }
+
+    /// Ranges of scalar values that are granted, channel by channel.
+    pub(crate) fn value_tolerances(&self) -> &[f32] {
+        &self.value_tolerances
     }
 
     /// Whether a color channel whose half floats have these smallest and largest bits, neither below 0, stays within the

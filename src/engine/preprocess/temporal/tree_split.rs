@@ -288,6 +288,8 @@ fn run_of(frame: &Frame, first: usize) -> FrameRun<'_> {
         color,
         inverse_depth: &frame.inverse_depth.as_slice()[first..],
         normal: normal.map_or(&[], |n| bytemuck::cast_slice(&n.as_slice()[first..])),
+        values: &frame.values,
+        first,
     }
 }
 
@@ -326,6 +328,7 @@ fn take_open(samples: &mut SpanSamples, first: usize, sums: &SpanSums) {
         samples.color.push(color[pixel]);
         samples.inverse_depth.push(inverse_depth[pixel]);
         samples.normal.extend(mean_normal(sums, pixel));
+        samples.values.push(sums.values.first.of(pixel));
     }
 }
 
@@ -334,6 +337,7 @@ fn give(samples: &mut SpanSamples, first: usize, pixel: usize, sums: &SpanSums) 
     samples.color.push(mean_color(sums, pixel));
     samples.inverse_depth.push(mean_inverse_depth(sums, pixel));
     samples.normal.extend(mean_normal(sums, pixel));
+    samples.values.push(sums.values.first.of(pixel));
 }
 
 #[cfg(test)]

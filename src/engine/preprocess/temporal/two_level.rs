@@ -16,6 +16,7 @@ use super::pixel_stats::{direction, summand};
 use super::range_histogram::RangeHistogram;
 use super::span_store::SpanSamples;
 use super::staticness::{StaticTest, color_range_steps};
+use super::value_ranges::ValueRanges;
 use crate::capture::{Frame, INVALID_INVERSE_DEPTH};
 use crate::color;
 use crate::grid::Grid;
@@ -38,6 +39,8 @@ pub struct SequenceRanges {
     pub mean_inverse_depth: Grid<f32>,
     /// Mean given normal in world space; zero if not given. `None` if the capture gives none.
     pub mean_normal: Option<Grid<[f32; 3]>>,
+    /// Ranges of scalar values over time, and those of the first frame.
+    pub(super) values: ValueRanges,
 }
 
 impl SequenceRanges {
@@ -52,7 +55,9 @@ impl SequenceRanges {
         let is_static = |((low, high), depth): ((&[i16; 3], &[i16; 3]), &f32)| {
             *depth <= test.granted_depth() && test.is_color_static(*low, *high)
         };
-        pixels.map(is_static).collect()
+        let is_static: Vec<bool> = pixels.map(is_static).collect();
+        let keeps_values = |pixel: usize| self.values.is_static(pixel, test.value_tolerances());
+        is_static.into_iter().enumerate().map(|(pixel, is)| is && keeps_values(pixel)).collect()
     }
 
     /// Range of color over time of every pixel, the widest of the three channels, 8-bit sRGB steps.
@@ -75,6 +80,7 @@ impl SequenceRanges {
             normal: normals
                 .map(|normals| chosen().map(|pixel| Vec3::from(normals.as_slice()[pixel])).collect())
                 .unwrap_or_default(),
+            values: self.values.first.at_places(&chosen().map(|pixel| pixel as u32).collect::<Vec<_>>()),
         }
     }
 
@@ -119,11 +125,17 @@ pub(crate) struct CameraSum {
     width: usize,
     pixels: Vec<PixelSum>,
     has_normals: bool,
+    values: ValueRanges,
 }
 
 impl CameraSum {
     pub(crate) fn new(width: usize, height: usize) -> Self {
-        Self { width, pixels: vec![EMPTY_SUM; width * height], has_normals: false }
+        Self {
+            width,
+            pixels: vec![EMPTY_SUM; width * height],
+            has_normals: false,
+            values: ValueRanges::default(),
+        }
     }
 
     /// Adds the next frame. Frames must come in order: floating-point sums depend on it.
@@ -142,6 +154,11 @@ impl CameraSum {
             }
         });
         self.has_normals |= frame.normal_in_world.is_some();
+        if self.values.first.is_empty() {
+            self.values = ValueRanges::of(frame.values.clone());
+        } else {
+            self.values.add_frame(|pixel| frame.values.of(pixel));
+        }
     }
 
     /// Ranges and means over this many frames, and the number of pixels without depth.
@@ -167,8 +184,9 @@ impl CameraSum {
                     pixels.iter().map(|sum| direction(sum.normal).to_array()).collect(),
                 )
             }),
+            values: self.values,
         };
-        (ranges, pixels.iter().map(|sum| u64::from(sum.invalid)).sum())
+        (ranges, self.pixels.iter().map(|sum| u64::from(sum.invalid)).sum())
     }
 }
 

@@ -93,7 +93,8 @@ impl<'a> LayerWindow<'a> {
     /// Bytes of a camera's layer.
     pub(super) fn bytes(&self, camera: usize) -> usize {
         let normals = if self.recording.settings.store.normals { NORMAL_BYTES } else { 0 };
-        self.recording.capture.cameras[camera].intrinsics.pixel_count() * (PIXEL_BYTES + normals)
+        let values = size_of::<f32>() * self.recording.capture.value_channels().len();
+        self.recording.capture.cameras[camera].intrinsics.pixel_count() * (PIXEL_BYTES + normals + values)
     }
 
     /// The samples of a camera over the span that was entered last.

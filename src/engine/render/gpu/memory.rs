@@ -265,6 +265,7 @@ mod tests {
             tiles,
             normal: None,
             doubtful: Vec::new(),
+            values: crate::capture::Values::default(),
         })
     }
 

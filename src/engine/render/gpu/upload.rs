@@ -167,6 +167,7 @@ mod tests {
             tiles,
             normal: None,
             doubtful: if with_doubtful { vec![TileMask { tile: 3, rows: tile_rows }] } else { Vec::new() },
+            values: crate::capture::Values::default(),
         }
     }
 

@@ -124,6 +124,7 @@ mod tests {
             normal: None,
             doubtful: Vec::new(),
             tiles,
+            values: crate::capture::Values::default(),
         };
         let samples = SampleSet {
             name: "test".to_owned(),
@@ -132,6 +133,7 @@ mod tests {
             up_in_world: DVec3::Z,
             settings: Settings::default(),
             images: vec![Arc::new(image)],
+            values: Vec::new(),
         };
         let vantage = Vantage { camera, frame: 0 };
         let mut picture = Picture::empty(16, 16);

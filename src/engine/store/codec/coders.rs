@@ -45,7 +45,7 @@ impl<'a> ModelWriter<'a> {
 
     /// The block's code.
     pub(crate) fn finish(self) -> Vec<u8> {
-        let mut encoder = RansEncoder::default();
+        let mut encoder: RansEncoder = RansEncoder::default();
         for (stream, start, frequency) in self.tokens.into_iter().rev() {
             let slots = SlotRange { start: u32::from(start), frequency: u32::from(frequency) };
             encoder.push(usize::from(stream), slots);

@@ -4,11 +4,11 @@
 //! are, and each is read without any other. Contexts are numbered so that neighbors resemble each other; those that are not
 //! worth a table of their own share one.
 
-use super::integers::{join, split};
-use super::rans::{FrequencyTable, SCALE, TOKENS};
-use super::table_fit::{TokenCounts, frequencies, share_tables};
-use crate::plural::counted;
-use crate::store::container::{ByteReader, push_varint};
+use super::integers::split;
+use super::plane_model::PlaneModel;
+use super::rans::{FrequencyTable, TOKENS};
+use super::table_fit::TokenCounts;
+use crate::store::container::ByteReader;
 
 /// Levels of activity that contexts distinguish; the last is *no neighbor*.
 pub(super) const ACTIVITIES: usize = 17;
@@ -93,14 +93,6 @@ impl Counts {
     }
 }
 
-/// The tables of one plane.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct PlaneModel {
-    /// Which table each context uses.
-    table_of: Vec<u16>,
-    tables: Vec<FrequencyTable>,
-}
-
 /// Contexts of the mask.
 pub(super) const MASK_CONTEXTS: usize = CodedPlane::Mask.contexts();
 
@@ -119,132 +111,44 @@ impl FrequencyTables {
     /// The table of a context.
     #[inline(always)]
     pub(crate) fn table(&self, plane: CodedPlane, context: usize) -> &FrequencyTable {
-        let model = &self.planes[plane as usize];
-        &model.tables[model.table_of[context] as usize]
+        self.planes[plane as usize].table(context)
     }
 
     /// From the planes in their order.
     fn of(planes: Vec<PlaneModel>) -> Result<Self, String> {
         let planes: [PlaneModel; 7] = planes.try_into().map_err(|_| "planes are missing")?;
         let mut mask = Box::new([0; MASK_CONTEXTS]);
-        let model = &planes[CodedPlane::Mask as usize];
-        for (split, &table) in mask.iter_mut().zip(&model.table_of) {
-            *split = model.tables[table as usize].frequency(0) as u16;
+        for (context, split) in mask.iter_mut().enumerate() {
+            *split = planes[CodedPlane::Mask as usize].table(context).frequency(0) as u16;
         }
         Ok(Self { planes, mask })
     }
 
     /// Tables with which what was counted is coded shortly.
     pub(crate) fn fit(counts: &Counts) -> Result<Self, String> {
-        let mut models = Vec::with_capacity(CodedPlane::ALL.len());
-        for contexts in &counts.0 {
-            let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
-            for (length, histogram) in share_tables(contexts) {
-                model.table_of.resize(model.table_of.len() + length, model.tables.len() as u16);
-                model.tables.push(FrequencyTable::new(&frequencies(&histogram))?);
-            }
-            models.push(model);
-        }
-        Self::of(models)
+        Self::of(counts.0.iter().map(|contexts| PlaneModel::fit(contexts)).collect::<Result<_, _>>()?)
     }
 
     /// Bits that what was counted takes by these tables, plane by plane.
     pub(crate) fn bits(&self, counts: &Counts) -> [f64; 7] {
-        CodedPlane::ALL.map(|plane| {
-            let contexts = counts.0[plane as usize].iter().enumerate();
-            let tokens = contexts.flat_map(|(context, histogram)| {
-                let table = self.table(plane, context);
-                let seen = histogram.iter().enumerate().filter(|(_, count)| **count > 0);
-                seen.map(move |(token, count)| {
-                    let entropy = f64::from(SCALE).log2() - f64::from(table.frequency(token).max(1)).log2();
-                    f64::from(*count) * (entropy + f64::from(join(token).1))
-                })
-            });
-            tokens.sum()
-        })
+        CodedPlane::ALL.map(|plane| self.planes[plane as usize].bits(&counts.0[plane as usize]))
     }
 
     /// As FORMAT.md describes `MODL`.
     pub(crate) fn encode(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        for plane in &self.planes {
-            push_varint(&mut bytes, plane.tables.len() as u64);
-            for (index, table) in plane.tables.iter().enumerate() {
-                push_varint(
-                    &mut bytes,
-                    plane.table_of.iter().filter(|of| **of == index as u16).count() as u64,
-                );
-                let listed = (0..TOKENS).rev().find(|token| table.frequency(*token) > 0).map_or(0, |t| t + 1);
-                push_varint(&mut bytes, listed as u64);
-                let mut token = 0;
-                while token < listed {
-                    let frequency = table.frequency(token);
-                    push_varint(&mut bytes, u64::from(frequency));
-                    token += 1;
-                    if frequency == 0 {
-                        let more = (token..listed).take_while(|token| table.frequency(*token) == 0).count();
-                        push_varint(&mut bytes, more as u64);
-                        token += more;
-                    }
-                }
-            }
-        }
+        self.planes.iter().for_each(|plane| plane.encode(&mut bytes));
         bytes
     }
 
     /// Reads what [`FrequencyTables::encode`] wrote.
     pub(crate) fn decode(bytes: &[u8]) -> Result<Self, String> {
         let mut reader = ByteReader::new(bytes);
-        let mut models = Vec::with_capacity(CodedPlane::ALL.len());
-        for plane in CodedPlane::ALL {
-            let tables = reader.varint()? as usize;
-            if tables == 0 || tables > plane.contexts() {
-                return Err(format!(
-                    "{} for {}",
-                    counted(tables, "table"),
-                    counted(plane.contexts(), "context")
-                ));
-            }
-            let mut model = PlaneModel { table_of: Vec::new(), tables: Vec::new() };
-            for index in 0..tables {
-                let length = reader.varint()?;
-                if length > (plane.contexts() - model.table_of.len()) as u64 {
-                    return Err("tables for more contexts than there are".to_owned());
-                }
-                model.table_of.resize(model.table_of.len() + length as usize, index as u16);
-                model.tables.push(decode_table(&mut reader, plane.tokens())?);
-            }
-            if model.table_of.len() < plane.contexts() {
-                return Err("a context without a table".to_owned());
-            }
-            models.push(model);
-        }
+        let decode = |plane: CodedPlane| PlaneModel::decode(&mut reader, plane.contexts(), plane.tokens());
+        let models = CodedPlane::ALL.map(decode).into_iter().collect::<Result<_, _>>()?;
         reader.finish()?;
         Self::of(models)
     }
-}
-
-fn decode_table(reader: &mut ByteReader, tokens: usize) -> Result<FrequencyTable, String> {
-    let listed = reader.varint()?;
-    if listed > tokens as u64 {
-        return Err(format!("a table of {listed} tokens"));
-    }
-    let mut frequencies = Vec::with_capacity(TOKENS);
-    while frequencies.len() < listed as usize {
-        let frequency = reader.varint()?;
-        if frequency > u64::from(SCALE) {
-            return Err(format!("a frequency of {frequency}"));
-        }
-        frequencies.push(frequency as u16);
-        if frequency == 0 {
-            let more = reader.varint()?;
-            if more > listed - frequencies.len() as u64 {
-                return Err("more tokens in a table than it lists".to_owned());
-            }
-            frequencies.resize(frequencies.len() + more as usize, 0);
-        }
-    }
-    FrequencyTable::new(&frequencies)
 }
 
 #[cfg(test)]
@@ -287,7 +191,7 @@ mod tests {
         }
         let model = FrequencyTables::fit(&counts).unwrap();
         assert_ne!(model.table(CodedPlane::Depth, 3), model.table(CodedPlane::Depth, 4));
-        assert_eq!(model.planes[CodedPlane::Green as usize].tables.len(), 1);
+        assert_eq!(model.planes[CodedPlane::Green as usize].table_count(), 1);
     }
 
     #[test]

@@ -92,21 +92,21 @@ impl FrequencyTable {
     }
 }
 
-/// Codes tokens in reverse: the last one first.
-pub(super) struct RansEncoder {
-    states: [u32; STREAMS],
+/// Codes tokens in reverse: the last one first. Each of some interleaved streams has a state of its own.
+pub(super) struct RansEncoder<const STATES: usize = STREAMS> {
+    states: [u32; STATES],
     /// Last word first.
     words: Vec<u16>,
 }
 
-impl Default for RansEncoder {
+impl<const STATES: usize> Default for RansEncoder<STATES> {
     /// An encoder before its first token.
     fn default() -> Self {
-        Self { states: [LOWEST; STREAMS], words: Vec::new() }
+        Self { states: [LOWEST; STATES], words: Vec::new() }
     }
 }
 
-impl RansEncoder {
+impl<const STATES: usize> RansEncoder<STATES> {
     /// Codes the token before all those coded so far, given its slots: at least one.
     pub(super) fn push(&mut self, stream: usize, slots: SlotRange) {
         let SlotRange { start, frequency } = slots;
@@ -130,20 +130,20 @@ impl RansEncoder {
 }
 
 /// Decodes tokens, first to last. Damaged code gives wrong tokens, never a panic; [`Decoder::is_whole`] detects it.
-pub(super) struct Decoder<'a> {
-    states: [u32; STREAMS],
+pub(super) struct Decoder<'a, const STATES: usize = STREAMS> {
+    states: [u32; STATES],
     /// Big-endian words.
     words: &'a [[u8; 2]],
     /// Words read; more than there are where the code is cut short.
     position: usize,
 }
 
-impl<'a> Decoder<'a> {
+impl<'a, const STATES: usize> Decoder<'a, STATES> {
     /// Over all of `words`, big-endian.
     pub(super) fn new(words: &'a [[u8; 2]]) -> Self {
         let word = |nth: usize| words.get(nth).map_or(0, |word| u32::from(u16::from_be_bytes(*word)));
         let states = std::array::from_fn(|stream| word(2 * stream) << 16 | word(2 * stream + 1));
-        Self { states, words, position: 2 * STREAMS }
+        Self { states, words, position: 2 * STATES }
     }
 
     /// The next token.
@@ -185,7 +185,7 @@ impl<'a> Decoder<'a> {
 
     /// Whether the code ended exactly where the encoder began.
     pub(super) fn is_whole(&self) -> bool {
-        self.position == self.words.len() && self.states == [LOWEST; STREAMS]
+        self.position == self.words.len() && self.states == [LOWEST; STATES]
     }
 }
 
@@ -210,12 +210,12 @@ mod tests {
             let tables = tables();
             let coded: Vec<(usize, usize)> =
                 tokens.iter().map(|&t| match t % 3 { 0 => (0, t / 3 % 2), 1 => (1, 2), _ => (2, t) }).collect();
-            let mut encoder = RansEncoder::default();
+            let mut encoder: RansEncoder = RansEncoder::default();
             for (nth, &(table, token)) in coded.iter().enumerate().rev() {
                 encoder.push(nth % STREAMS, tables[table].range(token));
             }
             let words = words(encoder);
-            let mut decoder = Decoder::new(&words);
+            let mut decoder: Decoder<'_> = Decoder::new(&words);
             for (nth, &(table, token)) in coded.iter().enumerate() {
                 if table == 0 {
                     let second = decoder.next_of_two(nth % STREAMS, tables[0].range(1).start as u16);
@@ -230,7 +230,7 @@ mod tests {
         #[test]
         fn damaged_words_never_panic(words in prop::collection::vec(any::<[u8; 2]>(), 0..40)) {
             let tables = tables();
-            let mut decoder = Decoder::new(&words);
+            let mut decoder: Decoder<'_> = Decoder::new(&words);
             for nth in 0..200 {
                 decoder.next(nth % STREAMS, &tables[nth % 3]);
             }
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn a_likely_token_takes_next_to_nothing() {
         let [skewed, certain, _] = tables();
-        let mut encoder = RansEncoder::default();
+        let mut encoder: RansEncoder = RansEncoder::default();
         (0..4000).for_each(|_| encoder.push(1, skewed.range(1)));
         (0..4000).for_each(|_| encoder.push(1, certain.range(2)));
         assert_eq!(encoder.finish().len(), 2 * STREAMS);

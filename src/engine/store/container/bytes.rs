@@ -108,6 +108,10 @@ pub(crate) const INDEX: ChunkId = *b"INDX";
 pub(crate) const IMAGE: ChunkId = *b"IMAG";
 /// Which samples are doubtful.
 pub(crate) const DOUBTFUL: ChunkId = *b"DOUB";
+/// Channels of scalar values, and where those of each image are.
+pub(crate) const VALUES: ChunkId = *b"VALU";
+/// The scalar values of one image.
+pub(crate) const IMAGE_VALUES: ChunkId = *b"VALI";
 /// Frequencies of tokens.
 pub(crate) const MODEL: ChunkId = *b"MODL";
 /// The halves that colors are made of.

@@ -5,8 +5,8 @@ mod iff;
 mod source;
 
 pub(crate) use bytes::{
-    ByteReader, DOUBTFUL, HEAD, IMAGE, INDEX, LONG_REPORT, MODEL, PALETTE, PROVENANCE, REPORT, SETTINGS,
-    STORE, push_text, push_varint,
+    ByteReader, DOUBTFUL, HEAD, IMAGE, IMAGE_VALUES, INDEX, LONG_REPORT, MODEL, PALETTE, PROVENANCE, REPORT,
+    SETTINGS, STORE, VALUES, push_text, push_varint,
 };
 pub(crate) use iff::{
     CHECKSUM, CHUNK_HEADER, ChunkHeader, ChunkId, FORM_HEADER, FormReader, FormWriter, IffError, agree,

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::header::{VERSION, WITH_DOUBTFUL, decode_version};
+use super::header::{VERSION, WITH_DOUBTFUL, WITH_VALUES, decode_version};
 use crate::error::{Error, Result};
 use crate::settings::Settings;
 use crate::store::container::{
     CHECKSUM, CHUNK_HEADER, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, HEAD, INDEX, IffError, LONG_REPORT,
-    MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS,
+    MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, VALUES,
 };
 
 /// The payloads of the chunks that say what a store holds.
@@ -22,11 +22,11 @@ pub(crate) const REQUIRED: [ChunkId; 7] = [HEAD, SETTINGS, REPORT, PROVENANCE, P
 
 /// Whether a chunk is one of those that [`InfoChunks`] holds.
 pub(crate) fn is_known(id: ChunkId) -> bool {
-    REQUIRED.contains(&id) || [DOUBTFUL, LONG_REPORT].contains(&id)
+    REQUIRED.contains(&id) || [DOUBTFUL, LONG_REPORT, VALUES].contains(&id)
 }
 
 impl InfoChunks {
-    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB` and `RPTZ` come
+    /// Walks over the file until all that are required are found, skipping images and unknown chunks. `DOUB`, `VALU` and `RPTZ` come
     /// before the last of them.
     pub(crate) fn collect(form: &FormReader<Box<dyn ReadAt>>, path: &Path) -> Result<Self> {
         let iff = |error| from_iff(path, error);
@@ -58,6 +58,12 @@ impl InfoChunks {
         let version = version.ok_or_else(|| in_chunk(path, HEAD, "it is missing"))?;
         if version.1 >= WITH_DOUBTFUL && !payloads.contains_key(&DOUBTFUL) {
             return Err(in_chunk(path, DOUBTFUL, "it is missing"));
+        }
+        if version.1 < WITH_VALUES {
+            // Kept by a program that does not know them: what they say of places is not true any more.
+            payloads.remove(&VALUES);
+        } else if !payloads.contains_key(&VALUES) {
+            return Err(in_chunk(path, VALUES, "it is missing"));
         }
         Ok(Self { version, payloads })
     }

@@ -11,11 +11,13 @@ use crate::samples::{ImageFacts, SampleSet, Span};
 use crate::store::container::{ByteReader, push_text};
 
 /// Version of the format. Another major version cannot be read; a minor one only adds chunks that may be skipped.
-pub(crate) const VERSION: (u16, u16) = (3, 1);
+pub(crate) const VERSION: (u16, u16) = (3, 2);
 
 /// The minor version in which `DOUB` came, and the one of stores without it.
 pub(crate) const WITH_DOUBTFUL: u16 = 1;
 const WITHOUT_DOUBTFUL: u16 = 0;
+/// The minor version in which `VALU` came: a store of an earlier one that has it was written again by a program that does not know it.
+pub(crate) const WITH_VALUES: u16 = 2;
 
 /// Most pixels that one picture of every camera may have together: what is drawn takes a table of them.
 const MAX_TOTAL_PIXELS: usize = 1 << 34;
@@ -57,11 +59,15 @@ pub(crate) const MAX_REFERENCES: usize = 7;
 /// No reference, in the index.
 const NO_REFERENCE: u32 = u32::MAX;
 
-/// The payload of `HEAD`; the version depends on whether the store lists doubtful samples.
+/// The payload of `HEAD`; the version depends on whether the store lists doubtful samples and has scalar values.
 pub(crate) fn encode_head(samples: &SampleSet, has_doubtful: bool) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     bytes.extend_from_slice(&VERSION.0.to_be_bytes());
-    let minor = if has_doubtful { WITH_DOUBTFUL } else { WITHOUT_DOUBTFUL };
+    let minor = match (samples.values.is_empty(), has_doubtful) {
+        (false, _) => WITH_VALUES,
+        (true, true) => WITH_DOUBTFUL,
+        (true, false) => WITHOUT_DOUBTFUL,
+    };
     bytes.extend_from_slice(&minor.to_be_bytes());
     push_text(&mut bytes, &samples.name);
     push_numbers(&mut bytes, &samples.up_in_world.to_array());

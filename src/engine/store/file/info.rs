@@ -9,6 +9,7 @@ use super::chunks::{InfoChunks, decode_settings, in_chunk};
 use super::header::{HeadChunk, ImageEntry, decode_head, decode_index};
 use super::provenance::Provenance;
 use super::report_chunk;
+use super::value_chunks::StoredValues;
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::settings::Settings;
@@ -41,6 +42,8 @@ pub struct StoreInfo {
     pub bytes: u64,
     /// Bytes of the record of its making: settings, report and provenance. Their number does not depend on the samples.
     pub record_bytes: u64,
+    /// The channels of scalar values; none as a rule.
+    pub values: Vec<StoredValues>,
 }
 
 impl StoreInfo {
@@ -67,6 +70,7 @@ impl StoreInfo {
             provenance,
             images,
             bytes,
+            values: Vec::new(),
             record_bytes: chunks.bytes(&[SETTINGS, REPORT, LONG_REPORT, PROVENANCE]),
         })
     }

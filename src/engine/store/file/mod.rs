@@ -8,6 +8,7 @@ mod provenance;
 mod read_all;
 mod reader;
 mod report_chunk;
+mod value_chunks;
 mod writer;
 
 pub use crate::store::container::ReadAt;
@@ -17,4 +18,5 @@ pub(crate) use header::chain;
 pub use info::StoreInfo;
 pub use provenance::{InputFiles, PlaneBytes, Provenance};
 pub use reader::Store;
+pub use value_chunks::StoredValues;
 pub use writer::{Extras, write, write_spooled, write_to, write_with};

@@ -11,15 +11,17 @@ use super::chunks::{InfoChunks, from_iff, in_chunk, is_known};
 use super::doubtful::decode_doubtful;
 use super::header::{ImageEntry, chain};
 use super::info::StoreInfo;
+use super::value_chunks::ValueTable;
 use crate::error::{Error, Result};
 use crate::samples::{DepthPlane, SampleImage, SampleSet};
 use crate::store::codec::FrequencyTables;
 use crate::store::container::{
-    ChunkHeader, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, IMAGE, MODEL, PALETTE, ReadAt, STORE,
+    ChunkHeader, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, IMAGE, IMAGE_VALUES, MODEL, PALETTE, ReadAt,
+    STORE, VALUES,
 };
 use crate::store::image::{
-    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, DoubtfulRuns, ImageHead, ReferenceImage,
-    VisibleBlocks,
+    self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, DoubtfulRuns, ImageHead, ImageValues,
+    ReferenceImage, ValueCodes, VisibleBlocks,
 };
 use crate::whole_file;
 
@@ -31,6 +33,8 @@ pub struct Store {
     palette: ColorRanks,
     /// Of images that have doubtful samples.
     doubtful: BTreeMap<usize, DoubtfulRuns>,
+    /// Scalar values, where there are any.
+    values: Option<ValueTable>,
     form: FormReader<Box<dyn ReadAt>>,
     /// What could not be read so far, by image.
     damage: Mutex<BTreeMap<usize, Vec<String>>>,
@@ -75,14 +79,19 @@ impl Store {
     pub fn over(path: &Path, source: Box<dyn ReadAt>) -> Result<Self> {
         let form = FormReader::open(source, STORE).map_err(|error| from_iff(path, error))?;
         let chunks = InfoChunks::collect(&form, path)?;
-        let info = StoreInfo::decode(&chunks, form.size(), path)?;
+        let mut info = StoreInfo::decode(&chunks, form.size(), path)?;
         let palette =
             ColorRanks::decode(chunks.get(PALETTE)).map_err(|what| in_chunk(path, PALETTE, what))?;
         let model = FrequencyTables::decode(chunks.get(MODEL)).map_err(|what| in_chunk(path, MODEL, what))?;
         let doubtful = decode_doubtful(chunks.get(DOUBTFUL), &info.images, &info.cameras)
             .map_err(|what| in_chunk(path, DOUBTFUL, what))?;
+        let values = Some(chunks.get(VALUES)).filter(|payload| !payload.is_empty());
+        let values = values.map(|payload| ValueTable::decode(payload, info.images.len())).transpose();
+        let values = values.map_err(|what| in_chunk(path, VALUES, what))?;
+        info.values = values.as_ref().map_or_else(Vec::new, |table| table.stored.clone());
         Ok(Self {
             path: path.to_path_buf(),
+            values,
             doubtful,
             info,
             model,
@@ -199,7 +208,14 @@ impl Store {
         };
         let reference = before.map(|before| ReferenceImage { image: &before.image, damage: &before.damage });
         let coding = self.coding(&self.info.images[index], &head);
-        let (mut image, damage) = image::decode(&decoded.image, &head, reference, &coding, code, &missing);
+        let payload = self.values_payload(index);
+        let values = self.values.as_ref().map(|table| {
+            let codes = payload.as_deref().map_err(Error::to_string);
+            let codes = codes.and_then(|payload| ValueCodes::of(payload, head.blocks.len()));
+            ImageValues { coding: &table.coding, codes }
+        });
+        let (mut image, damage) =
+            image::decode(&decoded.image, &head, reference, &coding, values.as_ref(), code, &missing);
         if let Some(runs) = self.doubtful.get(&index) {
             image.doubtful = runs.masks(&image.tiles, coding.size.0);
         }
@@ -233,6 +249,19 @@ impl Store {
         let header = self.form.header_at(entry.offset).map_err(|error| from_iff(&self.path, error))?;
         let header = header.filter(|header| header.id == IMAGE && header.length == u64::from(entry.length));
         header.ok_or_else(|| self.damaged(index, "there is no image of the length in the index"))
+    }
+
+    /// The payload of an image's scalar values; empty where the store has none.
+    fn values_payload(&self, index: usize) -> Result<Vec<u8>> {
+        let Some((offset, length)) = self.values.as_ref().map(|table| table.places[index]) else {
+            return Ok(Vec::new());
+        };
+        let header = self.form.header_at(offset).map_err(|error| from_iff(&self.path, error))?;
+        let is_stated =
+            |header: &ChunkHeader| header.id == IMAGE_VALUES && header.length == u64::from(length);
+        let header = header.filter(is_stated);
+        let header = header.ok_or_else(|| self.damaged(index, "its values are not where they should be"))?;
+        self.bytes(&header, 0..u64::from(length))
     }
 
     fn bytes(&self, chunk: &ChunkHeader, range: std::ops::Range<u64>) -> Result<Vec<u8>> {
@@ -272,6 +301,7 @@ impl Store {
             depth: DepthPlane::default(),
             normal: None,
             doubtful: Vec::new(),
+            values: crate::capture::Values::default(),
         }
     }
 
@@ -312,6 +342,7 @@ impl Store {
             up_in_world: self.info.up_in_world,
             settings: self.info.settings.clone(),
             images: placeholders.collect(),
+            values: self.info.values.iter().map(|stored| stored.channel.clone()).collect(),
         }
     }
 
@@ -333,7 +364,7 @@ impl Store {
         let mut unknown = Vec::new();
         for header in self.chunk_headers() {
             let header = header?;
-            if header.id != IMAGE && !is_known(header.id) {
+            if ![IMAGE, IMAGE_VALUES].contains(&header.id) && !is_known(header.id) {
                 unknown.push((header.id, self.bytes(&header, 0..header.length)?));
             }
         }

@@ -16,14 +16,15 @@ use super::doubtful::encode_doubtful;
 use super::header::{ImageEntry, check_held_once, choose_references, encode_head, encode_index};
 use super::provenance::{PlaneBytes, Provenance};
 use super::report_chunk;
+use super::value_chunks::ValueTable;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::{ImageBuffer, ImageFacts, SampleImage, SampleSet, Span};
 use crate::settings::StoreSettings;
 use crate::store::codec::{Counts, FrequencyTables};
 use crate::store::container::{
-    ChunkId, DOUBTFUL, FormWriter, HEAD, IMAGE, INDEX, LONG_REPORT, MODEL, PALETTE, PROVENANCE, REPORT,
-    SETTINGS, STORE,
+    ChunkId, DOUBTFUL, FormWriter, HEAD, IMAGE, IMAGE_VALUES, INDEX, LONG_REPORT, MODEL, PALETTE, PROVENANCE,
+    REPORT, SETTINGS, STORE, VALUES,
 };
 use crate::store::image::{self, BlockCoding, ColorRanks, DoubtfulRuns, UsedColors};
 use crate::whole_file;
@@ -125,7 +126,8 @@ impl Input<'_> {
         let Self { path, samples, images, extras, job } = *self;
         let invalid = |what: String| Error::invalid(path.display(), format!("cannot be written: {what}"));
         let iff = |error| from_iff(path, error);
-        let has_doubtful = images.facts().any(|image| image.doubtful > 0);
+        // A version that has values has doubtful samples, if only none.
+        let has_doubtful = !samples.values.is_empty() || images.facts().any(|image| image.doubtful > 0);
         let head = encode_head(samples, has_doubtful).map_err(invalid)?;
         job.start("Writing the store", 2 * images.len());
         if let Some(before) = &extras.held_to {
@@ -156,6 +158,9 @@ impl Input<'_> {
         if has_doubtful {
             form.chunk(DOUBTFUL, &self.doubtful(&prepared)?).map_err(iff)?;
         }
+        let mut values = prepared.values.clone();
+        let value_table = values.as_ref().map(|table| form.chunk(VALUES, &table.encode())).transpose();
+        let value_table = value_table.map_err(iff)?;
         for (id, payload) in &extras.unknown {
             form.plain_chunk(*id, payload).map_err(iff)?;
         }
@@ -167,17 +172,27 @@ impl Input<'_> {
         let index = form.chunk(INDEX, &encode_index(&entries, 0)).map_err(iff)?;
         for start in (0..entries.len()).step_by(BATCH) {
             let batch = start..entries.len().min(start + BATCH);
-            let encode = |index| job.check().and_then(|()| prepared.encode(samples, index));
+            let encode = |index| {
+                job.check()?;
+                Ok((prepared.encode(samples, index)?, prepared.encode_values(index)?))
+            };
             let payloads: Result<Vec<_>> = batch.clone().into_par_iter().map(encode).collect();
-            for (index, (payload, head)) in batch.clone().zip(payloads?) {
+            for (index, ((payload, head), of_values)) in batch.clone().zip(payloads?) {
                 let offset = form.plain_chunk(IMAGE, &payload).map_err(iff)?;
                 let (length, head) = (payload.len() as u32, head as u32);
                 entries[index] = ImageEntry { offset, length, head, ..entries[index] };
+                if let Some(table) = &mut values {
+                    let offset = form.plain_chunk(IMAGE_VALUES, &of_values).map_err(iff)?;
+                    table.places[index] = (offset, of_values.len() as u32);
+                }
             }
             job.advance(batch.len());
         }
         let size = form.position();
         form.replace(index, INDEX, &encode_index(&entries, size)).map_err(iff)?;
+        if let (Some(table), Some(place)) = (&values, value_table) {
+            form.replace(place, VALUES, &table.encode()).map_err(iff)?;
+        }
         form.finish().map_err(iff)?;
         Ok(size)
     }
@@ -242,7 +257,13 @@ impl Input<'_> {
             palette,
             model: fit(&Counts::default())?,
             planes: PlaneBytes::default(),
+            values: None,
         };
+        let count = images.facts().map(|image| image.samples as u64).sum();
+        prepared.values = ValueTable::fitted(self.samples, (images.len(), count), |index| {
+            self.job.check()?;
+            prepared.with_reference(index)
+        })?;
         let counted = (0..images.len()).into_par_iter().try_fold(Counts::default, |mut counts, index| {
             self.job.check()?;
             let (image, reference) = prepared.with_reference(index)?;
@@ -271,6 +292,7 @@ struct Prepared<'a> {
     palette: ColorRanks,
     model: FrequencyTables,
     planes: PlaneBytes,
+    values: Option<ValueTable>,
 }
 
 impl Prepared<'_> {
@@ -299,6 +321,13 @@ impl Prepared<'_> {
             plain: settings.coding == crate::settings::Coding::Plain,
             size: camera.intrinsics.size(),
         }
+    }
+
+    /// The payload of an image's scalar values; empty where there are none.
+    fn encode_values(&self, index: usize) -> Result<Vec<u8>> {
+        let Some(table) = &self.values else { return Ok(Vec::new()) };
+        let (image, reference) = self.with_reference(index)?;
+        Ok(image::encode_values(&image, reference.as_deref(), &table.coding))
     }
 
     fn encode(&self, samples: &SampleSet, index: usize) -> Result<(Vec<u8>, usize)> {

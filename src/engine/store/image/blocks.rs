@@ -37,6 +37,19 @@ pub(crate) struct BlockTiles {
     index: [u32; TILES * TILES],
 }
 
+impl BlockTiles {
+    /// The tiles that there are: where each is inside the block, and its index in the image.
+    pub(super) fn each(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let there = self.index.iter().enumerate().filter(|(_, index)| **index != u32::MAX);
+        there.map(|(inside, index)| (inside, *index as usize))
+    }
+
+    /// Column and row in the block of a tile's first pixel.
+    pub(super) fn corner(inside: usize) -> (usize, usize) {
+        (inside % TILES * TILE, inside / TILES * TILE)
+    }
+}
+
 /// One block of an image, with its samples.
 #[derive(Clone, Copy)]
 pub(crate) struct ImageBlock<'a> {
@@ -299,7 +312,7 @@ impl simd::VectorLoop for Decoding<'_> {
 }
 
 /// Columns of the set bits of a mask.
-fn columns(mut mask: u16) -> impl Iterator<Item = usize> {
+pub(super) fn columns(mut mask: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {
             let column = mask.trailing_zeros() as usize;
@@ -319,6 +332,7 @@ fn with_capacity(like: &SampleImage, tiles: usize, samples: usize, normals: bool
         depth: DepthPlane::with_capacity(tiles, samples),
         normal: normals.then(|| Vec::with_capacity(samples)),
         doubtful: Vec::new(),
+        values: crate::capture::Values::default(),
     }
 }
 
@@ -345,8 +359,9 @@ pub(crate) fn assemble(image: &SampleImage, normals: bool, blocks: &[SampleImage
         all.color.extend_from_slice(&part.color[samples.clone()]);
         all.depth.push_packed(&part.depth.tile(index, tile.first, samples.len()));
         if let (Some(all), Some(normal)) = (&mut all.normal, &part.normal) {
-            all.extend_from_slice(&normal[samples]);
+            all.extend_from_slice(&normal[samples.clone()]);
         }
+        all.values.extend_part(part.values.channels(), part.values.part(samples));
     }
     all
 }

@@ -130,6 +130,7 @@ mod tests {
             normal: None,
             tiles,
             doubtful,
+            values: crate::capture::Values::default(),
         }
     }
 

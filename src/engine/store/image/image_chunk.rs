@@ -10,6 +10,7 @@
 use rayon::prelude::*;
 
 use super::blocks::{BlockCoding, ImageBlock, assemble, blocks_of, depth_bounds, find, summary};
+use super::value_blocks::ImageValues;
 use crate::capture::Camera;
 use crate::plural::counted;
 use crate::samples::{SampleImage, TILE, TileMask};
@@ -96,6 +97,9 @@ pub(crate) fn check(image: &SampleImage, cameras: &[Camera], frames: usize) -> R
         last_place = place;
     }
     let normals = image.normal.as_ref().map_or(first, Vec::len);
+    if image.values.channels() > 0 && image.values.len() != first {
+        return Err("the scalar values are not one a channel and sample".to_owned());
+    }
     if [image.color.len(), normals] != [first; 2] || !image.depth.fits(&image.tiles) {
         return Err("the planes do not have one value per sample".to_owned());
     }
@@ -230,7 +234,8 @@ pub(crate) struct ReferenceImage<'a> {
     pub(crate) damage: &'a [Damage],
 }
 
-/// Reads some blocks of an image and adds them to what was read before. `code` gives the code of a block.
+/// Reads some blocks of an image and adds them to what was read before. `code` gives the code of a block; `values` say how scalar values
+/// are coded, and their codes.
 ///
 /// Blocks that are damaged, or whose reference is, are left out and reported.
 pub(crate) fn decode<'a>(
@@ -238,6 +243,7 @@ pub(crate) fn decode<'a>(
     head: &ImageHead,
     reference: Option<ReferenceImage>,
     coding: &BlockCoding,
+    values: Option<&ImageValues<'_>>,
     code: impl Fn(&BlockEntry) -> Result<&'a [u8], String> + Sync,
     blocks: &[&BlockEntry],
 ) -> (SampleImage, Vec<Damage>) {
@@ -254,11 +260,16 @@ pub(crate) fn decode<'a>(
         if !agree(&block.checksum, crc32fast::hash(code)) {
             return Err("its bytes are damaged".to_owned());
         }
-        let samples = coding.decode(image, block.place, block.tiles, code, before)?;
+        let mut samples = coding.decode(image, block.place, block.tiles, code, before)?;
         let (farthest, nearest) = depth_bounds(&samples);
         let (least, most) = (block.inverse_depth.0.to_bits(), block.inverse_depth.1.to_bits());
         if samples.color.len() != block.samples as usize || farthest < least || nearest > most {
             return Err("its contents differ from its image's head".to_owned());
+        }
+        if let Some(ImageValues { coding, codes }) = values {
+            let nth = head.blocks.iter().position(|other| other.place == block.place).unwrap_or(usize::MAX);
+            samples.values =
+                coding.decode(&samples, codes.as_ref().map_err(String::clone)?.of_block(nth)?, before)?;
         }
         Ok(samples)
     };

@@ -4,7 +4,7 @@ use glam::DVec3;
 use half::f16;
 
 use super::*;
-use overlook_engine::capture::{Camera, CaptureParts, Frame, FrameSource, Intrinsics, TruthView};
+use overlook_engine::capture::{Camera, CaptureParts, Frame, FrameSource, Intrinsics, TruthView, Values};
 use overlook_engine::grid::Grid;
 
 /// Cameras before a wall, each at its own x and distance.
@@ -31,6 +31,7 @@ impl Wall {
             inverse_depth: Grid::filled(64, 32, (1.0 / distance) as f32),
             normal_in_world: None,
             depth_step_relative: 0.0,
+            values: Values::default(),
         }
     }
 }

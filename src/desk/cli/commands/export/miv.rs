@@ -45,6 +45,7 @@ impl MivArgs {
             return Err(Error::invalid(self.out.join(&name).display(), what).into());
         }
         output::watched(|job| write_sequence(&self.out, &name, &capture, job))?;
+        output::warn_of_values(capture.value_channels(), "MPEG immersive video");
         output::print(&format!(
             "Wrote {}, {}, to {}",
             counted(capture.cameras.len(), "camera"),

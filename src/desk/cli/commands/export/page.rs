@@ -61,6 +61,7 @@ impl PageArgs {
         };
         let written = output::watched(|job| page::write(&self.out, playback.store(), &options, job))?;
         output::warn(&playback.store().damage());
+        output::warn_of_values(&playback.outline().values, "a page");
         let of_store = match written.samples_of_store {
             all if all == written.samples => String::new(),
             all => format!(" in place of {}", output::count(all)),

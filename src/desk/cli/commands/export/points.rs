@@ -44,6 +44,7 @@ impl PointsArgs {
         let playback = self.edits.open_store(&self.store)?;
         let (files, points) = output::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());
+        output::warn_of_values(&playback.outline().values, "a file of points");
         let (points, out) = (output::count_of(points, "point"), self.out.display());
         output::print(&format!("Wrote {points} to {out} ({})", counted(files, "file")))
     }

@@ -52,6 +52,7 @@ impl SplatsArgs {
         let playback = self.edits.open_store(&self.store)?;
         let written = output::watched(|job| self.write(&playback, job))?;
         output::warn(&playback.store().damage());
+        output::warn_of_values(&playback.outline().values, "a file of splats");
         output::print(&self.said(&written))
     }
 

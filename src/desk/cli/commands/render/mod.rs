@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs};
+use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs, ValueArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::{TruthView, transforms};
 use overlook_engine::error::{Error, Result};
@@ -16,7 +16,7 @@ use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::whole_file;
 use overlook_lab::truth::{CorrectedViews, ViewCorrections};
-use views::ViewPainting;
+use views::{ShownValues, ViewPainting};
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
@@ -40,8 +40,10 @@ pub(crate) struct RenderArgs {
     as_claimed: bool,
     /// Orthographic pictures: this many world units from the left edge to the right one. What lies behind a viewpoint is not shown, and
     /// nothing is scored, as true pictures are in perspective.
-    #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with_all = ["align_views", "json"])]
+    #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with_all = ["align_views", "json", "color_by", "values"])]
     orthographic: Option<f64>,
+    #[command(flatten)]
+    values: ValueArgs,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -71,6 +73,8 @@ impl RenderArgs {
             })
         };
         let paths = self.picture_paths(&views)?;
+        let place = self.store.display().to_string();
+        let colored = self.values.channel(&playback.outline().values, &place)?;
         if let Some(width) = self.orthographic {
             let notice = output::watched(|job| {
                 views::paint_orthographic(&playback, &views, width, &paths, &settings, job)
@@ -84,6 +88,7 @@ impl RenderArgs {
             views: &views,
             paths: &paths,
             settings: &settings,
+            values: ShownValues { args: &self.values, colored, place: &place },
             aligns: self.align_views,
         };
         let evaluation = output::watched(|job| painting.paint(job))?;

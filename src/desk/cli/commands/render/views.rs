@@ -2,15 +2,49 @@
 
 use std::sync::Arc;
 
+use crate::cli::input::ValueArgs;
 use crate::cli::output::PicturePaths;
 use overlook_engine::capture::{Camera, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::render::film::{self, FilmSource};
-use overlook_engine::render::{Renderer, Vantage};
+use overlook_engine::render::output::{PictureValues, shown_values};
+use overlook_engine::render::{Picture, Renderer, Vantage};
+use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::RenderSettings;
 use overlook_engine::store::playback::Playback;
 use overlook_lab::{Evaluation, Scoreboard, add_aligned, frame_of, render_view, vantage_order};
+
+/// How scalar values are shown.
+pub(super) struct ShownValues<'a> {
+    pub(super) args: &'a ValueArgs,
+    /// The channel that pictures are colored by.
+    pub(super) colored: Option<usize>,
+    /// The store, for errors.
+    pub(super) place: &'a str,
+}
+
+impl ShownValues<'_> {
+    /// Writes a picture with the values that it shows, if the samples have some.
+    fn write(
+        &self,
+        paths: &PicturePaths,
+        samples: &SampleSet,
+        vantage: &Vantage,
+        picture: &Picture,
+    ) -> Result<()> {
+        if samples.values.is_empty() {
+            return paths.write(picture);
+        }
+        let values = PictureValues::of(samples, vantage, picture);
+        let colors = |channel: usize| {
+            let in_view = shown_values(picture, &values, channel);
+            Ok((channel, self.args.colors(&values.channels[channel], &in_view, self.place)?))
+        };
+        let colors = self.colored.map(colors).transpose()?;
+        paths.write_with_values(picture, &values, colors, self.args.values)
+    }
+}
 
 /// Views of a store, and where their pictures go.
 pub(super) struct ViewPainting<'a> {
@@ -18,6 +52,8 @@ pub(super) struct ViewPainting<'a> {
     pub(super) views: &'a [TruthView],
     pub(super) paths: &'a [PicturePaths],
     pub(super) settings: &'a RenderSettings,
+    /// How scalar values are shown.
+    pub(super) values: ShownValues<'a>,
     /// Whether each view is also scored at the pose estimated from its true picture.
     pub(super) aligns: bool,
 }
@@ -44,7 +80,8 @@ impl ViewPainting<'_> {
             let view = &self.views[index];
             let samples = self.playback.seen_from(&view.camera, frames[index], job)?;
             let painted = render_view(&mut renderer, &samples, view, None, self.settings, job)?;
-            self.paths[index].write(&painted.picture)?;
+            let vantage = Vantage { camera: view.camera.clone(), frame: frames[index] };
+            self.values.write(&self.paths[index], &samples, &vantage, &painted.picture)?;
             scores.add(view, painted);
             job.advance(1);
         }
