@@ -21,5 +21,6 @@ mod preprocessing_promises;
 mod pruning_properties;
 mod random_captures;
 mod repeated_frames;
+mod selections;
 mod span_tree;
 mod view_dependence;

@@ -17,10 +17,14 @@
 //! edited afterwards obeys the same list.
 
 mod apply;
+mod drawn_area;
+mod evidence;
 mod list;
 mod list_file;
+mod marks;
 mod polygon;
 mod region;
+mod region_fault;
 mod region_test;
 mod removed_pixels;
 mod seen;
@@ -28,7 +32,7 @@ mod votes;
 
 pub use apply::{CutByHand, EditedImages, cut, edit_samples, selected};
 pub use list::{Action, Edit, EditList, Reach};
-pub use region::{Outline, Region, Viewpoint};
+pub use region::{Outline, Region, Stroke, Viewpoint};
 pub use removed_pixels::{with_cameras_left, without_removed_pixels};
 pub use seen::Votes;
 pub use votes::SampleVotes;

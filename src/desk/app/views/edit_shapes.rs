@@ -246,7 +246,13 @@ fn outlined(corners: &[Pos2], canvas: Rect, state: &State) -> Option<Region> {
         let within = *at - canvas.min;
         [f64::from(within.x), f64::from(within.y)]
     });
-    Some(Region::View { viewpoint: Viewpoint::of(&vantage), outline: outline.collect(), depth: None })
+    Some(Region::View {
+        viewpoint: Viewpoint::of(&vantage),
+        frame: None,
+        outline: outline.collect(),
+        strokes: Vec::new(),
+        depth: None,
+    })
 }
 
 #[cfg(test)]
