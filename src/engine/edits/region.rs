@@ -202,6 +202,9 @@ impl Viewpoint {
 }
 
 impl Region {
+    /// The most footprints of a region that asks for what is near: farther is no neighborhood any more, and takes long to search.
+    pub const MOST_FOOTPRINTS: f64 = 64.0;
+
     /// The surface at a point in world space, at a frame by its number, with steps and turns as they are where a list gives none.
     #[must_use]
     pub fn same_surface(seed: [f64; 3], frame: i64) -> Self {

@@ -45,13 +45,12 @@ fn viewpoint_fault(viewpoint: &Viewpoint) -> Option<String> {
     )
 }
 
-/// Farther than this, in footprints, is no neighborhood any more, and takes long to search.
-const MOST_FOOTPRINTS: f64 = 64.0;
-
 fn step_fault(footprints: f64) -> Option<String> {
-    let is_fine = footprints > 0.0 && footprints <= MOST_FOOTPRINTS;
-    (!is_fine)
-        .then(|| format!("footprints = {footprints}: give a number above 0, and at most {MOST_FOOTPRINTS}"))
+    let is_fine = footprints > 0.0 && footprints <= Region::MOST_FOOTPRINTS;
+    {
+        let most = Region::MOST_FOOTPRINTS;
+        (!is_fine).then(|| format!("footprints = {footprints}: give a number above 0, and at most {most}"))
+    }
 }
 
 impl Region {

@@ -4,6 +4,7 @@ mod alignment;
 mod camera_list;
 mod color_panel;
 mod command_palette;
+mod edit_tools;
 mod edits;
 mod help;
 mod histogram;
