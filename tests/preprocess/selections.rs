@@ -98,6 +98,27 @@ fn what_is_outlined_in_one_picture_is_gone_from_every_camera_and_what_lies_behin
 }
 
 #[test]
+fn what_was_outlined_in_the_picture_of_a_camera_that_is_left_out_is_gone_all_the_same() {
+    let capture = still_life();
+    let [first, last] = [24.0, 70.0];
+    let camera = &capture.cameras[0];
+    let outlined = Region::Pixels {
+        camera: camera.name.clone(),
+        frame: Some(0),
+        outline: square(first, last),
+        strokes: Vec::new(),
+    };
+    let edits =
+        list([(Action::Delete, outlined), (Action::LeaveOut, Region::Cameras(vec![camera.name.clone()]))]);
+    let left = preprocessed(&capture, &edits);
+    assert_eq!(EditList::from_toml(&left.report.cut[0].edits, "report").unwrap(), edits);
+    let seen = |point| is_seen(&capture, camera, point, [first, last]);
+    let shown = placed(&left.samples).iter().filter(|(_, it)| seen(it.point_in_world) == Some(true)).count();
+    assert_eq!(shown, 0);
+    assert!(placed(&left.samples).iter().any(|(_, it)| seen(it.point_in_world) == Some(false)));
+}
+
+#[test]
 fn a_region_of_a_frame_that_is_not_there_gives_one_clear_error() {
     let set = pruned(&still_life()).samples;
     let edits = list([(Action::Delete, Region::same_surface([0.0; 3], 7))]);

@@ -10,8 +10,8 @@
 //!
 //! - A region in space or in a picture deletes *observations*, before pruning, so that no redundant pixel of another camera brings
 //!   back what was deleted, and what a masked pixel represented is represented by others.
-//! - A region that asks for evidence (votes of cameras, doubt, angle) and an edit that reaches over the spans of samples act on what
-//!   pruning *kept*, since only a sample has evidence and a span.
+//! - A region that asks for evidence (votes of cameras, doubt, angle) or depends on other samples (what a picture shows, a surface, what is
+//!   near) and an edit that reaches over the spans of samples act on what pruning *kept*, since only a sample has evidence and a span.
 //!
 //! Once pruning is done the whole list acts on its samples, in order. So nothing is left inside of what was deleted, and a store that is
 //! edited afterwards obeys the same list.

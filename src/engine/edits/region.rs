@@ -222,6 +222,32 @@ impl Region {
         }
     }
 
+    fn parts_mut(&mut self) -> &mut [Self] {
+        match self {
+            Self::Any(parts) | Self::All(parts) | Self::Without(parts) => parts,
+            Self::Not(part) | Self::Grow { region: part, .. } | Self::Shrink { region: part, .. } => {
+                std::slice::from_mut(&mut **part)
+            }
+            _ => &mut [],
+        }
+    }
+
+    /// Makes what pictures of some cameras show what is seen from where they are.
+    pub(super) fn see_through(&mut self, cameras: &[&Camera]) {
+        self.parts_mut().iter_mut().for_each(|part| part.see_through(cameras));
+        if let Self::Pixels { camera, frame: Some(frame), outline, strokes } = self
+            && let Some(known) = cameras.iter().find(|known| known.name == *camera)
+        {
+            *self = Self::View {
+                viewpoint: Viewpoint::of(known),
+                frame: Some(*frame),
+                outline: std::mem::take(outline),
+                strokes: std::mem::take(strokes),
+                depth: None,
+            };
+        }
+    }
+
     /// Whether it, or any part of it, is as asked.
     fn has(&self, asked: &impl Fn(&Self) -> bool) -> bool {
         asked(self) || self.parts().iter().any(|part| part.has(asked))

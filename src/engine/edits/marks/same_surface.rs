@@ -12,7 +12,7 @@ use super::placed_points::{Origin, points_of};
 use super::point_tree::{Point, PointTree};
 use crate::alignment::eigen;
 use crate::error::Result;
-use crate::samples::{ImageBuffer, SampleSet};
+use crate::samples::{ImageBuffer, SampleImage, SampleSet};
 
 /// Around an edge, points are off their plane by more than this share of their variance.
 const EDGE: f64 = 0.04;
@@ -22,6 +22,9 @@ const LEAST: usize = 5;
 
 /// A step leaves the plane of the surface by at most this share of its reach.
 const OFF_PLANE: f32 = 0.5;
+
+/// Pixels that are seen at a slant reach at most this many times as far.
+const MOST_STRETCHED: f32 = 8.0;
 
 /// What is asked for.
 pub(super) struct SurfaceRule {
@@ -67,6 +70,7 @@ impl SurfaceRule {
                 let image = images.get(index)?;
                 let camera = &outline.cameras[image.camera as usize];
                 let mut points = points_of(&image, index, camera, origin, self.footprints);
+                stretch(&mut points, &image, camera.intrinsics.size(), self.footprints);
                 if let Some(radius) = self.radius {
                     points.retain(|point| f64::from(point.distance_squared([0.0; 3])) <= radius * radius);
                 }
@@ -95,6 +99,33 @@ impl SurfaceRule {
                 [point.index as usize] = true;
         }
         Ok(marks)
+    }
+}
+
+/// Seen at a slant, neighboring pixels lie farther apart than they are wide: lets points reach as many neighbors there as elsewhere.
+/// `points` are samples of the image, which reach so many `footprints`.
+fn stretch(points: &mut [Point], image: &SampleImage, (width, height): (usize, usize), footprints: f64) {
+    let mut places: Vec<Option<Vec3>> = vec![None; width * height];
+    let pixels: Vec<[usize; 2]> = image.samples().map(|sample| [sample.x, sample.y]).collect();
+    for point in points.iter() {
+        let [x, y] = pixels[point.index as usize];
+        if x < width && y < height {
+            places[y * width + x] = Some(Vec3::from(point.at));
+        }
+    }
+    for point in points {
+        let [x, y] = pixels[point.index as usize];
+        let here = Vec3::from(point.at);
+        let to = |x: usize, y: usize| {
+            let there = if x < width && y < height { places[y * width + x] } else { None };
+            there.map_or(f32::INFINITY, |there| there.distance(here))
+        };
+        // The nearer one of both sides: the other one may lie behind a silhouette.
+        let across = to(x.wrapping_sub(1), y).min(to(x + 1, y));
+        let down = to(x, y.wrapping_sub(1)).min(to(x, y + 1));
+        let apart = [across, down].into_iter().filter(|apart| apart.is_finite()).fold(0.0, f32::max);
+        let pixel = point.reach / footprints as f32;
+        point.reach *= (apart / pixel).clamp(1.0, MOST_STRETCHED);
     }
 }
 
