@@ -15,6 +15,7 @@ mod dialogs;
 mod display;
 mod display_choices;
 mod driver;
+mod edits;
 mod every_size;
 mod figures;
 mod film;

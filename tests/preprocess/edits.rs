@@ -16,15 +16,15 @@ use overlook_engine::settings::{AlignSettings, PruningMethod, Settings};
 use crate::moving::moving_capture;
 use crate::scene::{Scene, arc};
 
-fn settings() -> Settings {
+pub(crate) fn settings() -> Settings {
     Settings { align: AlignSettings::OFF, ..Settings::default() }
 }
 
-fn pruned(capture: &Capture) -> Preprocessed {
+pub(crate) fn pruned(capture: &Capture) -> Preprocessed {
     preprocess(capture, &settings(), &Job::new()).unwrap()
 }
 
-fn list(edits: impl IntoIterator<Item = (Action, Region)>) -> EditList {
+pub(crate) fn list(edits: impl IntoIterator<Item = (Action, Region)>) -> EditList {
     EditList { edits: edits.into_iter().map(|(action, region)| Edit::new("", action, region)).collect() }
 }
 
@@ -33,7 +33,7 @@ fn ball(frame: usize) -> Region {
     Region::Sphere { center: [-1.2 + 0.3 * frame as f64, -0.9, 0.3], radius: 0.35 }
 }
 
-fn edited(set: &SampleSet, edits: &EditList) -> SampleSet {
+pub(crate) fn edited(set: &SampleSet, edits: &EditList) -> SampleSet {
     edit_samples(set, edits, None, "test").unwrap().0
 }
 
@@ -53,7 +53,7 @@ fn held(set: &SampleSet, frame: usize) -> BTreeSet<HeldPixel> {
     set.images_at(frame).flat_map(of_image).collect()
 }
 
-fn placed(set: &SampleSet) -> Vec<(Arc<SampleImage>, PlacedSample)> {
+pub(crate) fn placed(set: &SampleSet) -> Vec<(Arc<SampleImage>, PlacedSample)> {
     let of_image = |image: &Arc<SampleImage>| {
         let placed = image.placed(&set.cameras[image.camera as usize]);
         placed.map(|placed| (image.clone(), placed)).collect::<Vec<_>>()
@@ -81,8 +81,13 @@ fn nothing_is_left_inside_of_what_is_deleted_and_keeping_alone_is_deleting_the_r
         Region::HalfSpace { point: [0.0, 0.0, 0.2], normal: [0.0, 0.0, 1.0] },
         Region::Depth { from: 1.0, to: 4.0 },
         Region::Cameras(vec![set.cameras[2].name.clone()]),
-        Region::Pixels { camera: set.cameras[0].name.clone(), outline: outline.clone() },
-        Region::View { viewpoint, outline, depth: Some([0.5, 6.0]) },
+        Region::Pixels {
+            camera: set.cameras[0].name.clone(),
+            frame: None,
+            outline: outline.clone(),
+            strokes: Vec::new(),
+        },
+        Region::View { viewpoint, frame: None, outline, strokes: Vec::new(), depth: Some([0.5, 6.0]) },
     ];
     for region in regions {
         let inverse = Region::Not(Box::new(region.clone()));
@@ -156,7 +161,7 @@ fn a_thing_that_is_deleted_at_one_frame_is_gone_at_all_frames_of_its_spans_or_at
 }
 
 /// What preprocessing with edits gives, in memory.
-fn preprocessed(capture: &Capture, edits: &EditList) -> Preprocessed {
+pub(crate) fn preprocessed(capture: &Capture, edits: &EditList) -> Preprocessed {
     let BufferedResult { outline, images, report } =
         preprocess_edited(capture, &settings(), edits, &Job::new()).unwrap();
     let samples = Arc::new(SampleSet { images: images.into_images().unwrap(), ..outline });
@@ -231,7 +236,12 @@ fn samples_that_one_camera_misread_are_selected_by_what_other_cameras_say() {
     let side = SQUARE.len() as f64;
     let outline = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]]
         .map(|corner| corner.map(|at| at + SQUARE.start as f64));
-    let square = Region::Pixels { camera: set.cameras[2].name.clone(), outline: outline.to_vec() };
+    let square = Region::Pixels {
+        camera: set.cameras[2].name.clone(),
+        frame: None,
+        outline: outline.to_vec(),
+        strokes: Vec::new(),
+    };
     let contradicted = count(Region::Contradicted);
     let of_square = count(Region::All(vec![square, Region::Contradicted]));
     assert!(of_square >= 48 && contradicted <= of_square + 16, "{contradicted}, {of_square} of the square");

@@ -22,5 +22,6 @@ mod pruning_properties;
 mod random_captures;
 mod repeated_frames;
 mod scalar_values;
+mod selections;
 mod span_tree;
 mod view_dependence;

@@ -46,6 +46,7 @@ mod view_alignment;
 
 pub use camera_correction::{CameraCorrection, CameraCorrections};
 pub use capture_correction::CaptureCorrection;
+pub(crate) use normal_equations::eigen;
 pub use report::{
     AlignedCamera, AlignedClock, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment,
 };

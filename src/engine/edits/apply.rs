@@ -13,14 +13,16 @@ use half::f16;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::evidence::Evidence;
 use super::list::{Action, Edit, EditList, Reach};
+use super::marks::SampleMarks;
 use super::region::Region;
 use super::region_test::RegionTest;
-use super::seen::{PixelRays, Seen, Votes};
+use super::seen::{ImageMarks, PixelRays, Seen, Votes};
 use super::votes::SampleVotes;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
-use crate::samples::{ImageBuffer, Sample, SampleImage, SampleSet, Span};
+use crate::samples::{ImageBuffer, SampleImage, SampleSet, Span};
 
 /// What was cut by hand, apart from what rules dropped.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,8 +64,8 @@ struct SampleEdit {
 
 impl SampleEdit {
     /// `None` where the edit changes nothing of the camera.
-    fn new(edit: &Edit, camera: &Camera, frame_numbers: &[i64]) -> Option<Self> {
-        let test = RegionTest::new(&edit.region, camera);
+    fn new(edit: &Edit, camera: &Camera, frame_numbers: &[i64], marked: &[Region]) -> Option<Self> {
+        let test = RegionTest::new(&edit.region, camera, marked);
         let is_idle = match (edit.action, &test) {
             (Action::KeepOnly, RegionTest::Constant(inside)) => *inside,
             (_, RegionTest::Constant(inside)) => !inside,
@@ -111,7 +113,7 @@ impl CameraEdits<'_> {
         of_span.filter(|(_, frames)| !frames.is_empty()).collect()
     }
 
-    fn left_of(&self, image: &SampleImage, votes: &[Votes]) -> Result<Left> {
+    fn left_of(&self, image: &SampleImage, votes: &[Votes], marks: &[ImageMarks]) -> Result<Left> {
         let acting = self.acting(image.span);
         if acting.is_empty() {
             return Ok(Left::All);
@@ -121,10 +123,11 @@ impl CameraEdits<'_> {
         // For each run of segments that samples stay in: the span, and which samples.
         let mut runs: Vec<(Span, Vec<bool>)> = Vec::new();
         let mut is_changed = false;
-        let evidence = Evidence::new(image, votes, &acting, self.camera)?;
+        let asks_for_normals = acting.iter().any(|(edit, _)| edit.test.asks_for_normals());
+        let evidence = Evidence::new(image, votes, marks, asks_for_normals, self.camera)?;
         let mut inside = vec![false; acting.len()];
         for sample in image.samples() {
-            let mut seen = self.rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
+            let mut seen: Seen<'_> = self.rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
             evidence.add_to(&mut seen, &sample);
             for (inside, (edit, _)) in inside.iter_mut().zip(&acting) {
                 *inside = edit.test.contains(&seen);
@@ -166,37 +169,6 @@ impl CameraEdits<'_> {
     }
 }
 
-/// What of a region's questions only the image answers.
-struct Evidence<'a> {
-    image: &'a SampleImage,
-    votes: &'a [Votes],
-}
-
-impl<'a> Evidence<'a> {
-    fn new(
-        image: &'a SampleImage,
-        votes: &'a [Votes],
-        acting: &[(&SampleEdit, Range<usize>)],
-        camera: &Camera,
-    ) -> Result<Self> {
-        if image.normal.is_none() && acting.iter().any(|(edit, _)| edit.test.asks_for_normals()) {
-            return Err(Error::invalid(
-                format!("camera '{}'", camera.name),
-                "an edit asks for the angle of view, and its samples have no normals; preprocess with --set store.normals=true",
-            ));
-        }
-        Ok(Self { image, votes })
-    }
-
-    fn add_to(&self, seen: &mut Seen, sample: &Sample) {
-        seen.votes = self.votes.get(sample.index).copied().unwrap_or_default();
-        seen.is_doubtful = !self.image.doubtful.is_empty() && self.image.is_doubtful(sample.x, sample.y);
-        if let Some(normals) = &self.image.normal {
-            seen.normal_in_world = normals[sample.index].decode().as_dvec3();
-        }
-    }
-}
-
 /// A span, cut where an edit begins or ends to act.
 fn segments_of(span: Span, acting: &[(&SampleEdit, Range<usize>)]) -> Vec<Range<usize>> {
     let mut bounds = vec![span.start as usize, span.end as usize];
@@ -230,8 +202,11 @@ pub fn cut(
         ));
     }
     let in_order = edits.in_order();
+    let marks = SampleMarks::of(images, outline, in_order.iter().map(|edit| &edit.region), votes, place)?;
     let of_camera = |camera| {
-        let ready = in_order.iter().filter_map(|edit| SampleEdit::new(edit, camera, &outline.frame_numbers));
+        let numbers = &outline.frame_numbers;
+        let ready =
+            in_order.iter().filter_map(|edit| SampleEdit::new(edit, camera, numbers, marks.regions()));
         CameraEdits { rays: PixelRays::of(camera), edits: ready.collect(), camera }
     };
     let cameras: Vec<CameraEdits<'_>> = outline.cameras.iter().map(of_camera).collect();
@@ -243,7 +218,7 @@ pub fn cut(
             .map(|index| {
                 let image = images.get(index)?;
                 let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
-                let left = cameras[image.camera as usize].left_of(&image, votes)?;
+                let left = cameras[image.camera as usize].left_of(&image, votes, marks.of_image(index))?;
                 Ok((image, left))
             })
             .collect::<Result<_>>()?;
@@ -303,30 +278,29 @@ pub fn selected(
     votes: Option<&SampleVotes>,
     place: &str,
 ) -> Result<(SampleSet, u64)> {
-    let edit = Edit::new("selection", Action::Delete, region.clone());
-    let list = EditList { edits: vec![edit] };
-    if list.asks_for_votes() && votes.is_none() {
+    if region.asks_for_votes() && votes.is_none() {
         return Err(Error::invalid(place, "which cameras confirm samples is not known of a store"));
     }
-    let edits = &list.edits[0];
+    let marks = SampleMarks::of(&ImageBuffer::of(&set.images), set, [region].into_iter(), votes, place)?;
     let tinted: Vec<(Arc<SampleImage>, u64)> = set
         .images
         .par_iter()
         .enumerate()
         .map(|(index, image)| {
             let camera = &set.cameras[image.camera as usize];
-            let Some(ready) = SampleEdit::new(edits, camera, &set.frame_numbers) else {
+            let test = RegionTest::new(region, camera, marks.regions());
+            if matches!(test, RegionTest::Constant(false)) {
                 return Ok((image.clone(), 0));
-            };
-            let acting = [(&ready, 0..1)];
+            }
             let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
-            let evidence = Evidence::new(image, votes, &acting, camera)?;
+            let marks = marks.of_image(index);
+            let evidence = Evidence::new(image, votes, marks, test.asks_for_normals(), camera)?;
             let (rays, inverse_depths) = (PixelRays::of(camera), image.inverse_depths());
             let (mut colors, mut count) = (image.color.clone(), 0);
             for sample in image.samples() {
-                let mut seen = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
+                let mut seen: Seen<'_> = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
                 evidence.add_to(&mut seen, &sample);
-                if ready.test.contains(&seen) {
+                if test.contains(&seen) {
                     count += 1;
                     let own = &mut colors[sample.index];
                     *own = std::array::from_fn(|channel| {

@@ -121,6 +121,20 @@ impl EditList {
         others.into_iter().chain(left_out).collect()
     }
 
+    /// The same list, in which pictures of cameras that are left out are those of viewpoints: what was outlined there is still known once
+    /// these cameras are not.
+    #[must_use]
+    pub fn with_views_of_left_out(&self, cameras: &[Camera]) -> Self {
+        let left_out = self.cameras_left_out();
+        let gone: Vec<&Camera> =
+            cameras.iter().filter(|camera| left_out.contains(camera.name.as_str())).collect();
+        let mut list = self.clone();
+        for edit in &mut list.edits {
+            edit.region.see_through(&gone);
+        }
+        list
+    }
+
     /// Whether nothing is edited.
     #[must_use]
     pub fn is_idle(&self) -> bool {

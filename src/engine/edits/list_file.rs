@@ -123,12 +123,35 @@ impl EditList {
 
 #[cfg(test)]
 mod tests {
+    use super::super::region::{Stroke, Viewpoint};
     use super::*;
 
     fn example() -> EditList {
         let sphere = Region::Sphere { center: [0.1, -2.0, 3.0], radius: 0.5 };
         let outline = vec![[1.0, 2.0], [30.5, 2.0], [30.5, 40.0]];
-        let pixels = Region::Pixels { camera: "left \"one\"".to_owned(), outline };
+        let stroke = Stroke { radius: 2.5, points: vec![[1.0, 2.0], [3.5, 4.0]] };
+        let seen = Region::Pixels {
+            camera: "b".to_owned(),
+            frame: Some(-3),
+            outline: Vec::new(),
+            strokes: vec![stroke.clone()],
+        };
+        let pixels = Region::Pixels {
+            camera: "left \"one\"".to_owned(),
+            frame: None,
+            outline: outline.clone(),
+            strokes: Vec::new(),
+        };
+        let viewpoint = Viewpoint {
+            size: [40, 30],
+            focal_length: [30.0, 31.0],
+            principal_point: [20.0, 15.0],
+            world_from_camera: glam::DAffine3::IDENTITY.to_cols_array_2d(),
+        };
+        let view = Region::View { viewpoint, frame: Some(2), outline, strokes: vec![stroke], depth: None };
+        let surface = Region::same_surface([0.5, 0.25, -1.0], 7);
+        let grown = Region::Grow { region: Box::new(Region::Any(vec![seen, view])), footprints: 2.0 };
+        let shrunk = Region::Shrink { region: Box::new(surface), footprints: 1.5 };
         let mut timed = Edit::new("a thing\nthat passes", Action::Delete, pixels.clone());
         (timed.frames, timed.reach, timed.is_on) = (Some([-3, 7]), Reach::Span, false);
         let rest = Region::Without(vec![
@@ -141,6 +164,7 @@ mod tests {
             timed,
             Edit::new("rest", Action::KeepOnly, rest),
             Edit::new("back", Action::Restore, sphere),
+            Edit::new("grown", Action::Delete, Region::Without(vec![grown, shrunk])),
         ];
         EditList { edits }
     }
@@ -171,6 +195,23 @@ mod tests {
             (
                 edit("do = \"delete\"\nregion = { pixels = { camera = \"a\", outline = [[0, 0]] } }"),
                 "three corners",
+            ),
+            (
+                edit(
+                    "do = \"delete\"\nregion = { pixels = { camera = \"a\", strokes = [{ radius = 0, points = [[0, 0]] }] } }",
+                ),
+                "a stroke needs",
+            ),
+            (edit("do = \"delete\"\nregion = { pixels = { camera = \"a\" } }"), "give strokes"),
+            (
+                edit("do = \"delete\"\nregion = { grow = { region = \"doubtful\", footprints = 0 } }"),
+                "footprints = 0",
+            ),
+            (
+                edit(
+                    "do = \"delete\"\nregion = { same_surface = { seed = [0, 0, 0], frame = 0, angle = 100 } }",
+                ),
+                "same_surface needs",
             ),
             (edit("do = \"delete\"\nregion = { any = [{ depth = { from = 3, to = 2 } }] }"), "depth goes"),
         ] {

@@ -10,17 +10,21 @@
 //!
 //! - A region in space or in a picture deletes *observations*, before pruning, so that no redundant pixel of another camera brings
 //!   back what was deleted, and what a masked pixel represented is represented by others.
-//! - A region that asks for evidence (votes of cameras, doubt, angle) and an edit that reaches over the spans of samples act on what
-//!   pruning *kept*, since only a sample has evidence and a span.
+//! - A region that asks for evidence (votes of cameras, doubt, angle) or depends on other samples (what a picture shows, a surface, what is
+//!   near) and an edit that reaches over the spans of samples act on what pruning *kept*, since only a sample has evidence and a span.
 //!
 //! Once pruning is done the whole list acts on its samples, in order. So nothing is left inside of what was deleted, and a store that is
 //! edited afterwards obeys the same list.
 
 mod apply;
+mod drawn_area;
+mod evidence;
 mod list;
 mod list_file;
+mod marks;
 mod polygon;
 mod region;
+mod region_fault;
 mod region_test;
 mod removed_pixels;
 mod seen;
@@ -28,7 +32,7 @@ mod votes;
 
 pub use apply::{CutByHand, EditedImages, cut, edit_samples, selected};
 pub use list::{Action, Edit, EditList, Reach};
-pub use region::{Outline, Region, Viewpoint};
+pub use region::{Outline, Region, Stroke, Viewpoint};
 pub use removed_pixels::{with_cameras_left, without_removed_pixels};
 pub use seen::Votes;
 pub use votes::SampleVotes;

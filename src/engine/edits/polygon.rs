@@ -18,6 +18,11 @@ impl Polygon {
         Self { corners, least, most }
     }
 
+    /// The least and the largest coordinates of its corners; the first are larger than the second where it has none.
+    pub(super) fn bounds(&self) -> [DVec2; 2] {
+        [self.least, self.most]
+    }
+
     /// Whether a point lies inside, by the number of sides that a ray to its right crosses.
     pub(super) fn contains(&self, point: DVec2) -> bool {
         if point.cmplt(self.least).any() || point.cmpgt(self.most).any() {

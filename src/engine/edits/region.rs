@@ -1,12 +1,22 @@
 //! Regions: sets of samples, by where they are, by which camera saw them, or by what other cameras say of them.
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use serde::{Deserialize, Serialize};
 
 use crate::capture::{Camera, Intrinsics};
 
 /// A closed outline in a picture: its corners in pixels, `[x, y]` from the upper left corner, in order. At least three.
 pub type Outline = Vec<[f64; 2]>;
+
+/// A stroke of a round brush in a picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stroke {
+    /// Of the brush, pixels, above 0.
+    pub radius: f64,
+    /// Where it went, in pixels, `[x, y]` from the upper left corner, in order; straight in between. At least one point.
+    pub points: Vec<[f64; 2]>,
+}
 
 /// A set of samples. Empty combinations follow the rules of sets: `any = []` holds nothing, `all = []` holds everything.
 ///
@@ -48,19 +58,35 @@ pub enum Region {
     },
     /// All that some cameras saw, by their names.
     Cameras(Vec<String>),
-    /// What one camera saw at the pixels whose centers lie within an outline of its picture.
+    /// What one camera saw at the pixels whose centers are drawn on in its picture: within the outline or under a stroke. With a frame,
+    /// what these pixels show there, whichever camera's samples stand for it.
     Pixels {
         /// Its name.
         camera: String,
+        /// The frame, by its number in the capture.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        frame: Option<i64>,
         /// In its picture.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
         outline: Outline,
+        /// In its picture.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        strokes: Vec<Stroke>,
     },
-    /// What lies within an outline of the picture of any viewpoint, at any depth, or between two depths.
+    /// What lies within an outline or under a stroke of the picture of any viewpoint, at any depth, or between two depths. With a frame,
+    /// only what is seen from there at that frame, without what lies behind.
     View {
         /// The viewpoint.
         viewpoint: Viewpoint,
+        /// The frame, by its number in the capture.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        frame: Option<i64>,
         /// In its picture.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
         outline: Outline,
+        /// In its picture.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        strokes: Vec<Stroke>,
         /// The nearest and the farthest planar depth from there, world units; without it any depth and the sky.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         depth: Option<[f64; 2]>,
@@ -87,6 +113,37 @@ pub enum Region {
         /// The most grazing view.
         to: f64,
     },
+    /// The surface that a sample lies on, at one frame: all samples of all cameras that are reached from it in short steps along which
+    /// the direction of the surface hardly changes. Edges end it.
+    SameSurface {
+        /// A point of the surface, world space: the sample nearest to it is the first.
+        seed: [f64; 3],
+        /// The frame, by its number in the capture.
+        frame: i64,
+        /// The longest step, in widths of the coarser of both pixels at their depths; above 0, at most 64.
+        #[serde(default = "default_step")]
+        footprints: f64,
+        /// By how much normals may differ over one step, degrees, from 0 to 90.
+        #[serde(default = "default_turn")]
+        angle: f64,
+        /// It ends so far from the first sample, world units, above 0; without it nowhere.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        radius: Option<f64>,
+    },
+    /// What is in a region, and all samples that hold at the same time as one of these and are this near to it. The sky is near nothing.
+    Grow {
+        /// The region.
+        region: Box<Region>,
+        /// Widths of the coarser of both pixels at their depths; above 0, at most 64.
+        footprints: f64,
+    },
+    /// What is in a region, without samples that hold at the same time as one beside it and are this near to it.
+    Shrink {
+        /// The region.
+        region: Box<Region>,
+        /// As of `grow`.
+        footprints: f64,
+    },
     /// What is in at least one of these: regions added to each other.
     Any(Vec<Region>),
     /// What is in each of these: their intersection.
@@ -95,6 +152,16 @@ pub enum Region {
     Without(Vec<Region>),
     /// What is not in this one.
     Not(Box<Region>),
+}
+
+/// The longest step of [`Region::SameSurface`] where none is given: over gaps that pruning leaves between cameras.
+fn default_step() -> f64 {
+    3.0
+}
+
+/// How much normals differ over a step of [`Region::SameSurface`] where nothing else is given, degrees: less than at the edges of things.
+fn default_turn() -> f64 {
+    25.0
 }
 
 /// A viewpoint as files name it.
@@ -135,12 +202,49 @@ impl Viewpoint {
 }
 
 impl Region {
+    /// The most footprints of a region that asks for what is near: farther is no neighborhood any more, and takes long to search.
+    pub const MOST_FOOTPRINTS: f64 = 64.0;
+
+    /// The surface at a point in world space, at a frame by its number, with steps and turns as they are where a list gives none.
+    #[must_use]
+    pub fn same_surface(seed: [f64; 3], frame: i64) -> Self {
+        Self::SameSurface { seed, frame, footprints: default_step(), angle: default_turn(), radius: None }
+    }
+
     /// The regions that it is made of, where it is a combination.
-    fn parts(&self) -> &[Self] {
+    pub(super) fn parts(&self) -> &[Self] {
         match self {
             Self::Any(parts) | Self::All(parts) | Self::Without(parts) => parts,
-            Self::Not(part) => std::slice::from_ref(&**part),
+            Self::Not(part) | Self::Grow { region: part, .. } | Self::Shrink { region: part, .. } => {
+                std::slice::from_ref(&**part)
+            }
             _ => &[],
+        }
+    }
+
+    fn parts_mut(&mut self) -> &mut [Self] {
+        match self {
+            Self::Any(parts) | Self::All(parts) | Self::Without(parts) => parts,
+            Self::Not(part) | Self::Grow { region: part, .. } | Self::Shrink { region: part, .. } => {
+                std::slice::from_mut(&mut **part)
+            }
+            _ => &mut [],
+        }
+    }
+
+    /// Makes what pictures of some cameras show what is seen from where they are.
+    pub(super) fn see_through(&mut self, cameras: &[&Camera]) {
+        self.parts_mut().iter_mut().for_each(|part| part.see_through(cameras));
+        if let Self::Pixels { camera, frame: Some(frame), outline, strokes } = self
+            && let Some(known) = cameras.iter().find(|known| known.name == *camera)
+        {
+            *self = Self::View {
+                viewpoint: Viewpoint::of(known),
+                frame: Some(*frame),
+                outline: std::mem::take(outline),
+                strokes: std::mem::take(strokes),
+                depth: None,
+            };
         }
     }
 
@@ -166,7 +270,29 @@ impl Region {
     /// Whether it asks for what only a sample has that pruning kept.
     #[must_use]
     pub fn asks_for_evidence(&self) -> bool {
-        self.asks_for_votes() || self.has(&|part| matches!(part, Self::Doubtful | Self::Angle { .. }))
+        self.asks_for_votes()
+            || self
+                .has(&|part| matches!(part, Self::Doubtful | Self::Angle { .. }) || part.asks_other_samples())
+    }
+
+    /// Whether it, apart from its parts, depends on other samples than the one that is asked about.
+    pub(super) fn asks_other_samples(&self) -> bool {
+        matches!(
+            self,
+            Self::Pixels { frame: Some(_), .. }
+                | Self::View { frame: Some(_), .. }
+                | Self::SameSurface { .. }
+                | Self::Grow { .. }
+                | Self::Shrink { .. }
+        )
+    }
+
+    /// Its parts that depend on other samples, those that others are made of first; each once.
+    pub(super) fn note_those_that_ask_others<'a>(&'a self, known: &mut Vec<&'a Self>) {
+        self.parts().iter().for_each(|part| part.note_those_that_ask_others(known));
+        if self.asks_other_samples() && !known.contains(&self) {
+            known.push(self);
+        }
     }
 
     /// The cameras that it names.
@@ -178,66 +304,5 @@ impl Region {
         };
         names.extend(self.parts().iter().flat_map(Self::named_cameras));
         names
-    }
-
-    /// What is wrong with its numbers, and what to do; `None` where nothing is.
-    pub(super) fn fault(&self) -> Option<String> {
-        let said = |is_wrong: bool, what: &str| is_wrong.then(|| what.to_owned());
-        let is_bad = |numbers: &[f64]| numbers.iter().any(|number| !number.is_finite());
-        let range = |from: f64, to: f64, name: &str| {
-            (is_bad(&[from, to]) || from > to || from < 0.0)
-                .then(|| format!("{name} goes from {from} to {to}; give from ≥ 0, and to at least as large"))
-        };
-        let outline_fault = |outline: &Outline| {
-            said(
-                outline.len() < 3 || outline.iter().any(|corner| is_bad(corner)),
-                "an outline needs at least three corners with finite numbers",
-            )
-        };
-        match self {
-            Self::Box { center, half_size, rotation_degrees } => said(
-                is_bad(center)
-                    || is_bad(half_size)
-                    || is_bad(rotation_degrees)
-                    || half_size.iter().any(|half| *half <= 0.0),
-                "a box needs finite numbers, and each half_size above 0",
-            ),
-            Self::Sphere { center, radius } => said(
-                is_bad(center) || is_bad(&[*radius]) || *radius <= 0.0,
-                "a sphere needs a radius above 0",
-            ),
-            Self::HalfSpace { point, normal } => said(
-                is_bad(point) || is_bad(normal) || DVec3::from(*normal).length() == 0.0,
-                "a half space needs a point, and a normal that is not 0",
-            ),
-            Self::Depth { from, to } => range(*from, *to, "depth"),
-            Self::Footprint { from, to } => range(*from, *to, "footprint"),
-            Self::Angle { from, to } => range(*from, *to, "angle"),
-            Self::Pixels { outline, .. } => outline_fault(outline),
-            Self::View { viewpoint, outline, depth } => {
-                let numbers = viewpoint.world_from_camera.as_flattened();
-                let lens = [viewpoint.focal_length, viewpoint.principal_point];
-                let is_flat =
-                    DAffine3::from_cols_array_2d(&viewpoint.world_from_camera).matrix3.determinant().abs()
-                        < 1e-12;
-                let is_no_lens = viewpoint.focal_length.iter().any(|focal| *focal <= 0.0);
-                said(
-                    is_bad(numbers) || is_bad(lens.as_flattened()) || is_no_lens || is_flat,
-                    "a viewpoint needs focal lengths above 0, and axes that span space",
-                )
-                .or_else(|| outline_fault(outline))
-                .or_else(|| depth.and_then(|[from, to]| range(from, to, "depth")))
-            }
-            Self::ConfirmedByFewerThan(count) => said(
-                *count == 0,
-                "confirmed_by_fewer_than = 0 holds nothing; write 1 for samples that no other camera confirms",
-            ),
-            Self::Without(parts) => said(
-                parts.is_empty(),
-                "without needs a region that others are subtracted from; write it first",
-            )
-            .or_else(|| parts.iter().find_map(Self::fault)),
-            _ => self.parts().iter().find_map(Self::fault),
-        }
     }
 }

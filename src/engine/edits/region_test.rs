@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 
-use super::polygon::Polygon;
+use super::drawn_area::DrawnArea;
 use super::region::Region;
 use super::seen::{Seen, Votes};
 use crate::capture::{Camera, Intrinsics, PixelSide};
@@ -11,26 +11,53 @@ use crate::capture::{Camera, Intrinsics, PixelSide};
 #[derive(Clone, Debug)]
 pub(super) enum RegionTest {
     Constant(bool),
-    Box { box_from_world: DAffine3, half_size: DVec3 },
-    Sphere { center: DVec3, radius_squared: f64 },
-    HalfSpace { point: DVec3, normal: DVec3 },
-    Depth { from: f64, to: f64 },
-    Pixels(Polygon),
-    View { camera_from_world: DAffine3, lens: Intrinsics, outline: Polygon, depth: Option<[f64; 2]> },
+    Box {
+        box_from_world: DAffine3,
+        half_size: DVec3,
+    },
+    Sphere {
+        center: DVec3,
+        radius_squared: f64,
+    },
+    HalfSpace {
+        point: DVec3,
+        normal: DVec3,
+    },
+    Depth {
+        from: f64,
+        to: f64,
+    },
+    Pixels(DrawnArea),
+    View {
+        camera_from_world: DAffine3,
+        lens: Intrinsics,
+        area: DrawnArea,
+        depth: Option<[f64; 2]>,
+    },
+    /// By its place in a list of regions that depend on other samples.
+    Marked(usize),
     Doubtful,
     Contradicted,
     ConfirmedByFewerThan(u32),
     SeenByOneCamera,
-    Angle { most_cosine: f64, least_cosine: f64 },
+    Angle {
+        most_cosine: f64,
+        least_cosine: f64,
+    },
     Any(Vec<Self>),
     All(Vec<Self>),
     Not(Box<Self>),
 }
 
 impl RegionTest {
-    /// For samples of `camera`. Parts that are the same for all of its samples are decided here.
-    pub(super) fn new(region: &Region, camera: &Camera) -> Self {
+    /// For samples of `camera`. Parts that are the same for all of its samples are decided here. `marked` are the regions that depend on
+    /// other samples, as [`Seen::marks`] knows them; one that is not among them holds nothing.
+    pub(super) fn new(region: &Region, camera: &Camera, marked: &[Region]) -> Self {
         match region {
+            asks if asks.asks_other_samples() => {
+                let at = marked.iter().position(|known| known == asks);
+                at.map_or(Self::Constant(false), Self::Marked)
+            }
             Region::Box { center, half_size, rotation_degrees } => {
                 let [x, y, z] = rotation_degrees.map(f64::to_radians);
                 let turned = DMat3::from_quat(DQuat::from_euler(EulerRot::XYZEx, x, y, z));
@@ -49,14 +76,14 @@ impl RegionTest {
                 Self::Depth { from: from / width, to: to / width }
             }
             Region::Cameras(names) => Self::Constant(names.contains(&camera.name)),
-            Region::Pixels { camera: name, outline } if *name == camera.name => {
-                Self::Pixels(Polygon::new(outline))
+            Region::Pixels { camera: name, outline, strokes, .. } if *name == camera.name => {
+                Self::Pixels(DrawnArea::new(outline, strokes))
             }
             Region::Pixels { .. } => Self::Constant(false),
-            Region::View { viewpoint, outline, depth } => Self::View {
+            Region::View { viewpoint, outline, strokes, depth, .. } => Self::View {
                 camera_from_world: viewpoint.camera_from_world(),
                 lens: viewpoint.lens(),
-                outline: Polygon::new(outline),
+                area: DrawnArea::new(outline, strokes),
                 depth: *depth,
             },
             Region::Doubtful => Self::Doubtful,
@@ -67,19 +94,21 @@ impl RegionTest {
                 most_cosine: from.min(180.0).to_radians().cos(),
                 least_cosine: to.min(180.0).to_radians().cos(),
             },
-            Region::Any(parts) => Self::combined(parts, camera, true),
-            Region::All(parts) => Self::combined(parts, camera, false),
+            Region::SameSurface { .. } | Region::Grow { .. } | Region::Shrink { .. } => Self::Constant(false),
+            Region::Any(parts) => Self::combined(parts, camera, marked, true),
+            Region::All(parts) => Self::combined(parts, camera, marked, false),
             Region::Without(parts) => {
-                let first = parts.first().map_or(Self::Constant(false), |first| Self::new(first, camera));
-                let rest = Self::combined(parts.get(1..).unwrap_or_default(), camera, true);
+                let first =
+                    parts.first().map_or(Self::Constant(false), |first| Self::new(first, camera, marked));
+                let rest = Self::combined(parts.get(1..).unwrap_or_default(), camera, marked, true);
                 Self::simplified(vec![first, rest.inverted()], false)
             }
-            Region::Not(part) => Self::new(part, camera).inverted(),
+            Region::Not(part) => Self::new(part, camera, marked).inverted(),
         }
     }
 
-    fn combined(parts: &[Region], camera: &Camera, is_any: bool) -> Self {
-        Self::simplified(parts.iter().map(|part| Self::new(part, camera)).collect(), is_any)
+    fn combined(parts: &[Region], camera: &Camera, marked: &[Region], is_any: bool) -> Self {
+        Self::simplified(parts.iter().map(|part| Self::new(part, camera, marked)).collect(), is_any)
     }
 
     /// Leaves out parts that decide nothing.
@@ -104,7 +133,7 @@ impl RegionTest {
         }
     }
 
-    pub(super) fn contains(&self, seen: &Seen) -> bool {
+    pub(super) fn contains(&self, seen: &Seen<'_>) -> bool {
         match self {
             Self::Constant(value) => *value,
             Self::Box { box_from_world, half_size } => {
@@ -119,8 +148,9 @@ impl RegionTest {
             }
             Self::HalfSpace { normal, .. } => seen.direction_in_world.dot(*normal) > 0.0,
             Self::Depth { from, to } => (*from..=*to).contains(&seen.depth),
-            Self::Pixels(outline) => outline.contains(seen.pixel),
-            Self::View { camera_from_world, lens, outline, depth } => {
+            Self::Pixels(area) => area.contains(seen.pixel),
+            Self::Marked(at) => seen.is_marked(*at),
+            Self::View { camera_from_world, lens, area, depth } => {
                 let is_sky = !seen.depth.is_finite();
                 let in_camera = if is_sky {
                     camera_from_world.transform_vector3(seen.direction_in_world)
@@ -129,7 +159,7 @@ impl RegionTest {
                 };
                 let is_in_range =
                     depth.is_none_or(|[from, to]| !is_sky && (from..=to).contains(&in_camera.z));
-                is_in_range && lens.project(in_camera).is_some_and(|pixel| outline.contains(pixel))
+                is_in_range && lens.project(in_camera).is_some_and(|pixel| area.contains(pixel))
             }
             Self::Doubtful => seen.is_doubtful,
             Self::Contradicted => seen.votes.contradict(),

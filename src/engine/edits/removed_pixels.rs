@@ -32,7 +32,7 @@ struct PixelEdit {
 
 impl PixelEdit {
     fn new(edit: &Edit, camera: &Camera) -> Self {
-        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, camera) }
+        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, camera, &[]) }
     }
 
     fn acts_at(&self, frame_number: i64) -> bool {

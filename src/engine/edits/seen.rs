@@ -21,9 +21,12 @@ impl Votes {
     }
 }
 
+/// Which samples of an image are in a region that depends on other samples; `None` where none is.
+pub(super) type ImageMarks = Option<Box<[bool]>>;
+
 /// A sample, or a pixel with depth, with all that a region may ask.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct Seen<'a> {
     /// Center of its pixel in its own picture, pixels.
     pub(super) pixel: DVec2,
     /// Toward it from its camera, world space, not of unit length.
@@ -38,6 +41,17 @@ pub(super) struct Seen {
     pub(super) normal_in_world: DVec3,
     /// What other cameras say.
     pub(super) votes: Votes,
+    /// Of its image, for each region that depends on other samples.
+    pub(super) marks: &'a [ImageMarks],
+    /// Index into the planes of its image.
+    pub(super) index: usize,
+}
+
+impl Seen<'_> {
+    /// Whether it is in the region at this place among those that depend on other samples.
+    pub(super) fn is_marked(&self, region: usize) -> bool {
+        self.marks.get(region).and_then(Option::as_ref).is_some_and(|marks| marks[self.index])
+    }
 }
 
 /// A camera with what turns its pixels into places.
@@ -53,7 +67,7 @@ impl PixelRays {
     }
 
     /// What is seen at a pixel with an inverse depth from 0, without evidence.
-    pub(super) fn seen(&self, x: usize, y: usize, inverse_depth: f32) -> Seen {
+    pub(super) fn seen(&self, x: usize, y: usize, inverse_depth: f32) -> Seen<'static> {
         let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let direction_in_world = self.world_from_camera.transform_vector3(self.lens.ray_in_camera(pixel));
         let depth = 1.0 / f64::from(inverse_depth);
@@ -65,6 +79,8 @@ impl PixelRays {
             is_doubtful: false,
             normal_in_world: DVec3::ZERO,
             votes: Votes::default(),
+            marks: &[],
+            index: 0,
         }
     }
 }

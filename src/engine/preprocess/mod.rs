@@ -38,8 +38,8 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::alignment::Alignment;
-use crate::capture::Capture;
 use crate::capture::overlap::OverlapGraph;
+use crate::capture::{Camera, Capture};
 use crate::edits::{self, CutByHand, EditList, EditedImages, SampleVotes};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
@@ -125,16 +125,18 @@ fn preprocess_into(
     let left = edits::with_cameras_left(capture, edits)?;
     let scan = PreparedScan::edited(&left, settings, edits, job)?;
     let pruned = prune_into(images, &left, &scan, settings, job)?;
-    let mut spooled = if edits.is_idle() { pruned } else { cut_by_hand(pruned, &scan, edits, job)? };
+    let mut spooled =
+        if edits.is_idle() { pruned } else { cut_by_hand(pruned, &scan, edits, &capture.cameras, job)? };
     spooled.report.seconds = started.elapsed().as_secs_f64();
     Ok(spooled)
 }
 
-/// What edits leave of what was kept, with a report that says so.
+/// What edits leave of what was kept, with a report that says so. `cameras` are all, those that are left out among them.
 fn cut_by_hand(
     pruned: BufferedResult,
     scan: &PreparedScan,
     edits: &EditList,
+    cameras: &[Camera],
     job: &Job,
 ) -> Result<BufferedResult> {
     let BufferedResult { outline, images, mut report } = pruned;
@@ -146,7 +148,7 @@ fn cut_by_hand(
         None
     };
     let EditedImages { images, dropped, dropped_pixels, .. } =
-        edits::cut(&images, &outline, edits, votes.as_ref(), "edits")?;
+        edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits")?;
     for (camera, removed) in report.cameras.iter_mut().zip(scan.removed_pixels()) {
         camera.invalid = camera.invalid.saturating_sub(*removed);
     }

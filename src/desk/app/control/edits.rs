@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::overlook_app::OverlookApp;
-use crate::app::model::{Command, EditCommand, EditKey, EditedScene, NoticeKind};
+use crate::app::model::{BRUSH_RADII, Command, EditCommand, EditKey, EditedScene, NoticeKind};
 use crate::app::work::FileRequest;
 use overlook_engine::edits::{Action, Edit, EditList, Region};
 
@@ -20,16 +20,18 @@ impl OverlookApp {
     }
 
     fn edit(&mut self, command: EditCommand) {
-        let frame_number = self
-            .state
-            .scene
-            .as_ref()
-            .and_then(|scene| scene.frame_numbers.get(self.state.timeline.frame).copied());
+        let frame_number = self.state.frame_number();
         let edits = &mut self.state.edits;
         match command {
-            EditCommand::Select(region) => edits.selection = Some(edits.combined(region)),
+            EditCommand::Select(region) => edits.selection = Some(edits.combined(region, edits.combine)),
+            EditCommand::Draw { region, combine, is_done: false } => edits.draft = Some((region, combine)),
+            EditCommand::Draw { region, combine, is_done: true } => {
+                edits.selection = Some(edits.combined(region, combine));
+                edits.draft = None;
+            }
+            EditCommand::Mask { camera, stroke } => edits.mask(&camera, stroke),
             EditCommand::Reshape(region) => edits.selection = Some(region),
-            EditCommand::SelectNothing => (edits.selection, edits.tool) = (None, None),
+            EditCommand::SelectNothing => (edits.selection, edits.draft, edits.tool) = (None, None, None),
             EditCommand::Invert => {
                 edits.selection = edits.selection.take().map(|selection| match selection {
                     Region::Not(region) => *region,
@@ -37,8 +39,15 @@ impl OverlookApp {
                 });
             }
             EditCommand::Combine(combine) => edits.combine = combine,
-            EditCommand::Tool(tool) => edits.tool = tool,
+            EditCommand::Depth(depth) => edits.depth = depth,
+            EditCommand::Tool(tool) => (edits.tool, edits.draft) = (tool, None),
+            EditCommand::Radius(radius) => {
+                edits.radius = radius.clamp(*BRUSH_RADII.start(), *BRUSH_RADII.end());
+            }
+            EditCommand::GrowBy(footprints) => edits.grow_by = footprints,
+            EditCommand::Grow(grows) => edits.selection = edits.grown(grows),
             EditCommand::Time(time) => edits.time = time,
+            EditCommand::Range([first, last]) => edits.range = Some([first.min(last), last.max(first)]),
             EditCommand::Act(action) => {
                 let edit = edits.edit_of_selection(action, frame_number.unwrap_or_default());
                 if let Some(edit) = edit {

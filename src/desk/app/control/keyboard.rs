@@ -7,8 +7,8 @@ use glam::DVec3;
 use overlook_engine::edits::Action;
 
 use crate::app::model::{
-    Area, Command, CommandPalette, Commands, EditCommand, HelpPage, Purpose, ShareCommand, ShareWay, State,
-    ViewCommand, Workspace,
+    Area, Command, CommandPalette, Commands, EditCommand, EditTool, HelpPage, Purpose, ShareCommand,
+    ShareWay, State, ViewCommand, Workspace,
 };
 
 /// A heading, and keys or mouse actions with what they do.
@@ -66,10 +66,24 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("[ and ]", "fly slower, faster"),
             ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
             ("M", "measure a distance between two points"),
-            ("Delete", "delete what is selected"),
             ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
             ("Home, double-click", "reset to the start view"),
             ("H", "hatch holes, or fill them"),
+        ],
+    ),
+    (
+        "Edits",
+        &[
+            (
+                "R, L, B",
+                "select in pictures by rectangle, lasso, brush; with Shift added, with Alt taken away",
+            ),
+            ("T", "select the same surface by a click"),
+            ("[ and ]", "smaller, larger brush, while there is one"),
+            ("Shift + B", "paint a mask on a source picture"),
+            ("G, Shift + G", "grow, shrink the selection"),
+            ("Ctrl + I", "invert the selection"),
+            ("Delete", "delete what is selected"),
         ],
     ),
     (
@@ -149,6 +163,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     ctx.input_mut(|input| {
         commands.extend(axis_keys(input));
         commands.extend(time_keys(input, state));
+        commands.extend(edit_keys(input, state));
         // With fewer modifiers a key is consumed whatever else is held: this one goes first.
         if input.consume_key(Modifiers::SHIFT, Key::Space) {
             commands.push(Command::Maximize(None));
@@ -165,7 +180,6 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             (Key::OpenBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed / FASTER))),
             (Key::CloseBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed * FASTER))),
             (Key::Home, Command::Home),
-            (Key::Delete, Command::Edit(EditCommand::Act(Action::Delete))),
         ] {
             if input.consume_key(Modifiers::NONE, key) {
                 commands.push(command);
@@ -251,6 +265,30 @@ fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
     pressed.map(|(_, _, command)| command).collect()
 }
 
+/// Keys that select and delete. While there is a brush, brackets change it.
+fn edit_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
+    let edits = &state.edits;
+    let tool = |tool: EditTool| EditCommand::Tool((edits.tool != Some(tool)).then_some(tool));
+    // With fewer modifiers a key is consumed whatever else is held: those with more go first.
+    let mut keys = vec![
+        (Modifiers::COMMAND, Key::I, EditCommand::Invert),
+        (Modifiers::SHIFT, Key::B, tool(EditTool::Mask)),
+        (Modifiers::SHIFT, Key::G, EditCommand::Grow(false)),
+        (Modifiers::NONE, Key::B, tool(EditTool::Brush)),
+        (Modifiers::NONE, Key::G, EditCommand::Grow(true)),
+        (Modifiers::NONE, Key::L, tool(EditTool::Lasso)),
+        (Modifiers::NONE, Key::R, tool(EditTool::Rectangle)),
+        (Modifiers::NONE, Key::T, tool(EditTool::Surface)),
+        (Modifiers::NONE, Key::Delete, EditCommand::Act(Action::Delete)),
+    ];
+    if edits.tool.is_some_and(EditTool::has_radius) {
+        keys.push((Modifiers::NONE, Key::OpenBracket, EditCommand::Radius(edits.radius / WIDER)));
+        keys.push((Modifiers::NONE, Key::CloseBracket, EditCommand::Radius(edits.radius * WIDER)));
+    }
+    let pressed = keys.into_iter().filter(|(modifiers, key, _)| input.consume_key(*modifiers, *key));
+    pressed.map(|(_, _, command)| Command::Edit(command)).collect()
+}
+
 /// Keys that view the scene along an axis. egui does not distinguish digits of the number pad from those above the
 /// letters, which show cameras.
 fn axis_keys(input: &mut egui::InputState) -> Vec<Command> {
@@ -268,6 +306,9 @@ fn axis_keys(input: &mut egui::InputState) -> Vec<Command> {
 
 /// Frames that Shift and an arrow step.
 const TEN: usize = 10;
+
+/// How much wider or narrower a bracket makes the brush.
+const WIDER: f32 = 1.25;
 
 /// How much faster or slower a bracket makes flying.
 const FASTER: f64 = 1.5;

@@ -250,6 +250,7 @@ impl OverlookApp {
         {
             return;
         }
+        self.state.edits.draft = None;
         if self.state.edits.tool.take().is_some() || self.state.edits.selection.take().is_some() {
             return;
         }

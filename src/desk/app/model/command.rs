@@ -8,7 +8,7 @@ use super::chart_axis::Quantity;
 use super::charts::Study;
 use super::comparison::CompareLook;
 use super::display::Display;
-use super::edits::EditCommand;
+use super::edit_command::EditCommand;
 use super::live_picture::{ColorBy, HoleDisplay};
 use super::picture_zoom::PictureZoom;
 use super::pixel::Spot;

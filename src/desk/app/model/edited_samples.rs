@@ -18,6 +18,11 @@ impl State {
         (!parts.is_empty()).then(|| parts.join(", "))
     }
 
+    /// The number of the frame that is shown.
+    pub(crate) fn frame_number(&self) -> Option<i64> {
+        self.scene.as_ref().and_then(|scene| scene.frame_numbers.get(self.timeline.frame).copied())
+    }
+
     /// The samples that edits act on: those of the whole capture or store.
     pub(crate) fn samples_to_edit(&self) -> Option<&Arc<SampleSet>> {
         match self.content() {

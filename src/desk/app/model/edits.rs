@@ -2,91 +2,15 @@
 
 use std::sync::Arc;
 
+use super::edit_command::{Combine, DrawnDepth, EditTime, EditTool};
+use super::edited_region::{join_stroke, words};
 use super::scene::OpenScene;
-use overlook_engine::edits::{Action, Edit, EditList, Reach, Region};
+use overlook_engine::edits::{Action, Edit, EditList, Reach, Region, Stroke};
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::samples::SampleSet;
 
 /// Lists that are remembered for undo.
 const STEPS: usize = 200;
-
-/// How a region that is chosen joins what is selected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Combine {
-    #[default]
-    Replace,
-    Add,
-    Subtract,
-    Intersect,
-}
-
-impl Combine {
-    /// Every choice in the order of the panel: its name, and what it does.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
-        (Self::Replace, "New", "What is chosen next is the selection."),
-        (Self::Add, "Add", "What is chosen next is selected too."),
-        (Self::Subtract, "Subtract", "What is chosen next is selected no longer."),
-        (Self::Intersect, "Intersect", "Of what is selected, what is also chosen next stays selected."),
-    ];
-}
-
-/// When an edit acts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum EditTime {
-    #[default]
-    AllFrames,
-    /// All frames of the samples that hold at the frame that is shown.
-    Spans,
-    ThisFrame,
-}
-
-impl EditTime {
-    /// Every choice in the order of the panel: its name, and what it means.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::AllFrames, "All frames", "The edit acts at every frame."),
-        (
-            Self::Spans,
-            "Spans",
-            "The edit takes the samples of the frame that is shown, at all frames for which each of them is stored.",
-        ),
-        (
-            Self::ThisFrame,
-            "This frame",
-            "The edit acts at the frame that is shown; other frames keep what they show.",
-        ),
-    ];
-}
-
-/// A shape that is drawn in the live view to select what lies behind it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum OutlineTool {
-    Rectangle,
-    Lasso,
-}
-
-/// What a person does to edits.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum EditCommand {
-    /// Select a region, as [`Combine`] says.
-    Select(Region),
-    /// Put another selection in the place of the one that is there: a number or a handle of it was moved.
-    Reshape(Region),
-    SelectNothing,
-    Invert,
-    Combine(Combine),
-    Tool(Option<OutlineTool>),
-    Time(EditTime),
-    /// Delete or keep what is selected, or bring it back.
-    Act(Action),
-    LeaveOut(usize),
-    Switch(usize, bool),
-    Rename(usize, String),
-    /// Move an edit to another place in the list.
-    Move(usize, usize),
-    Remove(usize),
-    /// Select the region of an edit again.
-    SelectOf(usize),
-}
 
 /// What is worked out of edits; equal keys give the same samples.
 #[derive(Clone)]
@@ -128,7 +52,6 @@ pub(crate) struct EditedScene {
 }
 
 /// The edits of the open scene.
-#[derive(Default)]
 pub(crate) struct SceneEdits {
     pub list: EditList,
     past: Vec<EditList>,
@@ -136,9 +59,18 @@ pub(crate) struct SceneEdits {
     /// Whether the list was changed after any setting: undo takes back what was done last.
     pub is_latest: bool,
     pub selection: Option<Region>,
+    /// What is being drawn, and how it will join the selection.
+    pub draft: Option<(Region, Combine)>,
     pub combine: Combine,
-    pub tool: Option<OutlineTool>,
+    pub depth: DrawnDepth,
+    pub tool: Option<EditTool>,
+    /// Of the brush, points.
+    pub radius: f32,
+    /// Footprints.
+    pub grow_by: f64,
     pub time: EditTime,
+    /// The frames of [`EditTime::Range`] and of masks, by their numbers; `None` for all.
+    pub range: Option<[i64; 2]>,
     /// What the last list and selection gave; `None` without any.
     pub edited: Option<(EditKey, EditedScene)>,
     /// Why they gave nothing.
@@ -147,10 +79,44 @@ pub(crate) struct SceneEdits {
     pub saved: EditList,
 }
 
+/// Radii of the brush, points.
+pub(crate) const BRUSH_RADII: std::ops::RangeInclusive<f32> = 1.0..=200.0;
+
+impl Default for SceneEdits {
+    fn default() -> Self {
+        Self {
+            list: EditList::default(),
+            past: Vec::new(),
+            future: Vec::new(),
+            is_latest: false,
+            selection: None,
+            draft: None,
+            combine: Combine::default(),
+            depth: DrawnDepth::default(),
+            tool: None,
+            radius: 16.0,
+            grow_by: 2.0,
+            time: EditTime::default(),
+            range: None,
+            edited: None,
+            trouble: None,
+            saved: EditList::default(),
+        }
+    }
+}
+
 impl SceneEdits {
     /// Whether anything is edited or selected.
     pub(crate) fn are_in_use(&self) -> bool {
-        self.selection.is_some() || !self.list.is_idle()
+        self.selection.is_some() || self.draft.is_some() || !self.list.is_idle()
+    }
+
+    /// What is selected, with what is being drawn.
+    pub(crate) fn shown_selection(&self) -> Option<Region> {
+        match &self.draft {
+            Some((region, combine)) => Some(self.combined(region.clone(), *combine)),
+            None => self.selection.clone(),
+        }
     }
 
     /// Changes the list in one step of undo. Names that are typed letter by letter are one step.
@@ -187,14 +153,64 @@ impl SceneEdits {
     }
 
     /// What a region that is chosen makes of the selection.
-    pub(crate) fn combined(&self, region: Region) -> Region {
+    pub(crate) fn combined(&self, region: Region, combine: Combine) -> Region {
         let Some(selection) = self.selection.clone() else { return region };
-        match self.combine {
-            Combine::Replace => region,
-            Combine::Add => Region::Any(vec![selection, region]),
-            Combine::Subtract => Region::Without(vec![selection, region]),
-            Combine::Intersect => Region::All(vec![selection, region]),
+        match (combine, selection) {
+            (Combine::Replace, _) => region,
+            (Combine::Add, Region::Any(mut parts)) => {
+                join_stroke(&mut parts, region);
+                Region::Any(parts)
+            }
+            (Combine::Add, selection) => {
+                let mut parts = vec![selection];
+                join_stroke(&mut parts, region);
+                if parts.len() == 1 { parts.swap_remove(0) } else { Region::Any(parts) }
+            }
+            (Combine::Subtract, selection) => Region::Without(vec![selection, region]),
+            (Combine::Intersect, selection) => Region::All(vec![selection, region]),
         }
+    }
+
+    /// The selection, grown or shrunk.
+    pub(crate) fn grown(&self, grows: bool) -> Option<Region> {
+        let region = self.selection.clone()?;
+        let by = self.grow_by;
+        let further = |footprints: f64| (footprints + by).min(Region::MOST_FOOTPRINTS);
+        Some(match region {
+            Region::Grow { region, footprints } if grows => {
+                Region::Grow { region, footprints: further(footprints) }
+            }
+            Region::Shrink { region, footprints } if !grows => {
+                Region::Shrink { region, footprints: further(footprints) }
+            }
+            region if grows => Region::Grow { region: Box::new(region), footprints: by },
+            region => Region::Shrink { region: Box::new(region), footprints: by },
+        })
+    }
+
+    /// Puts a stroke on the mask of a camera: on the one that was painted last, if it is at the same frames, or on a new one.
+    pub(crate) fn mask(&mut self, camera: &str, stroke: Stroke) {
+        let range = self.range;
+        self.change(true, |list| {
+            if let Some(Edit { is_on: true, action: Action::Delete, region, frames, .. }) =
+                list.edits.last_mut()
+                && let Region::Pixels { camera: of, frame: None, strokes, .. } = region
+                && *of == camera
+                && *frames == range
+            {
+                strokes.push(stroke);
+                return;
+            }
+            let region = Region::Pixels {
+                camera: camera.to_owned(),
+                frame: None,
+                outline: Vec::new(),
+                strokes: vec![stroke],
+            };
+            let mut edit = Edit::new(format!("Mask {camera}"), Action::Delete, region);
+            edit.frames = range;
+            list.edits.push(edit);
+        });
     }
 
     /// The edit that an action makes of the selection, at a frame by its number.
@@ -207,55 +223,19 @@ impl SceneEdits {
             Action::Restore => "Restore",
         };
         let mut edit = Edit::new(format!("{verb} {}", words(&region)), action, region);
-        if self.time != EditTime::AllFrames {
-            edit.frames = Some([frame_number; 2]);
-            edit.reach = if self.time == EditTime::Spans { Reach::Span } else { Reach::Frames };
-        }
+        (edit.frames, edit.reach) = match self.time {
+            EditTime::AllFrames => (None, Reach::Frames),
+            EditTime::Spans => (Some([frame_number; 2]), Reach::Span),
+            EditTime::ThisFrame => (Some([frame_number; 2]), Reach::Frames),
+            EditTime::Range => (self.range, Reach::Frames),
+        };
         Some(edit)
-    }
-}
-
-/// A region in a few words.
-pub(crate) fn words(region: &Region) -> String {
-    match region {
-        Region::Box { .. } => "box".to_owned(),
-        Region::Sphere { .. } => "sphere".to_owned(),
-        Region::HalfSpace { .. } => "half space".to_owned(),
-        Region::Depth { .. } => "range of depth".to_owned(),
-        Region::Cameras(names) => names.join(", "),
-        Region::Pixels { camera, .. } => format!("pixels of {camera}"),
-        Region::View { .. } => "outline".to_owned(),
-        Region::Doubtful => "doubtful".to_owned(),
-        Region::Contradicted => "contradicted".to_owned(),
-        Region::ConfirmedByFewerThan(count) => format!("confirmed by fewer than {count}"),
-        Region::SeenByOneCamera => "seen by one camera".to_owned(),
-        Region::Footprint { .. } => "range of sampling rate".to_owned(),
-        Region::Angle { .. } => "range of angle".to_owned(),
-        Region::Any(parts) => join(parts, " + "),
-        Region::All(parts) => join(parts, " and "),
-        Region::Without(parts) => join(parts, " − "),
-        Region::Not(part) => format!("not {}", words(part)),
-    }
-}
-
-fn join(parts: &[Region], sign: &str) -> String {
-    parts.iter().map(words).collect::<Vec<_>>().join(sign)
-}
-
-/// The box or sphere of a selection that was chosen last, to be reshaped.
-pub(crate) fn last_shape(region: &mut Region) -> Option<&mut Region> {
-    match region {
-        Region::Box { .. } | Region::Sphere { .. } => Some(region),
-        Region::Any(parts) | Region::All(parts) | Region::Without(parts) => {
-            parts.last_mut().and_then(last_shape)
-        }
-        Region::Not(part) => last_shape(part),
-        _ => None,
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::edited_region::last_shape;
     use super::*;
 
     #[test]
@@ -276,15 +256,41 @@ mod tests {
     #[test]
     fn regions_join_the_selection_as_sets_and_the_last_shape_is_reshaped() {
         let sphere = Region::Sphere { center: [0.0; 3], radius: 1.0 };
-        let mut edits = SceneEdits { selection: Some(sphere.clone()), ..SceneEdits::default() };
-        assert_eq!(edits.combined(Region::Doubtful), Region::Doubtful);
-        edits.combine = Combine::Subtract;
-        let mut without = edits.combined(sphere.clone());
+        let edits = SceneEdits { selection: Some(sphere.clone()), ..SceneEdits::default() };
+        assert_eq!(edits.combined(Region::Doubtful, Combine::Replace), Region::Doubtful);
+        let mut without = edits.combined(sphere.clone(), Combine::Subtract);
         assert_eq!(without, Region::Without(vec![sphere.clone(), sphere]));
         assert_eq!(words(&without), "sphere − sphere");
         let Some(Region::Sphere { radius, .. }) = last_shape(&mut without) else { panic!("a sphere") };
         *radius = 2.0;
         let Region::Without(parts) = without else { panic!("a difference") };
         assert!(matches!(parts[1], Region::Sphere { radius: 2.0, .. }));
+    }
+
+    #[test]
+    fn strokes_that_are_painted_one_after_the_other_are_one_region_and_one_mask() {
+        let stroke = |x: f64| Stroke { radius: 3.0, points: vec![[x, 1.0]] };
+        let painted = |strokes: Vec<Stroke>| Region::Pixels {
+            camera: "a".to_owned(),
+            frame: Some(2),
+            outline: Vec::new(),
+            strokes,
+        };
+        let mut edits = SceneEdits { selection: Some(painted(vec![stroke(1.0)])), ..SceneEdits::default() };
+        edits.selection = Some(edits.combined(painted(vec![stroke(2.0)]), Combine::Add));
+        assert_eq!(edits.selection, Some(painted(vec![stroke(1.0), stroke(2.0)])));
+        edits.selection = edits.grown(true);
+        edits.selection = edits.grown(true);
+        assert!(matches!(edits.selection, Some(Region::Grow { footprints: 4.0, .. })));
+        edits.mask("a", stroke(1.0));
+        edits.mask("a", stroke(2.0));
+        edits.range = Some([3, 5]);
+        edits.mask("a", stroke(3.0));
+        edits.mask("b", stroke(4.0));
+        let frames: Vec<_> = edits.list.edits.iter().map(|edit| edit.frames).collect();
+        assert_eq!(frames, [None, Some([3, 5]), Some([3, 5])]);
+        assert!(edits.step(true) && edits.step(true) && edits.step(true));
+        let [edit] = &edits.list.edits[..] else { panic!("one mask") };
+        assert!(matches!(&edit.region, Region::Pixels { strokes, .. } if *strokes == [stroke(1.0)]));
     }
 }

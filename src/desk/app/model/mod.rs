@@ -15,6 +15,8 @@ mod compare_vantage;
 mod comparison;
 mod display;
 mod document;
+mod edit_command;
+mod edited_region;
 mod edited_samples;
 mod edits;
 mod figure;
@@ -69,10 +71,9 @@ pub(crate) use comparison::{
 };
 pub(crate) use display::{Background, Channel, Display, EXPOSURES, LEVELS, PictureHistogram, ToneCurve};
 pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
-pub(crate) use edits::{
-    Combine, EditCommand, EditKey, EditTime, EditedScene, OutlineTool, SceneEdits, last_shape,
-    words as region_words,
-};
+pub(crate) use edit_command::{Combine, DrawnDepth, EditCommand, EditTime, EditTool};
+pub(crate) use edited_region::{last_shape, words as region_words};
+pub(crate) use edits::{BRUSH_RADII, EditKey, EditedScene, SceneEdits};
 pub(crate) use figure::{DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};

@@ -5,7 +5,7 @@ use egui::{Id, Key, Modal, ScrollArea, TextEdit, Ui};
 use super::palette_words::asks_for;
 use crate::address;
 use crate::app::model::{
-    ColorBy, Command, CommandPalette, Commands, DockView, EditCommand, HelpPage, HoleDisplay, OutlineTool,
+    ColorBy, Command, CommandPalette, Commands, DockView, EditCommand, EditTool, HelpPage, HoleDisplay,
     Overlay, PRESETS, Purpose, State, Study, ViewCommand, setting_names,
 };
 use crate::app::theme::space;
@@ -168,7 +168,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 42] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 48] {
     [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
         ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
@@ -180,8 +180,14 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 42] {
         ("Open edits", "", Command::AskPath(Purpose::LoadEdits)),
         ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
         ("Edit: keep only the selection", "", Command::Edit(EditCommand::Act(Action::KeepOnly))),
-        ("Edit: select by rectangle", "", Command::Edit(EditCommand::Tool(Some(OutlineTool::Rectangle)))),
-        ("Edit: select by lasso", "", Command::Edit(EditCommand::Tool(Some(OutlineTool::Lasso)))),
+        ("Edit: select by rectangle", "R", Command::Edit(EditCommand::Tool(Some(EditTool::Rectangle)))),
+        ("Edit: select by lasso", "L", Command::Edit(EditCommand::Tool(Some(EditTool::Lasso)))),
+        ("Edit: select by brush", "B", Command::Edit(EditCommand::Tool(Some(EditTool::Brush)))),
+        ("Edit: select the same surface", "T", Command::Edit(EditCommand::Tool(Some(EditTool::Surface)))),
+        ("Edit: paint a mask on a camera", "Shift+B", Command::Edit(EditCommand::Tool(Some(EditTool::Mask)))),
+        ("Edit: grow the selection", "G", Command::Edit(EditCommand::Grow(true))),
+        ("Edit: shrink the selection", "Shift+G", Command::Edit(EditCommand::Grow(false))),
+        ("Edit: invert the selection", "Ctrl+I", Command::Edit(EditCommand::Invert)),
         ("Edit: select nothing", "", Command::Edit(EditCommand::SelectNothing)),
         ("Save settings as a preset", "", Command::NamePreset(Some(String::new()))),
         ("Copy picture", "", Command::CopyPicture),
@@ -306,6 +312,12 @@ mod tests {
             ("html", "Share: Interactive page"),
             ("rerun", "Recompute the whole capture"),
             ("kernel point", "Kernel: Point"),
+            ("brush", "Edit: select by brush"),
+            ("mask", "Edit: paint a mask on a camera"),
+            ("delete object", "Edit: delete selection"),
+            ("crop", "Edit: keep only the selection"),
+            ("flood fill", "Edit: select the same surface"),
+            ("expand", "Edit: grow the selection"),
         ] {
             let names: Vec<String> = matching(&state, typed).into_iter().map(|entry| entry.name).collect();
             assert!(names.iter().any(|name| name == found), "{typed}: {names:?}");

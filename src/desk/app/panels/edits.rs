@@ -4,19 +4,18 @@ use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, TextEdit, Ui}
 use egui_material_icons::icons::{
     ICON_ARROW_DOWNWARD, ICON_ARROW_UPWARD, ICON_CONTENT_COPY, ICON_DELETE, ICON_REDO, ICON_UNDO,
 };
-use glam::DVec3;
 
+use super::edit_tools::{cameras_ui, mask_ui, range_ui, select_ui};
 use super::view_panel::heading_ui;
 use crate::app::model::{
-    self, Combine, Command, Commands, EditCommand, EditTime, OutlineTool, Purpose, State, last_shape,
-    region_words,
+    self, Command, Commands, EditCommand, EditTime, Purpose, State, last_shape, region_words,
 };
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, segments_ui, weak};
 use overlook_engine::edits::{Action, Region};
 
-/// A new box or sphere reaches this far, in distances from the view to what it turns about.
-const NEW_SIZE: f64 = 0.15;
+/// Footprints by which a selection grows, and that a step over a surface takes at most.
+const GROW_BY: std::ops::RangeInclusive<f64> = 0.5..=Region::MOST_FOOTPRINTS;
 
 const ASKS_WHOLE: &str = "Edits act on all frames: they are shown once the whole capture is pruned.";
 
@@ -30,142 +29,11 @@ pub(crate) fn edits_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         ui.set_max_width(ui.available_width() - space::MEDIUM);
         select_ui(ui, state, &mut sent);
         selection_ui(ui, state, &mut sent);
+        mask_ui(ui, state, &mut sent);
         list_ui(ui, state, &mut sent, commands);
         files_ui(ui, state, commands);
     });
     commands.extend(sent.into_iter().map(Command::Edit));
-}
-
-/// Where a new shape is put, and how large: at the pinned pixel, else at what the view turns about.
-fn new_place(state: &State) -> ([f64; 3], f64) {
-    let pinned = state.inspector.probe.pinned.then_some(state.inspector.probe.shown.as_ref()).flatten();
-    let pinned = pinned.and_then(|probed| probed.point_in_world);
-    let pivot = state.scene.as_ref().map_or(DVec3::ZERO, |scene| scene.pivot_in_world);
-    let distance = state.live.orbit.as_ref().map_or(1.0, |orbit| orbit.pivot_distance);
-    (pinned.unwrap_or(pivot).to_array(), NEW_SIZE * distance)
-}
-
-fn select_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
-    heading_ui(ui, "Select");
-    let (center, size) = new_place(state);
-    let edits = &state.edits;
-    ui.horizontal_wrapped(|ui| {
-        let shapes = [
-            (
-                "Box",
-                "A box at the pinned pixel, or in the middle; drag its handles, or give numbers.",
-                Region::Box { center, half_size: [size; 3], rotation_degrees: [0.0; 3] },
-            ),
-            (
-                "Sphere",
-                "A sphere there; drag its handles, or give numbers.",
-                Region::Sphere { center, radius: size },
-            ),
-        ];
-        for (name, help, region) in shapes {
-            if ui.button(name).on_hover_text(help).accessible_name(format!("Select {name}")).clicked() {
-                sent.push(EditCommand::Select(region));
-            }
-        }
-        for (tool, name, help) in [
-            (
-                OutlineTool::Rectangle,
-                "Rectangle",
-                "Drag a rectangle in the live view: all that lies in it, at any depth.",
-            ),
-            (
-                OutlineTool::Lasso,
-                "Lasso",
-                "Draw around something in the live view: all that lies in it, at any depth.",
-            ),
-        ] {
-            let is_on = edits.tool == Some(tool);
-            let button = ui.selectable_label(is_on, name).accessible_name(format!("Select {name}"));
-            if button.on_hover_text(help).clicked() {
-                sent.push(EditCommand::Tool((!is_on).then_some(tool)));
-            }
-        }
-    });
-    evidence_ui(ui, state, sent);
-    if let Some(combine) = segments_ui(ui, "Selection", edits.combine, Combine::ALL) {
-        sent.push(EditCommand::Combine(combine));
-    }
-}
-
-/// Selects by what cameras say.
-fn evidence_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
-    let id = ui.scope_id().with("least cameras");
-    let mut least: u32 = ui.data(|data| data.get_temp(id)).unwrap_or(2);
-    let knows_votes = state.has_capture();
-    let why_not = "A store does not hold which cameras confirm its samples; open the capture, or use overlook edit --capture.";
-    ui.horizontal_wrapped(|ui| {
-        for (name, help, region, is_known) in [
-            (
-                "Contradicted",
-                "Samples that more other cameras look past than confirm.",
-                Region::Contradicted,
-                knows_votes,
-            ),
-            (
-                "One camera",
-                "Samples that no other camera could have seen.",
-                Region::SeenByOneCamera,
-                knows_votes,
-            ),
-            (
-                "Doubtful",
-                "Samples that no other camera confirms among noisy cameras.",
-                Region::Doubtful,
-                true,
-            ),
-        ] {
-            let button =
-                ui.add_enabled(is_known, egui::Button::new(name)).accessible_name(format!("Select {name}"));
-            if button.on_hover_text(help).on_disabled_hover_text(why_not).clicked() {
-                sent.push(EditCommand::Select(region));
-            }
-        }
-        let button = ui.add_enabled(knows_votes, egui::Button::new("Confirmed by fewer than"));
-        let button = button.accessible_name("Select confirmed by fewer");
-        let help = "Samples that fewer other cameras than this confirm.";
-        if button.on_hover_text(help).on_disabled_hover_text(why_not).clicked() {
-            sent.push(EditCommand::Select(Region::ConfirmedByFewerThan(least)));
-        }
-        let drag = ui.add(DragValue::new(&mut least).range(1..=64)).accessible_name("Least cameras");
-        if drag.changed() {
-            ui.data_mut(|data| data.insert_temp(id, least));
-            if matches!(state.edits.selection, Some(Region::ConfirmedByFewerThan(_))) {
-                sent.push(EditCommand::Reshape(Region::ConfirmedByFewerThan(least)));
-            }
-        }
-        cameras_ui(
-            ui,
-            state,
-            "Camera",
-            |camera| EditCommand::Select(Region::Cameras(vec![camera.to_owned()])),
-            sent,
-        );
-    });
-}
-
-/// A menu of cameras, by their names.
-fn cameras_ui(
-    ui: &mut Ui,
-    state: &State,
-    name: &str,
-    command: impl Fn(&str) -> EditCommand,
-    sent: &mut Vec<EditCommand>,
-) {
-    let Some(scene) = &state.scene else { return };
-    ui.menu_button(name, |ui| {
-        ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
-            for camera in &scene.cameras {
-                if ui.button(&camera.name).clicked() {
-                    sent.push(command(&camera.name));
-                }
-            }
-        });
-    });
 }
 
 /// What is selected, its numbers, and what can be done with it.
@@ -202,6 +70,9 @@ fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
     {
         sent.push(EditCommand::Time(time));
     }
+    if state.has_time() && edits.time == EditTime::Range {
+        ui.horizontal(|ui| range_ui(ui, state, "Edit", sent));
+    }
     ui.horizontal_wrapped(|ui| {
         for (name, help, command) in [
             ("Delete", "Delete what is selected (Delete).", EditCommand::Act(Action::Delete)),
@@ -211,13 +82,36 @@ fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
                 "Bring back what edits above delete of what is selected.",
                 EditCommand::Act(Action::Restore),
             ),
-            ("Invert", "Select what is not selected.", EditCommand::Invert),
+            ("Invert", "Select what is not selected (Ctrl+I).", EditCommand::Invert),
             ("Clear", "Select nothing (Esc).", EditCommand::SelectNothing),
         ] {
             let button = ui.button(name).accessible_name(format!("{name} selection"));
             if button.on_hover_text(help).clicked() {
                 sent.push(command);
             }
+        }
+    });
+    grow_ui(ui, edits.grow_by, sent);
+}
+
+/// Grows and shrinks the selection.
+fn grow_ui(ui: &mut Ui, by: f64, sent: &mut Vec<EditCommand>) {
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, grows) in [
+            ("Grow", "Select what is near the selection as well (G).", true),
+            ("Shrink", "Take what is near its border out of the selection (Shift+G).", false),
+        ] {
+            let button = ui.button(name).accessible_name(format!("{name} selection"));
+            if button.on_hover_text(help).clicked() {
+                sent.push(EditCommand::Grow(grows));
+            }
+        }
+        ui.label("by");
+        let mut by = by;
+        let drag = DragValue::new(&mut by).speed(0.1).max_decimals(1).range(GROW_BY).suffix(" footprints");
+        let drag = ui.add(drag).on_hover_text("Widths of a pixel where the sample lies.");
+        if drag.accessible_name("Grow by").changed() {
+            sent.push(EditCommand::GrowBy(by));
         }
     });
 }
@@ -247,6 +141,12 @@ fn shape_ui(ui: &mut Ui, shape: &mut Region, state: &State) -> bool {
             Region::Sphere { center, radius } => {
                 row(ui, "Center", center, speed, f64::MIN, "");
                 row(ui, "Radius", std::slice::from_mut(radius), speed, least, "");
+            }
+            Region::SameSurface { footprints, angle, .. } => {
+                row(ui, "Step", std::slice::from_mut(footprints), 0.1, 0.5, " footprints");
+                row(ui, "Turn", std::slice::from_mut(angle), 0.5, 0.0, "°");
+                *footprints = footprints.min(*GROW_BY.end());
+                *angle = angle.min(90.0);
             }
             _ => {}
         }

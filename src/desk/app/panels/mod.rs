@@ -5,6 +5,7 @@ mod camera_list;
 mod causes;
 mod color_panel;
 mod command_palette;
+mod edit_tools;
 mod edits;
 mod help;
 mod histogram;

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::{OverlookApp, ready, settle, wait};
-use crate::app::model::{Command, EditCommand, Purpose};
+use crate::app::model::{Combine, Command, EditCommand, Purpose};
 use crate::pruned_store;
 use overlook_engine::capture;
 use overlook_engine::edited_store::write_edited_store;
-use overlook_engine::edits::{Action, EditList, Region};
+use overlook_engine::edits::{Action, EditList, Region, Stroke, Viewpoint};
 use overlook_engine::job::Job;
 use overlook_engine::render::Picture;
 use overlook_engine::store::file::Store;
@@ -128,4 +128,75 @@ fn a_store_is_cleaned_and_shows_the_same_once_it_is_opened_again() {
     // A store does not hold who confirms its samples.
     edit(&mut app, EditCommand::Select(Region::Contradicted));
     assert!(app.state.edits.trouble.as_ref().is_some_and(|trouble| trouble.contains("store")));
+}
+
+/// A surface point that the first camera saw.
+fn surface_point(app: &OverlookApp) -> [f64; 3] {
+    let samples = app.state.samples_to_edit().unwrap();
+    let image = samples.images_at(0).max_by_key(|image| image.placed_count()).unwrap();
+    let camera = &samples.cameras[image.camera as usize];
+    let middle = image.placed_count() as usize / 2;
+    image.placed(camera).nth(middle).unwrap().point_in_world.to_array()
+}
+
+fn draw(app: &mut OverlookApp, region: Region, combine: Combine) -> u64 {
+    edit(app, EditCommand::Draw { region: region.clone(), combine, is_done: false });
+    let drafted = app.state.edited().unwrap().selected;
+    edit(app, EditCommand::Draw { region, combine, is_done: true });
+    let selected = app.state.edited().unwrap().selected;
+    assert_eq!(selected, drafted, "what is being drawn is shown as it will be selected");
+    selected
+}
+
+#[test]
+fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_by_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let [list, store, beside] =
+        ["edits.toml", "clean.ovl", "beside.ovl"].map(|name| folder.path().join(name));
+    let mut app = ready(2, 1);
+    open(&mut app, &small_capture(), true);
+    let camera = app.state.scene.as_ref().unwrap().cameras[0].clone();
+    let [width, height] = [camera.intrinsics.width, camera.intrinsics.height].map(f64::from);
+    let frame = app.state.frame_number();
+    let stroke = Stroke {
+        radius: 0.1 * width,
+        points: vec![[0.4 * width, 0.5 * height], [0.6 * width, 0.5 * height]],
+    };
+    let painted = Region::Pixels {
+        camera: camera.name.clone(),
+        frame,
+        outline: Vec::new(),
+        strokes: vec![stroke.clone()],
+    };
+    let outline = vec![[0.0, 0.0], [width, 0.0], [width, 0.3 * height]];
+    let viewpoint = Viewpoint::of(&camera);
+    let seen = Region::View { viewpoint, frame, outline, strokes: Vec::new(), depth: None };
+    let of_stroke = draw(&mut app, painted.clone(), Combine::Replace);
+    let of_both = draw(&mut app, seen, Combine::Add);
+    assert!(of_stroke > 0 && of_both > of_stroke, "{of_stroke}, {of_both}");
+    let without = draw(&mut app, painted, Combine::Subtract);
+    assert!(without < of_both && without >= of_both - of_stroke, "{without} of {of_both}");
+    edit(&mut app, EditCommand::Grow(true));
+    let grown = app.state.edited().unwrap().selected;
+    assert!(grown > without, "{grown}, {without}");
+    edit(&mut app, EditCommand::Act(Action::Delete));
+    let surface = Region::same_surface(surface_point(&app), frame.unwrap());
+    let of_surface = draw(&mut app, surface, Combine::Replace);
+    edit(&mut app, EditCommand::Grow(false));
+    assert!(app.state.edited().unwrap().selected < of_surface);
+    edit(&mut app, EditCommand::Act(Action::Delete));
+    let before = app.state.edited().unwrap().deleted;
+    let name = app.state.scene.as_ref().unwrap().cameras[1].name.clone();
+    edit(&mut app, EditCommand::Mask { camera: name, stroke });
+    assert!(app.state.edited().unwrap().deleted > before, "a mask takes effect as it is painted");
+    app.take_path(Purpose::SaveEdits, list.clone());
+    app.take_path(Purpose::SaveStore, store.clone());
+    settle(&mut app);
+
+    let edits = EditList::load(&list).unwrap();
+    assert_eq!(edits, app.state.edits.list);
+    let settings = app.state.settings.clone();
+    let capture = capture::open(&small_capture(), &settings.capture).unwrap();
+    pruned_store::prune_into_store(&capture, &settings, &edits, &beside, &Job::new()).unwrap();
+    assert!(std::fs::read(&store).unwrap() == std::fs::read(&beside).unwrap());
 }

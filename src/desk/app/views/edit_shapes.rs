@@ -1,21 +1,16 @@
-//! Shapes of edits over the live view: the box or sphere that is selected with handles to drag, and the outline that is drawn.
+//! Shapes of edits over the live view: the box or sphere that is selected, with handles to drag.
 
-use egui::{
-    Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2,
-};
+use egui::{Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 
 use super::overlays::{clipped, projected};
-use crate::app::model::{Command, Commands, EditCommand, OutlineTool, State, last_shape};
+use crate::app::model::{Command, Commands, EditCommand, State, last_shape};
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
-use overlook_engine::edits::{Region, Viewpoint};
+use overlook_engine::edits::Region;
 
 /// Side of a handle, points.
 const HANDLE: f32 = 11.0;
-
-/// Points of the pointer closer together than this are one corner of a lasso.
-const CORNER: f32 = 3.0;
 
 /// Lines of a circle.
 const ARCS: usize = 48;
@@ -181,72 +176,6 @@ fn reshape(shape: &mut Region, moved: DVec3, grown: Option<(usize, f64, DVec3)>)
         }
         _ => {}
     }
-}
-
-/// Draws a rectangle or a lasso while the pointer is dragged, and selects what lies in it; true while such a tool is on.
-pub(super) fn outline_ui(
-    ui: &Ui,
-    response: &Response,
-    painter: &Painter,
-    canvas: Rect,
-    state: &State,
-    commands: &mut Commands,
-) -> bool {
-    let Some(tool) = state.edits.tool else { return false };
-    if response.hovered() {
-        ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
-    }
-    let id = ui.scope_id().with("edit outline");
-    let mut corners: Vec<Pos2> = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-    let start = ui.ctx().input(|input| input.pointer.press_origin());
-    if response.drag_started_by(PointerButton::Primary) {
-        corners = start.into_iter().collect();
-    }
-    if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged_by(PointerButton::Primary))
-    {
-        let at = at.clamp(canvas.min, canvas.max);
-        let start = corners.first().copied().unwrap_or(at);
-        match tool {
-            OutlineTool::Rectangle => {
-                corners = vec![start, pos2(at.x, start.y), at, pos2(start.x, at.y)];
-            }
-            OutlineTool::Lasso if corners.last().is_none_or(|last| last.distance(at) >= CORNER) => {
-                corners.push(at);
-            }
-            OutlineTool::Lasso => {}
-        }
-        ui.ctx().request_repaint();
-    }
-    if corners.len() > 1 {
-        let tokens = Tokens::of(state.dark);
-        let painter = painter.with_clip_rect(canvas);
-        let line = |stroke| Shape::closed_line(corners.clone(), stroke);
-        painter.add(line(Stroke::new(3.0, Color32::from_black_alpha(140))));
-        painter.add(line(Stroke::new(1.4, tokens.mark)));
-    }
-    if response.drag_stopped() {
-        if let Some(region) = outlined(&corners, canvas, state) {
-            commands.push(Command::Edit(EditCommand::Select(region)));
-        }
-        corners.clear();
-    }
-    ui.data_mut(|data| data.insert_temp(id, corners));
-    true
-}
-
-/// What lies in an outline on the screen, as the picture that is shown sees it; `None` for an outline without an area.
-fn outlined(corners: &[Pos2], canvas: Rect, state: &State) -> Option<Region> {
-    let size = [canvas.width() as u32, canvas.height() as u32];
-    let vantage = state.seen_camera(size)?;
-    let area = Rect::from_points(corners);
-    if corners.len() < 3 || area.width() < CORNER || area.height() < CORNER {
-        return None;
-    }
-    let outline = corners.iter().map(|at| {
-        let within = *at - canvas.min;
-        [f64::from(within.x), f64::from(within.y)]
-    });
-    Some(Region::View { viewpoint: Viewpoint::of(&vantage), outline: outline.collect(), depth: None })
 }
 
 #[cfg(test)]

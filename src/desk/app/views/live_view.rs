@@ -5,19 +5,23 @@ use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
 use super::cameras_overlay::{self, camera_at, seen_cameras};
+use super::drawing::{self, Drawn, PicturePlace};
 use super::edit_shapes;
 use super::legend;
 use super::live_pixels::{inverse_depth_at, pixel_at};
 use super::source_view::{self, FOOTER};
 use super::{go_to, guides, overlays};
 use crate::app::model::verdict_text as words;
-use crate::app::model::{self, ColorBy, Command, Commands, HoleDisplay, Spot, State, ViewCommand};
+use crate::app::model::{
+    self, ColorBy, Command, Commands, DrawnDepth, EditTool, HoleDisplay, Spot, State, ViewCommand,
+};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{
     self, icon_button, least_width_of_segments, one_line, picture, scrolled, segments_ui, waiting,
 };
 use overlook_engine::capture::sighting::tolerances::MARKED_SURFACE;
 use overlook_engine::capture::sighting::{Sighting, compare};
+use overlook_engine::edits::{Region, Viewpoint};
 use overlook_engine::render::NO_IMAGE;
 
 /// Radians of orbit per point that the pointer is dragged.
@@ -104,7 +108,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     let seen = state.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
-    let draws = edit_shapes::outline_ui(ui, &response, &painter, canvas, state, commands);
+    let draws = draw_ui(ui, &response, &painter, canvas, state, commands);
     let is_taken = draws || cameras_overlay::answer(ui, &response, state, pointed_at, commands);
     let is_taken = edit_shapes::shape_ui(ui, &painter, canvas, state, commands) || is_taken;
     motion(ui, &response, canvas, state, is_taken, commands);
@@ -115,6 +119,39 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     } else if !is_taken {
         probe_ui(&response, canvas, state, commands);
     }
+}
+
+/// Selects what is drawn or clicked on; true while a tool for that is on.
+fn draw_ui(
+    ui: &Ui,
+    response: &Response,
+    painter: &Painter,
+    canvas: Rect,
+    state: &State,
+    commands: &mut Commands,
+) -> bool {
+    match state.edits.tool {
+        None | Some(EditTool::Mask) => return false,
+        Some(EditTool::Surface) => {
+            drawing::select_surface(ui, response, state, commands, |at| point_under(state, canvas, at));
+        }
+        Some(_) => {
+            let place = PicturePlace { corner: canvas.min, scale: 1.0, shown: canvas };
+            drawing::select_drawn(ui, response, painter, &place, state, commands, |drawn| {
+                let vantage = state.seen_camera([canvas.width() as u32, canvas.height() as u32])?;
+                let Drawn { outline, strokes, .. } = drawn;
+                let frame = state.frame_number().filter(|_| state.edits.depth == DrawnDepth::Seen);
+                Some(Region::View {
+                    viewpoint: Viewpoint::of(&vantage),
+                    frame,
+                    outline,
+                    strokes,
+                    depth: None,
+                })
+            });
+        }
+    }
+    true
 }
 
 /// A click picks a point to measure from or to.
@@ -194,7 +231,8 @@ fn motion(
         commands.push(Command::Home);
         return;
     }
-    let is_drawn = state.edits.tool.is_some() && response.dragged_by(PointerButton::Primary);
+    let draws = state.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
+    let is_drawn = draws && response.dragged_by(PointerButton::Primary);
     let delta = if is_drawn { egui::Vec2::ZERO } else { response.drag_delta() };
     let delta = DVec2::new(f64::from(delta.x), f64::from(delta.y));
     if delta != DVec2::ZERO {

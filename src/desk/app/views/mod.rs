@@ -5,6 +5,7 @@ mod cameras_view;
 mod chart_parts;
 mod chart_view;
 mod compare_view;
+mod drawing;
 mod edit_shapes;
 mod go_to;
 mod guides;

@@ -1,17 +1,20 @@
 //! The left view: the picture of a camera, and the verdict on each of its pixels; the Pixel view explains them.
 
-use egui::{Rect, Response, Sense, Ui, Vec2, vec2};
+use egui::{Painter, PointerButton, Rect, Response, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
+use glam::DVec2;
 
+use super::drawing::{self, Drawn, PicturePlace};
 use super::{legend, overlays};
 use crate::app::camera_chips::chips;
 use crate::app::model::{
-    self, CameraText, Command, Commands, Legend, Overlay, PictureZoom, Purpose, Spot, State,
-    verdict_text as words,
+    self, CameraText, Command, Commands, DrawnDepth, EditCommand, EditTool, Legend, Overlay, PictureZoom,
+    Purpose, Spot, State, verdict_text as words,
 };
 use crate::app::theme::Tokens;
 use crate::app::widgets::{self, camera_choices, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
 use overlook_engine::color::srgb8_from_linear;
+use overlook_engine::edits::{Region, Viewpoint};
 use overlook_engine::grid::Grid;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::preprocess::inspect::CameraInspection;
@@ -90,7 +93,9 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     if let Legend::Tiles(shares) = &shown.picture.legend {
         legend::tile_shares(&painter, picture, size, shares, tokens);
     }
-    zoom_and_pan(ui, &response, picture, state, commands);
+    let place = PicturePlace { corner: picture.min, scale, shown: picture.intersect(canvas) };
+    let is_taken = draw_ui(ui, &response, &painter, &place, state, commands);
+    zoom_and_pan(ui, &response, picture, state, is_taken, commands);
     widgets::note_picture(ui, picture.intersect(canvas), "source picture");
     let probe = &state.inspector.probe;
     let shown_camera = shown.key.camera;
@@ -108,7 +113,9 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < size.x && at.y < size.y;
     if inside {
         let spot = Spot::Source { camera: shown_camera, x: at.x as usize, y: at.y as usize };
-        point_at(&response, spot, state, commands);
+        if !is_taken {
+            point_at(&response, spot, state, commands);
+        }
         if let Legend::Tiles(shares) = &shown.picture.legend {
             tile_tooltip(response, shares, [at.x as usize, at.y as usize], shown.picture.size);
         }
@@ -146,13 +153,74 @@ pub(crate) fn point_at(response: &Response, spot: Spot, state: &State, commands:
     }
 }
 
-fn zoom_and_pan(ui: &Ui, response: &Response, picture: Rect, state: &State, commands: &mut Commands) {
+/// Selects what is drawn or clicked on, or paints a mask, and shows what was drawn there; true while a tool for that is on.
+fn draw_ui(
+    ui: &Ui,
+    response: &Response,
+    painter: &Painter,
+    place: &PicturePlace,
+    state: &State,
+    commands: &mut Commands,
+) -> bool {
+    let shown = state.source_shown.as_ref().zip(state.scene.as_ref());
+    let Some(camera) = shown.and_then(|(shown, scene)| scene.cameras.get(shown.key.camera)) else {
+        return false;
+    };
+    drawing::drawn_areas(painter, place, &camera.name, state);
+    match state.edits.tool {
+        None => return false,
+        Some(EditTool::Surface) => {
+            drawing::select_surface(ui, response, state, commands, |at| {
+                let within = (at - place.corner) / place.scale;
+                let inspected = state.inspection_here()?.cameras.get(state.source.camera)?;
+                let (x, y) = (within.x.max(0.0) as usize, within.y.max(0.0) as usize);
+                let inverse_depth = f64::from(*inspected.frame.inverse_depth.get(x, y)?);
+                let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                (inverse_depth > 0.0).then(|| camera.unproject(center, 1.0 / inverse_depth))
+            });
+        }
+        Some(EditTool::Mask) => {
+            let drawn = drawing::drawing_ui(ui, response, painter, place, state);
+            let strokes = drawn.filter(|drawn| drawn.is_done).map_or_else(Vec::new, |drawn| drawn.strokes);
+            commands.extend(
+                strokes
+                    .into_iter()
+                    .map(|stroke| Command::Edit(EditCommand::Mask { camera: camera.name.clone(), stroke })),
+            );
+        }
+        Some(_) => drawing::select_drawn(ui, response, painter, place, state, commands, |drawn| {
+            let Drawn { outline, strokes, .. } = drawn;
+            Some(match state.edits.depth {
+                DrawnDepth::Seen => {
+                    let frame = Some(state.frame_number()?);
+                    Region::Pixels { camera: camera.name.clone(), frame, outline, strokes }
+                }
+                DrawnDepth::Through => {
+                    let viewpoint = Viewpoint::of(camera);
+                    Region::View { viewpoint, frame: None, outline, strokes, depth: None }
+                }
+            })
+        }),
+    }
+    true
+}
+
+/// `is_drawn` where dragging draws.
+fn zoom_and_pan(
+    ui: &Ui,
+    response: &Response,
+    picture: Rect,
+    state: &State,
+    is_drawn: bool,
+    commands: &mut Commands,
+) {
     let part = state.source.part;
-    if response.double_clicked() {
+    if response.double_clicked() && !is_drawn {
         commands.push(Command::SourceZoom(PictureZoom::default()));
         return;
     }
-    if response.dragged() && part.zoom > 1.0 {
+    let pans = response.dragged() && !(is_drawn && response.dragged_by(PointerButton::Primary));
+    if pans && part.zoom > 1.0 {
         commands.push(Command::SourceZoom(part.shifted(response.drag_delta() / picture.size())));
     }
     let Some(pointer) = response.hover_pos() else { return };

@@ -164,7 +164,7 @@ impl Scheduler {
             samples: samples.clone(),
             scan: state.scan.clone(),
             list: state.edits.list.clone(),
-            selection: state.edits.selection.clone(),
+            selection: state.edits.shown_selection(),
         };
         submit_new(&workers.edits, &mut self.edits, key);
     }

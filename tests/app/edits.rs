@@ -1,0 +1,113 @@
+//! Editing by hand with the pointer: drawing in source pictures and in the live view, and the panel of all of it.
+
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::kittest::Queryable;
+
+use super::driver::{SIZE, Window, choose, click, drag, look_at, open, open_view, settle, shows, small_demo};
+use super::layout_faults::faults;
+
+/// A window with the panel of edits beside the source picture and the live view.
+fn editing() -> Window {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Edits");
+    window
+}
+
+fn draw(window: &mut Window, picture: &str) {
+    drag(window, picture, vec2(0.45, 0.45), vec2(30.0, 24.0));
+    settle(window);
+}
+
+fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.key_press_modifiers(modifiers, key);
+    window.run_steps(3);
+    settle(window);
+}
+
+#[test]
+fn a_thing_is_outlined_in_a_source_picture_or_painted_over_in_the_live_view_and_deleted() {
+    let mut window = editing();
+    for (key, picture, selected) in [
+        (Key::R, "Source picture", "seen by "),
+        (Key::L, "Live picture", "outline"),
+        (Key::B, "Source picture", "seen by "),
+        (Key::B, "Live picture", "outline"),
+    ] {
+        press(&mut window, Modifiers::NONE, key);
+        draw(&mut window, picture);
+        assert!(shows(&window, selected), "{picture}");
+        assert!(shows(&window, "in memory"), "{picture}: the selection is counted");
+        press(&mut window, Modifiers::NONE, Key::Delete);
+        assert!(shows(&window, "deleted ("), "{picture}");
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+        assert!(shows(&window, "No edits yet"), "{picture}");
+    }
+}
+
+#[test]
+fn a_click_selects_a_surface_which_grows_and_is_inverted_by_keys() {
+    let mut window = editing();
+    click(&mut window, "Select Same surface");
+    let area = window.get_by_label("Live picture").rect();
+    window.hover_at(area.center());
+    window.run_steps(2);
+    for pressed in [true, false] {
+        window.event(egui::Event::PointerButton {
+            pos: area.center(),
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        window.step();
+    }
+    settle(&mut window);
+    assert!(shows(&window, "surface") && shows(&window, "footprints"));
+    press(&mut window, Modifiers::NONE, Key::G);
+    assert!(shows(&window, "surface, grown"));
+    press(&mut window, Modifiers::SHIFT, Key::G);
+    assert!(shows(&window, "surface, grown, shrunk"));
+    press(&mut window, Modifiers::COMMAND, Key::I);
+    assert!(shows(&window, "not surface"));
+}
+
+#[test]
+fn a_mask_is_painted_on_a_camera_over_a_range_of_frames_and_brackets_change_the_brush() {
+    let mut window = editing();
+    let last = |window: &Window| window.get_by_label("Mask: last frame").rect();
+    assert!(last(&window).width() > 0.0);
+    click(&mut window, "Paint Mask");
+    press(&mut window, Modifiers::NONE, Key::OpenBracket);
+    draw(&mut window, "Source picture");
+    draw(&mut window, "Source picture");
+    assert_eq!(window.get_all_by_label_contains("Name of edit").count(), 1, "strokes are one mask");
+    // In the live view the mask tool leaves turning as it is.
+    let before = window.state().observed().live_position;
+    drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
+    settle(&mut window);
+    assert_ne!(window.state().observed().live_position, before);
+}
+
+#[test]
+fn the_panel_of_edits_fits_its_window_with_every_tool_in_both_themes() {
+    let mut window = editing();
+    look_at(&mut window, "Source picture", vec2(0.55, 0.6));
+    let mut wrong = Vec::new();
+    for theme in ["Light theme", "Dark theme"] {
+        click(&mut window, theme);
+        for tool in ["Select Brush", "Select Same surface", "Paint Mask"] {
+            click(&mut window, tool);
+            press(&mut window, Modifiers::NONE, Key::G);
+            choose(&mut window, "Drawing selects", "All behind");
+            window.hover_at(egui::pos2(1.0, 1.0));
+            window.run_steps(4);
+            wrong.extend(faults(&window).into_iter().map(|fault| format!("{theme}, {tool}: {fault}")));
+            click(&mut window, tool);
+        }
+        click(&mut window, "Select Sphere");
+        choose(&mut window, "Edit acts at", "Range");
+        settle(&mut window);
+        wrong.extend(faults(&window).into_iter().map(|fault| format!("{theme}, a sphere: {fault}")));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
