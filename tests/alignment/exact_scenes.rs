@@ -9,7 +9,7 @@ use crate::scene::normal_draw;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, IntrinsicsValues,
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics, Values,
 };
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;

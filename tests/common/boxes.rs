@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, IntrinsicsValues,
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics, Values,
 };
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;

@@ -8,7 +8,7 @@ use crate::draws::Draws;
 use glam::{DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, IntrinsicsValues,
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics, Values,
 };
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;

@@ -320,7 +320,7 @@ fn arrays_of_numpy_are_read_to_the_last_bit_and_what_is_wrong_with_them_is_said_
         name: "p".into(),
         unit: "Pa".into(),
         range: [0.0, 0.1 * 47.0_f32],
-        tolerance: ((0.1 * 47.0_f32) as f64 / 256.0) as f32,
+        tolerance: (f64::from(0.1 * 47.0_f32) / 256.0) as f32,
         is_exact: true,
     };
     assert_eq!(good.value_channels(), [expected]);
