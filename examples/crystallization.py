@@ -125,5 +125,5 @@ record(plotter, options.folder, "ring:6", options.frames, size, step, truth="rin
 
 store, page = (os.path.join(options.folder, name) for name in ("crystal.ovl", "crystal.html"))
 # What is simulated has no noise: what seems to stand still for a while then really does.
-subprocess.run([overlook, "preprocess", options.folder, "--out", store, "--set", "spans.noise=0"], check=True)
+subprocess.run([overlook, "preprocess", options.folder, "--out", store], check=True)
 subprocess.run([overlook, "export", "page", store, "--out", page, "--title", "A drop freezes", "--fps", "8"], check=True)

@@ -625,6 +625,7 @@ def manifest(views, frames, times, stage):
         "depth_miss_value": MISS,
         "normal_space": "world",
         "antialiased_color": stage.is_antialiased,
+        "noise_free": True,
         "up": [float(it) for it in stage.up],
         "frames": entries,
     }
@@ -805,7 +806,7 @@ def add_options(parser):
     add("--no-normals", action="store_true", help="leave normals out")
     add("--overwrite", action="store_true", help="record anew what is there")
     parser.epilog = """Cameras in a file: [{"name": "left", "position": [0, -5, 1], "focal_point": [0, 0, 0], "up": [0, 0, 1],
-        "view_angle": 30}, ...]. Then: `overlook info FOLDER`, `overlook preprocess FOLDER --out F.ovl --set spans.noise=0`."""
+        "view_angle": 30}, ...]. Then: `overlook info FOLDER`, `overlook preprocess FOLDER --out F.ovl`."""
 
 
 def chosen_frames(text, count):

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::command::{overlook, scene, succeed};
+use crate::said;
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 use serde_json::Value;
 
@@ -79,4 +80,26 @@ fn pixels_without_depth_are_told_and_pass_for_no_redundancy_between_cameras() {
     assert_eq!(sizes["after_time"], sizes["after_pruning"], "no camera stands for another: {sizes}");
     let repeated = info["report"]["pruned"]["static"].as_u64().unwrap();
     assert_eq!(sizes["after_time"], 7 * (2 * 2 * 24 * 16 - 400 - repeated));
+}
+
+#[test]
+fn a_capture_that_says_it_has_no_noise_is_not_measured_for_any() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let size = ["--cameras", "2", "--frames", "3", "--size", "96x72", "--noise", "0.05", "--out", "scene"];
+    said::succeed(folder, &[&["demo", "orrery"], size.as_slice()].concat());
+    let noise = || {
+        let said = said::succeed(folder, &["preprocess", "scene", "--out", "scene.ovl"]);
+        let line = said.lines().find(|line| line.contains("color noise ")).map(str::to_owned);
+        let number = |line: String| {
+            line.split_once("color noise ").unwrap().1.split(' ').next().unwrap().parse().unwrap()
+        };
+        line.map_or(0.0, number)
+    };
+    let measured: f64 = noise();
+    assert!(measured > 1.0, "{measured}");
+    let manifest = folder.join("scene/transforms.json");
+    let text = std::fs::read_to_string(&manifest).unwrap();
+    std::fs::write(&manifest, text.replacen('{', "{ \"noise_free\": true,", 1)).unwrap();
+    assert!(noise() < 1e-9);
 }

@@ -46,6 +46,12 @@ pub trait FrameSource: Send + Sync {
         DepthClaim::default()
     }
 
+    /// Whether the source says that color and depth have no noise, as those of rasterizers: what differs is no noise then. Sources that
+    /// change frames may add some, and do not say so.
+    fn is_noise_free(&self) -> bool {
+        false
+    }
+
     /// The channels of scalar values that every frame has; none as a rule.
     fn value_channels(&self) -> &[ValueChannel] {
         &[]
@@ -213,6 +219,12 @@ impl Capture {
     #[must_use]
     pub fn frames_are_ranked(&self) -> bool {
         self.source.frames_are_ranked()
+    }
+
+    /// Whether color and depth are known to have no noise.
+    #[must_use]
+    pub fn is_noise_free(&self) -> bool {
+        self.source.is_noise_free()
     }
 
     /// The channels of scalar values that every frame has.

@@ -121,6 +121,9 @@ pub(crate) struct Keys {
     /// Whether color is filtered across silhouettes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub antialiased_color: Option<bool>,
+    /// Whether color and depth have no noise: what differs over time moves then, however small it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_free: Option<bool>,
     /// Pixel centers in the units of `cx`: 0.5 (our convention), or 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_center_offset: Option<f64>,
@@ -199,7 +202,7 @@ impl Keys {
             camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, x_fov, y_fov, camera_model, lens,
             applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
             depth_unit_scale_factor, integer_depth_scale, depth_integer_scale, depth_scale, depth_invalid_value,
-            depth_camera, near_clip, far_clip, normal_space, antialiased_color, pixel_center_offset, use_alpha, color_space, up,
+            depth_camera, near_clip, far_clip, normal_space, antialiased_color, noise_free, pixel_center_offset, use_alpha, color_space, up,
             picture_orientation, raw_video, transform_direction, camera_axes, values);
         Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }

@@ -152,7 +152,8 @@ fn open_manifest(
     // Renderers filter color unless the manifest denies it.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
     let values = value_file::channels(&recording, &path.display().to_string())?;
-    let source = Arc::new(FileSource { recording, has_normals, values });
+    let is_noise_free = keys().all(|keys| keys.noise_free == Some(true));
+    let source = Arc::new(FileSource { recording, has_normals, values, is_noise_free });
     let recording = &source.recording;
     let capture = Capture::new(
         CaptureParts {

@@ -19,6 +19,8 @@ pub(super) struct FileSource {
     pub has_normals: bool,
     /// The channels of values.
     pub values: Vec<ValueChannel>,
+    /// Whether the manifest says that there is no noise.
+    pub is_noise_free: bool,
 }
 
 impl FileSource {
@@ -60,6 +62,10 @@ impl FrameSource for FileSource {
 
     fn depth_claim(&self) -> DepthClaim {
         self.first_entry().map(|entry| entry.files.depth_claim()).unwrap_or_default()
+    }
+
+    fn is_noise_free(&self) -> bool {
+        self.is_noise_free
     }
 
     fn value_channels(&self) -> &[ValueChannel] {

@@ -30,7 +30,7 @@ pub(crate) fn rated(
         Ok(layer)
     });
     let mut rated: Vec<CameraLayer> = rated.collect::<Result<_>>()?;
-    if settings.pruning.agreement != AgreementRule::Off {
+    if settings.pruning.agreement != AgreementRule::Off && !capture.is_noise_free() {
         let noise = measure_noise_between(&OverlapGraph::complete(&capture.cameras), &rated, job)?;
         rated.iter_mut().zip(noise).for_each(|(layer, noise)| layer.noise_between = noise);
     }

@@ -192,7 +192,9 @@ impl Preview {
             job.check()?;
             capture.frame(camera, frame)
         })?;
-        let noise = measure_pairs(&frames.pairs());
+        // Small things that move are not told from noise where there may be some.
+        let noise =
+            if capture.is_noise_free() { CameraNoise::default() } else { measure_pairs(&frames.pairs()) };
         let held = frames.held;
         let found = CameraPreview {
             noise,
