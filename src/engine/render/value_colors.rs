@@ -52,6 +52,16 @@ impl ValueColors {
         self.range
     }
 
+    /// The value at a share of the range, 0 to 1: what a color bar shows there.
+    #[must_use]
+    pub fn value_at(&self, share: f32) -> f32 {
+        let [low, high] = self.range;
+        match self.scale {
+            ValueScale::Linear | ValueScale::Symmetric => low + (high - low) * share,
+            ValueScale::Log => low * (high / low).powf(share),
+        }
+    }
+
     /// The color of a value, 8-bit sRGB. Beyond the range it is that of its end.
     #[must_use]
     pub fn color(&self, value: f32) -> [u8; 3] {

@@ -4,6 +4,8 @@
 //! mapping curve*, 2015), the curve for bright scenes that of Reinhard et al. (*Photographic tone reproduction for digital images*,
 //! 2002) on luminance.
 
+use super::value_look::ValueLook;
+
 /// How linear values become displayed ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum ToneCurve {
@@ -71,6 +73,8 @@ pub(crate) struct Display {
     pub background: Background,
     /// Whether cut-off values, and values that are no numbers, are marked.
     pub marks_clipped: bool,
+    /// Of scalar values, where the live view shows them.
+    pub values: ValueLook,
 }
 
 impl Default for Display {
@@ -83,6 +87,7 @@ impl Default for Display {
             channel: Channel::default(),
             background: Background::default(),
             marks_clipped: false,
+            values: ValueLook::default(),
         }
     }
 }
@@ -90,7 +95,7 @@ impl Default for Display {
 impl Display {
     /// Whether color is shown as recorded.
     pub(crate) fn is_neutral(&self) -> bool {
-        *self == Self { gamma: self.gamma, ..Self::default() }
+        *self == Self { gamma: self.gamma, values: self.values, ..Self::default() }
     }
 }
 

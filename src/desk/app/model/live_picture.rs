@@ -27,11 +27,12 @@ pub(crate) enum ColorBy {
     Agreement,
     Span,
     SamplingRate,
+    Value,
 }
 
 impl ColorBy {
     /// Every choice in the order of the menu: its name, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 5] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 6] = [
         (Self::Picture, "Picture", "The scene, rendered from the kept samples."),
         (Self::Camera, "Camera", "Each pixel in the color of the camera whose sample it shows."),
         (Self::Agreement, "Agreement", AGREEMENT),
@@ -40,6 +41,11 @@ impl ColorBy {
             Self::SamplingRate,
             "Sampling",
             "Distance between samples over distance between pixels: purple where samples are denser than pixels, orange where pixels are denser.",
+        ),
+        (
+            Self::Value,
+            "Value",
+            "A scalar value of the samples, as the capture gave it; the Color panel chooses which, and its colors.",
         ),
     ];
 }

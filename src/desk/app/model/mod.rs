@@ -52,6 +52,7 @@ mod text;
 mod texture;
 mod timeline;
 mod undo;
+mod value_look;
 pub(crate) mod verdict_text;
 mod view;
 mod view_history;
@@ -108,6 +109,7 @@ pub(crate) use text::{bytes, count, count_of, percent, sentence, significant, ti
 pub(crate) use texture::Texture;
 pub(crate) use timeline::{ShownRate, Timeline};
 pub(crate) use undo::SettingsSlot;
+pub(crate) use value_look::ValueLook;
 pub(crate) use view::{Area, DockView};
 pub(crate) use view_history::ViewHistory;
 pub(crate) use view_look::{

@@ -2,6 +2,7 @@
 
 use egui::{Color32, Painter, Rect, ScrollArea, Sense, Slider, Ui, vec2};
 
+use super::value_panel::values_ui;
 use crate::app::model::{
     self, Background, Channel, Command, Commands, Display, EXPOSURES, LEVELS, PictureHistogram, State,
     ToneCurve,
@@ -22,6 +23,7 @@ pub(crate) fn color_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands
         if state.has_capture() {
             histogram_ui(ui, "Source", source, "It is counted where the source shows its picture.");
         }
+        values_ui(ui, state, &mut display.values, commands);
         brightness_ui(ui, live.or(source), &mut display);
         curve_ui(ui, &mut display);
         background_ui(ui, &mut display);

@@ -9,6 +9,7 @@ mod sharing;
 mod stopping;
 mod telling;
 mod undoing;
+mod values;
 
 use std::time::{Duration, Instant};
 

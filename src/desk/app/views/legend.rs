@@ -8,6 +8,7 @@ use crate::app::model::{
     self, ColorBy, Command, Commands, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, State,
     VIEW_DEPENDENCE_RANGE, ranked,
 };
+use crate::app::panels::titled_value;
 use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
 use overlook_engine::grid::Grid;
@@ -235,8 +236,24 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
                 }
             }
             ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
+            ColorBy::Value => value_ui(ui, state),
         }
         holes_ui(ui, state);
+    });
+}
+
+/// The colors of the value that is shown, between the ends of its range.
+fn value_ui(ui: &mut Ui, state: &State) {
+    let Some((_, channel)) = state.display.values.channel_of(state.value_channels()) else { return };
+    let Ok(colors) = state.display.values.colors(channel) else {
+        one_line(ui, "The range of the value has no width.", Tokens::in_ui(ui).warning);
+        return;
+    };
+    let [low, high] = colors.range().map(|end| model::significant(f64::from(end)));
+    let low = format!("{} {low}", titled_value(channel));
+    bar_ui(ui, &low, &high, |share| {
+        let [r, g, b] = colors.color(colors.value_at(share));
+        Color32::from_rgb(r, g, b)
     });
 }
 

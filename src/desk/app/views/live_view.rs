@@ -51,7 +51,9 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
-        if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, ColorBy::ALL) {
+        let has_values = !state.value_channels().is_empty();
+        let choices = ColorBy::ALL.into_iter().filter(|(of, ..)| has_values || *of != ColorBy::Value);
+        if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
             commands.push(Command::ColorBy(color_by));
         }
         let needed = LABEL_WIDTH + least_width_of_segments(ui, &HoleDisplay::ALL);

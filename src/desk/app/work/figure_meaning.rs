@@ -7,7 +7,7 @@ use egui::Color32;
 use crate::app::camera_cues;
 use crate::app::colormap::{diverging, sequential};
 use crate::app::model::{
-    ColorBy, Legend, LiveKey, Overlay, RATIO_RANGE, Unit, VIEW_DEPENDENCE_RANGE, percent, ranked,
+    ColorBy, Legend, LiveKey, Overlay, RATIO_RANGE, Unit, VIEW_DEPENDENCE_RANGE, percent, ranked, significant,
 };
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
@@ -129,6 +129,20 @@ pub(super) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
         ColorBy::Span => {
             let spans = spans(tokens).map(|(color, name)| entry(color, name.to_owned()));
             Meaning { legend: spans.to_vec(), color_bar: None }
+        }
+        ColorBy::Value => {
+            let found = key.display.values.channel_of(&key.samples.values);
+            let colored =
+                found.and_then(|(_, channel)| Some((channel, key.display.values.colors(channel).ok()?)));
+            let bar_of = colored.map(|(channel, colors)| {
+                let middle = format!("{} {}", channel.name, channel.unit);
+                let [low, high] = colors.range().map(|end| significant(f64::from(end)));
+                bar([&low, middle.trim(), &high], |share| {
+                    let [r, g, b] = colors.color(colors.value_at(share));
+                    Color32::from_rgb(r, g, b)
+                })
+            });
+            Meaning { legend: Vec::new(), color_bar: bar_of }
         }
         ColorBy::SamplingRate => {
             Meaning { legend: Vec::new(), color_bar: Some(ratio("denser than pixels", "coarser")) }

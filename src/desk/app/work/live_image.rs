@@ -21,7 +21,9 @@ use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::render::gpu::HolePattern;
-use overlook_engine::render::{NO_IMAGE, Painter, Picture, RenderStats, Renderer, WindowPicture, output};
+use overlook_engine::render::{
+    NO_IMAGE, Painter, Picture, RenderStats, Renderer, ValueColors, WindowPicture, output,
+};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Antialias, RenderSettings};
 
@@ -149,6 +151,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let tokens = Tokens::of(key.dark);
     let stripe = key.stripe();
     let agreement = LiveAgreement::of(key);
+    let values = LiveValues::of(key, picture);
     let color = |x: usize, y: usize| {
         let image = picture.image[(x, y)];
         let shows_sky = key.color_by == ColorBy::Picture && picture.inverse_depth[(x, y)] == 0.0;
@@ -181,6 +184,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 let share = if source.span.len() >= frames { 0.55 } else { 0.7 };
                 mix(dimmed(own, DIMMED), tokens.of_span(source.span.len(), frames), share)
             }
+            ColorBy::Value => values.as_ref().map_or(own, |values| values.color(x, y)),
             ColorBy::SamplingRate => {
                 let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);
@@ -193,6 +197,29 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let rows = colors.par_chunks_mut(width.max(1)).enumerate();
     rows.for_each(|(y, row)| row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = color(x, y)));
     Grid::from_vec(width, height, colors)
+}
+
+/// One value of each pixel, and its colors.
+struct LiveValues {
+    values: Grid<f32>,
+    colors: ValueColors,
+}
+
+impl LiveValues {
+    /// Those that the picture is colored by; `None` where it is not, or where there are none.
+    fn of(key: &LiveKey, picture: &Picture) -> Option<Self> {
+        let look = Some(key.display.values).filter(|_| key.color_by == ColorBy::Value)?;
+        let (channel, meaning) = look.channel_of(&key.samples.values)?;
+        let colors = look.colors(meaning).ok()?;
+        let shown = output::PictureValues::of(&key.samples, &key.vantage, picture);
+        let (width, height) = picture.image.size();
+        Some(Self { values: Grid::from_vec(width, height, shown.values.channel(channel).collect()), colors })
+    }
+
+    fn color(&self, x: usize, y: usize) -> Color32 {
+        let [r, g, b] = self.colors.color(self.values[(x, y)]);
+        Color32::from_rgb(r, g, b)
+    }
 }
 
 /// How the samples of each camera agree with other cameras; `None` for cameras without a sample in the picture.

@@ -1,0 +1,91 @@
+//! Scalar values in the window: shown in the colors of a range, isolated, and exact under the pointer.
+
+use std::path::Path;
+
+use super::*;
+use crate::app::model::{ColorBy, Display, ValueLook};
+use overlook_engine::capture;
+use overlook_engine::render::{MISSING_COLOR, output};
+use overlook_engine::settings::Settings;
+
+/// The small capture with a value that grows from the left edge of each picture to the right one, and is missing in the lowest rows.
+fn capture_with_values(folder: &Path) {
+    let source = edits::small_capture();
+    let opened = capture::open(&source, &Settings::default().capture).unwrap();
+    let mut manifest: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(source.join("transforms.json")).unwrap()).unwrap();
+    manifest["values"] = serde_json::json!([{ "name": "pressure", "unit": "Pa" }]);
+    for (nth, entry) in manifest["frames"].as_array_mut().unwrap().iter_mut().enumerate() {
+        let name = entry["file_path"].as_str().unwrap().to_owned();
+        let target = folder.join(&name);
+        std::fs::create_dir_all(target.parent().unwrap()).unwrap();
+        std::fs::copy(source.join(&name), &target).unwrap();
+        let (width, height) = opened.cameras[0].intrinsics.size();
+        let of = |x: usize, y: usize| if y + 4 > height { f32::NAN } else { 100.0 + x as f32 };
+        let values = (0..height).flat_map(|y| (0..width).map(move |x| of(x, y)));
+        std::fs::write(folder.join(format!("{nth}.npy")), npy([height, width], values)).unwrap();
+        entry["value_file_paths"] = serde_json::json!({ "pressure": format!("{nth}.npy") });
+    }
+    std::fs::write(folder.join("transforms.json"), manifest.to_string()).unwrap();
+}
+
+fn npy([rows, columns]: [usize; 2], values: impl Iterator<Item = f32>) -> Vec<u8> {
+    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    while (10 + header.len() + 1) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(values.flat_map(f32::to_le_bytes));
+    bytes
+}
+
+fn shown(app: &OverlookApp) -> std::sync::Arc<egui::ColorImage> {
+    app.state.shown_picture().unwrap().clone()
+}
+
+#[test]
+fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pruning_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    capture_with_values(folder.path());
+    let mut app = ready(2, 1);
+    edits::open(&mut app, folder.path(), true);
+    assert_eq!(app.state.value_channels().len(), 1);
+    app.apply(Command::JumpTo(0));
+    settle(&mut app);
+    let picture = shown(&app);
+    app.apply(Command::ColorBy(ColorBy::Value));
+    settle(&mut app);
+    let colored = shown(&app);
+    assert!(colored != picture);
+    let whole = app.state.whole.as_ref().unwrap().samples.clone();
+
+    let look =
+        ValueLook { range: Some([100.0, 140.0]), isolated: Some([100.0, 120.0]), ..ValueLook::default() };
+    app.apply(Command::Display(Display { values: look, ..app.state.display }));
+    settle(&mut app);
+    let isolated = shown(&app);
+    let live = app.state.live_shown.as_ref().unwrap();
+    let rendered = live.picture.rendered().unwrap();
+    let values = output::PictureValues::of(&live.key.samples, &live.key.vantage, rendered);
+    let colors = look.colors(&values.channels[0]).unwrap();
+    let (mut gray, mut seen) = (0, 0);
+    for ((value, pixel), image) in
+        values.values.channel(0).zip(&isolated.pixels).zip(rendered.image.as_slice())
+    {
+        if *image == NO_IMAGE {
+            continue;
+        }
+        let shown = [pixel.r(), pixel.g(), pixel.b()];
+        assert_eq!(shown, colors.color(value), "{value}");
+        seen += usize::from((100.0..=120.0).contains(&value));
+        gray += usize::from(shown == MISSING_COLOR);
+    }
+    assert!(seen > 100 && gray > 100, "{seen} {gray}");
+    assert!(
+        std::sync::Arc::ptr_eq(&whole, &app.state.whole.as_ref().unwrap().samples),
+        "nothing is pruned anew"
+    );
+}
