@@ -1,10 +1,13 @@
 //! Scalar values beside color: from the capture through pruning and the store, bit for bit.
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use half::f16;
+use overlook_engine::capture::exr::ExrFile;
+use overlook_engine::capture::pictures::parse_npy;
 use overlook_engine::capture::{
     Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, MISSING_VALUE, ValueChannel, Values, open,
     transforms::write_capture,
@@ -14,8 +17,10 @@ use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
+use overlook_engine::render::output::{PictureValues, write_exr_with_values, write_npy, write_value_png};
+use overlook_engine::render::{CpuRenderer, NO_IMAGE, ValueColors, Vantage};
 use overlook_engine::samples::{SampleImage, SampleSet};
-use overlook_engine::settings::{CaptureSettings, Settings, SpanLevels};
+use overlook_engine::settings::{CaptureSettings, Colormap, Settings, SpanLevels, ValueScale};
 use overlook_engine::store::file::{Store, write};
 use overlook_engine::store::read;
 
@@ -271,6 +276,53 @@ fn a_capture_that_is_written_and_opened_again_has_the_same_values() {
         let [a, b] = [&capture, &again].map(|capture| capture.frame(camera, frame).unwrap());
         assert_eq!(a.values, b.values);
     }
+}
+
+#[test]
+fn a_rendered_pixel_shows_the_values_of_one_sample_in_layers_arrays_and_colors() {
+    let capture = orrery(3);
+    let kept = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
+    let mut camera = capture.cameras[0].clone();
+    camera.world_from_camera.translation += DVec3::new(0.2, 0.1, 0.1);
+    let vantage = Vantage { camera, frame: 1 };
+    let settings = Settings::default().render;
+    let (picture, _) = CpuRenderer::new().render(&kept, &vantage, &settings, &Job::new()).unwrap();
+    let values = PictureValues::of(&kept, &vantage, &picture);
+    let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<u32>>();
+    let of_image = |image: &Arc<SampleImage>| {
+        (0..image.len()).map(|index| bits(image.values.of(index))).collect::<Vec<_>>()
+    };
+    let sampled: HashSet<Vec<u32>> = kept.images_at(1).flat_map(of_image).collect();
+    let missing = bits(&[MISSING_VALUE; 3]);
+    let mut shown = 0;
+    for (pixel, image) in picture.image.as_slice().iter().enumerate() {
+        let found = bits(values.values.of(pixel));
+        assert!(found == missing || (*image != NO_IMAGE && sampled.contains(&found)), "pixel {pixel}");
+        shown += usize::from(found != missing);
+    }
+    assert!(shown > 160 * 120 / 2, "{shown}");
+
+    let folder = tempfile::tempdir().unwrap();
+    let [array, layers, colored] = ["a.npy", "a.exr", "a.png"].map(|name| folder.path().join(name));
+    write_npy(&array, &picture, &values, 0).unwrap();
+    let read = parse_npy(&std::fs::read(&array).unwrap(), "array").unwrap();
+    assert!(
+        read.size == (160, 120)
+            && Values::from_planes(&[read.values])
+                .channel(0)
+                .map(f32::to_bits)
+                .eq(values.values.channel(0).map(f32::to_bits))
+    );
+    write_exr_with_values(&layers, &picture, &values).unwrap();
+    let file = ExrFile::open(&layers, "layers").unwrap();
+    let layer = file.channels().iter().position(|channel| channel.name == "value.part").unwrap();
+    let plane = file.decode(&[layer], file.window(None).unwrap()).unwrap().remove(0).into_single();
+    assert!(plane.iter().map(|value| value.to_bits()).eq(values.values.channel(2).map(f32::to_bits)));
+    let colors = ValueColors::new(Colormap::Viridis, ValueScale::Linear, [-3.0, 3.0]).unwrap();
+    write_value_png(&colored, &picture, &values, 0, &colors).unwrap();
+    assert!(std::fs::metadata(&colored).unwrap().len() > 1000);
+    let error = PictureValues::channel(&values.channels, "speed", "scene.ovl").unwrap_err().to_string();
+    assert!(error.contains("pressure, drift, part") && !error.contains('\n'), "{error}");
 }
 
 /// An array of `NumPy`.
