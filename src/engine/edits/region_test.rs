@@ -79,7 +79,6 @@ impl RegionTest {
             Region::Pixels { camera: name, outline, strokes, .. } if *name == camera.name => {
                 Self::Pixels(DrawnArea::new(outline, strokes))
             }
-            Region::Pixels { .. } => Self::Constant(false),
             Region::View { viewpoint, outline, strokes, depth, .. } => Self::View {
                 camera_from_world: viewpoint.camera_from_world(),
                 lens: viewpoint.lens(),
@@ -94,7 +93,10 @@ impl RegionTest {
                 most_cosine: from.min(180.0).to_radians().cos(),
                 least_cosine: to.min(180.0).to_radians().cos(),
             },
-            Region::SameSurface { .. } | Region::Grow { .. } | Region::Shrink { .. } => Self::Constant(false),
+            Region::Pixels { .. }
+            | Region::SameSurface { .. }
+            | Region::Grow { .. }
+            | Region::Shrink { .. } => Self::Constant(false),
             Region::Any(parts) => Self::combined(parts, camera, marked, true),
             Region::All(parts) => Self::combined(parts, camera, marked, false),
             Region::Without(parts) => {

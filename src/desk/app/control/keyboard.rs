@@ -80,7 +80,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ),
             ("T", "select the same surface by a click"),
             ("[ and ]", "smaller, larger brush, while there is one"),
-            ("Shift + B", "paint a mask on a source picture"),
+            ("Shift + B", "mask pixels of a source picture with a brush"),
             ("G, Shift + G", "grow, shrink the selection"),
             ("Ctrl + I", "invert the selection"),
             ("Delete", "delete what is selected"),

@@ -103,7 +103,7 @@ impl EditTool {
             Self::Brush,
             "Brush",
             "B",
-            "Paint over something in the live view or in a source picture. With Shift it is added, with Alt taken away.",
+            "Brush over something in the live view or in a source picture. With Shift it is added, with Alt taken away.",
         ),
         (
             Self::Surface,
@@ -115,11 +115,11 @@ impl EditTool {
             Self::Mask,
             "Mask",
             "Shift+B",
-            "Paint over pixels of a source picture that are not to be used: that camera is pruned without them, and others show what they showed.",
+            "Brush over pixels of a source picture that are not to be used: that camera is pruned without them, and others show what they showed.",
         ),
     ];
 
-    /// Whether it paints with a round brush.
+    /// Whether it draws with a round brush.
     pub(crate) fn has_radius(self) -> bool {
         matches!(self, Self::Brush | Self::Mask)
     }

@@ -143,7 +143,7 @@ fn brush_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
     });
 }
 
-/// Masks, which are painted in source pictures.
+/// Masks, which are drawn in source pictures.
 pub(super) fn mask_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
     if !state.has_capture() {
         return;
@@ -151,7 +151,7 @@ pub(super) fn mask_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
     heading_ui(ui, "Mask pixels of a camera");
     ui.horizontal_wrapped(|ui| {
         for tool in EditTool::ALL.iter().filter(|(tool, ..)| *tool == EditTool::Mask) {
-            tool_ui(ui, state, tool, "Paint", sent);
+            tool_ui(ui, state, tool, "Draw", sent);
         }
         if state.has_time() {
             range_ui(ui, state, "Mask", sent);

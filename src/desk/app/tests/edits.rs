@@ -168,7 +168,7 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
         outline: Vec::new(),
         strokes: vec![stroke.clone()],
     };
-    let outline = vec![[0.0, 0.0], [width, 0.0], [width, 0.3 * height]];
+    let outline = vec![[0.0, 0.5 * height], [width, height], [0.0, height]];
     let viewpoint = Viewpoint::of(&camera);
     let seen = Region::View { viewpoint, frame, outline, strokes: Vec::new(), depth: None };
     let of_stroke = draw(&mut app, painted.clone(), Combine::Replace);

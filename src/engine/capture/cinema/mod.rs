@@ -63,7 +63,7 @@ pub fn direction(phi: f64, theta: f64, up: DVec3) -> DVec3 {
 fn axes(up: DVec3) -> [DVec3; 2] {
     let up = up.normalize_or(DVec3::Z);
     let from = if up.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
-    let along = (from - up * from.dot(up)).normalize();
+    let along = (from - up * from.dot(up)).normalize_or(DVec3::X);
     [along, up.cross(along)]
 }
 

@@ -102,7 +102,7 @@ impl Table {
     pub(crate) fn cameras(&self) -> Result<Vec<Option<DatabaseCamera>>> {
         let has_positions = self.has("position_x");
         let has_angles = self.has("phi") && self.has("theta");
-        if !has_positions && !(has_angles && self.has("radius")) {
+        if !(has_positions || has_angles && self.has("radius")) {
             let angles =
                 if has_angles { "phi and theta stand in it, but not how far from what: " } else { "" };
             let what = format!(

@@ -64,7 +64,7 @@ pub(super) fn mean_up(frames: &[PictureEntry]) -> Option<DVec3> {
         }))
     };
     let sum: DVec3 = frames.iter().map(up).sum();
-    (sum.length() > LEAST_AGREEMENT * frames.len() as f64).then(|| sum.normalize())
+    (sum.length() > LEAST_AGREEMENT * frames.len() as f64).then(|| sum.normalize_or_zero())
 }
 
 /// The axis of the world, with its sign, that is nearest to a direction.

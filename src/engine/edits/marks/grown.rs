@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::super::seen::ImageMarks;
 use super::placed_points::{Origin, points_of};
 use super::point_tree::{Point, PointTree};
+use crate::edits::seen::ImageMarks;
 use crate::error::Result;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};
 

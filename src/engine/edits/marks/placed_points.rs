@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::super::seen::PixelRays;
 use super::point_tree::Point;
 use crate::capture::{Camera, PixelSide};
+use crate::edits::seen::PixelRays;
 use crate::samples::{SampleImage, SampleSet};
 
 /// What coordinates count from: near the scene, so that single precision is enough.
@@ -18,7 +18,7 @@ impl Origin {
         Self(sum / outline.cameras.len().max(1) as f64)
     }
 
-    pub(super) fn from_here(self, point_in_world: DVec3) -> [f32; 3] {
+    pub(super) fn to_point(self, point_in_world: DVec3) -> [f32; 3] {
         (point_in_world - self.0).as_vec3().to_array()
     }
 }
@@ -35,9 +35,11 @@ pub(super) fn points_of(
     let width = camera.intrinsics.pixel_width(1.0, PixelSide::Longer);
     let points = image.samples().filter(|sample| inverse_depths[sample.index] > 0.0).map(|sample| {
         let seen = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
+        let reach = (footprints * width * seen.depth) as f32;
         Point {
-            at: origin.from_here(seen.point_in_world),
-            reach: (footprints * width * seen.depth) as f32,
+            at: origin.to_point(seen.point_in_world),
+            reach,
+            head_on: reach,
             image: index as u32,
             index: sample.index as u32,
         }

@@ -12,6 +12,8 @@ pub(super) struct Point {
     pub(super) at: [f32; 3],
     /// World units.
     pub(super) reach: f32,
+    /// How far it would reach if it were seen head-on, world units.
+    pub(super) head_on: f32,
     /// Index of its image.
     pub(super) image: u32,
     /// Index into the planes of its image.
@@ -159,7 +161,7 @@ mod tests {
     fn points_are_found_that_lie_near_and_those_that_reach_so_far() {
         let drawn = |index: u32| {
             let [[x, y], [z, reach]] = [0, 1].map(|nth| uniform_pair(mix(u64::from(2 * index + nth))));
-            Point { at: [x, y, 0.2 * z], reach: 0.1 * reach, image: 0, index }
+            Point { at: [x, y, 0.2 * z], reach: 0.1 * reach, head_on: 0.1 * reach, image: 0, index }
         };
         let points: Vec<Point> = (0..1500).map(drawn).collect();
         let tree = PointTree::new(points.clone());

@@ -7,10 +7,10 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::super::seen::ImageMarks;
 use super::placed_points::{Origin, points_of};
 use super::point_tree::{Point, PointTree};
 use crate::alignment::eigen;
+use crate::edits::seen::ImageMarks;
 use crate::error::Result;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};
 
@@ -20,7 +20,7 @@ const EDGE: f64 = 0.04;
 /// Points that make a plane, at least.
 const LEAST: usize = 5;
 
-/// A step leaves the plane of the surface by at most this share of its reach.
+/// A step leaves the plane of the surface by at most this share of what a point reaches that is seen head-on.
 const OFF_PLANE: f32 = 0.5;
 
 /// Pixels that are seen at a slant reach at most this many times as far.
@@ -36,6 +36,9 @@ pub(super) struct SurfaceRule {
     /// World units.
     pub(super) radius: Option<f64>,
 }
+
+/// The points of an image, and the normals that it has of some of them, by the indices of samples in their order.
+type ImagePoints = (Vec<Point>, Vec<(u32, Vec3)>);
 
 /// The direction of the surface at a point.
 #[derive(Clone, Copy)]
@@ -64,7 +67,7 @@ impl SurfaceRule {
         let origin = Origin(self.seed_in_world);
         let shown: Vec<usize> =
             (0..images.len()).filter(|index| images.facts_of(*index).span.contains(self.frame)).collect();
-        let found: Vec<(Vec<Point>, Vec<(u32, Vec3)>)> = shown
+        let found: Vec<ImagePoints> = shown
             .par_iter()
             .map(|&index| {
                 let image = images.get(index)?;
@@ -85,7 +88,7 @@ impl SurfaceRule {
         let mut eyes = vec![Vec3::ZERO; images.len()];
         for &index in &shown {
             let camera = &outline.cameras[images.facts_of(index).camera as usize];
-            eyes[index] = Vec3::from(origin.from_here(camera.position_in_world()));
+            eyes[index] = Vec3::from(origin.to_point(camera.position_in_world()));
         }
         let tree = PointTree::new(found.iter().flat_map(|(points, _)| points).copied().collect());
         let mut flood = Flood::new(&tree, &eyes);
@@ -137,8 +140,8 @@ impl<'a> Flood<'a> {
         Self { tree, eyes, facing: vec![Facing::Unknown; count], is_reached: vec![false; count], left }
     }
 
-    /// Takes the normals that a store holds, by the indices of samples, which are sorted.
-    fn take_normals(&mut self, shown: &[usize], found: &[(Vec<Point>, Vec<(u32, Vec3)>)]) {
+    /// Takes the normals that a store holds. `shown` are the indices of the images.
+    fn take_normals(&mut self, shown: &[usize], found: &[ImagePoints]) {
         for (facing, point) in self.facing.iter_mut().zip(self.tree.points()) {
             let of_image = shown.binary_search(&(point.image as usize)).ok().map(|at| &found[at].1);
             let given = of_image.and_then(|given| {
@@ -175,7 +178,7 @@ impl<'a> Flood<'a> {
                 }
                 let there = self.tree.points()[other];
                 let step = Vec3::from(there.at) - Vec3::from(here.at);
-                if step.dot(normal).abs() > OFF_PLANE * here.reach.max(there.reach) {
+                if step.dot(normal).abs() > OFF_PLANE * here.head_on.max(there.head_on) {
                     continue;
                 }
                 let (is_same, goes_on) = match self.facing_of(other) {

@@ -10,12 +10,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
-use super::super::drawn_area::DrawnArea;
-use super::super::region::Region;
-use super::super::seen::{ImageMarks, PixelRays, Seen};
 use crate::capture::sighting::tolerances::NOISY_PIXEL;
 use crate::capture::sighting::{Landing, Sighting};
 use crate::capture::{Camera, Intrinsics, PixelSide};
+use crate::edits::drawn_area::DrawnArea;
+use crate::edits::region::Region;
+use crate::edits::seen::{ImageMarks, PixelRays, Seen};
 use crate::error::Result;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};
 
