@@ -66,7 +66,7 @@ fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
 /// The bars in the room that is left; nothing where that is too little.
 pub(super) fn causes_ui(ui: &mut Ui, account: &PixelAccount) -> Option<Response> {
     let tokens = Tokens::in_ui(ui);
-    let all = causes(account, &tokens);
+    let all = causes(account, tokens);
     let room = ui.available_size();
     let each = (room.x + GAP) / all.len() as f32 - GAP;
     if room.x < LEAST_WHOLE {
@@ -86,7 +86,7 @@ pub(super) fn causes_ui(ui: &mut Ui, account: &PixelAccount) -> Option<Response>
     for (nth, cause) in all.iter().enumerate() {
         let left = area.left() + nth as f32 * (each + GAP);
         let place = Rect::from_min_size(pos2(left, area.top()), vec2(each, area.height()));
-        bar(ui, place, cause, account, &tokens);
+        bar(ui, place, cause, account, tokens);
         if pointer.is_some_and(|pointer| place.expand(GAP / 2.0).contains(pointer)) {
             help = Some(format!(
                 "{} {}: {} Click for the rules.",

@@ -15,7 +15,7 @@ fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_
     let before = app.state.timeline.frame;
     wait(&mut app, "time to pass", |app| app.state.timeline.frame != before);
     wait(&mut app, "a picture", |app| app.state.live_shown.is_some());
-    let stats = app.state.live_shown.as_ref().unwrap().picture.stats.clone();
+    let stats = app.state.live_shown.as_ref().unwrap().picture.stats;
     assert!(stats.holes * 10 < 200 * 150, "{} of the first view's pixels are invented", stats.holes);
     let bytes = match app.state.content() {
         Some(Content::Store { bytes, .. }) => *bytes,

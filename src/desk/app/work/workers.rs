@@ -112,6 +112,7 @@ impl Workers {
         let editing = rendering.clone();
         let mut comparer = Comparer::new(studying.clone());
         let mut meter = share_facts::StoreMeter::default();
+        let preview = move |key, job: &Job| previewing.install(|| share_preview::preview(key, job));
         Ok(Self {
             open: Worker::start(Kind::Open, Always, outbox, opening::open)?,
             whole: Worker::start(Kind::Prune, Always, outbox, move |request, job| {
@@ -167,9 +168,7 @@ impl Workers {
                 or_stopped(job, "Export stopped", request.stopped(), || sharing::export(&request, job))
             })?,
             sizes: Worker::start(Kind::MeasureSizes, Never, outbox, move |key, job| meter.facts(&key, job))?,
-            preview: Worker::start(Kind::PreviewShare, Never, outbox, move |key, job| {
-                previewing.install(|| share_preview::preview(key, job))
-            })?,
+            preview: Worker::start(Kind::PreviewShare, Never, outbox, preview)?,
             show_in_folder: Worker::start(Kind::ShowInFolder, Queue, outbox, |path: PathBuf, _| {
                 share_facts::show_in_folder(&path)
             })?,
