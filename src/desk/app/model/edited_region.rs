@@ -60,11 +60,12 @@ fn join(parts: &[Region], sign: &str) -> String {
 pub(crate) fn last_shape(region: &mut Region) -> Option<&mut Region> {
     match region {
         Region::Box { .. } | Region::Sphere { .. } | Region::SameSurface { .. } => Some(region),
-        Region::Grow { region: part, .. } | Region::Shrink { region: part, .. } => last_shape(part),
         Region::Any(parts) | Region::All(parts) | Region::Without(parts) => {
             parts.last_mut().and_then(last_shape)
         }
-        Region::Not(part) => last_shape(part),
+        Region::Not(part) | Region::Grow { region: part, .. } | Region::Shrink { region: part, .. } => {
+            last_shape(part)
+        }
         _ => None,
     }
 }

@@ -222,7 +222,9 @@ fn area_shapes(painter: &Painter, place: &PicturePlace, camera: &str, region: &R
             }
         }
         Region::Any(parts) | Region::All(parts) | Region::Without(parts) => {
-            parts.iter().for_each(|part| area_shapes(painter, place, camera, part, color));
+            for part in parts {
+                area_shapes(painter, place, camera, part, color);
+            }
         }
         Region::Grow { region, .. } | Region::Shrink { region, .. } | Region::Not(region) => {
             area_shapes(painter, place, camera, region, color);
