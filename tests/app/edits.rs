@@ -14,8 +14,25 @@ fn editing() -> Window {
     window
 }
 
+/// Draws around or over something in the middle of a picture.
 fn draw(window: &mut Window, picture: &str) {
-    drag(window, picture, vec2(0.45, 0.45), vec2(30.0, 24.0));
+    let start = window.get_by_label(picture).rect().center();
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.event(egui::Event::PointerMoved(start));
+    window.event(button(start, true));
+    window.step();
+    let end = start + vec2(30.0, 24.0);
+    for at in [start + vec2(12.0, 0.0), start + vec2(30.0, 0.0), end] {
+        window.event(egui::Event::PointerMoved(at));
+        window.step();
+    }
+    window.event(button(end, false));
+    window.run_steps(2);
     settle(window);
 }
 
@@ -26,7 +43,7 @@ fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
 }
 
 #[test]
-fn a_thing_is_outlined_in_a_source_picture_or_painted_over_in_the_live_view_and_deleted() {
+fn a_thing_is_outlined_or_brushed_over_in_a_source_picture_and_in_the_live_view_and_deleted() {
     let mut window = editing();
     for (key, picture, selected) in [
         (Key::R, "Source picture", "seen by "),
@@ -72,7 +89,7 @@ fn a_click_selects_a_surface_which_grows_and_is_inverted_by_keys() {
 }
 
 #[test]
-fn a_mask_is_painted_on_a_camera_over_a_range_of_frames_and_brackets_change_the_brush() {
+fn a_mask_is_drawn_on_a_camera_over_a_range_of_frames_and_brackets_change_the_brush() {
     let mut window = editing();
     let last = |window: &Window| window.get_by_label("Mask: last frame").rect();
     assert!(last(&window).width() > 0.0);

@@ -166,8 +166,7 @@ fn a_mask_that_is_painted_leaves_the_pixels_of_its_camera_out_of_pruning_at_its_
 fn the_same_surface_is_all_of_a_thing_that_cameras_saw_and_ends_at_its_edges() {
     let set = pruned(&still_life()).samples;
     let all = placed(&set);
-    let is_ball =
-        |point: DVec3| ((point - DVec3::new(0.0, 0.0, 0.6)).length() - 0.6).abs() < 0.02 && point.z > 0.1;
+    let is_ball = |point: DVec3| ((point - DVec3::new(0.0, 0.0, 0.6)).length() - 0.6).abs() < 0.02;
     let is_ground = |point: DVec3| point.z.abs() < 0.01;
     let ball = DVec3::new(0.0, 0.0, 0.6) + 0.6 * DVec3::new(0.0, -0.8, 0.6);
     for (seed, is_of_it) in
@@ -180,7 +179,8 @@ fn the_same_surface_is_all_of_a_thing_that_cameras_saw_and_ends_at_its_edges() {
             (there + 1, found + usize::from(selected.contains(&name(it))))
         });
         assert!(found * 10 > there * 8, "{seed}: {found} of {there}");
-        assert!(selected.len() * 100 < found * 106, "{seed}: {} selected, {found} of it", selected.len());
+        // Where things meet, an edge of a pixel or two has no direction that would tell whose it is.
+        assert!(selected.len() * 100 < found * 108, "{seed}: {} selected, {found} of it", selected.len());
         let cameras: BTreeSet<u32> = selected.iter().map(|(camera, ..)| *camera).collect();
         assert!(cameras.len() > 1, "{seed}: {cameras:?}");
         let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

@@ -38,6 +38,13 @@ impl State {
         is_of_these.then_some(edited)
     }
 
+    /// The same, once it is of the list and the selection as they are now.
+    pub(crate) fn edited_now(&self) -> Option<&EditedScene> {
+        let (key, _) = self.edits.edited.as_ref()?;
+        let is_now = key.list == self.edits.list && key.selection == self.edits.shown_selection();
+        self.edited().filter(|_| is_now)
+    }
+
     /// What edits leave of the samples, where the list as it is was applied; `None` where nothing is edited.
     pub(crate) fn edited_samples(&self) -> Option<&Arc<SampleSet>> {
         let (key, _) = self.edits.edited.as_ref().filter(|_| !self.edits.list.is_idle())?;

@@ -44,7 +44,7 @@ fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
         return;
     };
     ui.add(Label::new(RichText::new(region_words(selection)).strong()).truncate());
-    let facts = match state.edited().filter(|_| edits.trouble.is_none()) {
+    let facts = match state.edited_now().filter(|_| edits.trouble.is_none()) {
         Some(edited) => {
             let left = edited.before - edited.deleted;
             let bytes = edited.bytes as f64 * edited.selected as f64 / left.max(1) as f64;
@@ -56,7 +56,8 @@ fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
             )
         }
         None if state.samples_to_edit().is_none() => ASKS_WHOLE.to_owned(),
-        None => String::new(),
+        None if edits.trouble.is_some() => String::new(),
+        None => "Selecting…".to_owned(),
     };
     note(ui, facts);
     let mut reshaped = selection.clone();
