@@ -96,6 +96,7 @@ const STAGES: [(&str, &[&str]); 8] = [
             "colmap",
             "transforms",
             "miv",
+            "cinema",
             "recording",
             "readers",
         ],

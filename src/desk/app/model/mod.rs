@@ -40,6 +40,7 @@ mod readings;
 mod recent;
 mod results;
 mod scene;
+mod scene_values;
 mod seen_picture;
 mod session;
 pub(crate) mod setting_names;

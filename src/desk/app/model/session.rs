@@ -95,8 +95,8 @@ impl Session {
         let name = place.display().to_string();
         let invalid = |what: String| Error::invalid(&name, what);
         let form: SessionForm = toml::from_str(text).map_err(|error| {
-            let line =
-                error.span().map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1));
+            let before = error.span().map_or("", |span| &text[..span.start.min(text.len())]);
+            let line = before.matches('\n').count() + 1;
             invalid(format!("line {line}: {}", error.message()))
         })?;
         if form.version != VERSION {

@@ -1,7 +1,5 @@
 //! How scalar values become colors in the window.
 
-use super::document::State;
-use super::scene::Content;
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::render::ValueColors;
 use overlook_engine::settings::{Colormap, ValueScale};
@@ -36,17 +34,6 @@ impl ValueLook {
     pub(crate) fn colors(self, channel: &ValueChannel) -> Result<ValueColors, String> {
         let colors = ValueColors::new(self.map, self.scale, self.range.unwrap_or(channel.range))?;
         Ok(self.isolated.map_or(colors, |isolated| colors.isolating(isolated)))
-    }
-}
-
-impl State {
-    /// The scalar values of what is open; none as a rule.
-    pub(crate) fn value_channels(&self) -> &[ValueChannel] {
-        match self.content() {
-            Some(Content::Store { samples, .. }) => &samples.values,
-            Some(Content::Capture { capture, .. }) => capture.value_channels(),
-            None => &[],
-        }
     }
 }
 

@@ -35,7 +35,7 @@ fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
             "Repeated",
             account.repeated,
             tokens.static_over_time,
-            "The same camera shows the same in other frames: one sample stands for all of them.",
+            "The same camera shows the same in other frames: one sample is stored for all of them.",
         ),
         cause(
             "Redundant",

@@ -2,13 +2,16 @@
 
 use super::edits::{delete, open};
 use super::*;
+use crate::app::model::{SavedPathKey, SceneSource, ViewCommand, Workspace};
 use overlook_engine::edits::Region;
 
 /// Everything that a session holds, of a window.
 fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
     let state = &app.state;
-    let keys: Vec<_> =
-        state.inspector.path.keys.iter().map(|key| (key.orbit.world_from_camera, key.frame)).collect();
+    // Files have the poses of keys as matrices, whose last bits are rounded.
+    let rounded = |number: f64| (number * 1e9).round() as i64;
+    let pose = |key: &SavedPathKey| key.orbit.world_from_camera.to_cols_array().map(rounded);
+    let keys: Vec<_> = state.inspector.path.keys.iter().map(|key| (pose(key), key.frame)).collect();
     (
         (state.settings.clone(), state.edits.list.clone(), state.inspector.path.pictures_per_leg, keys),
         (state.live.orbit.clone(), state.timeline.frame, state.look.workspace, app.dock.to_json()),
@@ -21,12 +24,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     let folder = tempfile::tempdir().unwrap();
     let [session, store, again] = ["a.overlook", "a.ovl", "again.ovl"].map(|name| folder.path().join(name));
     let mut app = ready(2, 1);
-    assert!(
-        app.state
-            .scene
-            .as_ref()
-            .is_some_and(|scene| matches!(scene.origin, super::super::model::SceneSource::Demo(_)))
-    );
+    assert!(app.state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_))));
     app.apply(Command::TypePath(Purpose::SaveSession));
     assert!(
         app.notices().iter().any(|notice| notice.starts_with("No session to save")),
@@ -44,9 +42,9 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
         app.apply(Command::Orbit(glam::DVec2::new(angle, 0.05)));
         app.apply(Command::AddKey);
     }
-    app.apply(Command::Workspace(super::super::model::Workspace::Compare));
+    app.apply(Command::Workspace(Workspace::Compare));
     // The address of a view rounds it; who saved it and who opens it see the same.
-    app.apply(Command::View(super::super::model::ViewCommand::CopyAddress));
+    app.apply(Command::View(ViewCommand::CopyAddress));
     settle(&mut app);
     app.take_path(Purpose::SaveSession, session.clone());
     app.take_path(Purpose::SaveStore, store.clone());

@@ -75,8 +75,9 @@ impl CinemaArgs {
         let views = grid(&outline.cameras, middle, outline.up_in_world, [self.phi, self.theta], COUNTS);
         let count = views.len() * outline.frame_count();
         if count > MOST_PICTURES {
+            let pictures = counted(count, "picture");
             let what = format!(
-                "{count} pictures are too many for one database; give fewer angles with --phi and --theta"
+                "it would have {pictures}, more than {MOST_PICTURES}; give fewer angles with --phi and --theta"
             );
             return Err(Error::invalid(self.out.display(), what).into());
         }
