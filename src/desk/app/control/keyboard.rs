@@ -74,15 +74,9 @@ pub(crate) const HELP: &[Shortcuts] = &[
     (
         "Edits",
         &[
-            (
-                "R, L, B",
-                "select in pictures by rectangle, lasso, brush; with Shift added, with Alt taken away",
-            ),
-            ("T", "select the same surface by a click"),
-            ("[ and ]", "smaller, larger brush, while there is one"),
-            ("Shift + B", "mask pixels of a source picture with a brush"),
-            ("G, Shift + G", "grow, shrink the selection"),
-            ("Ctrl + I", "invert the selection"),
+            ("R, L, B, T", "select: rectangle, lasso, brush, surface"),
+            ("[ and ], Shift + B", "size of the brush, mask"),
+            ("G, Shift + G, Ctrl + I", "grow, shrink, invert"),
             ("Delete", "delete what is selected"),
         ],
     ),

@@ -110,7 +110,7 @@ pub(crate) use text::{bytes, count, count_of, percent, sentence, significant, ti
 pub(crate) use texture::Texture;
 pub(crate) use timeline::{ShownRate, Timeline};
 pub(crate) use undo::SettingsSlot;
-pub(crate) use value_look::ValueLook;
+pub(crate) use value_look::{ValueLook, titled_value};
 pub(crate) use view::{Area, DockView};
 pub(crate) use view_history::ViewHistory;
 pub(crate) use view_look::{

@@ -191,7 +191,7 @@ mod tests {
             ("version = 1\nopens = \"a\"\nsettings = \"x = 1\"\n", "unknown field `x`"),
         ] {
             let error = Session::from_text(text, Path::new("s.overlook")).unwrap_err().to_string();
-            assert!(error.starts_with("s.overlook: ") && error.contains(words), "{error}");
+            assert!(error.starts_with("s.overlook") && error.contains(words), "{error}");
         }
     }
 }

@@ -37,6 +37,15 @@ impl ValueLook {
     }
 }
 
+/// Name and unit of a channel.
+pub(crate) fn titled_value(channel: &ValueChannel) -> String {
+    if channel.unit.is_empty() {
+        channel.name.clone()
+    } else {
+        format!("{} ({})", channel.name, channel.unit)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

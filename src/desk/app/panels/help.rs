@@ -143,7 +143,9 @@ fn sheet_ui(ctx: &egui::Context, commands: &mut Commands, title: &str, contents:
 
 fn shortcuts_ui(ui: &mut Ui) {
     ui.horizontal_top(|ui| {
-        for groups in control::HELP.chunks(control::HELP.len().div_ceil(2)) {
+        // The first groups are the longest.
+        let (left, right) = control::HELP.split_at(control::HELP.len() / 2);
+        for groups in [left, right] {
             ui.vertical(|ui| {
                 ui.spacing_mut().interact_size.y = SHORTCUT_ROW;
                 for (heading, shortcuts) in groups {

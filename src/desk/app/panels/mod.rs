@@ -52,6 +52,5 @@ pub(crate) use time::time_ui;
 pub(crate) use timeline::timeline_ui;
 pub(crate) use top_bar::top_bar_ui;
 pub(crate) use totals::totals_ui;
-pub(crate) use value_panel::titled as titled_value;
 pub(crate) use view_panel::view_panel_ui;
 pub(crate) use welcome::{closing_ui, introduction_ui};

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, RichText, Ui};
 
-use crate::app::model::{ColorBy, Command, Commands, State, ValueLook};
+use crate::app::model::{self, ColorBy, Command, Commands, State, ValueLook};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{choice_ui, note, segments_ui};
 use overlook_engine::capture::ValueChannel;
@@ -21,8 +21,11 @@ pub(super) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
     let Some((index, channel)) = look.channel_of(channels) else { return };
     super::view_panel::heading_ui(ui, "Values");
     ui.horizontal(|ui| {
-        let choices: Vec<_> =
-            channels.iter().enumerate().map(|(nth, channel)| (nth, titled(channel), String::new())).collect();
+        let choices: Vec<_> = channels
+            .iter()
+            .enumerate()
+            .map(|(nth, channel)| (nth, model::titled_value(channel), String::new()))
+            .collect();
         if let Some(chosen) = choice_ui(ui, "Value", index, &choices, 150.0) {
             *look = ValueLook { channel: chosen, map: look.map, scale: look.scale, ..ValueLook::default() };
         }
@@ -75,15 +78,6 @@ fn range_ui(ui: &mut Ui, name: &str, range: &mut [f32; 2], channel: &ValueChanne
     });
     let changed = [ends.next(), ends.next()];
     changed.contains(&Some(true))
-}
-
-/// Name and unit.
-pub(crate) fn titled(channel: &ValueChannel) -> String {
-    if channel.unit.is_empty() {
-        channel.name.clone()
-    } else {
-        format!("{} ({})", channel.name, channel.unit)
-    }
 }
 
 fn capitalized(name: &str) -> String {

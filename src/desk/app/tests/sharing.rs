@@ -41,18 +41,19 @@ fn what_a_budget_leaves_is_seen_before_it_is_made_and_less_is_farther_from_all()
     settle(&mut app);
     app.apply(Command::Share(ShareCommand::Open(Some(ShareWay::Splats))));
     settle(&mut app);
+    wait(&mut app, "sizes", |app| app.state.share.facts.is_some());
     assert!(app.state.share.preview.is_none(), "nothing is made coarser");
     let all = app.state.share.facts.unwrap().placed_here;
     let mut decibels_of = |kilosplats: u64| {
         let options =
             ShareOptions { splats_are_bounded: true, kilosplats, ..app.state.share.options.clone() };
         app.apply(Command::Share(ShareCommand::Change(Box::new(options))));
-        settle(&mut app);
+        let is_of_it = |app: &OverlookApp| {
+            let shown = app.state.share.preview.as_ref().map(|shown| &shown.key);
+            shown.is_some() && shown == app.state.share_preview_key().as_ref()
+        };
+        wait(&mut app, "the preview of this budget", is_of_it);
         let shown = app.state.share.preview.as_ref().unwrap();
-        assert!(
-            Some(&shown.key) == app.state.share_preview_key().as_ref(),
-            "the preview is of another budget"
-        );
         shown.picture.as_ref().map(|(_, decibels)| decibels.unwrap())
     };
     let [more, less] = [all / 1300, all / 4000].map(|kilosplats| decibels_of(kilosplats).unwrap());

@@ -8,7 +8,6 @@ use crate::app::model::{
     self, ColorBy, Command, Commands, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, State,
     VIEW_DEPENDENCE_RANGE, ranked,
 };
-use crate::app::panels::titled_value;
 use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
 use overlook_engine::grid::Grid;
@@ -250,7 +249,7 @@ fn value_ui(ui: &mut Ui, state: &State) {
         return;
     };
     let [low, high] = colors.range().map(|end| model::significant(f64::from(end)));
-    let low = format!("{} {low}", titled_value(channel));
+    let low = format!("{} {low}", model::titled_value(channel));
     bar_ui(ui, &low, &high, |share| {
         let [r, g, b] = colors.color(colors.value_at(share));
         Color32::from_rgb(r, g, b)
