@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::{DatabaseCamera, VIEW_ANGLE, axes, direction};
-use crate::capture::Camera;
+use super::viewpoint::{DatabaseCamera, VIEW_ANGLE, axes, direction};
+use crate::capture::camera::Camera;
 
 /// Angles, evenly spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +80,7 @@ fn range_of_turn(mut angles: Vec<f64>) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Intrinsics;
+    use crate::capture::camera::Intrinsics;
 
     #[test]
     fn angles_are_spread_evenly_and_a_turn_ends_before_it_begins_again() {

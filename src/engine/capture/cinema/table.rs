@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::{DatabaseCamera, VIEW_ANGLE, direction};
+use super::viewpoint::{DatabaseCamera, VIEW_ANGLE, direction};
 use crate::error::{Error, Result};
 use crate::whole_file;
 

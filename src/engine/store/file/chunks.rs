@@ -62,7 +62,7 @@ impl InfoChunks {
         if version.1 < WITH_VALUES {
             // Kept by a program that does not know them: what they say of places is not true any more.
             payloads.remove(&VALUES);
-        } else if !payloads.contains_key(&VALUES) {
+        } else if version.1 == WITH_VALUES && !payloads.contains_key(&VALUES) {
             return Err(in_chunk(path, VALUES, "it is missing"));
         }
         Ok(Self { version, payloads })
