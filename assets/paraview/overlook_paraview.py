@@ -52,19 +52,24 @@ def record_view(out, cameras=6, view=None, frames=None, size=(640, 480), **optio
     from paraview import simple
 
     view = view or simple.GetActiveViewOrCreate("RenderView")
-    hide_annotations(view)
-    view.ViewSize = list(size)
+    prepare(view, size)
     times = time_steps(simple)
     frames = list(range(len(times)) if frames is None else frames)
-    chosen = None if times == [None] else [times[frame] for frame in frames]
-    record(window_of(view), out, cameras, frames, size, stepping(simple, view, times), step_jumps=True, times=chosen, **options)
+    step = stepping(simple, view, times)
+    record(window_of(view), out, cameras, frames, size, step, step_jumps=True, times=times_of(frames, times), **options)
 
 
-def hide_annotations(view):
-    """Axes and the center of rotation are no part of the scene."""
+def prepare(view, size):
+    """Gives a view its size. Axes and the center of rotation are no part of the scene."""
     for name in ("OrientationAxesVisibility", "CenterAxesVisibility"):
         if hasattr(view, name):
             setattr(view, name, 0)
+    view.ViewSize = list(size)
+
+
+def times_of(frames, times):
+    """The times of some time steps; None where nothing moves."""
+    return None if times == [None] else [times[frame] for frame in frames]
 
 
 def opened(simple, path):
@@ -99,12 +104,10 @@ def main():
             raise CaptureError(f"this needs ParaView's Python: run it with pvpython ({first_line(error)})") from error
 
         view = opened(simple, options.state)
-        hide_annotations(view)
-        view.ViewSize = list(options.size)
+        prepare(view, options.size)
         times = time_steps(simple)
         frames = chosen_frames(options.frames, len(times))
-        chosen = None if times == [None] else [times[frame] for frame in frames]
-        record_by_options(options, window_of(view), frames, chosen, stepping(simple, view, times))
+        record_by_options(options, window_of(view), frames, times_of(frames, times), stepping(simple, view, times))
 
     run(work)
 

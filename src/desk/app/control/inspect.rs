@@ -203,26 +203,42 @@ impl OverlookApp {
     }
 
     pub(super) fn apply_to_path(&mut self, command: Command) -> Option<Command> {
-        let here = self
-            .state
-            .live
-            .orbit
-            .clone()
-            .map(|orbit| SavedPathKey { orbit, frame: self.state.timeline.frame });
+        let path = &mut self.state.inspector.path;
+        match command {
+            Command::AddKey
+            | Command::RemoveKey(_)
+            | Command::ReplaceKey(_)
+            | Command::MoveKey { .. }
+            | Command::ClearPath => self.change_keys(&command),
+            Command::GoToKey(index) => {
+                if let Some(key) = path.keys.get(index).cloned() {
+                    self.go_to_key(key);
+                }
+            }
+            Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
+            Command::PictureSize(size) => path.size = Some(size),
+            Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
+            other => return Some(other),
+        }
+        None
+    }
+
+    /// Carries out a command that changes the keys of the path.
+    fn change_keys(&mut self, command: &Command) {
+        let frame = self.state.timeline.frame;
+        let here = self.state.live.orbit.clone().map(|orbit| SavedPathKey { orbit, frame });
         let path = &mut self.state.inspector.path;
         let before = path.keys.clone();
         let mut moved = None;
-        match command {
+        match *command {
             Command::AddKey => {
                 if let Some(key) = here {
                     self.add_key(key);
                 }
             }
-            Command::RemoveKey(index) => {
-                if index < path.keys.len() {
-                    path.keys.remove(index);
-                    path.playing = None;
-                }
+            Command::RemoveKey(index) if index < path.keys.len() => {
+                path.keys.remove(index);
+                path.playing = None;
             }
             Command::ReplaceKey(index) => {
                 if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
@@ -233,22 +249,13 @@ impl OverlookApp {
                 path.move_key(index, frame);
                 moved = Some(index);
             }
-            Command::GoToKey(index) => {
-                if let Some(key) = path.keys.get(index).cloned() {
-                    self.go_to_key(key);
-                }
-            }
-            Command::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
-            Command::PictureSize(size) => path.size = Some(size),
             Command::ClearPath => {
                 path.keys.clear();
                 path.playing = None;
             }
-            Command::PlayPath(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
-            other => return Some(other),
+            _ => {}
         }
         self.keys_changed(before, moved);
-        None
     }
 
     /// Notes what the keys of the path were, so that the change can be taken back.

@@ -49,6 +49,8 @@ impl OverlookApp {
         self.dock = Dock::from_json(&session.layout);
         self.state.look.workspace = self.dock.workspace();
         self.show_areas_that_fit();
+        let up = session.up_in_world;
+        self.state.live.up = (up != scene.up_in_world).then_some(up);
         self.state.inspector.path = CameraPath::default();
         self.take_path_views(scene, &session.path);
         self.state.edits.saved = session.edits.clone();

@@ -17,7 +17,7 @@ impl OverlookApp {
     /// Carries out one command.
     pub(crate) fn apply(&mut self, command: Command) {
         self.state.timeline.plays_once_open &= only_looks(&command);
-        let left = self.state.live.orbit.clone().filter(|_| ViewHistory::is_jump(&command));
+        let left = ViewHistory::is_jump(&command).then(|| self.state.live.orbit.clone()).flatten();
         let rest = self
             .apply_to_typed_path(command)
             .and_then(|command| self.apply_to_edits(command))

@@ -4,6 +4,7 @@
 //! and lens change evenly from key to key.
 
 use super::orbit_camera::OrbitCamera;
+use super::undo::Steps;
 use overlook_engine::capture::Intrinsics;
 use overlook_engine::capture::transforms::PathView;
 use overlook_engine::render::Vantage;
@@ -40,8 +41,7 @@ pub(crate) struct CameraPath {
 /// Earlier keys of a path, and those that were taken back.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct KeyChanges {
-    past: Vec<Vec<SavedPathKey>>,
-    future: Vec<Vec<SavedPathKey>>,
+    steps: Steps<Vec<SavedPathKey>>,
     /// The key that was moved last, if nothing followed: while it is dragged, all its moves are one change.
     moved: Option<usize>,
     /// Whether nothing else that can be taken back was changed since.
@@ -107,11 +107,8 @@ impl CameraPath {
             return;
         }
         let goes_on = moved.is_some() && changes.moved == moved && changes.is_latest;
-        if !goes_on {
-            changes.past.push(before);
-        }
+        changes.steps.record(before, !goes_on);
         (changes.moved, changes.is_latest) = (moved, true);
-        changes.future.clear();
     }
 
     /// Takes the last change of the keys back, or does it again; false where there is none, or something else was changed since.
@@ -120,10 +117,8 @@ impl CameraPath {
         if !changes.is_latest {
             return false;
         }
-        let (past, future) = (&mut changes.past, &mut changes.future);
-        let (from, to) = if undo { (past, future) } else { (future, past) };
-        let Some(keys) = from.pop() else { return false };
-        to.push(std::mem::replace(&mut self.keys, keys));
+        let Some(keys) = changes.steps.step(undo, self.keys.clone()) else { return false };
+        self.keys = keys;
         (changes.moved, self.playing) = (None, None);
         true
     }

@@ -5,12 +5,10 @@ use std::sync::Arc;
 use super::edit_command::{Combine, DrawnDepth, EditTime, EditTool};
 use super::edited_region::{join_stroke, words};
 use super::scene::OpenScene;
+use super::undo::Steps;
 use overlook_engine::edits::{Action, Edit, EditList, Reach, Region, Stroke};
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::samples::SampleSet;
-
-/// Lists that are remembered for undo.
-const STEPS: usize = 200;
 
 /// What is worked out of edits; equal keys give the same samples.
 #[derive(Clone)]
@@ -54,8 +52,7 @@ pub(crate) struct EditedScene {
 /// The edits of the open scene.
 pub(crate) struct SceneEdits {
     pub list: EditList,
-    past: Vec<EditList>,
-    future: Vec<EditList>,
+    steps: Steps<EditList>,
     /// Whether the list was changed after any setting: undo takes back what was done last.
     pub is_latest: bool,
     pub selection: Option<Region>,
@@ -86,8 +83,7 @@ impl Default for SceneEdits {
     fn default() -> Self {
         Self {
             list: EditList::default(),
-            past: Vec::new(),
-            future: Vec::new(),
+            steps: Steps::default(),
             is_latest: false,
             selection: None,
             draft: None,
@@ -126,18 +122,13 @@ impl SceneEdits {
         if self.list == before {
             return;
         }
-        if is_new_step || self.past.is_empty() {
-            self.past.push(before);
-            let surplus = self.past.len().saturating_sub(STEPS);
-            self.past.drain(..surplus);
-        }
-        self.future.clear();
+        self.steps.record(before, is_new_step);
         self.is_latest = true;
     }
 
     /// Whether undo (or redo) would take an edit back (or do it again).
     pub(crate) fn can(&self, undo: bool) -> bool {
-        self.is_latest && !if undo { &self.past } else { &self.future }.is_empty()
+        self.is_latest && self.steps.can(undo)
     }
 
     /// Takes the last change of the list back, or does it again; false where there is none.
@@ -145,10 +136,8 @@ impl SceneEdits {
         if !self.can(undo) {
             return false;
         }
-        let (from, to) =
-            if undo { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
-        let Some(list) = from.pop() else { return false };
-        to.push(std::mem::replace(&mut self.list, list));
+        let Some(list) = self.steps.step(undo, self.list.clone()) else { return false };
+        self.list = list;
         true
     }
 

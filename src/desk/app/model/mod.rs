@@ -106,7 +106,9 @@ pub(crate) use source_picture::{
 };
 pub(crate) use table::{Table, TableForm};
 pub(crate) use table_text::table_text;
-pub(crate) use text::{bytes, count, count_of, percent, sentence, significant, time_left, words};
+pub(crate) use text::{
+    account_parts, bytes, count, count_of, percent, sentence, significant, time_left, words,
+};
 pub(crate) use texture::Texture;
 pub(crate) use timeline::{ShownRate, Timeline};
 pub(crate) use undo::SettingsSlot;

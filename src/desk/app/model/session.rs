@@ -28,7 +28,7 @@ pub(crate) struct Session {
     pub edits: EditList,
     /// The views of the camera path, with keys marked; empty without one.
     pub path: Vec<PathView>,
-    /// Up in the world, of the path's file.
+    /// Up in the world: as chosen, or as the capture has it.
     pub up_in_world: DVec3,
     /// The address of the view, as `#view=…&frame=…`.
     pub view: String,
@@ -43,6 +43,7 @@ struct SessionForm {
     version: u32,
     /// Relative to the file where it lies below its folder.
     opens: PathBuf,
+    up: [f64; 3],
     #[serde(default)]
     view: String,
     #[serde(default)]
@@ -72,6 +73,7 @@ impl Session {
         let form = SessionForm {
             version: VERSION,
             opens: self.opens.strip_prefix(folder).unwrap_or(&self.opens).to_path_buf(),
+            up: self.up_in_world.to_array(),
             view: self.view.clone(),
             settings: self.settings.to_toml(),
             edits: if self.edits.edits.is_empty() { String::new() } else { self.edits.to_toml() },
@@ -114,12 +116,16 @@ impl Session {
         };
         let path =
             if form.path.is_empty() { Vec::new() } else { path_from_json(form.path.as_bytes(), place)? };
+        let up = DVec3::from(form.up).try_normalize();
+        let up = up.ok_or_else(|| {
+            invalid("\"up\" is no direction; write it as three numbers, as in [0, 0, 1]".to_owned())
+        })?;
         Ok(Self {
             opens: folder.join(form.opens),
             settings: Settings::from_toml(&form.settings, &name)?,
             edits,
             path,
-            up_in_world: DVec3::Z,
+            up_in_world: up,
             view: form.view,
             layout: form.layout,
         })
@@ -186,9 +192,10 @@ mod tests {
     fn what_is_no_session_says_where_and_why() {
         for (text, words) in [
             ("version = 1\n", "missing field `opens`"),
-            ("version = 2\nopens = \"a\"\n", "this Overlook reads version 1"),
+            ("version = 1\nopens = \"a\"\nup = [0, 0, 0]\n", "\"up\" is no direction"),
+            ("version = 2\nopens = \"a\"\nup = [0, 0, 1]\n", "this Overlook reads version 1"),
             ("version = 1\nopens = \"a\"\nfoo = 3\n", "line 3: unknown field `foo`"),
-            ("version = 1\nopens = \"a\"\nsettings = \"x = 1\"\n", "unknown field `x`"),
+            ("version = 1\nopens = \"a\"\nup = [0, 0, 1]\nsettings = \"x = 1\"\n", "unknown field `x`"),
         ] {
             let error = Session::from_text(text, Path::new("s.overlook")).unwrap_err().to_string();
             assert!(error.starts_with("s.overlook") && error.contains(words), "{error}");

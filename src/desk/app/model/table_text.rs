@@ -4,7 +4,7 @@
 use super::document::State;
 use super::setting_names::SettingPairs;
 use super::table::{Table, TableForm};
-use super::text::significant;
+use super::text::{account_parts, significant};
 use super::verdict_text;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::settings::Settings;
@@ -114,16 +114,7 @@ fn latex(text: &str) -> String {
 
 fn pixels(report: &Report) -> Vec<CsvRow> {
     let account = report.pixel_account();
-    let parts = [
-        ("kept", account.kept),
-        ("repeated over time", account.repeated),
-        ("redundant between cameras", account.redundant),
-        ("without depth", account.without_depth),
-        ("blended at an edge", account.mixed),
-        ("contradicted", account.contradicted),
-        ("cut by hand", account.cut),
-        ("all", account.pixels),
-    ];
+    let parts = account_parts(&account).into_iter().chain([("all", account.pixels)]);
     let share = |pixels: u64| 100.0 * pixels as f64 / account.pixels.max(1) as f64;
     let row = |(name, pixels): (&str, u64)| {
         vec![
@@ -132,7 +123,7 @@ fn pixels(report: &Report) -> Vec<CsvRow> {
             ("percent", format!("{:.4}", share(pixels))),
         ]
     };
-    parts.into_iter().map(row).collect()
+    parts.map(row).collect()
 }
 
 /// A row: the name of each column, and its cell.

@@ -1,6 +1,7 @@
 //! Numbers as people read them.
 
 use overlook_engine::plural::noun;
+use overlook_engine::preprocess::diagnostics::PixelAccount;
 
 /// A count with three significant figures: `970`, `12.4 k`, `3.15 M`.
 pub(crate) fn count(value: u64) -> String {
@@ -68,6 +69,19 @@ pub(crate) fn sentence(text: &str) -> String {
 /// A name of the code as words: `depth_tolerance` → `Depth tolerance`.
 pub(crate) fn words(name: &str) -> String {
     sentence(&name.replace(['_', '-'], " "))
+}
+
+/// What became of all pixels, in words: shares that add up.
+pub(crate) fn account_parts(account: &PixelAccount) -> [(&'static str, u64); 7] {
+    [
+        ("kept", account.kept),
+        ("repeated over time", account.repeated),
+        ("redundant between cameras", account.redundant),
+        ("without depth", account.without_depth),
+        ("blended at an edge", account.mixed),
+        ("contradicted", account.contradicted),
+        ("cut by hand", account.cut),
+    ]
 }
 
 #[cfg(test)]

@@ -10,6 +10,45 @@ const ONE_CHANGE: Duration = Duration::from_millis(700);
 /// Changes that are remembered.
 const STEPS: usize = 200;
 
+/// Earlier states of something, and those that were taken back.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Steps<T> {
+    past: Vec<T>,
+    future: Vec<T>,
+}
+
+impl<T> Default for Steps<T> {
+    fn default() -> Self {
+        Self { past: Vec::new(), future: Vec::new() }
+    }
+}
+
+impl<T> Steps<T> {
+    /// Notes what something was before a change: as a step of its own, or as a part of the last one.
+    pub(crate) fn record(&mut self, before: T, is_new_step: bool) {
+        self.future.clear();
+        if is_new_step || self.past.is_empty() {
+            self.past.push(before);
+            let surplus = self.past.len().saturating_sub(STEPS);
+            self.past.drain(..surplus);
+        }
+    }
+
+    /// Whether there is something to go back to (or forward to).
+    pub(crate) fn can(&self, undo: bool) -> bool {
+        !if undo { &self.past } else { &self.future }.is_empty()
+    }
+
+    /// What something was before the last change, or after it where that was taken back; `now` is what it is.
+    pub(crate) fn step(&mut self, undo: bool, now: T) -> Option<T> {
+        let (from, to) =
+            if undo { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
+        let other = from.pop()?;
+        to.push(now);
+        Some(other)
+    }
+}
+
 /// Which of two settings is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) enum SettingsSlot {
@@ -23,8 +62,7 @@ pub(crate) enum SettingsSlot {
 /// What became of the settings of a slot.
 #[derive(Default)]
 struct Past {
-    undo: Vec<Settings>,
-    redo: Vec<Settings>,
+    steps: Steps<Settings>,
     /// Which number was changed last and when; `None` if the last change was of another kind.
     last: Option<(Instant, &'static str)>,
 }
@@ -49,41 +87,30 @@ impl History {
         let goes_on =
             past.last.is_some_and(|(at, last)| Some(last) == number && now.duration_since(at) < ONE_CHANGE);
         past.last = number.map(|number| (now, number));
-        past.redo.clear();
-        if goes_on {
-            return;
-        }
-        if past.undo.len() == STEPS {
-            past.undo.remove(0);
-        }
-        past.undo.push(before.clone());
+        past.steps.record(before.clone(), !goes_on);
     }
 
     /// Whether there is something to go back to.
     pub(crate) fn can_undo(&self) -> bool {
-        !self.past.undo.is_empty()
+        self.past.steps.can(true)
     }
 
     /// Whether there is something to go forward to.
     pub(crate) fn can_redo(&self) -> bool {
-        !self.past.redo.is_empty()
+        self.past.steps.can(false)
     }
 
     /// The settings before the last change of those that are on.
     pub(crate) fn undo(&mut self, now: &Settings) -> Option<Settings> {
-        let past = &mut self.past;
-        let before = past.undo.pop()?;
-        past.redo.push(now.clone());
-        past.last = None;
+        let before = self.past.steps.step(true, now.clone())?;
+        self.past.last = None;
         Some(before)
     }
 
     /// The settings that were undone last of those that are on.
     pub(crate) fn redo(&mut self, now: &Settings) -> Option<Settings> {
-        let past = &mut self.past;
-        let after = past.redo.pop()?;
-        past.undo.push(now.clone());
-        past.last = None;
+        let after = self.past.steps.step(false, now.clone())?;
+        self.past.last = None;
         Some(after)
     }
 

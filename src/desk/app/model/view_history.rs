@@ -2,16 +2,13 @@
 
 use super::command::Command;
 use super::orbit_camera::OrbitCamera;
+use super::undo::Steps;
 use super::view_look::ViewCommand;
-
-/// Views that are remembered.
-const MOST: usize = 50;
 
 /// Views that were left.
 #[derive(Default)]
 pub(crate) struct ViewHistory {
-    past: Vec<OrbitCamera>,
-    future: Vec<OrbitCamera>,
+    steps: Steps<OrbitCamera>,
 }
 
 impl ViewHistory {
@@ -29,18 +26,11 @@ impl ViewHistory {
 
     /// Notes a view that was left.
     pub(crate) fn left(&mut self, view: OrbitCamera) {
-        self.past.push(view);
-        let surplus = self.past.len().saturating_sub(MOST);
-        self.past.drain(..surplus);
-        self.future.clear();
+        self.steps.record(view, true);
     }
 
     /// The view before `now`, or after it.
     pub(crate) fn step(&mut self, back: bool, now: OrbitCamera) -> Option<OrbitCamera> {
-        let (from, to) =
-            if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
-        let view = from.pop()?;
-        to.push(now);
-        Some(view)
+        self.steps.step(back, now)
     }
 }

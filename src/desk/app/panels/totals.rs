@@ -161,16 +161,9 @@ fn figures(state: &State) -> Vec<KeyFigure> {
 
 /// The parts of what is not kept, which add up.
 fn dropped_help(account: &PixelAccount) -> String {
-    let parts = [
-        (account.repeated, "repeated over time"),
-        (account.redundant, "redundant between cameras"),
-        (account.without_depth, "without depth"),
-        (account.mixed, "blended at an edge"),
-        (account.contradicted, "contradicted"),
-        (account.cut, "cut by hand"),
-    ];
-    let parts = parts.into_iter().filter(|(pixels, _)| *pixels > 0);
-    let parts = parts.map(|(pixels, what)| format!("{} {what}", model::percent(pixels, account.pixels)));
+    let [_, dropped @ ..] = model::account_parts(account);
+    let parts = dropped.into_iter().filter(|(_, pixels)| *pixels > 0);
+    let parts = parts.map(|(what, pixels)| format!("{} {what}", model::percent(pixels, account.pixels)));
     format!(
         "Share of all pixels of all frames of all cameras that are not kept: {}. Redundant are those that a kept sample represents at \
          least as well.",

@@ -35,7 +35,7 @@ pub(super) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
         }
     });
     let maps: Vec<_> =
-        Colormap::ALL.iter().map(|map| (*map, capitalized(map.name()), String::new())).collect();
+        Colormap::ALL.iter().map(|map| (*map, model::sentence(map.name()), String::new())).collect();
     if let Some(map) = choice_ui(ui, "Colormap", look.map, &maps, 150.0) {
         look.map = map;
     }
@@ -78,9 +78,4 @@ fn range_ui(ui: &mut Ui, name: &str, range: &mut [f32; 2], channel: &ValueChanne
     });
     let changed = [ends.next(), ends.next()];
     changed.contains(&Some(true))
-}
-
-fn capitalized(name: &str) -> String {
-    let mut letters = name.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -14,7 +14,13 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
     let keys: Vec<_> = state.inspector.path.keys.iter().map(|key| (pose(key), key.frame)).collect();
     (
         (state.settings.clone(), state.edits.list.clone(), state.inspector.path.pictures_per_leg, keys),
-        (state.live.orbit.clone(), state.timeline.frame, state.look.workspace, app.dock.to_json()),
+        (
+            state.live.orbit.clone(),
+            state.live.up,
+            state.timeline.frame,
+            state.look.workspace,
+            app.dock.to_json(),
+        ),
         state.scene.as_ref().map(|scene| scene.origin.clone()),
     )
 }
@@ -42,6 +48,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
         app.apply(Command::Orbit(glam::DVec2::new(angle, 0.05)));
         app.apply(Command::AddKey);
     }
+    app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
     app.apply(Command::Workspace(Workspace::Compare));
     // The address of a view rounds it; who saved it and who opens it see the same.
     app.apply(Command::View(ViewCommand::CopyAddress));
@@ -68,7 +75,9 @@ fn a_session_whose_capture_is_gone_or_that_is_damaged_says_so_and_leaves_what_is
     let path = folder.path().join("a.overlook");
     let mut app = ready(2, 1);
     let id = app.state.scene.as_ref().unwrap().id;
-    for (text, words) in [("version = 1\nopens = \"gone\"\n", "gone"), ("nonsense", "line 1: ")] {
+    for (text, words) in
+        [("version = 1\nopens = \"gone\"\nup = [0, 0, 1]\n", "gone"), ("nonsense", "line 1: ")]
+    {
         std::fs::write(&path, text).unwrap();
         app.apply(Command::OpenPath(path.clone()));
         settle(&mut app);

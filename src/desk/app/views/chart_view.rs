@@ -1,5 +1,7 @@
 //! Charts: accuracy against cost over many settings, and accuracy against the size of a disturbance.
 
+use std::sync::LazyLock;
+
 use egui::{Color32, RichText, Ui};
 use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
@@ -195,17 +197,23 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
 const SHAPES: [MarkerShape; 5] =
     [MarkerShape::Circle, MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up, MarkerShape::Down];
 
+/// The names of all methods, in the order of their looks.
+static METHODS: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let settings = Settings::default();
+    let plan = StressPlan::standard(&settings).with_rivals(&settings);
+    plan.methods.into_iter().map(|method| method.name).collect()
+});
+
 fn stability_plot_ui(ui: &mut Ui, disturbance: &str, points: &[StressPoint]) {
     let place = |point: &StressPoint| [point.dial, point.point.psnr_filled_db];
     let is_here = |point: &&StressPoint| point.disturbance == disturbance;
     let here: Vec<&StressPoint> = points.iter().filter(is_here).collect();
     // The looks of a method are its own, whichever disturbance is shown and however much is measured.
-    let known = StressPlan::standard(&Settings::default()).with_rivals(&Settings::default()).methods;
     let methods = series(points, |point| point.method.as_str());
     let curves: Vec<_> = methods
         .into_iter()
         .map(|method| {
-            let index = known.iter().position(|of| of.name == method.kind).unwrap_or(known.len());
+            let index = METHODS.iter().position(|name| name == method.kind).unwrap_or(METHODS.len());
             let places: Vec<_> = method.points.into_iter().filter(is_here).map(place).collect();
             (SHAPES[index % SHAPES.len()], camera_cues::color(index), method_name(method.kind), places)
         })
