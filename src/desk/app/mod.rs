@@ -29,7 +29,7 @@ mod work;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use model::{DOTS_PER_INCH, FigureOptions, FigureWidth, Overlay, Unit};
+pub(crate) use model::{DOTS_PER_INCH, FigureOptions, FigureWidth, Overlay, Unit, median_depth};
 pub(crate) use work::{
     FIGURE_ENDINGS, of_camera as figure_of_camera, of_rendered as figure_of_rendered, write_figure,
 };

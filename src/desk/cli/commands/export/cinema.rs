@@ -6,15 +6,18 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::super::demo::parse_size;
+use crate::app::median_depth;
 use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
-use overlook_engine::capture::cinema::{AngleRange, DatabaseRow, grid, write_table};
+use overlook_engine::capture::cinema::{AngleRange, DatabaseCamera, DatabaseRow, grid, write_table};
 use overlook_engine::capture::{Camera, Intrinsics, pivot};
 use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::{self, FilmSource};
 use overlook_engine::render::{Renderer, Vantage};
 use overlook_engine::settings::Settings;
+use overlook_engine::store::playback::Playback;
 use overlook_engine::whole_file;
 
 /// Angles where none are asked for: about what cameras look at, and above it.
@@ -62,40 +65,13 @@ impl CinemaArgs {
         self.settings.only("render")?;
         output::check_folder(&self.out)?;
         output::refuse_input(&self.store, &self.out)?;
+        self.edits.refuse_inputs(&self.out)?;
+        self.settings.refuse_inputs(&self.out)?;
         let playback = Arc::new(self.edits.open_store(&self.store)?);
-        let info = playback.store().info();
-        let mut settings: Settings = self.settings.over(info.settings.clone())?;
+        let mut settings: Settings = self.settings.over(playback.store().info().settings.clone())?;
         self.painting.apply(&mut settings.render);
-        let outline = playback.outline();
-        let first = outline.cameras.first();
-        let lens =
-            first.ok_or_else(|| Error::invalid(self.store.display(), "there is no camera in it"))?.intrinsics;
-        let (width, height) = self.size.unwrap_or((lens.width, lens.height));
-        let middle = pivot(&outline.cameras, 1.0);
-        let views = grid(&outline.cameras, middle, outline.up_in_world, [self.phi, self.theta], COUNTS);
-        let count = views.len() * outline.frame_count();
-        if count > MOST_PICTURES {
-            let pictures = counted(count, "picture");
-            let what = format!(
-                "it would have {pictures}, more than {MOST_PICTURES}; give fewer angles with --phi and --theta"
-            );
-            return Err(Error::invalid(self.out.display(), what).into());
-        }
-        let mut rows = Vec::new();
-        let mut vantages = Vec::new();
-        for (frame, number) in outline.frame_numbers.iter().enumerate() {
-            for (nth, (angles, camera)) in views.iter().enumerate() {
-                let pose = camera.world_from_camera().zip(camera.focal_length_px(f64::from(height)));
-                // Straight from above no direction is up.
-                let Some((world_from_camera, focal)) = pose else { continue };
-                let [cx, cy] = [width, height].map(|side| 0.5 * f64::from(side));
-                let intrinsics = Intrinsics { width, height, fx: focal, fy: focal, cx, cy };
-                let camera_of = Camera { name: format!("view {nth}"), intrinsics, world_from_camera };
-                vantages.push(Vantage { camera: camera_of, frame });
-                let files = ["png", "exr"].map(|extension| format!("{number:04}_{nth:04}.{extension}"));
-                rows.push(DatabaseRow { time: *number, angles: *angles, camera: *camera, files });
-            }
-        }
+        let views = self.viewpoints(&playback)?;
+        let (rows, vantages) = self.planned(&views, &playback)?;
         let mut renderer = Renderer::strict(settings.render.backend)?;
         let source = FilmSource::Disk(playback.clone());
         output::watched(|job| {
@@ -120,5 +96,50 @@ impl CinemaArgs {
             counted(rows.len(), "picture"),
             self.out.display()
         ))
+    }
+
+    /// Where the pictures are taken from, with their angles.
+    fn viewpoints(&self, playback: &Playback) -> Result<Vec<([f64; 2], DatabaseCamera)>> {
+        let outline = playback.outline();
+        let first = playback.at(0, &Job::new())?;
+        let first = first.images.iter().find(|image| !image.is_empty());
+        let typical_depth = first.map_or(1.0, |image| median_depth(&image.inverse_depths()));
+        let middle = pivot(&outline.cameras, typical_depth);
+        Ok(grid(&outline.cameras, middle, outline.up_in_world, [self.phi, self.theta], COUNTS))
+    }
+
+    /// The rows of the table, and the vantage of each.
+    fn planned(
+        &self,
+        views: &[([f64; 2], DatabaseCamera)],
+        playback: &Playback,
+    ) -> Result<(Vec<DatabaseRow>, Vec<Vantage>)> {
+        let outline = playback.outline();
+        let first = outline.cameras.first();
+        let first = first.ok_or_else(|| Error::invalid(self.store.display(), "there is no camera in it"))?;
+        let (width, height) = self.size.unwrap_or((first.intrinsics.width, first.intrinsics.height));
+        let count = views.len() * outline.frame_count();
+        if count > MOST_PICTURES {
+            let pictures = counted(count, "picture");
+            let what = format!(
+                "it would have {pictures}, more than {MOST_PICTURES}; give fewer angles with --phi and --theta"
+            );
+            return Err(Error::invalid(self.out.display(), what));
+        }
+        let (mut rows, mut vantages) = (Vec::new(), Vec::new());
+        for (frame, number) in outline.frame_numbers.iter().enumerate() {
+            for (nth, (angles, camera)) in views.iter().enumerate() {
+                let pose = camera.world_from_camera().zip(camera.focal_length_px(f64::from(height)));
+                // Straight from above no direction is up.
+                let Some((world_from_camera, focal)) = pose else { continue };
+                let [cx, cy] = [width, height].map(|side| 0.5 * f64::from(side));
+                let intrinsics = Intrinsics { width, height, fx: focal, fy: focal, cx, cy };
+                let camera_of = Camera { name: format!("view {nth}"), intrinsics, world_from_camera };
+                vantages.push(Vantage { camera: camera_of, frame });
+                let files = ["png", "exr"].map(|extension| format!("{number:04}_{nth:04}.{extension}"));
+                rows.push(DatabaseRow { time: *number, angles: *angles, camera: *camera, files });
+            }
+        }
+        Ok((rows, vantages))
     }
 }
