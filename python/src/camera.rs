@@ -41,7 +41,7 @@ impl PyLens {
 impl PyLens {
     pub(super) fn intrinsics(self) -> Intrinsics {
         let Self { width, height, fx, fy, cx, cy } = self;
-        Intrinsics { width, height, fx, fy, cx, cy }
+        Intrinsics { width, height, fx, fy, cx, cy, projection: overlook_engine::capture::Projection::Perspective }
     }
 }
 
@@ -58,7 +58,7 @@ impl PyCamera {
 
     #[getter]
     fn lens(&self) -> PyLens {
-        let Intrinsics { width, height, fx, fy, cx, cy } = self.0.intrinsics;
+        let Intrinsics { width, height, fx, fy, cx, cy, .. } = self.0.intrinsics;
         PyLens { width, height, fx, fy, cx, cy }
     }
 

@@ -18,6 +18,7 @@ pub(crate) fn plain_camera(name: &str, eye: DVec3, width: u32, height: u32) -> C
         fy: focal,
         cx: f64::from(width) / 2.0,
         cy: f64::from(height) / 2.0,
+        projection: overlook_engine::capture::Projection::Perspective,
     };
     Camera {
         name: name.to_owned(),

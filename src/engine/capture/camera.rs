@@ -1,9 +1,10 @@
-//! A static pinhole camera.
+//! A static camera: a pinhole, or one whose lines of sight are parallel.
 //!
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.3, the unprojection
 //! `x = ((w·u − w)/rw − w/2)/(fl/a)·d`. With a normalized image plane (`w = h`) that equals
 //! `x = (u_px − cx)/fx · z` for `fx = fl·rw/(a·w)`, `cx = rw/2`. What differs: we use the intrinsics form, pixel
-//! indices start at 0, and pixel centers lie at `+0.5` where the paper samples the corner of a 1-based index.
+//! indices start at 0, and pixel centers lie at `+0.5` where the paper samples the corner of a 1-based index. An orthographic camera is
+//! the same without the division by depth: `x = (u_px − cx)/fx`, with `fx` in pixels per world unit.
 
 use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -30,21 +31,44 @@ pub(super) fn wrong_size(place: &str, found: (usize, usize), expected: (usize, u
     Error::invalid(place, what)
 }
 
-/// Image size and projection of a pinhole camera, in pixels.
+/// How points of camera space come into the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Projection {
+    /// Through a pinhole: all lines of sight meet in the camera's position.
+    #[default]
+    Perspective,
+    /// Along lines of sight that are parallel to the z axis, wherever a pixel lies. Planar depth counts from the plane through the
+    /// camera's position, above 0 in front of it.
+    Orthographic,
+}
+
+impl Projection {
+    /// Whether lines of sight meet in one point.
+    #[must_use]
+    pub fn is_perspective(&self) -> bool {
+        *self == Self::Perspective
+    }
+}
+
+/// Image size and projection of a camera, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Intrinsics {
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Horizontal focal length, pixels.
+    /// Horizontal focal length, pixels; of an orthographic camera pixels per world unit.
     pub fx: f64,
-    /// Vertical focal length, pixels.
+    /// The same vertically.
     pub fy: f64,
     /// Principal point, pixels from the left edge of the image.
     pub cx: f64,
     /// Principal point, pixels from the top edge of the image.
     pub cy: f64,
+    /// What `fx` and `fy` mean. Left out where it is perspective, as in everything that was written before there was another one.
+    #[serde(default, skip_serializing_if = "Projection::is_perspective")]
+    pub projection: Projection,
 }
 
 /// The side of a pixel that is called its width, where pixels are not square.
@@ -69,7 +93,30 @@ impl Intrinsics {
             fy: focal_px,
             cx: f64::from(width) / 2.0,
             cy: f64::from(height) / 2.0,
+            projection: Projection::Perspective,
         }
+    }
+
+    /// An orthographic camera of `width × height` square pixels that shows `width_in_world` world units from its left edge to its right
+    /// one, with its position in the middle of the picture.
+    #[must_use]
+    pub fn orthographic(width: u32, height: u32, width_in_world: f64) -> Self {
+        let pixels_per_unit = f64::from(width) / width_in_world;
+        Self {
+            width,
+            height,
+            fx: pixels_per_unit,
+            fy: pixels_per_unit,
+            cx: f64::from(width) / 2.0,
+            cy: f64::from(height) / 2.0,
+            projection: Projection::Orthographic,
+        }
+    }
+
+    /// Whether lines of sight are parallel.
+    #[must_use]
+    pub fn is_orthographic(&self) -> bool {
+        self.projection == Projection::Orthographic
     }
 
     /// `(width, height)` as indices.
@@ -84,30 +131,69 @@ impl Intrinsics {
         self.width as usize * self.height as usize
     }
 
-    /// Width of a pixel on a surface that faces the camera at planar depth `depth`, in the unit of `depth`.
+    /// Width of a pixel on a surface that faces the camera at planar depth `depth`, in the unit of `depth`; of an orthographic camera the
+    /// same at any depth.
     #[must_use]
     pub fn pixel_width(&self, depth: f64, side: PixelSide) -> f64 {
         let focal = match side {
             PixelSide::Longer => self.fx.min(self.fy),
             PixelSide::Mean => (self.fx * self.fy).sqrt(),
         };
-        depth / focal
+        match self.projection {
+            Projection::Perspective => depth / focal,
+            Projection::Orthographic => focal.recip(),
+        }
     }
 
-    /// The ray through image position `pixel` (pixels, centers at +0.5), in camera space, scaled to `z = 1`:
-    /// multiplied with planar depth it is the point.
+    /// What shares of a depth are shares of, for a point at planar depth `depth`: the depth itself, as noise and errors of a pinhole
+    /// camera grow with it. Depths of an orthographic camera count from a plane that was put anywhere; for it the width of the picture,
+    /// longer side, stands in: the depth at which a pinhole camera with an angle of view of 53° has pixels as wide. World units.
+    ///
+    /// This is the one place that decides it. Everything else of an orthographic camera is measured in footprints.
+    #[must_use]
+    pub fn depth_scale(&self, depth: f64) -> f64 {
+        match self.projection {
+            Projection::Perspective => depth,
+            Projection::Orthographic => {
+                (f64::from(self.width) / self.fx).max(f64::from(self.height) / self.fy)
+            }
+        }
+    }
+
+    /// The line of sight through image position `pixel` (pixels, centers at +0.5), in camera space, scaled to `z = 1`. Of a pinhole camera
+    /// it is the point at planar depth 1; of an orthographic one the z axis everywhere. Points: [`Intrinsics::point_in_camera`].
     #[must_use]
     pub fn ray_in_camera(&self, pixel: DVec2) -> DVec3 {
-        DVec3::new((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy, 1.0)
+        match self.projection {
+            Projection::Perspective => {
+                DVec3::new((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy, 1.0)
+            }
+            Projection::Orthographic => DVec3::Z,
+        }
+    }
+
+    /// The point at image position `pixel` (pixels, centers at +0.5) and planar depth `depth`, in camera space.
+    #[must_use]
+    pub fn point_in_camera(&self, pixel: DVec2, depth: f64) -> DVec3 {
+        match self.projection {
+            Projection::Perspective => self.ray_in_camera(pixel) * depth,
+            Projection::Orthographic => {
+                DVec3::new((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy, depth)
+            }
+        }
     }
 
     /// Image position (pixels) of a point in camera space, or `None` where `z ≤ 0`. It may lie outside the image.
     #[must_use]
     pub fn project(&self, point_in_camera: DVec3) -> Option<DVec2> {
+        let divisor = match self.projection {
+            Projection::Perspective => point_in_camera.z,
+            Projection::Orthographic => 1.0,
+        };
         (point_in_camera.z > 0.0).then(|| {
             DVec2::new(
-                self.cx + self.fx * point_in_camera.x / point_in_camera.z,
-                self.cy + self.fy * point_in_camera.y / point_in_camera.z,
+                self.cx + self.fx * point_in_camera.x / divisor,
+                self.cy + self.fy * point_in_camera.y / divisor,
             )
         })
     }
@@ -155,7 +241,7 @@ impl Camera {
         self.world_from_camera.inverse()
     }
 
-    /// The center of projection, in world space.
+    /// The center of projection, in world space; of an orthographic camera the point of its picture plane at the principal point.
     #[must_use]
     pub fn position_in_world(&self) -> DVec3 {
         self.world_from_camera.translation
@@ -170,7 +256,14 @@ impl Camera {
     /// The world point at image position `pixel` and planar depth `depth_z`.
     #[must_use]
     pub fn unproject(&self, pixel: DVec2, depth_z: f64) -> DVec3 {
-        self.world_from_camera.transform_point3(self.intrinsics.ray_in_camera(pixel) * depth_z)
+        self.world_from_camera.transform_point3(self.intrinsics.point_in_camera(pixel, depth_z))
+    }
+
+    /// Where the line of sight through image position `pixel` begins, in world space: the position, or of an orthographic camera the
+    /// pixel's own place in its picture plane.
+    #[must_use]
+    pub fn line_of_sight_start(&self, pixel: DVec2) -> DVec3 {
+        if self.intrinsics.is_orthographic() { self.unproject(pixel, 0.0) } else { self.position_in_world() }
     }
 
     /// Image position and planar depth of a world point, or `None` where it is not in front of the camera.
@@ -183,7 +276,7 @@ impl Camera {
 
 #[cfg(test)]
 mod tests {
-    use super::{Camera, Intrinsics};
+    use super::{Camera, Intrinsics, PixelSide, Projection};
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
@@ -204,6 +297,35 @@ mod tests {
                     DVec3::Z,
                 )
             })
+    }
+
+    #[test]
+    fn an_orthographic_camera_shows_lengths_and_footprints_alike_at_any_depth() {
+        let lens = Intrinsics { cy: 10.5, ..Intrinsics::orthographic(200, 100, 4.0) };
+        let camera =
+            Camera::look_at("o", lens, DVec3::new(1.0, -5.0, 2.0), DVec3::new(0.0, 1.0, 0.0), DVec3::Z);
+        for depth in [0.01, 3.0, 4000.0] {
+            let pixel = DVec2::new(17.5, 80.25);
+            let point = camera.unproject(pixel, depth);
+            let (found, z) = camera.project(point).unwrap();
+            assert!((found - pixel).length() < 1e-9 && (z - depth).abs() < 1e-9);
+            assert_eq!(lens.pixel_width(depth, PixelSide::Longer), 0.02);
+            let beside = camera.unproject(pixel + DVec2::X * 50.0, depth);
+            assert!((beside.distance(point) - 1.0).abs() < 1e-9);
+        }
+        let behind = camera.position_in_world() - camera.forward_in_world();
+        assert_eq!(camera.project(behind), None);
+    }
+
+    #[test]
+    fn a_perspective_lens_is_written_as_before_there_were_others() {
+        let lens = Intrinsics::from_horizontal_angle(4, 3, 1.0);
+        let text = serde_json::to_string(&lens).unwrap();
+        assert!(!text.contains("projection"), "{text}");
+        assert_eq!(serde_json::from_str::<Intrinsics>(&text).unwrap(), lens);
+        let lens = Intrinsics { projection: Projection::Orthographic, ..lens };
+        let text = serde_json::to_string(&lens).unwrap();
+        assert_eq!(serde_json::from_str::<Intrinsics>(&text).unwrap(), lens);
     }
 
     proptest! {
@@ -229,7 +351,7 @@ mod tests {
         let u = 17.0_f64;
         let paper_x = (((u - 1.0) / rw - 0.5) / fl) * d;
         let intrinsics =
-            Intrinsics { width: 640, height: 640, fx: fl * rw, fy: fl * rw, cx: rw / 2.0, cy: rw / 2.0 };
+            Intrinsics { fx: fl * rw, fy: fl * rw, ..Intrinsics::from_horizontal_angle(640, 640, 1.0) };
         // The paper's 1-based index marks the left edge of the pixel, hence 0-based index 16 without its half.
         let ours = intrinsics.ray_in_camera(DVec2::new(16.0, 0.0)).x * d;
         assert!((paper_x - ours).abs() < 1e-12);

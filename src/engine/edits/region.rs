@@ -193,7 +193,7 @@ impl Viewpoint {
 
     pub(super) fn lens(&self) -> Intrinsics {
         let ([width, height], [fx, fy], [cx, cy]) = (self.size, self.focal_length, self.principal_point);
-        Intrinsics { width, height, fx, fy, cx, cy }
+        Intrinsics { width, height, fx, fy, cx, cy, projection: crate::capture::Projection::Perspective }
     }
 
     pub(super) fn camera_from_world(&self) -> DAffine3 {

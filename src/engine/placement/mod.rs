@@ -193,12 +193,13 @@ fn lens(cameras: &[Camera], size: Option<(u32, u32)>) -> Intrinsics {
         fy: most.fy * scale,
         cx: f64::from(width) / 2.0,
         cy: f64::from(height) / 2.0,
+        projection: most.projection,
     }
 }
 
 /// A camera whose pictures are so many times as wide and high.
 fn scaled(camera: &Camera, scale: f64) -> Camera {
-    let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;
+    let Intrinsics { width, height, fx, fy, cx, cy, projection } = camera.intrinsics;
     let side = |side: u32| (f64::from(side) * scale).round() as u32;
     let intrinsics = Intrinsics {
         width: side(width),
@@ -207,6 +208,7 @@ fn scaled(camera: &Camera, scale: f64) -> Camera {
         fy: fy * scale,
         cx: cx * scale,
         cy: cy * scale,
+        projection,
     };
     Camera { intrinsics, ..camera.clone() }
 }

@@ -24,7 +24,7 @@ const SAME_FOOTPRINTS: f32 = 8.0;
 
 /// The same camera with pixels twice as wide and high. Of an odd number of columns or rows the last is joined with nothing.
 pub(crate) fn halved_camera(camera: &Camera) -> Camera {
-    let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;
+    let Intrinsics { width, height, fx, fy, cx, cy, projection } = camera.intrinsics;
     let intrinsics = Intrinsics {
         width: width.div_ceil(2),
         height: height.div_ceil(2),
@@ -32,6 +32,7 @@ pub(crate) fn halved_camera(camera: &Camera) -> Camera {
         fy: 0.5 * fy,
         cx: 0.5 * cx,
         cy: 0.5 * cy,
+        projection,
     };
     Camera { intrinsics, ..camera.clone() }
 }

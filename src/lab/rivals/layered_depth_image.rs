@@ -143,6 +143,7 @@ fn middle_camera(views: &[RecordedView]) -> Camera {
         fy: focal[1],
         cx: f64::from(sides[0]),
         cy: f64::from(sides[1]),
+        projection: overlook_engine::capture::Projection::Perspective,
     };
     camera
 }

@@ -85,6 +85,7 @@ impl OrbitCamera {
             fy: self.lens.fy * scale,
             cx: f64::from(width) / 2.0 + (self.lens.cx - lens_width / 2.0) * scale,
             cy: f64::from(height) / 2.0 + (self.lens.cy - lens_height / 2.0) * scale,
+            projection: overlook_engine::capture::Projection::Perspective,
         };
         Camera { name: "live view".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
     }

@@ -165,7 +165,7 @@ pub(crate) fn projection(camera: &SequenceCamera, place: &str) -> Result<Intrins
         return Err(Error::invalid(place, what));
     };
     let [width, height] = camera.resolution;
-    Ok(Intrinsics { width, height, fx, fy, cx, cy })
+    Ok(Intrinsics { width, height, fx, fy, cx, cy, projection: crate::capture::Projection::Perspective })
 }
 
 #[cfg(test)]

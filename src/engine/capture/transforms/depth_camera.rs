@@ -88,6 +88,7 @@ impl DepthCamera {
                 fy: self.focal_px.1,
                 cx: self.center_px.0.unwrap_or(0.5 * width as f64),
                 cy: self.center_px.1.unwrap_or(0.5 * height as f64),
+                projection: crate::capture::Projection::Perspective,
             },
             distortion: self.distortion,
             color_from_depth,
@@ -125,6 +126,7 @@ pub(crate) fn shared_grid(
         fy: own.fy * sy,
         cx: own.cx * sx,
         cy: own.cy * sy,
+        projection: own.projection,
     };
     Ok(DepthGrid { intrinsics, distortion, color_from_depth: DAffine3::IDENTITY })
 }

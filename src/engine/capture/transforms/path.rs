@@ -102,7 +102,7 @@ struct WrittenView {
 /// `Invalid` where a pose or a lens holds numbers that are not finite.
 pub fn path_to_json(up_in_world: DVec3, views: &[PathView]) -> Result<String> {
     let written = views.iter().enumerate().map(|(index, view)| {
-        let Intrinsics { width, height, fx, fy, cx, cy } = view.camera.intrinsics;
+        let Intrinsics { width, height, fx, fy, cx, cy, .. } = view.camera.intrinsics;
         WrittenView {
             file_path: format!("path/{:04}.exr", index + 1),
             transform_matrix: pose::opengl_matrix(&view.camera.world_from_camera),
@@ -216,7 +216,7 @@ mod tests {
     use super::*;
 
     fn view(x: f64, frame_number: i64, is_key: bool) -> PathView {
-        let lens = Intrinsics { width: 64, height: 48, fx: 70.5, fy: 71.25, cx: 31.0, cy: 25.5 };
+        let lens = Intrinsics { width: 64, height: 48, fx: 70.5, fy: 71.25, cx: 31.0, cy: 25.5, projection: crate::capture::Projection::Perspective };
         let camera = Camera::look_at("path", lens, DVec3::new(x, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
         PathView { camera, frame_number, is_key }
     }

@@ -10,6 +10,9 @@
 //! |n·(q wₜ − rayₜ w)| ≤ τ max(s wₜ, sₜ w) + step wₜ + stepₜ w
 //! ```
 //!
+//! Of an orthographic camera `s` is the side of a pixel at any depth, in place of `s/w`, and a pixel's place in the picture plane moved
+//! by the depth along the z axis, in place of `ray/w`.
+//!
 //! `step` is what depths are rounded by. Where depth is noisy, a multiple of both samples' standard deviations is added to it.
 
 use super::around::Around;
@@ -22,7 +25,7 @@ use super::noise_tolerance::{
 };
 use super::reproject::{PixelRun, ReprojectedRun, SourceRun, TargetRun};
 use super::tolerances::{SurfaceTolerances, VisibleLevels};
-use crate::capture::overlap::{PinholeLens, Registration};
+use crate::capture::overlap::{TargetLens, Registration};
 use crate::capture::{INVALID_INVERSE_DEPTH, agree};
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
@@ -90,7 +93,7 @@ impl SameSurface {
         let SourceRun { layer: source, run, .. } = source;
         let (w, there) = (run.inverse_depth[lane], target.inverse_depth[pixel]);
         let limits = &self.tolerances;
-        let footprint = (registration.source_side * there).max(registration.target.side * w);
+        let footprint = registration.larger_footprint(w, there);
         let noise = |own: f32, found: f32| root_of_squares(own * there, found * w);
         let granted =
             limits.depth_sigmas * noise(source.depth_noise_of(run.level), target.depth_noise(pixel));
@@ -185,6 +188,71 @@ impl SameSurface {
             between = depth_noise_between(source_run, surfaces, limits.between_sigmas);
         }
         let mut matches = SurfaceMatches { bits: reprojected.bits, pixel: reprojected.pixel, level: [0; N] };
+        let granted = GrantedDepth { granted: &granted, between: &between };
+        if registration.has_orthographic() {
+            self.compare_orthographic::<N, MEASURING>(
+                registration,
+                source_run,
+                surfaces,
+                granted,
+                &mut matches,
+                required,
+            );
+        } else {
+            self.compare_depths::<N, MEASURING, false>(
+                registration,
+                source_run,
+                surfaces,
+                granted,
+                &mut matches,
+                required,
+            );
+        }
+        self.compare_colors::<N, MEASURING>(source_run, target_run, relevant, &mut matches, required);
+        if self.tolerances.values && !target.values.is_empty() {
+            compare_values(source_run, target_run, &mut matches);
+        }
+        self.surround::<N, MEASURING>(&registration.target, surfaces, &between, &mut matches, relevant, required);
+        matches
+    }
+
+    /// [`SameSurface::compare_depths`] where one of the cameras is orthographic. Apart, so that what is between cameras in perspective stays
+    /// as fast as it is.
+    #[cold]
+    #[inline(never)]
+    fn compare_orthographic<const N: usize, const MEASURING: bool>(
+        &self,
+        registration: &Registration,
+        source: SourceRun<'_, N>,
+        surfaces: FoundSurfaces<'_, N>,
+        granted: GrantedDepth<'_, N>,
+        matches: &mut SurfaceMatches<N>,
+        required: &mut RequiredTolerances<N>,
+    ) {
+        self.compare_depths::<N, MEASURING, true>(
+            registration,
+            source,
+            surfaces,
+            granted,
+            matches,
+            required,
+        );
+    }
+
+    /// What depths and normals say.
+    #[inline(always)]
+    fn compare_depths<const N: usize, const MEASURING: bool, const ORTHOGRAPHIC: bool>(
+        &self,
+        registration: &Registration,
+        source_run: SourceRun<'_, N>,
+        surfaces: FoundSurfaces<'_, N>,
+        GrantedDepth { granted, between }: GrantedDepth<'_, N>,
+        matches: &mut SurfaceMatches<N>,
+        required: &mut RequiredTolerances<N>,
+    ) {
+        let SourceRun { layer: source, run: block, .. } = source_run;
+        let FoundSurfaces { target: TargetRun { layer: target, reprojected }, facets: found } = surfaces;
+        let limits = &self.tolerances;
         let lens = &registration.target;
         let [ax, ay, az] = registration.axes;
         for i in 0..N {
@@ -194,8 +262,15 @@ impl SameSurface {
             let y = (reprojected.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
             let [qx, qy, qz] = [reprojected.point[0][i], reprojected.point[1][i], reprojected.point[2][i]];
             let [nx, ny, nz] = facet.normal_in_camera;
-            let distance = nx * (qx * there - x * w) + ny * (qy * there - y * w) + nz * (qz * there - w);
-            let footprint = (registration.source_side * there).max(lens.side * w);
+            // A pixel's place comes with its depth in perspective alone.
+            let plane = if ORTHOGRAPHIC && lens.is_orthographic { w * there } else { w };
+            let distance =
+                nx * (qx * there - x * plane) + ny * (qy * there - y * plane) + nz * (qz * there - w);
+            let footprint = if ORTHOGRAPHIC {
+                registration.larger_footprint(w, there)
+            } else {
+                (registration.source_side * there).max(lens.side * w)
+            };
             let step = source.depth_step_relative * there + target.depth_step_relative * w + granted[i];
             let both_or_neither_finite = (w == 0.0) == (there == 0.0);
             let limit = (limits.depth_footprints * footprint).max(between[i]) + step;
@@ -215,12 +290,6 @@ impl SameSurface {
                 | if facing { NORMAL_AGREES } else { 0 }
                 | VALUES_AGREE;
         }
-        self.compare_colors::<N, MEASURING>(source_run, target_run, relevant, &mut matches, required);
-        if self.tolerances.values && !target.values.is_empty() {
-            compare_values(source_run, target_run, &mut matches);
-        }
-        self.surround::<N, MEASURING>(lens, surfaces, &between, &mut matches, relevant, required);
-        matches
     }
 
     /// What the target's colors say: whether its samples take part, have normals, and agree in color.
@@ -268,7 +337,7 @@ impl SameSurface {
     #[inline(always)]
     fn surround<const N: usize, const MEASURING: bool>(
         &self,
-        lens: &PinholeLens,
+        lens: &TargetLens,
         surfaces: FoundSurfaces<'_, N>,
         between: &[f32; N],
         matches: &mut SurfaceMatches<N>,
@@ -293,6 +362,12 @@ impl SameSurface {
         let mut granted = [[0.0; N]; 3];
         if limits.depth_sigmas > 0.0 {
             granted = granted_depth_noise_around(target, reprojected, found, &depths, limits.depth_sigmas);
+        }
+        if lens.is_orthographic {
+            let toward = &toward;
+            let corners = CornersAround { toward, depths: &depths, inside: &inside, granted: &granted, between };
+            self.surround_orthographic::<N, MEASURING>(lens, surfaces, &corners, matches, required);
+            return;
         }
         for i in 0..N {
             let facet = &found[i];
@@ -326,6 +401,44 @@ impl SameSurface {
         }
     }
 
+    /// The end of [`SameSurface::surround`] for an orthographic target.
+    #[cold]
+    #[inline(never)]
+    fn surround_orthographic<const N: usize, const MEASURING: bool>(
+        &self,
+        lens: &TargetLens,
+        surfaces: FoundSurfaces<'_, N>,
+        corners: &CornersAround<'_, N>,
+        matches: &mut SurfaceMatches<N>,
+        required: &mut RequiredTolerances<N>,
+    ) {
+        let FoundSurfaces { target: TargetRun { layer: target, .. }, facets: found } = surfaces;
+        let limits = &self.tolerances;
+        for i in 0..N {
+            let here = found[i].inverse_depth;
+            let [nx, ny, nz] = found[i].normal_in_camera;
+            let across = nx * corners.toward[0][i] / lens.focal[0];
+            let down = ny * corners.toward[1][i] / lens.focal[1];
+            let between = corners.between[i];
+            let mut all = corners.inside[i] != 0;
+            for (corner, shift) in [across, down, across + down].into_iter().enumerate() {
+                let there = corners.depths[corner][i];
+                let distance = nz * (here - there) + here * there * shift;
+                let footprint = lens.side * here * there.abs();
+                let step = target.depth_step_relative * (here + there) + corners.granted[corner][i];
+                let limit = (limits.depth_footprints * footprint).max(between) + step;
+                let is_hole = (between > 0.0) & (there < 0.0);
+                if MEASURING && !is_hole {
+                    let needed = needed(distance.abs(), step, between, footprint);
+                    required.depth[i] = required.depth[i].max(needed);
+                }
+                let both_or_neither_finite = (here == 0.0) == (there == 0.0);
+                all &= is_hole | ((there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite);
+            }
+            matches.bits[i] |= if all { SURROUNDED } else { 0 };
+        }
+    }
+
     /// The inverse depths of the target's samples that take part, at three pixels of each lane.
     #[inline(always)]
     fn depths_at<const N: usize>(&self, target: &CameraLayer, pixels: &[[u32; N]; 3]) -> [[f32; N]; 3] {
@@ -346,6 +459,22 @@ impl SameSurface {
         }
         depths
     }
+}
+
+/// The pixels around the positions of a run, and what is granted to noise there.
+struct CornersAround<'a, const N: usize> {
+    toward: &'a [[f32; N]; 2],
+    depths: &'a [[f32; N]; 3],
+    inside: &'a [u32; N],
+    granted: &'a [[f32; N]; 3],
+    between: &'a [f32; N],
+}
+
+/// What noise is granted of the distance of each sample from the surface, on top of the tolerance and in place of it.
+#[derive(Clone, Copy)]
+struct GrantedDepth<'a, const N: usize> {
+    granted: &'a [f32; N],
+    between: &'a [f32; N],
 }
 
 /// Takes [`VALUES_AGREE`] from the samples whose scalar values differ from the target's by more than their tolerances.

@@ -34,7 +34,7 @@ fn level_of(magnification: f32) -> f32 {
 /// The view with `1 / 2^level` of its columns and rows, rounded up.
 pub(super) fn coarser(vantage: &Vantage, level: usize) -> Vantage {
     let mut coarser = vantage.clone();
-    let Intrinsics { width, height, fx, fy, cx, cy } = &mut coarser.camera.intrinsics;
+    let Intrinsics { width, height, fx, fy, cx, cy, .. } = &mut coarser.camera.intrinsics;
     for side in [width, height] {
         *side = side.div_ceil(1 << level);
     }
