@@ -12,7 +12,7 @@
 //!
 //! Either way `q` is the point in the target camera times `w`, so that all that follows is the same for both.
 
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use crate::capture::camera::{Camera, Projection};
 
@@ -74,12 +74,20 @@ impl TargetLens {
     }
 }
 
+/// How far the components of a direction may be off by rounding in double precision.
+const ROUNDING: f64 = 1e-12;
+
 impl Registration {
     /// Carries samples of `source` into `target`.
     pub(crate) fn new(source: &Camera, target: &Camera) -> Self {
         let k = source.intrinsics;
         let target_from_source = target.camera_from_world() * source.world_from_camera;
-        let axes = target_from_source.matrix3;
+        let mut axes = target_from_source.matrix3;
+        let are_parallel = axes.z_axis.truncate().length() < ROUNDING;
+        if are_parallel && k.is_orthographic() && target.intrinsics.is_orthographic() {
+            // What both see along one direction stays where it is, to infinity.
+            axes.z_axis = DVec3::new(0.0, 0.0, axes.z_axis.z);
+        }
         let first = k.point_in_camera(DVec2::splat(0.5), 1.0);
         let first_ray = match k.projection {
             Projection::Perspective => axes * first,

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::frame::FrameInspection;
 use super::pixel_report::{CameraEvidence, PairQuantities};
-use crate::capture::Camera;
+use crate::capture::{Camera, PixelSide};
 use crate::capture::overlap::OverlapGraph;
 use crate::color::steps_from_linear;
 use crate::preprocess::agreement::{Vote, VoteTest};
@@ -83,6 +83,9 @@ impl<'a> ExplainedSample<'a> {
     fn find(&self, target: &Camera, layer: &CameraLayer) -> Option<CandidatePixel> {
         let (position, depth_expected) = if let Some(point) = self.point_in_world() {
             target.project(point)?
+        } else if target.intrinsics.is_orthographic() {
+            // It sees one direction at infinity, wherever a pixel lies.
+            return None;
         } else {
             let direction =
                 self.source.world_from_camera.matrix3 * self.source.intrinsics.ray_in_camera(self.center());
@@ -199,8 +202,8 @@ impl<'a> ExplainedSample<'a> {
         } else {
             normal.dot(point - surface).abs()
         };
-        let side = |camera: &Camera| (camera.intrinsics.fx * camera.intrinsics.fy).sqrt().recip();
-        let footprint = (side(self.source) / self.inverse_depth).max(side(target) * depth);
+        let side = |camera: &Camera, depth: f64| camera.intrinsics.pixel_width(depth, PixelSide::Mean);
+        let footprint = side(self.source, 1.0 / self.inverse_depth).max(side(target, depth));
         Some((distance / footprint, footprint))
     }
 

@@ -296,10 +296,16 @@ impl Registration {
         for i in 0..N {
             let w = block.inverse_depth[i];
             let point = self.point(row, block.column as f32 + i as f32, w);
-            let divisor = if lens.is_orthographic { w } else { point.z };
             let in_front = (w >= 0.0) & (point.z > 0.0);
-            let u = point.x / divisor * lens.focal[0] + lens.center[0];
-            let v = point.y / divisor * lens.focal[1] + lens.center[1];
+            let [x, y] = if self.source_is_orthographic & lens.is_orthographic {
+                let place = row + self.per_column * (block.column as f32 + i as f32);
+                let shift = |axis: usize| if self.axes[2][axis] == 0.0 { 0.0 } else { self.axes[2][axis] / w };
+                [place.x + shift(0), place.y + shift(1)]
+            } else {
+                let divisor = if lens.is_orthographic { w } else { point.z };
+                [point.x / divisor, point.y / divisor]
+            };
+            let (u, v) = (x * lens.focal[0] + lens.center[0], y * lens.focal[1] + lens.center[1]);
             let in_view = in_front & (u >= 0.0) & (v >= 0.0) & (u < lens.size[0]) & (v < lens.size[1]);
             let (u, v) = if in_view { (u, v) } else { (0.5, 0.5) };
             let (left, top) = (u.floor(), v.floor());

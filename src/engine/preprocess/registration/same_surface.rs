@@ -171,7 +171,6 @@ impl SameSurface {
         relevant: [u32; N],
         required: &mut RequiredTolerances<N>,
     ) -> SurfaceMatches<N> {
-        let SourceRun { layer: source, run: block, .. } = source_run;
         let TargetRun { layer: target, reprojected } = target_run;
         let limits = &self.tolerances;
         let mut found = [PackedGeometry::ABSENT; N];
