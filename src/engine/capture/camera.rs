@@ -9,7 +9,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 
 /// Largest width and height of a picture that is believed, wherever it comes from.
 pub(super) const MAX_SIDE: usize = 32_768;
@@ -271,6 +271,19 @@ impl Camera {
     pub fn project(&self, point_in_world: DVec3) -> Option<(DVec2, f64)> {
         let point_in_camera = self.camera_from_world().transform_point3(point_in_world);
         Some((self.intrinsics.project(point_in_camera)?, point_in_camera.z))
+    }
+}
+
+/// Refuses what knows cameras in perspective alone: `what` says what does, and what to do instead.
+///
+/// # Errors
+/// `Unsupported` where one of the cameras is orthographic.
+pub fn in_perspective(cameras: &[Camera], place: &str, what: &str) -> Result<()> {
+    match cameras.iter().find(|camera| camera.intrinsics.is_orthographic()) {
+        Some(camera) => {
+            Err(Error::unsupported(place, format!("camera '{}' is orthographic, and {what}", camera.name)))
+        }
+        None => Ok(()),
     }
 }
 

@@ -35,7 +35,7 @@ mod values;
 mod yuv;
 
 pub(crate) use camera::is_believable_size;
-pub use camera::{Camera, Intrinsics, PixelSide, Projection};
+pub use camera::{Camera, Intrinsics, PixelSide, Projection, in_perspective};
 pub(crate) use derived_frames::with_frames_made_of;
 pub use derived_frames::{with_changed_frames, with_reindexed_frames};
 pub use frame::{Frame, INVALID_INVERSE_DEPTH};

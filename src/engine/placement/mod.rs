@@ -23,7 +23,7 @@ mod surfels;
 
 use glam::DVec3;
 
-use crate::capture::{Camera, Capture, GreedyCover, Intrinsics, pivot, with_reindexed_frames};
+use crate::capture::{Camera, Capture, GreedyCover, Intrinsics, in_perspective, pivot, with_reindexed_frames};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::median::median;
@@ -84,6 +84,8 @@ pub struct Placement {
 /// and where no place is left to stand at; `Cancelled`.
 pub fn place(capture: &Capture, options: &PlaceOptions, settings: &Settings, job: &Job) -> Result<Placement> {
     check(options)?;
+    let what = "cameras are placed by coarse captures in perspective alone; render the coarse capture in perspective";
+    in_perspective(&capture.cameras, &capture.name, what)?;
     let lens = lens(&capture.cameras, options.size);
     let scale = lens.fx / self::lens(&capture.cameras, None).fx;
     let asked = options.rate.map_or(Asked::AsCoarse(1.0 / scale), |rate| Asked::Width(1.0 / rate));

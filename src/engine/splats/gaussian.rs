@@ -103,8 +103,9 @@ fn pixel_sides(ray: DVec3, depth: f64, normal: DVec3, camera: &Camera) -> [DVec3
     let lens = &camera.intrinsics;
     // Edge on, the plane says nothing.
     let facing = normal.dot(ray).min(-ray.length() / (4.0 * LONGEST));
+    let scale = if lens.is_orthographic() { 1.0 } else { depth };
     [(DVec3::X, normal.x, lens.fx), (DVec3::Y, normal.y, lens.fy)]
-        .map(|(axis, slope, focal)| (axis - ray * (slope / facing)) * (depth / focal))
+        .map(|(axis, slope, focal)| (axis - ray * (slope / facing)) * (scale / focal))
 }
 
 /// The ellipse whose covariance is that of a parallelogram's sides, in the plane across a normal.

@@ -20,6 +20,7 @@ pub use model::{RecordedView, RivalModel};
 
 use serde::{Deserialize, Serialize};
 
+use overlook_engine::capture::in_perspective;
 use overlook_engine::error::{Error, Result};
 
 /// A method of others.
@@ -79,10 +80,14 @@ impl Rival {
     /// Builds the model of one frame.
     ///
     /// # Errors
-    /// `Invalid` without any camera, or if the method needs a finite depth and no camera saw one.
+    /// `Unsupported` where a camera is orthographic; `Invalid` without any camera, or if the method needs a finite depth and no camera saw one.
     pub fn build(self, views: &[RecordedView]) -> Result<Box<dyn RivalModel>> {
         if views.is_empty() {
             return Err(Error::invalid(self.name(), "there is no camera to make a model of"));
+        }
+        for view in views {
+            let what = "this method knows cameras in perspective alone; leave it out";
+            in_perspective(std::slice::from_ref(&view.camera), self.name(), what)?;
         }
         Ok(match self {
             Self::TriangleMesh => Box::new(triangle_mesh::TriangleMeshes::new(views)),
