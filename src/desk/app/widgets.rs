@@ -8,9 +8,11 @@ use egui::{
 };
 use egui_material_icons::MaterialIcon;
 
-use super::camera_cues;
-use super::model::{Command, Commands, Purpose, Table, TableForm};
-use super::theme::{Tokens, space};
+use crate::app::camera_cues;
+use crate::app::model::{Command, Commands};
+use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::report::model::{Table, TableForm};
+use crate::app::theme::{Tokens, space};
 use overlook_engine::capture::Camera;
 
 /// Size of a button with an icon.

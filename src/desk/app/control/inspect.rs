@@ -1,10 +1,15 @@
 //! Carries out the commands of the inspector: the pixel, settings as they were, the camera path.
 
-use super::overlook_app::OverlookApp;
-use crate::app::model::{Command, HelpPage, NoticeKind, SavedPathKey, Study};
-use crate::app::model::{
-    DockView, PictureZoom, Spot, Table, TableForm, setting_names, table_text, verdict_text,
-};
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::model::{Command, HelpPage};
+use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::rooms::path::model::SavedPathKey;
+use crate::app::rooms::pixel::model::{Spot, verdict_text};
+use crate::app::rooms::report::model::{Table, TableForm, table_text};
+use crate::app::rooms::settings::model::setting_names;
+use crate::app::rooms::source::model::PictureZoom;
 use crate::app::work::StudyRequest;
 use overlook_engine::settings::Settings;
 
@@ -202,7 +207,7 @@ impl OverlookApp {
         }
     }
 
-    pub(super) fn apply_to_path(&mut self, command: Command) -> Option<Command> {
+    pub(crate) fn apply_to_path(&mut self, command: Command) -> Option<Command> {
         let path = &mut self.state.inspector.path;
         match command {
             Command::AddKey
@@ -259,7 +264,7 @@ impl OverlookApp {
     }
 
     /// Notes what the keys of the path were, so that the change can be taken back.
-    pub(super) fn keys_changed(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
+    pub(crate) fn keys_changed(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
         let path = &mut self.state.inspector.path;
         let changes = path.keys != before;
         path.note_change(before, moved);

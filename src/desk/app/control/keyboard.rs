@@ -6,10 +6,12 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 use overlook_engine::edits::Action;
 
-use crate::app::model::{
-    Area, Command, CommandPalette, Commands, EditCommand, EditTool, HelpPage, Purpose, ShareCommand,
-    ShareWay, State, ViewCommand, Workspace,
-};
+use crate::app::model::{Command, CommandPalette, Commands, HelpPage, State};
+use crate::app::rooms::edits::model::{EditCommand, EditTool};
+use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::frame::model::{Area, Workspace};
+use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 
 /// A heading, and keys or mouse actions with what they do.
 pub(crate) type Shortcuts = (&'static str, &'static [(&'static str, &'static str)]);

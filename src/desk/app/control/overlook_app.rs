@@ -7,13 +7,13 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::remembered::Memory;
 use crate::address::ViewAddress;
 use crate::app::dock::Dock;
-use crate::app::model::{
-    Busy, Command, DockView, Message, NoticeKind, State, StoppableWork, Stopwatch, TypedPath, Workspace,
-};
+use crate::app::model::{Busy, Command, Message, State, StoppableWork, Stopwatch};
 use crate::app::pace::LeastPeriod;
+use crate::app::rooms::files::control::remembered::Memory;
+use crate::app::rooms::files::model::TypedPath;
+use crate::app::rooms::frame::model::{DockView, NoticeKind, Workspace};
 use crate::app::theme;
 use crate::app::work::{Outbox, Scheduler, Workers};
 use overlook_engine::demo::DemoSpec;
@@ -192,7 +192,7 @@ impl OverlookApp {
         Memory::of(&self.state, &self.dock).save(storage);
     }
 
-    pub(super) fn visible_views(&self) -> Vec<DockView> {
+    pub(crate) fn visible_views(&self) -> Vec<DockView> {
         self.state.look.maximized.map_or_else(|| self.dock.visible(), |view| vec![view])
     }
 

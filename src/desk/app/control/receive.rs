@@ -6,15 +6,23 @@ use std::time::Instant;
 
 use egui::TextureOptions;
 
-use super::overlook_app::OverlookApp;
-use super::remembered::remember_recent;
-use crate::app::model::setting_names::SettingPairs;
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::model;
 use crate::app::model::{
-    self, Accuracy, CarriedLook, Display, DockView, LiveKey, LivePicture, Message, NoticeKind, NoticeLink,
-    OpenScene, OrbitCamera, PixelSource, Probed, ReadingCheck, Ruler, SceneEdits, SceneSource, SharePreview,
-    ShownCameras, ShownCarried, ShownPicture, ShownPreview, SourceLook, Spot, State, Texture, Unit, Whole,
-    WorkKind, method_of,
+    Accuracy, Message, OpenScene, SceneSource, ShownPicture, SourceLook, State, Texture, Whole, WorkKind,
+    method_of,
 };
+use crate::app::rooms::colors::model::Display;
+use crate::app::rooms::edits::model::SceneEdits;
+use crate::app::rooms::files::control::remembered::remember_recent;
+use crate::app::rooms::frame::model::{DockView, NoticeKind, NoticeLink};
+use crate::app::rooms::live::model::{
+    CarriedLook, LiveKey, LivePicture, OrbitCamera, PixelSource, Ruler, ShownCameras, ShownCarried, Unit,
+};
+use crate::app::rooms::pixel::model::{Probed, Spot};
+use crate::app::rooms::readings::model::ReadingCheck;
+use crate::app::rooms::settings::model::SettingPairs;
+use crate::app::rooms::share::model::{SharePreview, ShownPreview};
 use overlook_engine::capture::Camera;
 use overlook_engine::error::Error;
 use overlook_engine::plural::{counted, either};

@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
-use super::overlook_app::OverlookApp;
-use super::path_names::lasting;
 use crate::address;
-use crate::app::model::{
-    self, Command, Destination, HoleDisplay, OrbitCamera, PictureZoom, Purpose, ShownRate, StoppableWork,
-    ViewCommand, ViewHistory,
-};
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::model;
+use crate::app::model::{Command, StoppableWork};
+use crate::app::rooms::files::control::path_names::lasting;
+use crate::app::rooms::files::model::{Destination, Purpose};
+use crate::app::rooms::live::model::{HoleDisplay, OrbitCamera, ViewCommand, ViewHistory};
+use crate::app::rooms::source::model::PictureZoom;
+use crate::app::rooms::timeline::model::ShownRate;
 use crate::app::work::OpenRequest;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::settings::{Fill, RenderSettings};

@@ -4,21 +4,21 @@ use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
-use super::chart_axis::Quantity;
-use super::charts::Study;
-use super::comparison::CompareLook;
-use super::display::Display;
-use super::edit_command::EditCommand;
-use super::live_picture::{ColorBy, HoleDisplay};
-use super::picture_zoom::PictureZoom;
-use super::pixel::Spot;
-use super::purpose::Purpose;
-use super::share::ShareCommand;
-use super::source_picture::Overlay;
-use super::table::{Table, TableForm};
-use super::view::{Area, DockView};
-use super::view_look::ViewCommand;
-use super::workspace::Workspace;
+use crate::app::rooms::charts::model::axis::Quantity;
+use crate::app::rooms::charts::model::charts::Study;
+use crate::app::rooms::colors::model::display::Display;
+use crate::app::rooms::compare::model::comparison::CompareLook;
+use crate::app::rooms::edits::model::command::EditCommand;
+use crate::app::rooms::files::model::purpose::Purpose;
+use crate::app::rooms::frame::model::view::{Area, DockView};
+use crate::app::rooms::frame::model::workspace::Workspace;
+use crate::app::rooms::live::model::picture::{ColorBy, HoleDisplay};
+use crate::app::rooms::live::model::view_look::ViewCommand;
+use crate::app::rooms::pixel::model::pixel::Spot;
+use crate::app::rooms::report::model::table::{Table, TableForm};
+use crate::app::rooms::share::model::share::ShareCommand;
+use crate::app::rooms::source::model::picture::Overlay;
+use crate::app::rooms::source::model::picture_zoom::PictureZoom;
 use overlook_engine::settings::Settings;
 
 /// One wish of the person at the window.

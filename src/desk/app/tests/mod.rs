@@ -13,10 +13,14 @@ mod values;
 
 use std::time::{Duration, Instant};
 
-use super::control::{OverlookApp, Start};
-use super::model::{
-    Command, CompareSide, DockView, Exported, Message, NoticeKind, Purpose, Spot, Study, WorkKind,
-};
+use crate::app::control::{OverlookApp, Start};
+use crate::app::model::{Command, Message, WorkKind};
+use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::compare::model::CompareSide;
+use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::frame::model::{DockView, NoticeKind};
+use crate::app::rooms::path::model::Exported;
+use crate::app::rooms::pixel::model::Spot;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Error;
 use overlook_engine::render::NO_IMAGE;

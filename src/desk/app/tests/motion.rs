@@ -2,9 +2,10 @@
 
 use glam::DVec2;
 
-use super::{ready, settle};
 use crate::app::control::OverlookApp;
-use crate::app::model::{CarriedLook, CarryKey, Command, LiveKey, Message, PixelSource};
+use crate::app::model::{Command, Message};
+use crate::app::rooms::live::model::{CarriedLook, CarryKey, LiveKey, PixelSource};
+use crate::app::tests::{ready, settle};
 use overlook_engine::capture::Camera;
 
 const SIZE: [u32; 2] = [48, 36];

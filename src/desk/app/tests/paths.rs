@@ -3,9 +3,15 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::{ready, set_method, settle, start, step, wait};
 use crate::app::control::OverlookApp;
-use crate::app::model::{ColorBy, Command, DockView, Message, Purpose, Spot, Study, Table};
+use crate::app::model::{Command, Message};
+use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::live::model::ColorBy;
+use crate::app::rooms::pixel::model::Spot;
+use crate::app::rooms::report::model::Table;
+use crate::app::tests::{ready, set_method, settle, start, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {

@@ -1,8 +1,11 @@
 //! A session is saved and opened again, by itself or by another window.
 
-use super::edits::{delete, open};
 use super::*;
-use crate::app::model::{SavedPathKey, SceneSource, ViewCommand, Workspace};
+use crate::app::model::SceneSource;
+use crate::app::rooms::frame::model::Workspace;
+use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::path::model::SavedPathKey;
+use crate::app::tests::edits::{delete, open};
 use overlook_engine::edits::Region;
 
 /// Everything that a session holds, of a window.

@@ -2,9 +2,12 @@
 
 use glam::DVec2;
 
-use super::{ready, settle, wait};
 use crate::app::control::{OverlookApp, Start};
-use crate::app::model::{Command, Purpose, ShareCommand, ShareOptions, ShareOutcome, ShareWay, ViewCommand};
+use crate::app::model::Command;
+use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::share::model::{ShareCommand, ShareOptions, ShareOutcome, ShareWay};
+use crate::app::tests::{ready, settle, wait};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::splats::SplatFormat;
 

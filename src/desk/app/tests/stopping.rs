@@ -3,9 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{orrery, ready, set_method, settle, step, wait};
 use crate::app::control::{OverlookApp, Start};
-use crate::app::model::{Command, Purpose, Spot, StoppableWork, Study};
+use crate::app::model::{Command, StoppableWork};
+use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::pixel::model::Spot;
+use crate::app::tests::{orrery, ready, set_method, settle, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn has_notice(app: &OverlookApp, title: &str) -> bool {

@@ -5,10 +5,15 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use super::{ready, start, wait};
-use crate::app::control::{OverlookApp, secs_left};
+use crate::app::control::OverlookApp;
+use crate::app::control::overlook_app::secs_left;
 use crate::app::dock::Dock;
-use crate::app::model::{self, Busy, Command, DockView, State, StoppableWork, Study, verdict_text};
+use crate::app::model;
+use crate::app::model::{Busy, Command, State, StoppableWork};
+use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::pixel::model::verdict_text;
+use crate::app::tests::{ready, start, wait};
 use crate::app::{theme, window};
 use overlook_engine::job::Progress;
 use overlook_engine::settings::{Kernel, Settings};

@@ -1,7 +1,7 @@
 //! What is taken back by Ctrl+Z, and in which order.
 
 use super::*;
-use crate::app::model::ViewCommand;
+use crate::app::rooms::live::model::ViewCommand;
 
 #[test]
 fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::*;
-use crate::app::model::{ColorBy, Display, ValueLook};
+use crate::app::rooms::colors::model::{Display, ValueLook};
+use crate::app::rooms::live::model::ColorBy;
 use overlook_engine::capture;
 use overlook_engine::render::{MISSING_COLOR, output};
 use overlook_engine::settings::Settings;

@@ -1,0 +1,5 @@
+//! What accuracy costs: sweeps and stress tests as charts.
+
+pub(crate) mod model;
+pub(crate) mod ui;
+pub(crate) mod work;

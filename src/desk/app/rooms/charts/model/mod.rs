@@ -1,0 +1,7 @@
+//! What is known: plain data.
+
+pub(crate) mod axis;
+pub(crate) mod charts;
+
+pub(crate) use axis::Quantity;
+pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};

@@ -1,0 +1,3 @@
+//! Help, and the palette that finds every command.
+
+pub(crate) mod ui;

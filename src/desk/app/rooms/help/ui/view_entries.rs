@@ -1,0 +1,83 @@
+//! What there is to do with the views and the live view's camera, for the command palette.
+
+use glam::DVec3;
+
+use crate::app::model::{Command, State};
+use crate::app::rooms::colors::model::Display;
+use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::frame::model::{Area, Workspace};
+use crate::app::rooms::live::model::{FrameGuide, Guides, UP_DIRECTIONS, ViewCommand};
+use crate::app::rooms::share::model::{ShareCommand, ShareWay};
+
+/// Names, keys and commands.
+pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)> {
+    let mut entries: Vec<(String, &'static str, Command)> = Workspace::ALL
+        .into_iter()
+        .map(|(workspace, name, _)| {
+            (format!("Workspace: {name}"), "Ctrl+1 – 4", Command::Workspace(workspace))
+        })
+        .collect();
+    for (area, name, keys) in Area::ALL {
+        let shown = state.look.shows(area);
+        let verb = if shown { "Hide" } else { "Show" };
+        entries.push((format!("{verb} the {}", name.to_lowercase()), keys, Command::ShowArea(area, !shown)));
+    }
+    let hides = state.look.hides_totals;
+    let verb = if hides { "Show" } else { "Hide" };
+    entries.push((format!("{verb} the figures above the views"), "", Command::ShowTotals(hides)));
+    entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
+    for (way, name, _) in ShareWay::ALL {
+        let keys = if way == ShareWay::Store { "Ctrl+S" } else { "" };
+        entries.push((format!("Share: {name}"), keys, Command::Share(ShareCommand::Open(Some(way)))));
+    }
+    for (name, keys, command) in view_commands() {
+        entries.push((name.to_owned(), keys, command));
+    }
+    for (name, keys, axis) in [
+        ("+X", "Alt+X", DVec3::NEG_X),
+        ("−X", "Alt+Shift+X", DVec3::X),
+        ("+Y", "Alt+Y", DVec3::NEG_Y),
+        ("−Y", "Alt+Shift+Y", DVec3::Y),
+        ("+Z", "Alt+Z", DVec3::NEG_Z),
+        ("−Z", "Alt+Shift+Z", DVec3::Z),
+    ] {
+        let command = Command::View(ViewCommand::LookAlong(axis));
+        entries.push((format!("View from {name}"), keys, command));
+    }
+    for (up, name, _) in UP_DIRECTIONS {
+        entries.push((format!("Up: {name}"), "", Command::View(ViewCommand::Up(up))));
+    }
+    for (guide, name, _) in FrameGuide::ALL {
+        let guides = Guides { frame: guide, ..state.live.guides };
+        entries.push((format!("Frame guide: {name}"), "", Command::View(ViewCommand::Guides(guides))));
+    }
+    let cameras = state.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
+    entries.extend(cameras.map(|(index, camera)| {
+        let command = Command::View(ViewCommand::Solo(Some(index)));
+        (format!("Solo camera {}", camera.name), "", command)
+    }));
+    entries
+}
+
+/// Entries that are there whatever is open.
+fn view_commands() -> [(&'static str, &'static str, Command); 17] {
+    [
+        ("Maximize or restore a view", "Shift+Space", Command::Maximize(None)),
+        ("Full screen", "F11", Command::FullScreen),
+        ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
+        ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
+        ("Measure a distance", "M", Command::View(ViewCommand::Measure(true))),
+        ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
+        ("Loop over all frames", "Shift+I", Command::LoopRange(None)),
+        ("Mark this frame, or take its marker away", "Shift+M", Command::ToggleMarker),
+        ("Next marker", "Ctrl+Right", Command::ToMarker(true)),
+        ("Previous marker", "Ctrl+Left", Command::ToMarker(false)),
+        ("Play back and forth", "", Command::PingPong(true)),
+        ("Play around the ends", "", Command::PingPong(false)),
+        ("Copy the address of this view", "Ctrl+L", Command::View(ViewCommand::CopyAddress)),
+        ("Reset colors", "", Command::Display(Display::default())),
+        ("Save camera path", "", Command::AskPath(Purpose::SavePath)),
+        ("Open camera path", "", Command::AskPath(Purpose::LoadPath)),
+        ("Compare with pictures of another program", "", Command::AskPath(Purpose::OpenPictures)),
+    ]
+}

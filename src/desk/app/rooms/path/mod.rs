@@ -1,0 +1,4 @@
+//! The camera path.
+
+pub(crate) mod model;
+pub(crate) mod ui;

@@ -1,0 +1,5 @@
+//! The selected pixel, and the whole argument about it.
+
+pub(crate) mod model;
+pub(crate) mod ui;
+pub(crate) mod work;

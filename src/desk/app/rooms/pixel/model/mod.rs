@@ -1,0 +1,6 @@
+//! What is known: plain data.
+
+pub(crate) mod pixel;
+pub(crate) mod verdict_text;
+
+pub(crate) use pixel::{ProbeKey, Probed, Spot};

@@ -1,0 +1,6 @@
+//! What is known: plain data.
+
+pub(crate) mod comparable;
+pub(crate) mod readings;
+
+pub(crate) use readings::{ReadingCheck, ReadingImages, ShownReadings};

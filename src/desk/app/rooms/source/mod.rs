@@ -1,0 +1,5 @@
+//! The source view: what a camera recorded, with what was decided about its pixels.
+
+pub(crate) mod model;
+pub(crate) mod ui;
+pub(crate) mod work;

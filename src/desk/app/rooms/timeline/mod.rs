@@ -1,0 +1,4 @@
+//! Time: the frame that is shown, playback, and when samples last.
+
+pub(crate) mod model;
+pub(crate) mod ui;
