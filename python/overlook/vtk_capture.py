@@ -72,13 +72,15 @@ class CaptureError(ValueError):
 
 @dataclass
 class Viewpoint:
-    """A perspective camera; positions in the scene's units, `view_angle` from top to bottom in degrees, as in VTK."""
+    """A camera; positions in the scene's units, `view_angle` from top to bottom in degrees, as in VTK; where lines of sight are parallel,
+    `parallel_scale` is half of the scene's units from top to bottom."""
 
     name: str
     position: tuple
     focal_point: tuple
     up: tuple = (0.0, 0.0, 1.0)
     view_angle: float = 30.0
+    parallel_scale: float | None = None
 
     def pose(self):
         """Camera to world, (4, 4): x right, y up, looking along -z."""
@@ -98,8 +100,11 @@ class Viewpoint:
         if not 0 < self.view_angle < 180:
             raise CaptureError(f"camera '{self.name}' has a view angle of {self.view_angle} degrees; it must be between 0 and 180")
         width, height = size
-        focal = height / (2 * math.tan(math.radians(self.view_angle) / 2))
-        return {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": width / 2, "cy": height / 2}
+        if self.parallel_scale is not None and not 0 < self.parallel_scale < math.inf:
+            raise CaptureError(f"camera '{self.name}' has a parallel scale of {self.parallel_scale}; it must be above 0")
+        focal = height / (2 * (self.parallel_scale or math.tan(math.radians(self.view_angle) / 2)))
+        model = {"camera_model": "ORTHOGRAPHIC"} if self.parallel_scale else {}
+        return {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": width / 2, "cy": height / 2, **model}
 
 
 def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, turned=0.0):
@@ -139,21 +144,22 @@ def viewpoints_of_manifest(manifest):
         if pose.shape != (3, 4) or abs(across / down - 1) > 1e-3 or not is_centered:
             raise CaptureError(f"camera '{name}' of the manifest has a shifted lens, or pixels that are not square")
         eye, angle = pose[:, 3], math.degrees(2 * math.atan(height / (2 * down)))
-        found.setdefault(name, Viewpoint(name, tuple(eye), tuple(eye - pose[:, 2]), tuple(pose[:, 1]), angle))
+        is_parallel = entry.get("camera_model", manifest.get("camera_model")) == "ORTHOGRAPHIC"
+        lens = (30.0, height / (2 * down)) if is_parallel else (angle,)
+        found.setdefault(name, Viewpoint(name, tuple(eye), tuple(eye - pose[:, 2]), tuple(pose[:, 1]), *lens))
     return list(found.values())
 
 
 def viewpoint(name, camera, size, up, view_angle):
     """One camera in any of the forms of `viewpoints`."""
     if hasattr(camera, "GetViewAngle"):
-        if camera.GetParallelProjection():
-            raise CaptureError(f"camera '{name}' has a parallel projection; only perspective ones can be recorded")
         if camera.GetUseOffAxisProjection() or camera.GetUseExplicitProjectionTransformMatrix() or any(camera.GetWindowCenter()):
             raise CaptureError(f"camera '{name}' is shifted off its axis")
         angle = camera.GetViewAngle()
         if camera.GetUseHorizontalViewAngle():
             angle = math.degrees(2 * math.atan(math.tan(math.radians(angle) / 2) * size[1] / size[0]))
-        return Viewpoint(name, camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), angle)
+        scale = camera.GetParallelScale() if camera.GetParallelProjection() else None
+        return Viewpoint(name, camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), angle, scale)
     if isinstance(camera, dict):
         camera = [camera.get(key) for key in ("position", "focal_point", "up", "view_angle")]
     try:
@@ -442,6 +448,9 @@ class Stage:
         camera.SetFocalPoint(*view.focal_point)
         camera.SetViewUp(*view.up)
         camera.SetViewAngle(view.view_angle)
+        if view.parallel_scale is not None:
+            camera.ParallelProjectionOn()
+            camera.SetParallelScale(view.parallel_scale)
         self.renderer.SetActiveCamera(camera)
         around = bounds_of(self.renderer)
         if around[0] <= around[1]:
@@ -471,10 +480,14 @@ class Stage:
         from vtkmodules.vtkCommonCore import vtkFloatArray
 
         near, far = self.look(view)
+        if view.parallel_scale is not None and near <= 0:
+            raise CaptureError(f"camera '{view.name}' stands within the scene; move it back, where parallel lines of sight show the same")
         array, (width, height) = vtkFloatArray(), self.size
         self.window.GetZbufferData(0, 0, width - 1, height - 1, array)
         level = vtk_to_numpy(array).astype(np.float64).reshape(height, width)[::-1]
-        return np.where(level < 1.0, near * far / (far - level * (far - near)), MISS).astype(np.float32)
+        # Levels of a parallel projection are even in depth.
+        depth = near * far / (far - level * (far - near)) if view.parallel_scale is None else near + level * (far - near)
+        return np.where(level < 1.0, depth, MISS).astype(np.float32)
 
     def normal(self, view, depth):
         """World-space unit vectors toward the camera, zero where nothing is, of the picture that `depth` has just drawn."""
@@ -490,6 +503,8 @@ def normals_of(picture, view, size, is_hit):
     unit[..., :2] -= np.where(place >= 0, fold, -fold)
     lens = view.lens(size)
     x, y = np.meshgrid((np.arange(size[0]) + 0.5 - lens["cx"]) / lens["fl_x"], (lens["cy"] - np.arange(size[1]) - 0.5) / lens["fl_y"])
+    if view.parallel_scale is not None:
+        x, y = 0 * x, 0 * y
     unit[unit[..., 0] * x + unit[..., 1] * y - unit[..., 2] > 0] *= -1
     length = np.linalg.norm(unit, axis=-1, keepdims=True)
     is_known = is_hit & picture.any(axis=-1)

@@ -160,6 +160,20 @@ impl Intrinsics {
         }
     }
 
+    /// The lens of a pinhole camera that shows what is at this depth as large; a pinhole camera's own.
+    #[must_use]
+    pub fn in_perspective_from(&self, depth: f64) -> Self {
+        match self.projection {
+            Projection::Perspective => *self,
+            Projection::Orthographic => Self {
+                fx: self.fx * depth,
+                fy: self.fy * depth,
+                projection: Projection::Perspective,
+                ..*self
+            },
+        }
+    }
+
     /// The line of sight through image position `pixel` (pixels, centers at +0.5), in camera space, scaled to `z = 1`. Of a pinhole camera
     /// it is the point at planar depth 1; of an orthographic one the z axis everywhere. Points: [`Intrinsics::point_in_camera`].
     #[must_use]

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::manifest::{Manifest, PictureEntry};
 use super::view_list::{self, ViewList};
+use super::write::ORTHOGRAPHIC;
 use super::{frame_numbers, header_probe, intrinsics, pose};
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::pose_convention::upright;
@@ -86,6 +87,9 @@ struct WrittenView {
     file_path: String,
     transform_matrix: Vec<Vec<f64>>,
     frame: i64,
+    /// Where it is not the file's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    camera_model: Option<&'static str>,
     fl_x: f64,
     fl_y: f64,
     cx: f64,
@@ -107,6 +111,7 @@ pub fn path_to_json(up_in_world: DVec3, views: &[PathView]) -> Result<String> {
             file_path: format!("path/{:04}.exr", index + 1),
             transform_matrix: pose::opengl_matrix(&view.camera.world_from_camera),
             frame: view.frame_number,
+            camera_model: view.camera.intrinsics.is_orthographic().then_some(ORTHOGRAPHIC),
             fl_x: fx,
             fl_y: fy,
             cx,

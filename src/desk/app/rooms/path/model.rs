@@ -189,7 +189,7 @@ fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
         fy: width * between(&|lens| lens.fy / f64::from(lens.width)),
         cx: width * between(&|lens| lens.cx / f64::from(lens.width)),
         cy: height * between(&|lens| lens.cy / f64::from(lens.height)),
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: from.projection,
     }
 }
 

@@ -235,7 +235,7 @@ fn of_columns(camera: &Camera, columns: u32) -> Camera {
         fy: lens.fy * down,
         cx: lens.cx * factor,
         cy: lens.cy * down,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: lens.projection,
     };
     Camera { intrinsics, ..camera.clone() }
 }
