@@ -144,7 +144,15 @@ fn is_view(view: &[f64; OF_VIEW]) -> bool {
 fn lens_of([width, height, fx, fy, cx, cy]: [f64; 6]) -> Option<Intrinsics> {
     let is_side = |side: f64| (1.0..=LONGEST_SIDE).contains(&side) && side.fract() == 0.0;
     let is_lens = is_side(width) && is_side(height) && fx > 0.0 && fy > 0.0;
-    is_lens.then_some(Intrinsics { width: width as u32, height: height as u32, fx, fy, cx, cy, projection: overlook_engine::capture::Projection::Perspective })
+    is_lens.then_some(Intrinsics {
+        width: width as u32,
+        height: height as u32,
+        fx,
+        fy,
+        cx,
+        cy,
+        projection: overlook_engine::capture::Projection::Perspective,
+    })
 }
 
 /// Exactly so many finite numbers, parted by commas.

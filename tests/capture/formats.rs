@@ -96,8 +96,15 @@ fn a_position_pass_gives_planar_depth_whatever_the_depth_channel_says() {
 fn mitsubas_distance_along_the_ray_becomes_planar() {
     let folder = Folder::new();
     let near = 0.5;
-    let intrinsics =
-        overlook_engine::capture::Intrinsics { width: 6, height: 4, fx: 3.0, fy: 3.0, cx: 3.0, cy: 2.0, projection: overlook_engine::capture::Projection::Perspective };
+    let intrinsics = overlook_engine::capture::Intrinsics {
+        width: 6,
+        height: 4,
+        fx: 3.0,
+        fy: 3.0,
+        cx: 3.0,
+        cy: 2.0,
+        projection: overlook_engine::capture::Projection::Perspective,
+    };
     let mut distance: Vec<f32> = (0..PIXELS)
         .map(|i| DVec2::new((i % SIZE.0) as f64 + 0.5, (i / SIZE.0) as f64 + 0.5))
         .map(|pixel| ((2.0 - near) * intrinsics.ray_in_camera(pixel).length()) as f32)

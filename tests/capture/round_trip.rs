@@ -47,8 +47,15 @@ impl FrameSource for Numbers {
 
 fn numbers() -> (Capture, Vec<TruthView>) {
     let camera = |index: usize| {
-        let intrinsics =
-            Intrinsics { width: 5 + index as u32, height: 3, fx: 4.0, fy: 4.5, cx: 2.25, cy: 1.5, projection: overlook_engine::capture::Projection::Perspective };
+        let intrinsics = Intrinsics {
+            width: 5 + index as u32,
+            height: 3,
+            fx: 4.0,
+            fy: 4.5,
+            cx: 2.25,
+            cy: 1.5,
+            projection: overlook_engine::capture::Projection::Perspective,
+        };
         let eye = DVec3::new(0.25 * index as f64, -4.0, 0.125);
         Camera::look_at(format!("cam {index}"), intrinsics, eye, DVec3::ZERO, DVec3::Z)
     };

@@ -79,7 +79,9 @@ fn kept_samples_lie_within_a_tenth_of_a_footprint_of_the_surface_that_was_seen()
 
 #[test]
 fn every_dropped_sample_has_a_kept_one_that_shows_its_point() {
-    for (cameras, normals) in [(three(4.0), true), (mixed(4.0), true), (mixed(5.0), false), (mixed(300.0), true)] {
+    for (cameras, normals) in
+        [(three(4.0), true), (mixed(4.0), true), (mixed(5.0), false), (mixed(300.0), true)]
+    {
         let scene = Scene { normals, ..Scene::still_life() };
         for rate in [RateModel::Auto, RateModel::Footprint, RateModel::Paper] {
             let mut settings = Settings::default();
@@ -126,7 +128,8 @@ fn slow_motion_is_seen_however_far_away_the_camera_plane_is() {
     };
     for distance in [4.0, 2000.0] {
         let cameras = vec![parallel("top", DVec3::new(0.0, 0.1, -1.0), distance, 64, 3.4)];
-        let samples = preprocess(&scene.record(cameras, 8), &Settings::default(), &Job::new()).unwrap().samples;
+        let samples =
+            preprocess(&scene.record(cameras, 8), &Settings::default(), &Job::new()).unwrap().samples;
         let still = samples.images.iter().filter(|image| image.span.len() == 8);
         let still: usize = still.map(|image| image.len()).sum();
         // The ground around stays, the sphere does not.

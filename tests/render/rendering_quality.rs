@@ -80,7 +80,15 @@ fn a_sampled_surface_has_no_crack_at_four_times_the_magnification() {
 /// A camera straight above the ground, with a picture of the given size.
 fn above(name: &str, x: f64, (width, height): (u32, u32)) -> Camera {
     let (cx, cy) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
-    let intrinsics = Intrinsics { width, height, fx: 150.0, fy: 150.0, cx, cy, projection: overlook_engine::capture::Projection::Perspective };
+    let intrinsics = Intrinsics {
+        width,
+        height,
+        fx: 150.0,
+        fy: 150.0,
+        cx,
+        cy,
+        projection: overlook_engine::capture::Projection::Perspective,
+    };
     Camera::look_at(name, intrinsics, DVec3::new(x, -0.01, 5.0), DVec3::new(x, 0.0, 0.0), DVec3::Z)
 }
 
@@ -162,7 +170,18 @@ fn coarser(camera: &Camera, times: u32) -> Camera {
     let (k, share) = (camera.intrinsics, 1.0 / f64::from(times));
     let (width, height) = (k.width / times, k.height / times);
     let [fx, fy, cx, cy] = [k.fx, k.fy, k.cx, k.cy].map(|length| length * share);
-    Camera { intrinsics: Intrinsics { width, height, fx, fy, cx, cy, projection: overlook_engine::capture::Projection::Perspective }, ..camera.clone() }
+    Camera {
+        intrinsics: Intrinsics {
+            width,
+            height,
+            fx,
+            fy,
+            cx,
+            cy,
+            projection: overlook_engine::capture::Projection::Perspective,
+        },
+        ..camera.clone()
+    }
 }
 
 #[test]

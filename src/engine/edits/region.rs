@@ -197,8 +197,7 @@ impl Viewpoint {
 
     pub(super) fn lens(&self) -> Intrinsics {
         let ([width, height], [fx, fy], [cx, cy]) = (self.size, self.focal_length, self.principal_point);
-        let projection =
-            if self.orthographic { Projection::Orthographic } else { Projection::Perspective };
+        let projection = if self.orthographic { Projection::Orthographic } else { Projection::Perspective };
         Intrinsics { width, height, fx, fy, cx, cy, projection }
     }
 

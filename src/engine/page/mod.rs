@@ -94,7 +94,11 @@ pub fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageTex
     if set.sample_count() == 0 {
         return Err(Error::invalid(&set.name, "is not written: the store holds no sample that can be shown"));
     }
-    in_perspective(&set.cameras, &set.name, "a page draws cameras in perspective alone; export splats or points")?;
+    in_perspective(
+        &set.cameras,
+        &set.name,
+        "a page draws cameras in perspective alone; export splats or points",
+    )?;
     let sky = header::sky_of(set)?;
     let written = |images: &[LeveledImage]| -> Result<PageText> {
         let packed = chunks::pack(set, images, job)?;

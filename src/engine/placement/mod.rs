@@ -23,7 +23,9 @@ mod surfels;
 
 use glam::DVec3;
 
-use crate::capture::{Camera, Capture, GreedyCover, Intrinsics, in_perspective, pivot, with_reindexed_frames};
+use crate::capture::{
+    Camera, Capture, GreedyCover, Intrinsics, in_perspective, pivot, with_reindexed_frames,
+};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::median::median;

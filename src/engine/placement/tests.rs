@@ -43,7 +43,15 @@ struct Scene {
     cameras: Vec<Camera>,
 }
 
-const LENS: Intrinsics = Intrinsics { width: 64, height: 48, fx: 56.0, fy: 56.0, cx: 32.0, cy: 24.0, projection: crate::capture::Projection::Perspective };
+const LENS: Intrinsics = Intrinsics {
+    width: 64,
+    height: 48,
+    fx: 56.0,
+    fy: 56.0,
+    cx: 32.0,
+    cy: 24.0,
+    projection: crate::capture::Projection::Perspective,
+};
 
 impl FrameSource for Scene {
     fn load(&self, camera: usize, _frame: usize) -> Result<Frame> {

@@ -151,7 +151,15 @@ mod tests {
     use super::*;
 
     fn vantage(eye: DVec3, target: DVec3) -> Vantage {
-        let lens = Intrinsics { width: 64, height: 48, fx: 70.0, fy: 70.0, cx: 32.0, cy: 24.0, projection: crate::capture::Projection::Perspective };
+        let lens = Intrinsics {
+            width: 64,
+            height: 48,
+            fx: 70.0,
+            fy: 70.0,
+            cx: 32.0,
+            cy: 24.0,
+            projection: crate::capture::Projection::Perspective,
+        };
         Vantage { camera: Camera::look_at("path", lens, eye, target, DVec3::Z), frame: 3 }
     }
 

@@ -135,8 +135,7 @@ fn median_depth(samples: &SampleSet, frame: usize, own: &Camera) -> f64 {
         let camera = &samples.cameras[image.camera as usize];
         let places = image.placed(camera).step_by(STRIDE);
         let places = places.map(|placed| camera_from_world.transform_point3(placed.point_in_world));
-        let seen =
-            places.filter_map(|place| Landing::through(&own.intrinsics, place, own.intrinsics.size()));
+        let seen = places.filter_map(|place| Landing::through(&own.intrinsics, place, own.intrinsics.size()));
         depths.extend(seen.map(|landing| landing.depth));
     }
     median(&mut depths).unwrap_or(0.0)

@@ -263,7 +263,15 @@ mod tests {
 
     #[test]
     fn a_halved_camera_sees_every_point_at_half_its_column_and_row() {
-        let intrinsics = Intrinsics { width: 31, height: 20, fx: 40.0, fy: 44.0, cx: 15.0, cy: 9.0, projection: crate::capture::Projection::Perspective };
+        let intrinsics = Intrinsics {
+            width: 31,
+            height: 20,
+            fx: 40.0,
+            fy: 44.0,
+            cx: 15.0,
+            cy: 9.0,
+            projection: crate::capture::Projection::Perspective,
+        };
         let camera = Camera { name: "c".into(), intrinsics, world_from_camera: DAffine3::IDENTITY };
         let half = halved_camera(&camera);
         assert_eq!(half.intrinsics.size(), (16, 10));

@@ -137,7 +137,15 @@ mod tests {
     use glam::{DAffine3, DVec2};
 
     fn camera() -> Camera {
-        let intrinsics = Intrinsics { width: 200, height: 100, fx: 100.0, fy: 100.0, cx: 100.0, cy: 50.0, projection: crate::capture::Projection::Perspective };
+        let intrinsics = Intrinsics {
+            width: 200,
+            height: 100,
+            fx: 100.0,
+            fy: 100.0,
+            cx: 100.0,
+            cy: 50.0,
+            projection: crate::capture::Projection::Perspective,
+        };
         let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.1);
         let world_from_camera = DAffine3::from_rotation_translation(turned, DVec3::new(3.0, -1.0, 0.5));
         Camera { name: "c".into(), intrinsics, world_from_camera }

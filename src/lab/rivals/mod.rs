@@ -119,7 +119,15 @@ mod tests {
 
     /// A camera at `x` that looks along +z, at a slope of gray stripes that is 3 away in the middle.
     pub(super) fn slope(x: f64) -> RecordedView {
-        let intrinsics = Intrinsics { width: 48, height: 32, fx: 40.0, fy: 40.0, cx: 24.0, cy: 16.0, projection: overlook_engine::capture::Projection::Perspective };
+        let intrinsics = Intrinsics {
+            width: 48,
+            height: 32,
+            fx: 40.0,
+            fy: 40.0,
+            cx: 24.0,
+            cy: 16.0,
+            projection: overlook_engine::capture::Projection::Perspective,
+        };
         let mut camera = Camera::look_at("c", intrinsics, DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         camera.world_from_camera.translation.x = x;
         // z = 3 + 0.5 X, where X = x + z ray.

@@ -9,7 +9,15 @@ fn lens(step: usize) -> Intrinsics {
     let [width, height] = [[64, 48], [64, 47], [96, 72]][step];
     let focal = [60.0, 61.0, 90.0][step];
     let (cx, cy) = (f64::from(width) / 2.0 + 0.5, f64::from(height) / 2.0 - 0.25);
-    Intrinsics { width, height, fx: focal, fy: focal - 1.0, cx, cy, projection: overlook_engine::capture::Projection::Perspective }
+    Intrinsics {
+        width,
+        height,
+        fx: focal,
+        fy: focal - 1.0,
+        cx,
+        cy,
+        projection: overlook_engine::capture::Projection::Perspective,
+    }
 }
 
 /// A lens of half the pixels, where maps are made no larger than so much.

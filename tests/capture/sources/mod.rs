@@ -19,7 +19,15 @@ use serde_json::json;
 
 const VIEWS: usize = 3;
 /// With pixel centers at +0.5.
-const LENS: Intrinsics = Intrinsics { width: 64, height: 48, fx: 60.0, fy: 58.0, cx: 32.5, cy: 23.0, projection: overlook_engine::capture::Projection::Perspective };
+const LENS: Intrinsics = Intrinsics {
+    width: 64,
+    height: 48,
+    fx: 60.0,
+    fy: 58.0,
+    cx: 32.5,
+    cy: 23.0,
+    projection: overlook_engine::capture::Projection::Perspective,
+};
 
 fn picture(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -103,7 +111,15 @@ fn refusal(folder: &Folder) -> String {
 
 /// The lens that TUM's third sensor has, for pictures of its size cut to a tenth would be another: so in full size.
 fn tum_lens() -> Intrinsics {
-    Intrinsics { width: 640, height: 480, fx: 535.4, fy: 539.2, cx: 320.6, cy: 248.1, projection: overlook_engine::capture::Projection::Perspective }
+    Intrinsics {
+        width: 640,
+        height: 480,
+        fx: 535.4,
+        fy: 539.2,
+        cx: 320.6,
+        cy: 248.1,
+        projection: overlook_engine::capture::Projection::Perspective,
+    }
 }
 
 fn write_tum(folder: &Folder) {
@@ -140,7 +156,15 @@ fn tum_pairs_stamps_and_leaves_out_what_has_no_partner() {
 
 /// The sensor's default lens.
 fn sensor() -> Intrinsics {
-    Intrinsics { width: 640, height: 480, fx: 525.0, fy: 525.0, cx: 320.0, cy: 240.0, projection: overlook_engine::capture::Projection::Perspective }
+    Intrinsics {
+        width: 640,
+        height: 480,
+        fx: 525.0,
+        fy: 525.0,
+        cx: 320.0,
+        cy: 240.0,
+        projection: overlook_engine::capture::Projection::Perspective,
+    }
 }
 
 #[test]
@@ -202,7 +226,15 @@ fn seven_scenes_is_read_from_its_sequences_and_65535_is_no_depth() {
 #[test]
 fn scannet_depth_has_a_lens_and_a_size_of_its_own_and_lost_poses_are_left_out() {
     let folder = Folder::new();
-    let small = Intrinsics { width: 40, height: 30, fx: 36.0, fy: 36.0, cx: 20.2, cy: 15.1, projection: overlook_engine::capture::Projection::Perspective };
+    let small = Intrinsics {
+        width: 40,
+        height: 30,
+        fx: 36.0,
+        fy: 36.0,
+        cx: 20.2,
+        cy: 15.1,
+        projection: overlook_engine::capture::Projection::Perspective,
+    };
     for (step, camera) in cameras(LENS).iter().enumerate() {
         folder.put(&format!("color/{}.jpg", step * 9), &color(camera, ImageFormat::Jpeg));
         folder.put(&format!("depth/{}.png", step * 9), &depth_png(&scene::camera(step, small), 1000.0));

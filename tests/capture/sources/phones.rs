@@ -5,7 +5,15 @@ use glam::DVec3;
 use super::*;
 
 /// Depth has half the pixels of color.
-const SMALL: Intrinsics = Intrinsics { width: 32, height: 24, fx: 30.0, fy: 29.0, cx: 16.25, cy: 11.5, projection: overlook_engine::capture::Projection::Perspective };
+const SMALL: Intrinsics = Intrinsics {
+    width: 32,
+    height: 24,
+    fx: 30.0,
+    fy: 29.0,
+    cx: 16.25,
+    cy: 11.5,
+    projection: overlook_engine::capture::Projection::Perspective,
+};
 
 /// Up of `ARKit`'s world is y: the scene lies on its back, and cameras look along −z.
 fn arkit(camera: &Camera) -> DAffine3 {

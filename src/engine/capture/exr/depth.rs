@@ -271,7 +271,15 @@ mod tests {
     use super::*;
 
     fn camera() -> Camera {
-        let intrinsics = Intrinsics { width: 9, height: 7, fx: 5.0, fy: 6.0, cx: 4.0, cy: 3.0, projection: crate::capture::Projection::Perspective };
+        let intrinsics = Intrinsics {
+            width: 9,
+            height: 7,
+            fx: 5.0,
+            fy: 6.0,
+            cx: 4.0,
+            cy: 3.0,
+            projection: crate::capture::Projection::Perspective,
+        };
         Camera::look_at("c", intrinsics, DVec3::new(1.0, -4.0, 2.0), DVec3::new(0.5, 0.0, 0.0), DVec3::Z)
     }
 

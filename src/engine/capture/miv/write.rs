@@ -45,7 +45,8 @@ struct CameraDepths {
 /// `Io` where something cannot be written, `Unsupported` for orthographic cameras and for pictures of odd width or height, which 4:2:0
 /// has not, whatever loading a frame gives, and [`Error::Cancelled`].
 pub fn write_sequence(folder: &Path, name: &str, capture: &Capture, job: &Job) -> Result<()> {
-    let what = "what reads raw video of this kind knows cameras in perspective alone; export points or pictures";
+    let what =
+        "what reads raw video of this kind knows cameras in perspective alone; export points or pictures";
     in_perspective(&capture.cameras, &capture.name, what)?;
     for camera in &capture.cameras {
         let (width, height) = camera.intrinsics.size();

@@ -175,11 +175,27 @@ fn draw([a, b, c]: [Vertex; 3], size: (usize, usize), target: &mut [f32]) {
 mod tests {
     use super::*;
 
-    const COLOR: Intrinsics = Intrinsics { width: 60, height: 40, fx: 50.0, fy: 50.0, cx: 30.0, cy: 20.0, projection: crate::capture::Projection::Perspective };
+    const COLOR: Intrinsics = Intrinsics {
+        width: 60,
+        height: 40,
+        fx: 50.0,
+        fy: 50.0,
+        cx: 30.0,
+        cy: 20.0,
+        projection: crate::capture::Projection::Perspective,
+    };
 
     fn grid(distortion: Option<Distortion>, shift: DVec3) -> DepthGrid {
         DepthGrid {
-            intrinsics: Intrinsics { width: 24, height: 16, fx: 18.0, fy: 18.0, cx: 12.0, cy: 8.0, projection: crate::capture::Projection::Perspective },
+            intrinsics: Intrinsics {
+                width: 24,
+                height: 16,
+                fx: 18.0,
+                fy: 18.0,
+                cx: 12.0,
+                cy: 8.0,
+                projection: crate::capture::Projection::Perspective,
+            },
             distortion,
             color_from_depth: DAffine3::from_translation(shift),
         }

@@ -79,10 +79,10 @@ impl LensKeys {
     /// How points come into the picture, by the model, Blender's type or a key of its own.
     pub(super) fn projection(&self, model: Option<&str>) -> Projection {
         let camera_type = self.0.get(CAMERA_TYPE).and_then(Value::as_str);
-        let says_so = |word: Option<&str>| {
-            word.is_some_and(|word| word.to_ascii_lowercase().starts_with("ortho"))
-        };
-        let is_so = says_so(model) || says_so(camera_type) || self.0.get(ORTHOGRAPHIC).is_some_and(is_anything);
+        let says_so =
+            |word: Option<&str>| word.is_some_and(|word| word.to_ascii_lowercase().starts_with("ortho"));
+        let is_so =
+            says_so(model) || says_so(camera_type) || self.0.get(ORTHOGRAPHIC).is_some_and(is_anything);
         if is_so { Projection::Orthographic } else { Projection::Perspective }
     }
 
@@ -108,7 +108,8 @@ impl LensKeys {
         }
         if self.projection(Some(&model)) == Projection::Orthographic {
             let bent = self.0.iter().find(|(key, value)| {
-                (COEFFICIENTS.contains(&key.as_str()) || [LIST, FISHEYE].contains(&key.as_str())) && is_anything(value)
+                (COEFFICIENTS.contains(&key.as_str()) || [LIST, FISHEYE].contains(&key.as_str()))
+                    && is_anything(value)
             });
             return bent.map_or(Ok(None), |(key, _)| refuse(&format!("an orthographic camera with '{key}'")));
         }

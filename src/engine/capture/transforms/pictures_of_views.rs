@@ -102,7 +102,15 @@ mod tests {
 
     /// Views from two places at two frames, without truth.
     fn views() -> Vec<TruthView> {
-        let intrinsics = Intrinsics { width: 4, height: 3, fx: 5.0, fy: 5.0, cx: 2.0, cy: 1.5, projection: crate::capture::Projection::Perspective };
+        let intrinsics = Intrinsics {
+            width: 4,
+            height: 3,
+            fx: 5.0,
+            fy: 5.0,
+            cx: 2.0,
+            cy: 1.5,
+            projection: crate::capture::Projection::Perspective,
+        };
         let view = |place: usize, frame: i64| {
             let position = DVec3::new(place as f64, -3.0, 1.0);
             let camera = Camera::look_at(format!("at{place}"), intrinsics, position, DVec3::ZERO, DVec3::Z);

@@ -129,7 +129,8 @@ impl<'a> SeenSurface<'a> {
         let is_own = self.is_own(camera);
         // Pixels of the picture along half of one of the camera's.
         let width = |lens: &Intrinsics, depth: f64| lens.pixel_width(depth, PixelSide::Longer);
-        let magnified = |seen: f64, here: f64| 0.5 * width(&camera.intrinsics, seen) / width(&self.lens, here);
+        let magnified =
+            |seen: f64, here: f64| 0.5 * width(&camera.intrinsics, seen) / width(&self.lens, here);
         for sample in image.samples() {
             if is_own {
                 if let Some(at) = self.place(sample.x, sample.y) {

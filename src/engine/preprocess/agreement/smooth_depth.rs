@@ -50,7 +50,11 @@ impl SmoothDepths {
         Self::of_sizes(sizes, level, (0..pairs.cameras().len()).map(side).collect())
     }
 
-    fn of_sizes(sizes: impl Iterator<Item = (usize, usize)>, level: SpanLevel, sides: Vec<(f32, bool)>) -> Self {
+    fn of_sizes(
+        sizes: impl Iterator<Item = (usize, usize)>,
+        level: SpanLevel,
+        sides: Vec<(f32, bool)>,
+    ) -> Self {
         let tiles = sizes.map(|(width, height)| {
             let count = width.div_ceil(TILE) * height.div_ceil(TILE);
             (0..count).map(|_| OnceLock::new()).collect()
@@ -100,8 +104,7 @@ impl SmoothDepths {
         }
         let explained = SIGMAS * noise * here;
         // Two are a difference apart.
-        let (steady, per_pixel) =
-            (std::f32::consts::SQRT_2 * explained, SURFACE_FOOTPRINTS * side * here);
+        let (steady, per_pixel) = (std::f32::consts::SQRT_2 * explained, SURFACE_FOOTPRINTS * side * here);
         let (mut count, mut sx, mut sy, mut sxx, mut sxy, mut syy) =
             (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
         let (mut sv, mut sxv, mut syv) = (0.0_f32, 0.0_f32, 0.0_f32);

@@ -207,9 +207,7 @@ impl VoteTest {
         let block = source.run;
         let TargetRun { layer: target, reprojected } = target;
         let depth = reprojected.point[2][lane];
-        if block.inverse_depth[lane] <= 0.0
-            || is_too_coarse(registration, block.inverse_depth[lane], depth)
-        {
+        if block.inverse_depth[lane] <= 0.0 || is_too_coarse(registration, block.inverse_depth[lane], depth) {
             return false;
         }
         if is_thin(lane) {

@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::frame::FrameInspection;
 use super::pixel_report::{CameraEvidence, PairQuantities};
-use crate::capture::{Camera, PixelSide};
 use crate::capture::overlap::OverlapGraph;
+use crate::capture::{Camera, PixelSide};
 use crate::color::steps_from_linear;
 use crate::preprocess::agreement::{Vote, VoteTest};
 use crate::preprocess::layers::{CameraLayer, Rate, ViewingRays, footprint, has_unknown_normal, is_mixed};

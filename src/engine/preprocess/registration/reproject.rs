@@ -299,7 +299,8 @@ impl Registration {
             let in_front = (w >= 0.0) & (point.z > 0.0);
             let [x, y] = if self.source_is_orthographic & lens.is_orthographic {
                 let place = row + self.per_column * (block.column as f32 + i as f32);
-                let shift = |axis: usize| if self.axes[2][axis] == 0.0 { 0.0 } else { self.axes[2][axis] / w };
+                let shift =
+                    |axis: usize| if self.axes[2][axis] == 0.0 { 0.0 } else { self.axes[2][axis] / w };
                 [place.x + shift(0), place.y + shift(1)]
             } else {
                 let divisor = if lens.is_orthographic { w } else { point.z };

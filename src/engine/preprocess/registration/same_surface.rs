@@ -25,7 +25,7 @@ use super::noise_tolerance::{
 };
 use super::reproject::{PixelRun, ReprojectedRun, SourceRun, TargetRun};
 use super::tolerances::{SurfaceTolerances, VisibleLevels};
-use crate::capture::overlap::{TargetLens, Registration};
+use crate::capture::overlap::{Registration, TargetLens};
 use crate::capture::{INVALID_INVERSE_DEPTH, agree};
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
@@ -211,7 +211,14 @@ impl SameSurface {
         if self.tolerances.values && !target.values.is_empty() {
             compare_values(source_run, target_run, &mut matches);
         }
-        self.surround::<N, MEASURING>(&registration.target, surfaces, &between, &mut matches, relevant, required);
+        self.surround::<N, MEASURING>(
+            &registration.target,
+            surfaces,
+            &between,
+            &mut matches,
+            relevant,
+            required,
+        );
         matches
     }
 
@@ -228,14 +235,7 @@ impl SameSurface {
         matches: &mut SurfaceMatches<N>,
         required: &mut RequiredTolerances<N>,
     ) {
-        self.compare_depths::<N, MEASURING, true>(
-            registration,
-            source,
-            surfaces,
-            granted,
-            matches,
-            required,
-        );
+        self.compare_depths::<N, MEASURING, true>(registration, source, surfaces, granted, matches, required);
     }
 
     /// What depths and normals say.
@@ -364,7 +364,8 @@ impl SameSurface {
         }
         if lens.is_orthographic {
             let toward = &toward;
-            let corners = CornersAround { toward, depths: &depths, inside: &inside, granted: &granted, between };
+            let corners =
+                CornersAround { toward, depths: &depths, inside: &inside, granted: &granted, between };
             self.surround_orthographic::<N, MEASURING>(lens, surfaces, &corners, matches, required);
             return;
         }

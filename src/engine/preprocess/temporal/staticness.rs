@@ -91,7 +91,8 @@ impl StaticTest {
             // A difference of one quantization step either way is no difference.
             depth_relative: settings.depth_tolerance.max(2.0 * depth_step_relative)
                 + sigmas * noise.depth_relative,
-            depth_tolerance: settings.depth_tolerance - settings.depth_tolerance.min(2.0 * depth_step_relative),
+            depth_tolerance: settings.depth_tolerance
+                - settings.depth_tolerance.min(2.0 * depth_step_relative),
             depth_per_inverse: 0.0,
             value_tolerances: Vec::new(),
         }
@@ -192,7 +193,8 @@ impl StaticTest {
     pub(crate) fn comparable(&self, mut ranges: Vec<f32>, inverse_depths: &[f32]) -> Vec<f32> {
         if self.depth_per_inverse > 0.0 {
             for (range, inverse_depth) in ranges.iter_mut().zip(inverse_depths) {
-                *range *= self.granted_depth() / self.granted_depth_at(inverse_depth.max(0.0)).max(f32::MIN_POSITIVE);
+                *range *= self.granted_depth()
+                    / self.granted_depth_at(inverse_depth.max(0.0)).max(f32::MIN_POSITIVE);
             }
         }
         ranges

@@ -40,7 +40,11 @@ impl ReprojectedPoints {
     }
 
     #[inline(always)]
-    fn in_camera<const PARALLEL: bool>(lookup: &Lookup<'_>, view: &SourceView, points: &TargetPoints) -> Self {
+    fn in_camera<const PARALLEL: bool>(
+        lookup: &Lookup<'_>,
+        view: &SourceView,
+        points: &TargetPoints,
+    ) -> Self {
         let zero = [0.0; LANES];
         let (mut left, mut above, mut along, mut down) = (zero, zero, zero, zero);
         let (mut expected, mut distance_ratio, mut inside) = (zero, zero, [0_u32; LANES]);

@@ -124,13 +124,16 @@ impl Projector {
         let target_from_source = target.camera_from_world() * source.world_from_camera;
         // The image center comes with what positions are divided by.
         let center = DVec3::new(k.cx, k.cy, 0.0);
-        let (in_depth, in_plane) = if k.is_orthographic() { (DVec3::ZERO, center) } else { (center, DVec3::ZERO) };
+        let (in_depth, in_plane) =
+            if k.is_orthographic() { (DVec3::ZERO, center) } else { (center, DVec3::ZERO) };
         let image_from_camera = DMat3::from_diagonal(DVec3::new(k.fx, k.fy, 1.0));
         let image = |vector: DVec3| image_from_camera * vector + in_depth * vector.z;
         let axes = target_from_source.matrix3;
         let first = s.point_in_camera(DVec2::splat(0.5), 1.0);
         let (first_pixel, origin) = match s.projection {
-            Projection::Perspective => (image(axes * first), image(target_from_source.translation) + in_plane),
+            Projection::Perspective => {
+                (image(axes * first), image(target_from_source.translation) + in_plane)
+            }
             Projection::Orthographic => {
                 let place = target_from_source.transform_point3(first.with_z(0.0));
                 (image(place) + in_plane, image(along_target(axes.z_axis)))
@@ -226,7 +229,8 @@ impl Projector {
         let mut row = ProjectedRow { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
         for (column, &w) in inverse_depth.iter().enumerate() {
             let ray = ray + self.per_column * column as f32;
-            let point = if self.source_is_orthographic { ray * w + self.origin } else { ray + self.origin * w };
+            let point =
+                if self.source_is_orthographic { ray * w + self.origin } else { ray + self.origin * w };
             let [u, v] = match (self.source_is_orthographic, self.target_is_orthographic) {
                 // At infinity what both see along one direction stays where it is.
                 (true, true) => [0, 1].map(|axis| {
@@ -264,8 +268,7 @@ mod tests {
         for (from, to) in [(0, 1), (1, 0), (0, 0)] {
             let source =
                 Camera::look_at("a", lenses[from], DVec3::new(1.0, -4.0, 2.0), DVec3::ZERO, DVec3::Z);
-            let target =
-                Camera::look_at("b", lenses[to], DVec3::new(-2.0, -3.0, 1.0), DVec3::X, DVec3::Z);
+            let target = Camera::look_at("b", lenses[to], DVec3::new(-2.0, -3.0, 1.0), DVec3::X, DVec3::Z);
             let projector = Projector::new(&source, &target);
             for y in 0..48 {
                 let depths: [f32; TILE] = std::array::from_fn(|i| 1.0 / (3.0 + 0.01 * (i + y) as f32));
@@ -291,7 +294,9 @@ mod tests {
         let projector = Projector::new(&camera, &camera);
         let row = projector.row(projector.ray(16.0, 7.0), &[0.0; TILE]);
         for column in 0..TILE {
-            assert!((row.u[column] - (16.5 + column as f32)).abs() < 1e-4 && (row.v[column] - 7.5).abs() < 1e-4);
+            assert!(
+                (row.u[column] - (16.5 + column as f32)).abs() < 1e-4 && (row.v[column] - 7.5).abs() < 1e-4
+            );
             assert!(row.reciprocal[column] > 0.0);
         }
     }

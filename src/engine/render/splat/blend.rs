@@ -230,7 +230,7 @@ impl BandSums<'_> {
             // Not beyond the bounds that tiles are culled by: the picture must not depend on how it is cut into bands.
             let limit = (BLEND_REACH.pixels
                 + BLEND_REACH.source_pixels * projector.magnification(w, projected.reciprocal[i]))
-                .min(MAX_REACH);
+            .min(MAX_REACH);
             let (half_width, half_height) = (half_width.min(limit), half_height.min(limit));
             let (u, v) = (projected.u[i], projected.v[i]);
             let left = (u - half_width - 0.5).ceil().max(0.0);

@@ -159,7 +159,11 @@ fn decode_camera(reader: &mut ByteReader, has_projections: bool) -> Result<Camer
     if !product.abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE) || axes.determinant() < 0.0 {
         return Err(format!("the axes of camera '{name}' are no rotation"));
     }
-    Ok(Camera { name, intrinsics: Intrinsics { width, height, fx, fy, cx, cy, projection }, world_from_camera })
+    Ok(Camera {
+        name,
+        intrinsics: Intrinsics { width, height, fx, fy, cx, cy, projection },
+        world_from_camera,
+    })
 }
 
 /// The version, which comes first whatever else changes.

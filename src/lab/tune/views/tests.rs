@@ -11,7 +11,15 @@ use overlook_engine::grid::Grid;
 struct Wall(Vec<Camera>);
 
 /// Each sees a stretch of the wall that is 2 wide and 1 high.
-const LENS: Intrinsics = Intrinsics { width: 64, height: 32, fx: 64.0, fy: 64.0, cx: 32.0, cy: 16.0, projection: overlook_engine::capture::Projection::Perspective };
+const LENS: Intrinsics = Intrinsics {
+    width: 64,
+    height: 32,
+    fx: 64.0,
+    fy: 64.0,
+    cx: 32.0,
+    cy: 16.0,
+    projection: overlook_engine::capture::Projection::Perspective,
+};
 
 impl Wall {
     fn camera(name: &str, x: f64, distance: f64) -> Camera {

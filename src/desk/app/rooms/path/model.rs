@@ -266,8 +266,15 @@ mod tests {
     fn the_lens_zooms_from_each_key_to_the_next_and_the_last_one_is_reached() {
         let mut path = path(&[DVec3::ZERO, DVec3::X]);
         let wide = path.keys[0].orbit.lens;
-        let zoomed =
-            Intrinsics { fx: 6.0 * wide.fx, fy: 6.0 * wide.fy, cx: 96.0, cy: 72.0, width: 192, height: 144, projection: overlook_engine::capture::Projection::Perspective };
+        let zoomed = Intrinsics {
+            fx: 6.0 * wide.fx,
+            fy: 6.0 * wide.fy,
+            cx: 96.0,
+            cy: 72.0,
+            width: 192,
+            height: 144,
+            projection: overlook_engine::capture::Projection::Perspective,
+        };
         path.keys[1].orbit.lens = zoomed;
         let focal = |picture: f32| {
             let camera = path.at(picture).unwrap().orbit.camera(640, 480);

@@ -133,7 +133,15 @@ impl CinemaArgs {
                 // Straight from above no direction is up.
                 let Some((world_from_camera, focal)) = pose else { continue };
                 let [cx, cy] = [width, height].map(|side| 0.5 * f64::from(side));
-                let intrinsics = Intrinsics { width, height, fx: focal, fy: focal, cx, cy, projection: overlook_engine::capture::Projection::Perspective };
+                let intrinsics = Intrinsics {
+                    width,
+                    height,
+                    fx: focal,
+                    fy: focal,
+                    cx,
+                    cy,
+                    projection: overlook_engine::capture::Projection::Perspective,
+                };
                 let camera_of = Camera { name: format!("view {nth}"), intrinsics, world_from_camera };
                 vantages.push(Vantage { camera: camera_of, frame });
                 let files = ["png", "exr"].map(|extension| format!("{number:04}_{nth:04}.{extension}"));

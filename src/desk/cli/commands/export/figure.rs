@@ -143,7 +143,7 @@ impl FigureArgs {
 
     fn of_capture(&self, place: &Path, options: &FigureOptions) -> Result<Figure, CommandError> {
         if self.orthographic.is_some() {
-            let what = "an orthographic view is one of a store; a recorded picture is in perspective";
+            let what = "an orthographic view is one of a store; a recorded picture is as its camera saw it";
             return Err(Error::invalid("--orthographic", what).into());
         }
         self.edits.refuse_for_capture()?;

@@ -169,6 +169,10 @@ fn put_together(
 
 /// The length of a unit at the distance of what the middle of a picture shows.
 fn scale_bar(lens: &Intrinsics, inverse_depth: &Grid<f32>, unit: Unit) -> ScaleBar {
+    if lens.is_orthographic() {
+        let unit_share = lens.fx / f64::from(lens.width);
+        return ScaleBar { unit_share, unit: unit.name().to_owned(), distance: None };
+    }
     let (width, height) = inverse_depth.size();
     let middle = |side: usize| side / AROUND_MIDDLE..(side - side / AROUND_MIDDLE).max(1);
     let depths = middle(height).flat_map(|y| middle(width).map(move |x| inverse_depth[(x, y)]));
