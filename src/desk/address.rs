@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DQuat, DVec3};
 
-use overlook_engine::capture::Intrinsics;
+use overlook_engine::capture::{Intrinsics, Projection};
 
 /// Digits of a number behind its first: as many as no picture shows a difference of, even of a scene far from the origin.
 const DIGITS: usize = 11;
@@ -151,7 +151,7 @@ fn lens_of([width, height, fx, fy, cx, cy]: [f64; 6]) -> Option<Intrinsics> {
         fy,
         cx,
         cy,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     })
 }
 

@@ -5,6 +5,7 @@ use exr::prelude::FlatSamples;
 use glam::{DVec2, DVec3};
 use half::f16;
 use image::{ImageBuffer, Luma, Rgba};
+use overlook_engine::capture::Projection;
 use overlook_engine::capture::transforms;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
@@ -103,7 +104,7 @@ fn mitsubas_distance_along_the_ray_becomes_planar() {
         fy: 3.0,
         cx: 3.0,
         cy: 2.0,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
     let mut distance: Vec<f32> = (0..PIXELS)
         .map(|i| DVec2::new((i % SIZE.0) as f64 + 0.5, (i / SIZE.0) as f64 + 0.5))

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::transforms::{self, write_capture};
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, TruthView, Values,
+    Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, Projection, TruthView, Values,
 };
 use overlook_engine::error::{Error, Result};
 use overlook_engine::grid::Grid;
@@ -54,7 +54,7 @@ fn numbers() -> (Capture, Vec<TruthView>) {
             fy: 4.5,
             cx: 2.25,
             cy: 1.5,
-            projection: overlook_engine::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let eye = DVec3::new(0.25 * index as f64, -4.0, 0.125);
         Camera::look_at(format!("cam {index}"), intrinsics, eye, DVec3::ZERO, DVec3::Z)

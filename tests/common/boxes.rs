@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics, Values,
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics, Projection, Values,
 };
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
@@ -47,7 +47,7 @@ pub(crate) fn eye(x: f64, y: f64, size: u32) -> Camera {
         fy: focal,
         cx: center,
         cy: center,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
     Camera {
         name: format!("eye at {x}, {y}"),

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use crate::capture::Projection;
 use glam::{DVec2, DVec3};
 use half::f16;
 
@@ -50,7 +51,7 @@ const LENS: Intrinsics = Intrinsics {
     fy: 56.0,
     cx: 32.0,
     cy: 24.0,
-    projection: crate::capture::Projection::Perspective,
+    projection: Projection::Perspective,
 };
 
 impl FrameSource for Scene {

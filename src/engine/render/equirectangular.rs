@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::vantage::{Picture, Vantage};
-use crate::capture::{Camera, Intrinsics};
+use crate::capture::{self, Camera, Intrinsics};
 use crate::grid::Grid;
 use crate::settings::choice::choice;
 
@@ -51,7 +51,7 @@ fn lens(width: u32) -> Intrinsics {
         fy: focal,
         cx: f64::from(side) / 2.0,
         cy: f64::from(side) / 2.0,
-        projection: crate::capture::Projection::Perspective,
+        projection: capture::Projection::Perspective,
     }
 }
 
@@ -158,7 +158,7 @@ mod tests {
             fy: 70.0,
             cx: 32.0,
             cy: 24.0,
-            projection: crate::capture::Projection::Perspective,
+            projection: capture::Projection::Perspective,
         };
         Vantage { camera: Camera::look_at("path", lens, eye, target, DVec3::Z), frame: 3 }
     }

@@ -165,6 +165,7 @@ impl SampleImage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
     use crate::samples::Span;
     use glam::DAffine3;
 
@@ -175,7 +176,7 @@ mod tests {
         fy: 1000.0,
         cx: 32.0,
         cy: 32.0,
-        projection: crate::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
 
     /// Column, row, color and inverse depth of a sample.
@@ -270,7 +271,7 @@ mod tests {
             fy: 44.0,
             cx: 15.0,
             cy: 9.0,
-            projection: crate::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let camera = Camera { name: "c".into(), intrinsics, world_from_camera: DAffine3::IDENTITY };
         let half = halved_camera(&camera);

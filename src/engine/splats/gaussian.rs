@@ -131,7 +131,7 @@ fn ellipse(sides: [DVec3; 2], normal: DVec3) -> Ellipse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Intrinsics;
+    use crate::capture::{Intrinsics, Projection};
     use crate::samples::Sample;
     use crate::splats::space::Axes;
     use glam::{DAffine3, DVec2};
@@ -144,7 +144,7 @@ mod tests {
             fy: 100.0,
             cx: 100.0,
             cy: 50.0,
-            projection: crate::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.1);
         let world_from_camera = DAffine3::from_rotation_translation(turned, DVec3::new(3.0, -1.0, 0.5));

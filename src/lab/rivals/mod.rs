@@ -114,7 +114,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use overlook_engine::capture::{Camera, Frame, Intrinsics, Values};
+    use overlook_engine::capture::{Camera, Frame, Intrinsics, Projection, Values};
     use overlook_engine::grid::Grid;
 
     /// A camera at `x` that looks along +z, at a slope of gray stripes that is 3 away in the middle.
@@ -126,7 +126,7 @@ mod tests {
             fy: 40.0,
             cx: 24.0,
             cy: 16.0,
-            projection: overlook_engine::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let mut camera = Camera::look_at("c", intrinsics, DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         camera.world_from_camera.translation.x = x;

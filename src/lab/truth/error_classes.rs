@@ -125,6 +125,7 @@ fn edges(inverse_depth: &Grid<f32>) -> Grid<bool> {
 mod tests {
     use super::*;
     use glam::DVec3;
+    use overlook_engine::capture::Projection;
 
     /// A camera at `x` that looks along +z, at a wall 4 away whose left half is covered by a board 2 away.
     fn recorded(x: f64, board: bool) -> RecordedView {
@@ -135,7 +136,7 @@ mod tests {
             fy: 16.0,
             cx: 16.0,
             cy: 4.0,
-            projection: overlook_engine::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let mut camera = Camera::look_at("c", intrinsics, DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         camera.world_from_camera.translation.x = x;

@@ -1,5 +1,6 @@
 //! COLMAP's dense workspaces.
 
+use overlook_engine::capture::Projection;
 use std::fmt::Write;
 
 use super::*;
@@ -9,15 +10,7 @@ fn lens(step: usize) -> Intrinsics {
     let [width, height] = [[64, 48], [64, 47], [96, 72]][step];
     let focal = [60.0, 61.0, 90.0][step];
     let (cx, cy) = (f64::from(width) / 2.0 + 0.5, f64::from(height) / 2.0 - 0.25);
-    Intrinsics {
-        width,
-        height,
-        fx: focal,
-        fy: focal - 1.0,
-        cx,
-        cy,
-        projection: overlook_engine::capture::Projection::Perspective,
-    }
+    Intrinsics { width, height, fx: focal, fy: focal - 1.0, cx, cy, projection: Projection::Perspective }
 }
 
 /// A lens of half the pixels, where maps are made no larger than so much.
@@ -30,7 +23,7 @@ fn halved(lens: Intrinsics) -> Intrinsics {
         fy: fy / 2.0,
         cx: cx / 2.0,
         cy: cy / 2.0,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     }
 }
 

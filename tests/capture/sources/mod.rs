@@ -12,7 +12,7 @@ use std::fmt::Write;
 use crate::folder::Folder;
 use glam::{DAffine3, DQuat};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
-use overlook_engine::capture::{self, Camera, Capture, Intrinsics, Source};
+use overlook_engine::capture::{self, Camera, Capture, Intrinsics, Projection, Source};
 use overlook_engine::error::Result;
 use overlook_engine::settings::CaptureSettings;
 use serde_json::json;
@@ -26,7 +26,7 @@ const LENS: Intrinsics = Intrinsics {
     fy: 58.0,
     cx: 32.5,
     cy: 23.0,
-    projection: overlook_engine::capture::Projection::Perspective,
+    projection: Projection::Perspective,
 };
 
 fn picture(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
@@ -118,7 +118,7 @@ fn tum_lens() -> Intrinsics {
         fy: 539.2,
         cx: 320.6,
         cy: 248.1,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     }
 }
 
@@ -163,7 +163,7 @@ fn sensor() -> Intrinsics {
         fy: 525.0,
         cx: 320.0,
         cy: 240.0,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     }
 }
 
@@ -233,7 +233,7 @@ fn scannet_depth_has_a_lens_and_a_size_of_its_own_and_lost_poses_are_left_out() 
         fy: 36.0,
         cx: 20.2,
         cy: 15.1,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
     for (step, camera) in cameras(LENS).iter().enumerate() {
         folder.put(&format!("color/{}.jpg", step * 9), &color(camera, ImageFormat::Jpeg));
@@ -326,7 +326,7 @@ fn nerfstudio_depth_may_be_smaller_in_numpy_or_tiff_and_its_unit_a_divisor() {
         fy: LENS.fy / 2.0,
         cx: LENS.cx / 2.0,
         cy: LENS.cy / 2.0,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
     let folder = Folder::new();
     for step in 0..VIEWS {

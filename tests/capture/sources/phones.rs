@@ -1,6 +1,7 @@
 //! Apps of phones with a depth sensor: small depth beside large color, confidence, `ARKit`'s axes.
 
 use glam::DVec3;
+use overlook_engine::capture::Projection;
 
 use super::*;
 
@@ -12,7 +13,7 @@ const SMALL: Intrinsics = Intrinsics {
     fy: 29.0,
     cx: 16.25,
     cy: 11.5,
-    projection: overlook_engine::capture::Projection::Perspective,
+    projection: Projection::Perspective,
 };
 
 /// Up of `ARKit`'s world is y: the scene lies on its back, and cameras look along −z.

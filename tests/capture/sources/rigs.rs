@@ -1,6 +1,7 @@
 //! Rigs of several cameras: some with separate color and depth cameras, some with depth that is none.
 
 use glam::{DMat3, DVec2, DVec3};
+use overlook_engine::capture::Projection;
 
 use super::*;
 
@@ -23,7 +24,7 @@ fn write_msr(folder: &Folder) -> String {
         fy: 23.5,
         cx: 24.2,
         cy: 17.6,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
     let world = msr_world();
     let mut calibration = String::new();
@@ -171,7 +172,7 @@ fn livescan3d_carries_depth_of_the_sensors_own_lens_into_its_color_camera() {
         fy: 128.0,
         cx: 65.0,
         cy: 37.0,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
     let depth_lens = Intrinsics {
         width: 320,
@@ -180,7 +181,7 @@ fn livescan3d_carries_depth_of_the_sensors_own_lens_into_its_color_camera() {
         fy: 252.5,
         cx: 161.0,
         cy: 143.0,
-        projection: overlook_engine::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
     let color_from_depth =
         DAffine3::from_rotation_translation(DQuat::from_rotation_x(0.02), DVec3::new(-0.032, -0.002, 0.004));

@@ -269,6 +269,7 @@ impl VectorLoop for DepthRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
 
     fn camera() -> Camera {
         let intrinsics = Intrinsics {
@@ -278,7 +279,7 @@ mod tests {
             fy: 6.0,
             cx: 4.0,
             cy: 3.0,
-            projection: crate::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         Camera::look_at("c", intrinsics, DVec3::new(1.0, -4.0, 2.0), DVec3::new(0.5, 0.0, 0.0), DVec3::Z)
     }

@@ -174,6 +174,7 @@ fn draw([a, b, c]: [Vertex; 3], size: (usize, usize), target: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
 
     const COLOR: Intrinsics = Intrinsics {
         width: 60,
@@ -182,7 +183,7 @@ mod tests {
         fy: 50.0,
         cx: 30.0,
         cy: 20.0,
-        projection: crate::capture::Projection::Perspective,
+        projection: Projection::Perspective,
     };
 
     fn grid(distortion: Option<Distortion>, shift: DVec3) -> DepthGrid {
@@ -194,7 +195,7 @@ mod tests {
                 fy: 18.0,
                 cx: 12.0,
                 cy: 8.0,
-                projection: crate::capture::Projection::Perspective,
+                projection: Projection::Perspective,
             },
             distortion,
             color_from_depth: DAffine3::from_translation(shift),

@@ -55,6 +55,7 @@ impl Sources {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
 
     #[test]
     fn a_pixel_shows_what_the_lens_put_elsewhere() {
@@ -65,7 +66,7 @@ mod tests {
             fy: 30.0,
             cx: 20.0,
             cy: 15.0,
-            projection: crate::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let lens = Distortion::radial_tangential([0.3, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 2]).unwrap();
         let sources = sources(&intrinsics, &lens);

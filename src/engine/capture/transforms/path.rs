@@ -219,6 +219,7 @@ fn views_of(manifest: &Manifest, place: &Path, folder: Option<&Path>) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
 
     fn view(x: f64, frame_number: i64, is_key: bool) -> PathView {
         let lens = Intrinsics {
@@ -228,7 +229,7 @@ mod tests {
             fy: 71.25,
             cx: 31.0,
             cy: 25.5,
-            projection: crate::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let camera = Camera::look_at("path", lens, DVec3::new(x, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
         PathView { camera, frame_number, is_key }

@@ -96,7 +96,7 @@ fn pictures_in(folder: &Path, depth: usize) -> Vec<PathBuf> {
 mod tests {
     use super::*;
     use crate::capture::transforms::pose;
-    use crate::capture::{Camera, Intrinsics, TruthLoader};
+    use crate::capture::{Camera, Intrinsics, Projection, TruthLoader};
     use glam::DVec3;
     use serde_json::{Value, json};
 
@@ -109,7 +109,7 @@ mod tests {
             fy: 5.0,
             cx: 2.0,
             cy: 1.5,
-            projection: crate::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let view = |place: usize, frame: i64| {
             let position = DVec3::new(place as f64, -3.0, 1.0);

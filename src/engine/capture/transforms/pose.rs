@@ -103,7 +103,7 @@ fn orthonormal(matrix: DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::camera::{Camera, Intrinsics};
+    use crate::capture::camera::{Camera, Intrinsics, Projection};
     use glam::DVec2;
 
     #[test]
@@ -127,7 +127,7 @@ mod tests {
             fy: 9.0,
             cx: 3.5,
             cy: 3.25,
-            projection: crate::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         let camera = Camera::look_at("c", intrinsics, eye, target, DVec3::Z);
         let m = opengl_matrix(&camera.world_from_camera);

@@ -4,7 +4,9 @@ use glam::DVec3;
 use half::f16;
 
 use super::*;
-use overlook_engine::capture::{Camera, CaptureParts, Frame, FrameSource, Intrinsics, TruthView, Values};
+use overlook_engine::capture::{
+    Camera, CaptureParts, Frame, FrameSource, Intrinsics, Projection, TruthView, Values,
+};
 use overlook_engine::grid::Grid;
 
 /// Cameras before a wall, each at its own x and distance.
@@ -18,7 +20,7 @@ const LENS: Intrinsics = Intrinsics {
     fy: 64.0,
     cx: 32.0,
     cy: 16.0,
-    projection: overlook_engine::capture::Projection::Perspective,
+    projection: Projection::Perspective,
 };
 
 impl Wall {

@@ -238,6 +238,7 @@ pub(crate) enum PathCommand {
 mod tests {
     use super::*;
     use glam::DVec3;
+    use overlook_engine::capture::Projection;
 
     fn path(positions: &[DVec3]) -> CameraPath {
         let keys = positions.iter().enumerate().map(|(index, position)| {
@@ -273,7 +274,7 @@ mod tests {
             cy: 72.0,
             width: 192,
             height: 144,
-            projection: overlook_engine::capture::Projection::Perspective,
+            projection: Projection::Perspective,
         };
         path.keys[1].orbit.lens = zoomed;
         let focal = |picture: f32| {

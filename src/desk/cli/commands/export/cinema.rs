@@ -10,7 +10,7 @@ use crate::app::median_depth;
 use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::cinema::{AngleRange, DatabaseCamera, DatabaseRow, grid, write_table};
-use overlook_engine::capture::{Camera, Intrinsics, pivot};
+use overlook_engine::capture::{Camera, Intrinsics, Projection, pivot};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
@@ -140,7 +140,7 @@ impl CinemaArgs {
                     fy: focal,
                     cx,
                     cy,
-                    projection: overlook_engine::capture::Projection::Perspective,
+                    projection: Projection::Perspective,
                 };
                 let camera_of = Camera { name: format!("view {nth}"), intrinsics, world_from_camera };
                 vantages.push(Vantage { camera: camera_of, frame });
