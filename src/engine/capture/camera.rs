@@ -145,6 +145,15 @@ impl Intrinsics {
         }
     }
 
+    /// How many times as wide pixels are at planar depth `depth` as at depth 1: the depth, or 1 where lines of sight are parallel.
+    #[must_use]
+    pub fn spread_at(&self, depth: f64) -> f64 {
+        match self.projection {
+            Projection::Perspective => depth,
+            Projection::Orthographic => 1.0,
+        }
+    }
+
     /// What shares of a depth are shares of, for a point at planar depth `depth`: the depth itself, as noise and errors of a pinhole
     /// camera grow with it. Depths of an orthographic camera count from a plane that was put anywhere; for it the width of the picture,
     /// longer side, stands in: the depth at which a pinhole camera with an angle of view of 53° has pixels as wide. World units.

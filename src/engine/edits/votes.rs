@@ -26,6 +26,8 @@ pub struct SampleVotes {
 struct Witness<'a> {
     camera: &'a Camera,
     frame: std::sync::Arc<Frame>,
+    /// Width of a pixel at depth 1.
+    pixel_width: f64,
 }
 
 impl SampleVotes {
@@ -71,7 +73,8 @@ fn witnesses<'a>(cameras: &'a [Camera], capture: &Capture, frame: usize) -> Resu
     let witness = |camera: &'a Camera| {
         let known = capture.cameras.iter().position(|known| known.name == camera.name);
         let Some(known) = known.filter(|_| frame < capture.frame_count()) else { return Ok(None) };
-        Ok(Some(Witness { camera, frame: capture.frame(known, frame)? }))
+        let pixel_width = camera.intrinsics.pixel_width(1.0, PixelSide::Longer);
+        Ok(Some(Witness { camera, frame: capture.frame(known, frame)?, pixel_width }))
     };
     cameras.par_iter().map(witness).collect()
 }
@@ -79,6 +82,8 @@ fn witnesses<'a>(cameras: &'a [Camera], capture: &Capture, frame: usize) -> Resu
 fn votes_on(image: &SampleImage, cameras: &[Camera], witnesses: &[Option<Witness<'_>>]) -> Vec<Votes> {
     let own = image.camera as usize;
     let rays = PixelRays::of(&cameras[own]);
+    let lens = &cameras[own].intrinsics;
+    let own_width = lens.pixel_width(1.0, PixelSide::Longer);
     let inverse_depths = image.inverse_depths();
     let others = || witnesses.iter().enumerate().filter(|(other, _)| *other != own);
     let mut votes = Vec::with_capacity(image.len());
@@ -90,7 +95,7 @@ fn votes_on(image: &SampleImage, cameras: &[Camera], witnesses: &[Option<Witness
             for witness in others().filter_map(|(_, witness)| witness.as_ref()) {
                 let size = witness.frame.size();
                 let Some(landing) = Landing::of(seen.point_in_world, witness.camera, size) else { continue };
-                let footprint = cameras[own].intrinsics.pixel_width(seen.depth, PixelSide::Longer);
+                let footprint = lens.spread_at(seen.depth) * own_width;
                 match witness.says(&landing, footprint) {
                     Some(true) => counted.confirm = counted.confirm.saturating_add(1),
                     Some(false) => counted.look_past = counted.look_past.saturating_add(1),
@@ -126,7 +131,7 @@ impl Witness<'_> {
                 }
             }
         }
-        let width = self.camera.intrinsics.pixel_width(landing.depth, PixelSide::Longer);
+        let width = self.camera.intrinsics.spread_at(landing.depth) * self.pixel_width;
         (farther && width <= RESOLVES * footprint).then_some(false)
     }
 }

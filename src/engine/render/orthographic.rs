@@ -47,7 +47,7 @@ impl OrthographicView {
             return Err(Error::invalid(format!("viewpoint '{}'", vantage.camera.name), what));
         }
         let size = vantage.camera.intrinsics;
-        Self::through(samples, vantage, Intrinsics::orthographic(size.width, size.height, width))
+        Self::through(samples, vantage, Intrinsics::orthographic(size.width, size.height, width), width)
     }
 
     /// The picture of a vantage whose camera is orthographic.
@@ -56,17 +56,18 @@ impl OrthographicView {
     /// As [`Vantage::check`].
     pub(super) fn of_camera(samples: &SampleSet, vantage: &Vantage) -> Result<Self> {
         vantage.check(samples)?;
-        Self::through(samples, vantage, vantage.camera.intrinsics)
+        let lens = vantage.camera.intrinsics;
+        Self::through(samples, vantage, lens, lens.depth_scale(1.0))
     }
 
-    /// The picture from a vantage through an orthographic lens.
-    fn through(samples: &SampleSet, vantage: &Vantage, lens: Intrinsics) -> Result<Self> {
+    /// The picture from a vantage through an orthographic lens, which is so wide in world units.
+    fn through(samples: &SampleSet, vantage: &Vantage, lens: Intrinsics, width: f64) -> Result<Self> {
         let pose = vantage.camera.world_from_camera;
         let forward = pose.matrix3.z_axis.normalize_or_zero();
         let ahead = Ahead { eye: pose.translation, forward };
         let own = Camera { intrinsics: lens, ..vantage.camera.clone() };
         let middle = median_depth(samples, vantage.frame, &own);
-        let back = WIDTHS_BACK * lens.depth_scale(middle);
+        let back = WIDTHS_BACK * width;
         let (fx, fy) = (lens.fx * (back + middle), lens.fy * (back + middle));
         let intrinsics = Intrinsics { fx, fy, projection: Projection::Perspective, ..lens };
         let mut camera = Camera { intrinsics, ..own };

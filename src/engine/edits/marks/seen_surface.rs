@@ -127,10 +127,9 @@ impl<'a> SeenSurface<'a> {
     fn paint(&self, image: &SampleImage, camera: &Camera, part: &DepthPart) {
         let (rays, inverse_depths) = (PixelRays::of(camera), image.inverse_depths());
         let is_own = self.is_own(camera);
-        // Pixels of the picture along half of one of the camera's.
-        let width = |lens: &Intrinsics, depth: f64| lens.pixel_width(depth, PixelSide::Longer);
-        let magnified =
-            |seen: f64, here: f64| 0.5 * width(&camera.intrinsics, seen) / width(&self.lens, here);
+        // Pixels of the picture along half of one of the camera's at the same depth.
+        let width = |lens: &Intrinsics| lens.pixel_width(1.0, PixelSide::Longer);
+        let magnified = 0.5 * width(&camera.intrinsics) / width(&self.lens);
         for sample in image.samples() {
             if is_own {
                 if let Some(at) = self.place(sample.x, sample.y) {
@@ -142,7 +141,9 @@ impl<'a> SeenSurface<'a> {
             let Some(landing) = self.landing(&seen).filter(|landing| landing.depth.is_finite()) else {
                 continue;
             };
-            let half = DVec2::splat(magnified(seen.depth, landing.depth).min(WIDEST));
+            let (seen_at, here) =
+                (camera.intrinsics.spread_at(seen.depth), self.lens.spread_at(landing.depth));
+            let half = DVec2::splat((magnified * seen_at / here).min(WIDEST));
             let bits = ((1.0 / landing.depth) as f32).to_bits();
             // The pixels whose centers it covers, and the one that it lies in.
             let ends = [landing.position - half, landing.position + half];

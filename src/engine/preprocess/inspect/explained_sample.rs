@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::frame::FrameInspection;
 use super::pixel_report::{CameraEvidence, PairQuantities};
+use crate::capture::Camera;
 use crate::capture::overlap::OverlapGraph;
-use crate::capture::{Camera, PixelSide};
 use crate::color::steps_from_linear;
 use crate::preprocess::agreement::{Vote, VoteTest};
 use crate::preprocess::layers::{CameraLayer, Rate, ViewingRays, footprint, has_unknown_normal, is_mixed};
@@ -202,8 +202,9 @@ impl<'a> ExplainedSample<'a> {
         } else {
             normal.dot(point - surface).abs()
         };
-        let side = |camera: &Camera, depth: f64| camera.intrinsics.pixel_width(depth, PixelSide::Mean);
-        let footprint = side(self.source, 1.0 / self.inverse_depth).max(side(target, depth));
+        let side = |camera: &Camera| (camera.intrinsics.fx * camera.intrinsics.fy).sqrt().recip();
+        let own = if self.source.intrinsics.is_orthographic() { 1.0 } else { self.inverse_depth };
+        let footprint = (side(self.source) / own).max(side(target) * target.intrinsics.spread_at(depth));
         Some((distance / footprint, footprint))
     }
 

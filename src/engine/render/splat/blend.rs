@@ -229,7 +229,9 @@ impl BandSums<'_> {
             let (half_width, half_height) = ((KERNEL_END * xx).sqrt(), (KERNEL_END * yy).sqrt());
             // Not beyond the bounds that tiles are culled by: the picture must not depend on how it is cut into bands.
             let limit = (BLEND_REACH.pixels
-                + BLEND_REACH.source_pixels * projector.magnification(w, projected.reciprocal[i]))
+                + BLEND_REACH.source_pixels
+                    * projector.focal_ratio
+                    * projector.distance_ratio(w, projected.reciprocal[i]))
             .min(MAX_REACH);
             let (half_width, half_height) = (half_width.min(limit), half_height.min(limit));
             let (u, v) = (projected.u[i], projected.v[i]);
