@@ -164,7 +164,7 @@ impl OverlookApp {
         if self.commands.is_empty() {
             return;
         }
-        if self.state.live_shown.is_none() || !self.commands.iter().all(Command::moves_view) {
+        if self.state.doc.live_shown.is_none() || !self.commands.iter().all(Command::moves_view) {
             self.ctx.request_repaint();
             return;
         }
@@ -181,7 +181,8 @@ impl OverlookApp {
 
     /// Requests what is missing, and to be called again where that depends on time.
     fn request_missing(&mut self) {
-        let wait = self.scheduler.request_missing(&self.state, &self.visible_views(), &self.workers);
+        let visible = self.visible_views();
+        let wait = self.scheduler.request_missing(&self.state, &visible, &mut self.workers);
         if let Some(wait) = wait {
             self.ctx.request_repaint_after(wait);
         }
@@ -211,8 +212,10 @@ impl OverlookApp {
         let wait = (period - timeline.elapsed_secs).max(0.0);
         let before = timeline.frame;
         if frames > 0 {
-            timeline
-                .advance(frames as usize, self.state.scene.as_ref().map_or(1, |scene| scene.frame_count()));
+            timeline.advance(
+                frames as usize,
+                self.state.doc.scene.as_ref().map_or(1, |scene| scene.frame_count()),
+            );
         }
         let frame = std::mem::replace(&mut self.state.timeline.frame, before);
         if frame != before {
@@ -223,7 +226,7 @@ impl OverlookApp {
 
     /// Moves along the camera path, at the frame rate of the timeline.
     fn advance_path(&mut self) {
-        let path = &mut self.state.inspector.path;
+        let path = &mut self.state.doc.path;
         let Some(picture) = path.playing else { return };
         let Some(key) = path.at(picture) else { return };
         let next = picture
@@ -266,8 +269,12 @@ impl OverlookApp {
             (StoppableWork::Export, workers.export.progress(), true),
             (StoppableWork::Study, workers.study.progress(), true),
             // Only if the capture is read again, which takes long.
-            (StoppableWork::Compare, workers.compare.progress().filter(|progress| progress.total > 0), true),
-            (StoppableWork::Measure, workers.measure.progress(), false),
+            (
+                StoppableWork::Compare,
+                workers.compare.worker.progress().filter(|progress| progress.total > 0),
+                true,
+            ),
+            (StoppableWork::Measure, workers.measure.worker.progress(), false),
         ];
         self.state.busy = watched
             .into_iter()

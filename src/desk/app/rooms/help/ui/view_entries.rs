@@ -60,7 +60,7 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         let guides = Guides { frame: guide, ..state.live.guides };
         entries.push((format!("Frame guide: {name}"), "", Command::View(ViewCommand::Guides(guides))));
     }
-    let cameras = state.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
+    let cameras = state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
     entries.extend(cameras.map(|(index, camera)| {
         let command = Command::View(ViewCommand::Solo(Some(index)));
         (format!("Solo camera {}", camera.name), "", command)

@@ -5,7 +5,6 @@ use std::path::Path;
 use egui::{Color32, ColorImage};
 use image::RgbaImage;
 
-use super::figure_meaning::{Meaning, of_live, of_source};
 use crate::app::model::median_depth;
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::{LiveKey, PixelSource, Unit};
@@ -13,6 +12,7 @@ use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::live::work::image::CameraFilter;
 use crate::app::rooms::share::model::FigureOptions;
 use crate::app::rooms::source::model::{Overlay, SourceKey};
+use crate::app::rooms::source::work::figure_meaning::{Meaning, of_live, of_source};
 use crate::app::rooms::source::work::image::source_picture;
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::color::srgb8_from_linear;
