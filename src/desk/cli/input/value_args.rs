@@ -8,7 +8,6 @@ use super::options::choice;
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::ValueColors;
-use overlook_engine::render::output::PictureValues;
 use overlook_engine::settings::{Colormap, ValueScale};
 
 /// How scalar values are shown.
@@ -68,7 +67,7 @@ impl ValueArgs {
     /// # Errors
     /// `Invalid` where there is no channel of the name.
     pub(crate) fn channel(&self, channels: &[ValueChannel], place: &str) -> Result<Option<usize>> {
-        self.color_by.as_ref().map(|name| PictureValues::channel(channels, name, place)).transpose()
+        self.color_by.as_ref().map(|name| ValueChannel::named(channels, name, place)).transpose()
     }
 
     /// The colors of a channel, given the values in view, ascending.

@@ -3,13 +3,15 @@
 
 use std::path::Path;
 
-use image::{ImageFormat, Rgba, RgbaImage};
+use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::exr::write_with;
 use super::pick::pick;
 use crate::capture::{MISSING_VALUE, ValueChannel, Values};
+use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
+use crate::grid::Grid;
 use crate::render::value_colors::ValueColors;
 use crate::render::vantage::{NO_IMAGE, Picture, Vantage};
 use crate::samples::SampleSet;
@@ -49,21 +51,16 @@ impl PictureValues {
         Self { channels: samples.values.clone(), values: Values::from_planes(&planes) }
     }
 
-    /// The number of the channel of a name.
-    ///
-    /// # Errors
-    /// `Invalid` with the names there are.
-    pub fn channel(channels: &[ValueChannel], name: &str, place: &str) -> Result<usize> {
-        let found = channels.iter().position(|channel| channel.name == name);
-        found.ok_or_else(|| {
-            let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
-            let what = if names.is_empty() {
-                format!("there is no value '{name}': the capture gave none; list them as \"values\" in its manifest")
-            } else {
-                format!("there is no value '{name}'; there are {}", names.join(", "))
-            };
-            Error::invalid(place, what)
-        })
+    /// The picture in the colors of one channel; black in holes that were not filled.
+    #[must_use]
+    pub fn colored(&self, picture: &Picture, channel: usize, colors: &ValueColors) -> Picture {
+        let (width, height) = picture.color.size();
+        let mut of_pixel = self.values.channel(channel);
+        let color = Grid::from_fn(width, height, |x, y| {
+            let value = of_pixel.next().unwrap_or(MISSING_VALUE);
+            if picture.alpha((x, y)) > 0.0 { colors.linear_color(value) } else { [0.0; 3] }
+        });
+        Picture { color, ..picture.clone() }
     }
 }
 
@@ -76,31 +73,29 @@ pub fn write_exr_with_values(path: &Path, picture: &Picture, values: &PictureVal
     write_with(path, picture, &values.channels, &values.values)
 }
 
-/// Writes one channel of values as an 8-bit sRGB PNG in `colors`. Holes that were not filled are transparent. The file takes its name
-/// when it is complete.
-///
-/// # Errors
-/// `Io` where the file cannot be written, `Invalid` where a PNG cannot hold the picture.
-pub fn write_value_png(
-    path: &Path,
-    picture: &Picture,
-    values: &PictureValues,
-    channel: usize,
-    colors: &ValueColors,
-) -> Result<()> {
-    let (width, height) = picture.image.size();
-    let of_pixel: Vec<f32> = values.values.channel(channel).collect();
-    let png = RgbaImage::from_fn(width as u32, height as u32, |x, y| {
-        let pixel = (x as usize, y as usize);
-        let [r, g, b] = colors.color(of_pixel[pixel.1 * width + pixel.0]);
-        Rgba([r, g, b, (255.0 * picture.alpha(pixel) + 0.5) as u8])
+/// A picture with opaque pixels of 8-bit sRGB below it, as wide as it is; what is missing of a row is black.
+#[must_use]
+pub fn with_below(picture: &Picture, below: &RgbaImage) -> Picture {
+    let (width, height) = picture.color.size();
+    let rows = height + below.height() as usize;
+    let opaque = |y: usize| (y >= height).then_some(0);
+    let color = Grid::from_fn(width, rows, |x, y| match opaque(y) {
+        None => picture.color[(x, y)],
+        Some(_) => below.get_pixel_checked(x as u32, (y - height) as u32).map_or([0.0; 3], |pixel| {
+            [pixel[0], pixel[1], pixel[2]].map(|channel| linear_from_srgb(f32::from(channel) / 255.0))
+        }),
     });
-    whole_file::write(path, |writer| {
-        png.write_to(writer, ImageFormat::Png).map_err(|error| match error {
-            image::ImageError::IoError(error) => Error::io(path, error),
-            error => Error::invalid(path.display(), error.to_string()),
-        })
-    })
+    let coverage = match picture.coverage.is_empty() {
+        true => Vec::new(),
+        false => picture.coverage.iter().copied().chain(std::iter::repeat_n(1.0, width * (rows - height))).collect(),
+    };
+    Picture {
+        color,
+        inverse_depth: Grid::from_fn(width, rows, |x, y| opaque(y).map_or_else(|| picture.inverse_depth[(x, y)], |_| 0.0)),
+        image: Grid::from_fn(width, rows, |x, y| opaque(y).map_or_else(|| picture.image[(x, y)], |_| NO_IMAGE)),
+        fronts: Vec::new(),
+        coverage,
+    }
 }
 
 /// Writes one channel of values of a picture as an array of `NumPy`: float32, rows and columns, NaN where a value is missing.
