@@ -73,26 +73,32 @@ pub fn write_exr_with_values(path: &Path, picture: &Picture, values: &PictureVal
     write_with(path, picture, &values.channels, &values.values)
 }
 
-/// A picture with opaque pixels of 8-bit sRGB below it, as wide as it is; what is missing of a row is black.
+/// A picture with opaque pixels of 8-bit sRGB below it, which are as wide as it is.
+///
+/// # Panics
+/// Where they are not as wide.
 #[must_use]
 pub fn with_below(picture: &Picture, below: &RgbaImage) -> Picture {
     let (width, height) = picture.color.size();
+    assert_eq!(below.width() as usize, width, "what lies below a picture is as wide as it");
     let rows = height + below.height() as usize;
-    let opaque = |y: usize| (y >= height).then_some(0);
-    let color = Grid::from_fn(width, rows, |x, y| match opaque(y) {
+    let linear = |channel: u8| linear_from_srgb(f32::from(channel) / 255.0);
+    let color = Grid::from_fn(width, rows, |x, y| match y.checked_sub(height) {
         None => picture.color[(x, y)],
-        Some(_) => below.get_pixel_checked(x as u32, (y - height) as u32).map_or([0.0; 3], |pixel| {
-            [pixel[0], pixel[1], pixel[2]].map(|channel| linear_from_srgb(f32::from(channel) / 255.0))
-        }),
+        Some(y) => {
+            let [red, green, blue, _] = below.get_pixel(x as u32, y as u32).0;
+            [red, green, blue].map(linear)
+        }
     });
-    let coverage = match picture.coverage.is_empty() {
-        true => Vec::new(),
-        false => picture.coverage.iter().copied().chain(std::iter::repeat_n(1.0, width * (rows - height))).collect(),
-    };
+    let mut coverage = picture.coverage.clone();
+    if !coverage.is_empty() {
+        coverage.resize(width * rows, 1.0);
+    }
+    let extended = |plane: &[f32]| [plane, &vec![0.0; width * (rows - height)]].concat();
     Picture {
         color,
-        inverse_depth: Grid::from_fn(width, rows, |x, y| opaque(y).map_or_else(|| picture.inverse_depth[(x, y)], |_| 0.0)),
-        image: Grid::from_fn(width, rows, |x, y| opaque(y).map_or_else(|| picture.image[(x, y)], |_| NO_IMAGE)),
+        inverse_depth: Grid::from_vec(width, rows, extended(picture.inverse_depth.as_slice())),
+        image: Grid::from_fn(width, rows, |x, y| picture.image.get(x, y).copied().unwrap_or(NO_IMAGE)),
         fronts: Vec::new(),
         coverage,
     }
