@@ -17,9 +17,7 @@ use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
-use overlook_engine::render::output::{
-    PictureValues, write_exr_with_values, write_npy, write_png,
-};
+use overlook_engine::render::output::{PictureValues, write_exr_with_values, write_npy, write_png};
 use overlook_engine::render::{CpuRenderer, NO_IMAGE, ValueColors, Vantage};
 use overlook_engine::samples::{SampleImage, SampleSet};
 use overlook_engine::settings::{CaptureSettings, Colormap, Settings, SpanLevels, ValueScale};

@@ -43,7 +43,8 @@ fn a_range_of_values_is_deleted_or_kept_alone_and_samples_without_a_value_are_in
     let left = values(&before, 2);
     assert!(!left.iter().any(|value| inside(&value)) && left.len() >= all.len() - expected);
     let wrong = list([(Action::Delete, Region::Value { name: "speed".to_owned(), from: 0.0, to: 1.0 })]);
-    let error = preprocess_edited(&capture, &Settings::default(), &wrong, &Job::new()).unwrap_err().to_string();
+    let error =
+        preprocess_edited(&capture, &Settings::default(), &wrong, &Job::new()).unwrap_err().to_string();
     assert!(error.contains("no value 'speed'; there are pressure, drift, part"), "{error}");
 }
 

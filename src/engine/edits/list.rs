@@ -169,7 +169,13 @@ impl EditList {
     ///
     /// # Errors
     /// `Invalid` for a camera or a value that is not there, and where no camera is left.
-    pub fn check(&self, cameras: &[Camera], gone: &[String], values: &[ValueChannel], place: &str) -> Result<()> {
+    pub fn check(
+        &self,
+        cameras: &[Camera],
+        gone: &[String],
+        values: &[ValueChannel],
+        place: &str,
+    ) -> Result<()> {
         for (index, edit) in self.edits.iter().enumerate().filter(|(_, edit)| edit.is_on) {
             let named = edit.region.named_cameras();
             let known = |name: &str| {

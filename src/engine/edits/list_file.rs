@@ -214,7 +214,10 @@ mod tests {
                 ),
                 "same_surface needs",
             ),
-            (edit("do = \"delete\"\nregion = { value = { name = \"T\", from = 3, to = nan } }"), "value 'T' goes"),
+            (
+                edit("do = \"delete\"\nregion = { value = { name = \"T\", from = 3, to = nan } }"),
+                "value 'T' goes",
+            ),
             (edit("do = \"delete\"\nregion = { any = [{ depth = { from = 3, to = 2 } }] }"), "depth goes"),
         ] {
             let error = said(&text);

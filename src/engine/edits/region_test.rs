@@ -121,8 +121,7 @@ impl RegionTest {
             Region::Any(parts) => Self::combined(parts, context, true),
             Region::All(parts) => Self::combined(parts, context, false),
             Region::Without(parts) => {
-                let first =
-                    parts.first().map_or(Self::Constant(false), |first| Self::new(first, context));
+                let first = parts.first().map_or(Self::Constant(false), |first| Self::new(first, context));
                 let rest = Self::combined(parts.get(1..).unwrap_or_default(), context, true);
                 Self::simplified(vec![first, rest.inverted()], false)
             }

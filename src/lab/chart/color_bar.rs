@@ -113,9 +113,11 @@ impl ColorBar {
         let mut body = Svg::part();
         self.draw(&mut body, 0.0, &strip_look(columns));
         let (columns, rows) = (columns as u32, Self::strip_rows(columns) as u32);
-        let png = Svg::printed(Print { columns, rows, dots_per_inch: SCREEN_DOTS }, color::PAPER, &body).png()?;
+        let png =
+            Svg::printed(Print { columns, rows, dots_per_inch: SCREEN_DOTS }, color::PAPER, &body).png()?;
         let read = image::load_from_memory(&png);
-        read.map(image::DynamicImage::into_rgba8).map_err(|error| Error::invalid("scalar bar", error.to_string()))
+        read.map(image::DynamicImage::into_rgba8)
+            .map_err(|error| Error::invalid("scalar bar", error.to_string()))
     }
 }
 
@@ -184,7 +186,8 @@ mod tests {
         assert_eq!(texts(ValueScale::Linear, [1.5e9, 1.7e9])[..2], ["1.5e9", "1.55e9"]);
         assert_eq!(texts(ValueScale::Log, [1.0, 100.0]), ["1", "2", "5", "10", "20", "50", "100"]);
         assert_eq!(texts(ValueScale::Log, [1e-6, 1e-3])[..2], ["1e-6", "1e-5"]);
-        let shares: Vec<f64> = bar(ValueScale::Log, [1.0, 100.0]).ticks.iter().map(|(share, _)| *share).collect();
+        let shares: Vec<f64> =
+            bar(ValueScale::Log, [1.0, 100.0]).ticks.iter().map(|(share, _)| *share).collect();
         assert!((shares[3] - 0.5).abs() < 1e-6 && shares.is_sorted());
     }
 

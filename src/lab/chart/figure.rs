@@ -204,7 +204,10 @@ impl Sheet<'_> {
                 self.y += LINE * size;
             }
             if let Some(color) = color {
-                self.body.rectangle([x, self.y - SWATCH * size, SWATCH * size, SWATCH * size], &color::hex(*color));
+                self.body.rectangle(
+                    [x, self.y - SWATCH * size, SWATCH * size, SWATCH * size],
+                    &color::hex(*color),
+                );
             }
             self.body.text((x + sign, self.y), Anchor::Start, size, self.ink(), name);
             x += width + 1.4 * size;

@@ -23,8 +23,8 @@ mod type_metrics;
 mod views;
 
 pub use axis::Scale;
-pub use error_picture::error_picture;
 pub use color_bar::ColorBar;
+pub use error_picture::error_picture;
 pub use figure::{FIGURE_COLUMNS, Figure, LegendEntry, ScaleBar};
 pub use pareto::pareto;
 pub use series::{ChartSeries, Marker, series};

@@ -3,10 +3,10 @@
 use std::path::{Component, Path, PathBuf};
 
 use overlook_engine::error::{Error, Result};
+use overlook_engine::render::Picture;
 use overlook_engine::render::output::{
     PictureValues, write_exr, write_exr_with_values, write_npy, write_png,
 };
-use overlook_engine::render::Picture;
 
 /// Paths of a view's picture: its own name below the output folder, once with each extension.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -41,7 +41,8 @@ impl ValueHistogram {
     }
 
     fn plus(mut self, other: Self) -> Self {
-        let sum = |own: &mut [u64], other: &[u64]| own.iter_mut().zip(other).for_each(|(own, other)| *own += other);
+        let sum =
+            |own: &mut [u64], other: &[u64]| own.iter_mut().zip(other).for_each(|(own, other)| *own += other);
         sum(&mut self.counts, &other.counts);
         sum(&mut self.outside, &other.outside);
         self.missing += other.missing;

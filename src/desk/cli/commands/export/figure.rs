@@ -150,7 +150,8 @@ impl FigureArgs {
             return Err(Error::invalid("--orthographic", what).into());
         }
         if self.values != ValueArgs::default() {
-            let what = "a recorded picture is shown in its own colors; preprocess the capture, and give the store";
+            let what =
+                "a recorded picture is shown in its own colors; preprocess the capture, and give the store";
             return Err(Error::invalid("--color-by", what).into());
         }
         self.edits.refuse_for_capture()?;
