@@ -95,14 +95,17 @@ class Player {
     const [caption, bar, marks] = element("scale").children;
     caption.textContent = title;
     bar.style.background = `linear-gradient(to right, ${colors.map((color) => `rgb(${color.join(" ")})`).join()})`;
-    const every = Math.ceil(ticks.length / 7);
-    for (const [share, text] of ticks.filter((_, nth) => nth % every === 0)) {
+    element("scale").hidden = false;
+    let free = -Infinity;
+    for (const [share, text] of ticks) {
       const mark = Object.assign(document.createElement("span"), { textContent: text });
       mark.style.left = `${100 * share}%`;
       mark.style.translate = `${-100 * share}%`;
       marks.append(mark);
+      const { left, right } = mark.getBoundingClientRect();
+      if (left < free) mark.remove();
+      else free = right + 8;
     }
-    element("scale").hidden = false;
   }
 
   showTime() {
