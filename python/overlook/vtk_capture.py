@@ -718,8 +718,10 @@ def planned_values(asked, stage):
     """The values as the manifest lists them: their ranges are those of what the first frame draws, if nobody gave one."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
+    if not asked:
+        return []
     with stage.ready():
-        arrays = [part.arrays() for part in parts_of(stage.renderer)] if asked else []
+        arrays = [part.arrays() for part in parts_of(stage.renderer)]
     planned = []
     for one in asked:
         name, found = one["name"], [it[one["name"]][1] for it in arrays if one["name"] in it]
