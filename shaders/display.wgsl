@@ -1,6 +1,6 @@
 // The display stage: a picture as the window shows it, encoded for a display, with holes hatched that are not filled. It also counts the
 // holes, filled or not.
-// Twin: `colored` in src/desk/app/views/live_image.rs.
+// Twin: `colored` in src/desk/app/rooms/live/work/image.rs.
 
 struct Display {
     // Size of the picture, pixels.

@@ -55,7 +55,9 @@ impl Imports {
     /// outside of it. A folder's own `mod.rs` is no neighbor of what it holds.
     pub(crate) fn circles_of_neighbors(&self) -> Vec<Vec<String>> {
         let mut edges: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-        for (file, imported) in self.pairs() {
+        let pairs: Vec<_> =
+            self.pairs().map(|(file, imported)| (by_layer(file), by_layer(imported))).collect();
+        for (file, imported) in &pairs {
             if let Some((from, to)) = neighbors(file, imported) {
                 edges.entry(from).or_default().insert(to);
             }
@@ -99,6 +101,19 @@ impl Imports {
         self.files.iter().zip(&self.imported).flat_map(move |(file, imported)| {
             imported.iter().map(move |other| (file.as_str(), self.files[*other].as_str()))
         })
+    }
+}
+
+/// A file of the window by its layer: `rooms/live/work/carry.rs` as `work/live carry.rs`. Rooms are features. What is known, computed, changed
+/// and drawn are layers, which run through all of them.
+pub(crate) fn by_layer(file: &str) -> String {
+    let place = file.strip_prefix("desk/app/rooms/").and_then(|rest| rest.split_once('/'));
+    match place {
+        Some((_, "mod.rs")) | None => file.to_owned(),
+        Some((room, rest)) => match rest.split_once('/') {
+            Some((layer, file)) => format!("desk/app/{layer}/{room} {file}"),
+            None => format!("desk/app/{}/{room}.rs", rest.trim_end_matches(".rs")),
+        },
     }
 }
 

@@ -21,7 +21,7 @@ const OTHERS: [(&str, &str); 11] = [
     ("lab/rivals/layered_depth_image.rs", "compares layers of one picture, as its authors do"),
     ("lab/truth/error_classes.rs", "finds steps in one picture"),
     ("lab/truth/folds.rs", "compares in footprints of a pixel"),
-    ("desk/app/views/guides.rs", "finds the axis among lines of the ground"),
+    ("desk/app/rooms/live/ui/guides.rs", "finds the axis among lines of the ground"),
 ];
 
 /// What carries a point into a camera.

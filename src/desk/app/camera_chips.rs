@@ -3,8 +3,8 @@
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, TextStyle, Ui};
 
-use super::model::{CameraText, TextPart};
-use super::{camera_cues, colormap};
+use crate::app::rooms::cameras::model::{CameraText, TextPart};
+use crate::app::{camera_cues, colormap};
 use overlook_engine::capture::Camera;
 
 /// How far the color of a chip reaches beyond the letters, points.

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! The UI thread neither computes nor touches files: the `logic` of [`OverlookApp`] takes in answers, carries out commands
-//! and asks the workers for what is missing; its `ui` only draws. `model` holds the data, `work` computes, `control` changes
-//! the state, `views` and `panels` draw it.
+//! and asks the workers for what is missing; its `ui` only draws. `model` holds the data, `work` computes and `control` changes
+//! the state. What a feature adds to each of them, and how it is drawn, lies in one folder of `rooms`.
 
 mod camera_chips;
 mod camera_cues;
@@ -18,10 +18,9 @@ mod control;
 mod dock;
 mod model;
 mod pace;
-mod panels;
+mod rooms;
 mod start;
 mod theme;
-mod views;
 mod widgets;
 mod window;
 mod work;
@@ -29,10 +28,13 @@ mod work;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use model::{DOTS_PER_INCH, FigureOptions, FigureWidth, Overlay, Unit, median_depth};
-pub(crate) use work::{
-    FIGURE_ENDINGS, of_camera as figure_of_camera, of_rendered as figure_of_rendered, write_figure,
+pub(crate) use crate::app::model::median_depth;
+pub(crate) use crate::app::rooms::live::model::Unit;
+pub(crate) use crate::app::rooms::share::model::{DOTS_PER_INCH, FigureOptions, FigureWidth};
+pub(crate) use crate::app::rooms::share::work::{
+    FIGURE_ENDINGS, of_camera as figure_of_camera, of_rendered as figure_of_rendered, write as write_figure,
 };
+pub(crate) use crate::app::rooms::source::model::Overlay;
 
-pub use control::{Observed, OverlookApp, Start};
-pub use start::run;
+pub use crate::app::control::{Observed, OverlookApp, Start};
+pub use crate::app::start::run;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;
 
-use super::control::{OverlookApp, Start};
-use super::pace::{LeastPeriod, PacedWindow};
+use crate::app::control::{OverlookApp, Start};
+use crate::app::pace::{LeastPeriod, PacedWindow};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::gpu::device_descriptor;
 

@@ -3,12 +3,17 @@
 use egui::{CentralPanel, Frame, Margin, Panel};
 use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
 
-use super::control::{self, OverlookApp};
-use super::dock::{Dock, DockPart};
-use super::model::{Command, Commands, DockView, Purpose, State, Stopwatch};
-use super::theme::{Tokens, space};
-use super::widgets::empty_ui;
-use super::{panels, views};
+use crate::app::control::{OverlookApp, keyboard};
+use crate::app::dock::{Dock, DockPart};
+use crate::app::model::{Command, Commands, State, Stopwatch};
+use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
+use crate::app::rooms::{
+    cameras, charts, colors, compare, edits, files, frame, help, live, path, pixel, readings, report,
+    settings, share, source, timeline,
+};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::empty_ui;
 
 impl eframe::App for OverlookApp {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
@@ -17,7 +22,7 @@ impl eframe::App for OverlookApp {
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let watch = Stopwatch::start();
-        control::commands(ui, &self.state, &mut self.commands);
+        keyboard::commands(ui, &self.state, &mut self.commands);
         window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
         self.after_picture();
         self.state.inspector.meter.ui(watch.spent());
@@ -39,23 +44,23 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     Panel::top("top bar")
         .exact_size(space::TOP_BAR)
         .frame(bar)
-        .show(ui, |ui| panels::top_bar_ui(ui, state, commands));
+        .show(ui, |ui| frame::ui::top_bar_ui(ui, state, commands));
     if state.scene.is_some() && !state.look.hides_totals && state.look.maximized.is_none() {
         Panel::top("totals")
             .exact_size(space::TOTALS)
             .frame(bar)
-            .show(ui, |ui| panels::totals_ui(ui, state, commands));
+            .show(ui, |ui| report::ui::totals_ui(ui, state, commands));
     }
-    panels::introduction_ui(ui, state, commands);
+    files::ui::introduction_ui(ui, state, commands);
     Panel::bottom("status")
         .exact_size(space::STATUS)
         .frame(bar)
-        .show(ui, |ui| panels::status_ui(ui, state, commands));
+        .show(ui, |ui| frame::ui::status_ui(ui, state, commands));
     if state.has_time() {
         Panel::bottom("timeline")
             .exact_size(space::TIMELINE)
             .frame(bar.inner_margin(Margin::symmetric(space::PANEL, 4)))
-            .show(ui, |ui| panels::timeline_ui(ui, state, commands));
+            .show(ui, |ui| timeline::ui::timeline_ui(ui, state, commands));
     }
     CentralPanel::no_frame().frame(Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO })).show(
         ui,
@@ -65,44 +70,44 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
             } else {
                 let resized = dock.ui(ui, state.look.maximized, |ui, view, part| match (part, view) {
                     (DockPart::Contents, _) => view_ui(ui, view, state, commands),
-                    (DockPart::TabBar, DockView::Source) => views::cameras_ui(ui, state, commands),
-                    (DockPart::TabBar, DockView::Live) => views::go_to_camera_ui(ui, state, commands),
+                    (DockPart::TabBar, DockView::Source) => source::ui::cameras_ui(ui, state, commands),
+                    (DockPart::TabBar, DockView::Live) => live::ui::go_to_camera_ui(ui, state, commands),
                     (DockPart::TabBar, _) => {}
                 });
-                commands.extend(resized.map(|view| Command::Maximize(Some(view))));
+                commands.extend(resized.map(|view| Command::Window(WindowCommand::Maximize(Some(view)))));
             }
         },
     );
-    panels::notices_ui(ui.ctx(), state, commands);
-    panels::share_ui(ui.ctx(), state, commands);
-    panels::path_field_ui(ui.ctx(), state, commands);
-    panels::naming_ui(ui.ctx(), state, commands);
-    panels::palette_ui(ui.ctx(), state, commands);
-    panels::help_ui(ui.ctx(), state, commands);
-    panels::readings_ui(ui.ctx(), state, commands);
-    panels::closing_ui(ui.ctx(), state, commands);
+    frame::ui::notices_ui(ui.ctx(), state, commands);
+    share::ui::share_ui(ui.ctx(), state, commands);
+    files::ui::path_field_ui(ui.ctx(), state, commands);
+    settings::ui::naming_ui(ui.ctx(), state, commands);
+    help::ui::palette_ui(ui.ctx(), state, commands);
+    help::ui::help_ui(ui.ctx(), state, commands);
+    readings::ui::readings_ui(ui.ctx(), state, commands);
+    files::ui::closing_ui(ui.ctx(), state, commands);
     drop_hint_ui(ui);
 }
 
 pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Commands) {
     match view {
-        DockView::Source => views::source_view_ui(ui, state, commands),
-        DockView::Live => views::live_view_ui(ui, state, commands),
-        DockView::Compare => views::compare_view_ui(ui, state, commands),
-        DockView::Color => panels::color_panel_ui(ui, state, commands),
-        DockView::Edits => panels::edits_ui(ui, state, commands),
-        DockView::View => panels::view_panel_ui(ui, state, commands),
-        DockView::Path => panels::path_ui(ui, state, commands),
-        DockView::Tradeoff => views::tradeoff_ui(ui, state, commands),
-        DockView::Stability => views::stability_ui(ui, state, commands),
-        DockView::Pixel => views::pixel_view_ui(ui, state, commands),
-        DockView::Cameras => views::cameras_view_ui(ui, state, commands),
-        DockView::Matrix => panels::matrix_view_ui(ui, state, commands),
-        DockView::Time => panels::time_ui(ui, state, commands),
-        DockView::Memory => panels::memory_ui(ui, state),
-        DockView::Thresholds => panels::settings_ui(ui, state, commands),
-        DockView::Report => panels::report_ui(ui, state, commands),
-        DockView::Log => panels::log_ui(ui, state),
+        DockView::Source => source::ui::source_view_ui(ui, state, commands),
+        DockView::Live => live::ui::live_view_ui(ui, state, commands),
+        DockView::Compare => compare::ui::compare_view_ui(ui, state, commands),
+        DockView::Color => colors::ui::color_panel_ui(ui, state, commands),
+        DockView::Edits => edits::ui::edits_ui(ui, state, commands),
+        DockView::View => live::ui::view_panel_ui(ui, state, commands),
+        DockView::Path => path::ui::path_ui(ui, state, commands),
+        DockView::Tradeoff => charts::ui::tradeoff_ui(ui, state, commands),
+        DockView::Stability => charts::ui::stability_ui(ui, state, commands),
+        DockView::Pixel => pixel::ui::pixel_view_ui(ui, state, commands),
+        DockView::Cameras => cameras::ui::cameras_view_ui(ui, state, commands),
+        DockView::Matrix => report::ui::matrix_view_ui(ui, state, commands),
+        DockView::Time => timeline::ui::time_ui(ui, state, commands),
+        DockView::Memory => report::ui::memory_ui(ui, state),
+        DockView::Thresholds => settings::ui::settings_ui(ui, state, commands),
+        DockView::Report => report::ui::report_ui(ui, state, commands),
+        DockView::Log => frame::ui::log_ui(ui, state),
     }
 }
 
@@ -117,15 +122,15 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 You can also drop it on this window.";
     empty_ui(ui, ICON_FOLDER_OPEN, "Nothing is open", text, |ui| {
         for (name, command) in [
-            ("Open folder…", Command::AskPath(Purpose::OpenFolder)),
-            ("Open file…", Command::AskPath(Purpose::OpenFile)),
-            ("Open the demo", Command::OpenRoom),
+            ("Open folder…", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
+            ("Open file…", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
+            ("Open the demo", Command::File(FileCommand::Open(Opening::Room))),
         ] {
             if ui.button(name).clicked() {
                 commands.push(command);
             }
         }
-        panels::recent_ui(ui, state, commands);
+        files::ui::recent_ui(ui, state, commands);
     });
 }
 

@@ -1,6 +1,6 @@
 //! What the window shows, for tests that drive it.
 
-use super::overlook_app::OverlookApp;
+use crate::app::control::overlook_app::OverlookApp;
 use overlook_engine::capture::Camera;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::settings::Settings;

@@ -4,9 +4,10 @@ use egui::{Color32, Frame, Margin, Rect, Shape, Stroke, Style, Ui, Visuals, Widg
 use egui_material_icons::icons::{ICON_CLOSE_FULLSCREEN, ICON_OPEN_IN_FULL};
 use egui_tiles::{Behavior, Container, EditAction, TabState, TileId, Tiles, UiResponse};
 
-use crate::app::model::{Area, DockView};
+use crate::app::rooms::frame::model::{Area, DockView};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{self, icon_button};
+use crate::app::widgets;
+use crate::app::widgets::icon_button;
 
 /// A part of the layout that a view fills.
 #[derive(Clone, Copy)]
@@ -18,7 +19,7 @@ pub(crate) enum DockPart {
 }
 
 /// Draws the contents of a view on its surface, which is left out behind a picture: no graphics card may be there to draw it.
-pub(super) fn contents_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+pub(crate) fn contents_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     let surface = Tokens::in_ui(ui).surface;
     let behind = ui.painter().add(Shape::Noop);
     let frame = Frame::new().inner_margin(Margin::same(space::MEDIUM as i8)).show(ui, |ui| {
@@ -43,7 +44,7 @@ fn around(area: Rect, inside: Rect) -> [Rect; 4] {
 }
 
 /// The button that lets a view fill the window, or puts it back; whether it was clicked.
-pub(super) fn maximize_button(ui: &mut Ui, view: DockView, is_maximized: bool) -> bool {
+pub(crate) fn maximize_button(ui: &mut Ui, view: DockView, is_maximized: bool) -> bool {
     let name = view.name_and_help().0;
     let (icon, name) = if is_maximized {
         (ICON_CLOSE_FULLSCREEN, format!("Restore {name}"))
@@ -55,7 +56,7 @@ pub(super) fn maximize_button(ui: &mut Ui, view: DockView, is_maximized: bool) -
 }
 
 /// How tabs look and what they hold.
-pub(super) struct DockBehavior<F> {
+pub(crate) struct DockBehavior<F> {
     pub draw: F,
     /// The view that is to fill the window.
     pub maximized: Option<DockView>,

@@ -3,7 +3,7 @@
 use egui::Vec2;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 
-use crate::app::model::{DockView, Workspace};
+use crate::app::rooms::frame::model::{DockView, Workspace};
 
 /// Width of the side panel: its share of the window's, and at most, in points. Beyond that pictures gain more.
 const SIDE_SHARE: f32 = 0.26;
@@ -24,7 +24,7 @@ const LOWER: [DockView; 7] = [
 ];
 
 /// The first layout of a workspace.
-pub(super) fn tree_of(workspace: Workspace) -> Tree<DockView> {
+pub(crate) fn tree_of(workspace: Workspace) -> Tree<DockView> {
     let mut tiles = Tiles::default();
     let root = match workspace {
         Workspace::Explore => {
@@ -65,7 +65,7 @@ pub(super) fn tree_of(workspace: Workspace) -> Tree<DockView> {
 }
 
 /// Gives the panels of a layout that nobody resized their sizes in an area of `size` points.
-pub(super) fn fit(tree: &mut Tree<DockView>, size: Vec2) {
+pub(crate) fn fit(tree: &mut Tree<DockView>, size: Vec2) {
     let side = SIDE_SHARE.min(SIDE_MOST / size.x);
     let rows = tree.root().and_then(|root| set_share_of_last(tree, root, LinearDir::Horizontal, side));
     if let Some(rows) = rows {
@@ -89,7 +89,7 @@ fn set_share_of_last(tree: &mut Tree<DockView>, parts: TileId, dir: LinearDir, s
 }
 
 /// Puts a view into a panel of its own, below all but the side panel.
-pub(super) fn put_below(tree: &mut Tree<DockView>, pane: TileId) {
+pub(crate) fn put_below(tree: &mut Tree<DockView>, pane: TileId) {
     let Some(root) = tree.root() else { return };
     let lower = tree.tiles.insert_tab_tile(vec![pane]);
     let below = |tree: &mut Tree<DockView>, upper: TileId| {

@@ -8,10 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use egui::{Align, Layout, Ui};
 use egui_tiles::{Container, Tile, TileId, Tree};
 
-use super::model::{Area, DockView, Workspace};
-use super::theme::{Tokens, space};
-pub(crate) use behavior::DockPart;
-use behavior::{DockBehavior, contents_ui, maximize_button};
+pub(crate) use crate::app::dock::behavior::DockPart;
+use crate::app::dock::behavior::{DockBehavior, contents_ui, maximize_button};
+use crate::app::rooms::frame::model::{Area, DockView, Workspace};
+use crate::app::theme::{Tokens, space};
 
 /// The layout of the views of each workspace.
 pub(crate) struct Dock {

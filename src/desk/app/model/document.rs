@@ -5,24 +5,27 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::command::{Command, HelpPage};
-use super::display::Display;
-use super::edits::SceneEdits;
-use super::inspector::Inspector;
-use super::live_picture::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried};
-use super::notice::Notice;
-use super::orbit_camera::OrbitCamera;
-use super::picture_zoom::PictureZoom;
-use super::purpose::TypedPath;
-use super::recent::RecentPicture;
-use super::results::{Accuracy, Inspected, Whole, method_of};
-use super::scene::{Content, OpenScene, SceneSource};
-use super::share::ShareDialog;
-use super::source_picture::{Overlay, SourceKey, SourcePicture};
-use super::texture::Texture;
-use super::timeline::Timeline;
-use super::view_look::{FrameGuide, Guides, Ruler, ShownCameras, Unit};
-use super::workspace::WindowLook;
+use crate::app::model::inspector::Inspector;
+use crate::app::model::results::{Accuracy, Inspected, Whole, method_of};
+use crate::app::model::scene::{Content, OpenScene, SceneSource};
+use crate::app::model::texture::Texture;
+use crate::app::rooms::colors::model::display::Display;
+use crate::app::rooms::edits::model::edits::SceneEdits;
+use crate::app::rooms::files::model::command::Opening;
+use crate::app::rooms::files::model::purpose::TypedPath;
+use crate::app::rooms::files::model::recent::RecentPicture;
+use crate::app::rooms::frame::model::notice::Notice;
+use crate::app::rooms::frame::model::workspace::WindowLook;
+use crate::app::rooms::help::model::HelpPage;
+use crate::app::rooms::live::model::orbit_camera::OrbitCamera;
+use crate::app::rooms::live::model::picture::{
+    ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried,
+};
+use crate::app::rooms::live::model::view_look::{FrameGuide, Guides, Ruler, ShownCameras, Unit};
+use crate::app::rooms::share::model::share::ShareDialog;
+use crate::app::rooms::source::model::picture::{Overlay, SourceKey, SourcePicture};
+use crate::app::rooms::source::model::picture_zoom::PictureZoom;
+use crate::app::rooms::timeline::model::Timeline;
 use overlook_engine::capture::Camera;
 use overlook_engine::job::Progress;
 use overlook_engine::preprocess::PreparedScan;
@@ -140,7 +143,7 @@ pub(crate) struct State {
     pub share: ShareDialog,
     pub edits: SceneEdits,
     /// What is to be opened, while the question is whether what is lost by it may be.
-    pub open_after_question: Option<Command>,
+    pub open_after_question: Option<Opening>,
     pub dark: bool,
     pub look: WindowLook,
     /// How both views show color.

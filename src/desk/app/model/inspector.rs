@@ -6,21 +6,21 @@ use std::time::Instant;
 
 use egui::TextureHandle;
 
-use super::camera_path::CameraPath;
-use super::charts::Charts;
-use super::command::{CommandPalette, HelpPage};
-use super::compare_vantage::CompareVantage;
-use super::comparison::{CompareLook, CompareSide, ShownComparison};
-use super::frame_timer::Meter;
-use super::histogram::ThresholdHistogram;
-use super::notice::{LogLine, NoticeKind};
-use super::picture_folder::PictureFolder;
-use super::pixel::{Probed, Spot};
-use super::presets::OwnPreset;
-use super::readings::ReadingCheck;
-use super::results::CameraMemory;
-use super::undo::History;
-use super::view_history::ViewHistory;
+use crate::app::model::frame_timer::Meter;
+use crate::app::model::results::CameraMemory;
+use crate::app::rooms::charts::model::charts::Charts;
+use crate::app::rooms::compare::model::comparison::{CompareLook, CompareSide, ShownComparison};
+use crate::app::rooms::compare::model::vantage::CompareVantage;
+use crate::app::rooms::files::model::picture_folder::PictureFolder;
+use crate::app::rooms::frame::model::notice::{LogLine, NoticeKind};
+use crate::app::rooms::help::model::{CommandPalette, HelpPage};
+use crate::app::rooms::live::model::view_history::ViewHistory;
+use crate::app::rooms::path::model::CameraPath;
+use crate::app::rooms::pixel::model::pixel::{Probed, Spot};
+use crate::app::rooms::readings::model::readings::ReadingCheck;
+use crate::app::rooms::settings::model::histogram::ThresholdHistogram;
+use crate::app::rooms::settings::model::presets::OwnPreset;
+use crate::app::rooms::settings::model::undo::History;
 use overlook_engine::plural;
 use overlook_engine::settings::Settings;
 

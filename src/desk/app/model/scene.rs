@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
 
-use super::session::Session;
+use crate::app::rooms::files::model::session::Session;
 use overlook_engine::capture::{Camera, Capture, TruthView, pivot};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{OverlookApp, ready, settle, wait};
-use crate::app::model::{Combine, Command, EditCommand, Purpose};
+use crate::app::model::Command;
+use crate::app::rooms::edits::model::{Combine, EditCommand};
+use crate::app::rooms::files::model::Purpose;
+use crate::app::tests::{OverlookApp, ready, settle, wait};
 use crate::pruned_store;
 use overlook_engine::capture;
 use overlook_engine::edited_store::write_edited_store;
@@ -12,11 +14,11 @@ use overlook_engine::job::Job;
 use overlook_engine::render::Picture;
 use overlook_engine::store::file::Store;
 
-pub(super) fn small_capture() -> PathBuf {
+pub(crate) fn small_capture() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")
 }
 
-pub(super) fn open(app: &mut OverlookApp, path: &Path, is_capture: bool) {
+pub(crate) fn open(app: &mut OverlookApp, path: &Path, is_capture: bool) {
     let before = app.state.scene.as_ref().map(|scene| scene.id);
     app.state.edits.saved = app.state.edits.list.clone();
     app.open_path(path);
@@ -32,7 +34,7 @@ fn edit(app: &mut OverlookApp, command: EditCommand) {
     settle(app);
 }
 
-pub(super) fn delete(app: &mut OverlookApp, region: Region) {
+pub(crate) fn delete(app: &mut OverlookApp, region: Region) {
     edit(app, EditCommand::Select(region));
     assert!(app.state.edited().unwrap().selected > 0);
     edit(app, EditCommand::Act(Action::Delete));

@@ -5,11 +5,16 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use super::{ready, start, wait};
-use crate::app::control::{OverlookApp, secs_left};
+use crate::app::control::OverlookApp;
+use crate::app::control::overlook_app::secs_left;
 use crate::app::dock::Dock;
-use crate::app::model::{self, Busy, Command, DockView, State, StoppableWork, Study, verdict_text};
-use crate::app::{theme, window};
+use crate::app::model::{Busy, Command, State, StoppableWork};
+use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::pixel::model::verdict_text;
+use crate::app::rooms::settings::model::SettingsCommand;
+use crate::app::tests::{ready, start, wait};
+use crate::app::{model, theme, window};
 use overlook_engine::job::Progress;
 use overlook_engine::settings::{Kernel, Settings};
 
@@ -84,12 +89,12 @@ fn settings_put_on_from_a_chart_are_named_as_in_the_panel() {
     let mut app = start(2, 2);
     let mut settings = Settings::default();
     settings.render.kernel = Kernel::Point;
-    app.apply(Command::TakeSettings(Box::new(settings.clone())));
+    app.apply(Command::Settings(SettingsCommand::Take(Box::new(settings.clone()))));
     let notices = app.notices();
     let told = "Settings applied: Kernel: Gather (interpolate cameras) » Point (Ctrl+Z undoes)";
     assert_eq!(notices, [told]);
     assert!(view_says(&app.state, DockView::Thresholds, "1 setting differs from its default"));
-    app.apply(Command::TakeSettings(Box::new(settings)));
+    app.apply(Command::Settings(SettingsCommand::Take(Box::new(settings))));
     assert!(app.notices()[1].starts_with("Already applied"), "{:?}", app.notices());
     app.apply(Command::Undo);
     assert!(view_says(&app.state, DockView::Thresholds, "Every setting has its default"));

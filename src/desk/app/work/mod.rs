@@ -4,37 +4,11 @@
 //! State ── Scheduler ──▶ requests ──▶ Workers (a thread each) ── Message ──▶ Outbox ──▶ window
 //! ```
 
-mod accuracy;
-mod carry;
-mod compare;
-mod compare_place;
-mod develop;
-mod difference;
-mod edits;
-mod facts;
-mod figure_meaning;
-mod figures;
-mod files;
-mod histograms;
-mod live_image;
-mod live_schedule;
-mod opening;
-mod other_pictures;
-mod pruning;
-mod readings;
-mod requests;
-mod scheduler;
-mod share_facts;
-mod share_preview;
-mod sharing;
-mod source_comparisons;
-mod source_image;
-mod study;
-mod worker;
-mod workers;
+pub(crate) mod requests;
+pub(crate) mod scheduler;
+pub(crate) mod worker;
+pub(crate) mod workers;
 
-pub(crate) use figures::{FIGURE_ENDINGS, of_camera, of_rendered, write as write_figure};
-pub(crate) use files::with_ending;
 pub(crate) use requests::{
     Export, ExportRequest, FigureExport, FileRequest, OpenRequest, PathExport, StudyRequest,
 };

@@ -5,9 +5,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::app::model::{
-    CameraPath, Display, ExportTarget, FigureOptions, LiveKey, OpenScene, SourceKey, Study,
-};
+use crate::app::model::OpenScene;
+use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::colors::model::Display;
+use crate::app::rooms::live::model::LiveKey;
+use crate::app::rooms::path::model::{CameraPath, ExportTarget};
+use crate::app::rooms::share::model::FigureOptions;
+use crate::app::rooms::source::model::SourceKey;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::edits::EditList;
 use overlook_engine::page::PageOptions;
@@ -133,7 +137,7 @@ pub(crate) enum FileRequest {
 
 impl FileRequest {
     /// Title and text of the message once it was stopped.
-    pub(super) fn stopped(&self) -> (&'static str, String) {
+    pub(crate) fn stopped(&self) -> (&'static str, String) {
         match self {
             Self::SaveStore { path, .. }
             | Self::SaveAgain { path, .. }
@@ -224,7 +228,7 @@ pub(crate) struct PathExport {
 
 impl ExportRequest {
     /// What is left of it once it was stopped, in words.
-    pub(super) fn stopped(&self) -> String {
+    pub(crate) fn stopped(&self) -> String {
         let written = match &self.what {
             Export::Path(path) if path.target.film_rate.is_none() => {
                 "Only the pictures rendered until then were"

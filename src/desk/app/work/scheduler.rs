@@ -3,15 +3,19 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::live_schedule::LiveSchedule;
-use super::readings::ReadingRequest;
-use super::requests::{HistogramRequest, MeasureRequest, PruneRequest};
-use super::worker::Worker;
-use super::workers::Workers;
-use crate::app::model::{
-    CompareKey, DockView, EditKey, OpenScene, ProbeKey, SceneSource, SettingsSlot, ShareKey, SharePreviewKey,
-    SourceKey, Spot, State, method_of,
-};
+use crate::app::model::{OpenScene, SceneSource, State, method_of};
+use crate::app::rooms::compare::model::CompareKey;
+use crate::app::rooms::edits::model::EditKey;
+use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::live::work::schedule::LiveSchedule;
+use crate::app::rooms::pixel::model::{ProbeKey, Spot};
+use crate::app::rooms::readings::work::ReadingRequest;
+use crate::app::rooms::settings::model::SettingsSlot;
+use crate::app::rooms::share::model::{ShareKey, SharePreviewKey};
+use crate::app::rooms::source::model::SourceKey;
+use crate::app::work::requests::{HistogramRequest, MeasureRequest, PruneRequest};
+use crate::app::work::worker::Worker;
+use crate::app::work::workers::Workers;
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::Settings;

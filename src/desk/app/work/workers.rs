@@ -3,23 +3,32 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::accuracy::measure;
-use super::compare::Comparer;
-use super::edits::SampleEditor;
-use super::readings::{self, ReadingRequest};
-use super::requests::{
+use super::worker::Supersede::{Alternate, Always, Never, Queue};
+use crate::app::model::{Message, OpenScene, WorkKind as Kind};
+use crate::app::rooms::charts::work::accuracy::measure;
+use crate::app::rooms::charts::work::study;
+use crate::app::rooms::compare::model::CompareKey;
+use crate::app::rooms::compare::work::compare::Comparer;
+use crate::app::rooms::edits::model::EditKey;
+use crate::app::rooms::edits::work::SampleEditor;
+use crate::app::rooms::files::model::{Destination, Purpose};
+use crate::app::rooms::files::work::{files, opening};
+use crate::app::rooms::live::model::{CarryKey, LiveKey};
+use crate::app::rooms::live::work::{carry, image as live_image};
+use crate::app::rooms::pixel::model::ProbeKey;
+use crate::app::rooms::pixel::work as facts;
+use crate::app::rooms::readings::work as readings;
+use crate::app::rooms::readings::work::ReadingRequest;
+use crate::app::rooms::report::work as pruning;
+use crate::app::rooms::settings::work as histograms;
+use crate::app::rooms::share::model::{ShareKey, SharePreviewKey};
+use crate::app::rooms::share::work::{facts as share_facts, preview as share_preview, sharing};
+use crate::app::rooms::source::model::SourceKey;
+use crate::app::rooms::source::work::image as source_image;
+use crate::app::work::requests::{
     ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
 };
-use super::worker::Supersede::{Alternate, Always, Never, Queue};
-use super::worker::{Outbox, Worker};
-use super::{
-    carry, facts, files, histograms, live_image, opening, pruning, share_facts, share_preview, sharing,
-    source_image, study,
-};
-use crate::app::model::{
-    CarryKey, CompareKey, Destination, EditKey, LiveKey, Message, OpenScene, ProbeKey, Purpose, ShareKey,
-    SharePreviewKey, SourceKey, WorkKind as Kind,
-};
+use crate::app::work::worker::{Outbox, Worker};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::inspect::FrameInspection;

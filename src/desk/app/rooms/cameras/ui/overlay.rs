@@ -1,0 +1,280 @@
+//! The cameras in the live view: pyramids with their pictures in them, which are pointed at, clicked and double-clicked.
+
+use std::sync::Arc;
+
+use egui::epaint::Vertex;
+use egui::{Color32, Galley, Mesh, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, pos2, vec2};
+use glam::DVec2;
+
+use super::overlays::frustum;
+use crate::app::camera_cues;
+use crate::app::model::{Command, Commands, OpenScene, State};
+use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::source::model::SourceCommand;
+use crate::app::theme::Tokens;
+use overlook_engine::capture::Camera;
+
+/// Length of a camera's pyramid, as a share of its distance to what all look at.
+const PYRAMID: f64 = 0.12;
+
+/// Parts of a picture along each side: drawn as flat patches, it follows the perspective.
+const PATCHES: usize = 6;
+
+/// Pyramids that cover more of the view than this are clicked at their edges alone: the picture is behind them.
+const LARGE: f32 = 0.1;
+
+/// How far from an edge a click may be, points.
+const REACH: f32 = 6.0;
+
+/// A camera as the live view shows it.
+pub(crate) struct ProjectedCamera<'a> {
+    pub index: usize,
+    camera: &'a Camera,
+    lines: Vec<[Pos2; 2]>,
+    apex: Option<Pos2>,
+    /// Its picture in patches, row by row, if all of it is in front of the view.
+    picture: Option<Vec<Pos2>>,
+    apart: f64,
+    /// How much of it is to be seen, 0 to 1.
+    presence: f32,
+    /// Its name, where it has room.
+    label: Option<(Rect, Arc<Galley>)>,
+}
+
+/// The cameras in view, the farthest first.
+pub(crate) fn seen_cameras<'a>(
+    ui: &Ui,
+    canvas: Rect,
+    state: &State,
+    scene: &'a OpenScene,
+) -> Vec<ProjectedCamera<'a>> {
+    let size = [canvas.width() as u32, canvas.height() as u32];
+    let Some(vantage) = state.seen_camera(size).filter(|_| state.live.show_cameras) else {
+        return Vec::new();
+    };
+    let at = |pixel: DVec2| canvas.min + vec2(pixel.x as f32, pixel.y as f32);
+    let mut seen = Vec::new();
+    for (index, camera) in scene.cameras.iter().enumerate() {
+        let to_pivot = (scene.pivot_in_world - camera.position_in_world()).length();
+        let apart = (vantage.position_in_world() - camera.position_in_world()).length();
+        let length = PYRAMID * to_pivot;
+        // From inside, a pyramid would only cross the picture: coming near, it fades.
+        let presence = (apart / length - 1.0).clamp(0.0, 1.0) as f32;
+        if presence == 0.0 {
+            continue;
+        }
+        let shape = frustum(camera, &vantage, length);
+        let (width, height) = (f64::from(camera.intrinsics.width), f64::from(camera.intrinsics.height));
+        let steps = 0..=PATCHES;
+        let places = steps.clone().flat_map(|row| steps.clone().map(move |column| (column, row)));
+        let picture = places.map(|(column, row)| {
+            let share = [column, row].map(|step| step as f64 / PATCHES as f64);
+            let point = camera.unproject(DVec2::new(share[0] * width, share[1] * height), length);
+            vantage.project(point).map(|(pixel, _)| at(pixel))
+        });
+        let line = |line: [Pos2; 2]| line.map(|point| canvas.min + point.to_vec2());
+        seen.push(ProjectedCamera {
+            index,
+            camera,
+            lines: shape.lines.into_iter().map(line).collect(),
+            apex: shape.apex.map(|apex| canvas.min + apex.to_vec2()),
+            picture: picture.collect(),
+            apart,
+            presence,
+            label: None,
+        });
+    }
+    seen.sort_by(|a, b| b.apart.total_cmp(&a.apart));
+    name(ui, canvas, state, &mut seen);
+    seen
+}
+
+/// Of names that overlap only one is shown: the chosen camera's, then the nearest.
+fn name(ui: &Ui, canvas: Rect, state: &State, seen: &mut [ProjectedCamera<'_>]) {
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let chosen = |camera: &ProjectedCamera<'_>| is_chosen(state, camera.index);
+    let mut order: Vec<usize> = (0..seen.len()).rev().collect();
+    order.sort_by_key(|at| !chosen(&seen[*at]));
+    let mut plates: Vec<Rect> = Vec::new();
+    for at in order {
+        let Some(apex) = seen[at].apex.filter(|apex| canvas.contains(*apex)) else { continue };
+        let name = seen[at].camera.name.clone();
+        let galley = ui.painter().layout_no_wrap(name, font.clone(), Color32::PLACEHOLDER);
+        let size = galley.size() + vec2(8.0, 4.0);
+        let corner = (apex + vec2(6.0, -18.0)).clamp(canvas.min, (canvas.max - size).max(canvas.min));
+        let plate = Rect::from_min_size(corner, size);
+        if plates.iter().any(|other| other.intersects(plate)) {
+            continue;
+        }
+        plates.push(plate);
+        seen[at].label = Some((plate, galley));
+    }
+}
+
+fn is_chosen(state: &State, camera: usize) -> bool {
+    camera == state.source.camera && state.has_capture()
+}
+
+/// The nearest camera with its name or pyramid under the pointer.
+pub(crate) fn camera_at(seen: &[ProjectedCamera<'_>], canvas: Rect, pointer: Option<Pos2>) -> Option<usize> {
+    let pointer = pointer.filter(|pointer| canvas.contains(*pointer))?;
+    let named = seen
+        .iter()
+        .rev()
+        .find(|camera| camera.label.as_ref().is_some_and(|(plate, _)| plate.contains(pointer)));
+    let hit = || seen.iter().rev().find(|camera| is_hit(camera, canvas, pointer));
+    named.or_else(hit).map(|camera| camera.index)
+}
+
+fn is_hit(camera: &ProjectedCamera<'_>, canvas: Rect, pointer: Pos2) -> bool {
+    let near = |[a, b]: &[Pos2; 2]| {
+        let along = *b - *a;
+        let share = ((pointer - *a).dot(along) / along.length_sq().max(1e-6)).clamp(0.0, 1.0);
+        (*a + along * share - pointer).length() < REACH
+    };
+    if camera.lines.iter().any(near) {
+        return true;
+    }
+    let Some(picture) = &camera.picture else { return false };
+    let corner = |row: usize, column: usize| picture[row * (PATCHES + 1) + column];
+    let corners = [corner(0, 0), corner(0, PATCHES), corner(PATCHES, PATCHES), corner(PATCHES, 0)];
+    let bounds = Rect::from_points(&corners);
+    if bounds.area() > LARGE * canvas.area() {
+        return false;
+    }
+    let mut triangles = vec![[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]];
+    if let Some(apex) = camera.apex {
+        triangles.extend((0..4).map(|side| [apex, corners[side], corners[(side + 1) % 4]]));
+    }
+    triangles.into_iter().any(|[a, b, c]| {
+        let side = |a: Pos2, b: Pos2| (b - a).x * (pointer - a).y - (b - a).y * (pointer - a).x;
+        let sides = [side(a, b), side(b, c), side(c, a)];
+        sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
+    })
+}
+
+/// Draws the cameras, the one that is pointed at on top.
+pub(crate) fn draw(
+    ui: &Ui,
+    painter: &Painter,
+    state: &State,
+    seen: &[ProjectedCamera<'_>],
+    pointed_at: Option<usize>,
+) {
+    let tokens = Tokens::in_ui(ui);
+    for camera in seen.iter().filter(|camera| Some(camera.index) != pointed_at) {
+        draw_camera(painter, state, camera, false);
+    }
+    for camera in seen.iter().filter(|camera| Some(camera.index) == pointed_at) {
+        draw_camera(painter, state, camera, true);
+    }
+    for camera in seen {
+        if let Some((plate, galley)) = &camera.label {
+            let is_pointed_at = Some(camera.index) == pointed_at;
+            let fill =
+                if is_pointed_at { tokens.accent } else { tokens.scrim.gamma_multiply(camera.presence) };
+            let text = if is_pointed_at { tokens.on_accent } else { tokens.on_scrim };
+            painter.rect_filled(*plate, 4.0, fill);
+            painter.galley(plate.min + vec2(4.0, 2.0), galley.clone(), text.gamma_multiply(camera.presence));
+        }
+    }
+}
+
+fn draw_camera(painter: &Painter, state: &State, camera: &ProjectedCamera<'_>, is_pointed_at: bool) {
+    let is_on = state.live.cameras.shows(camera.index);
+    let strength = camera.presence * if is_on || is_pointed_at { 1.0 } else { 0.3 };
+    let texture = state.inspector.thumbs.get(camera.index).filter(|_| state.live.guides.pictures && is_on);
+    if let (Some(texture), Some(picture)) = (texture, &camera.picture) {
+        let tint = Color32::WHITE.gamma_multiply(strength);
+        painter.add(Shape::mesh(patches(picture, texture.id(), tint)));
+    }
+    let width = match (is_pointed_at, is_chosen(state, camera.index)) {
+        (true, _) => 3.5,
+        (false, true) => 2.5,
+        (false, false) => 1.5,
+    };
+    let stroke = Stroke::new(width, camera_cues::color(camera.index).gamma_multiply(strength));
+    for line in &camera.lines {
+        painter.line_segment(*line, stroke);
+    }
+}
+
+/// A picture over its corners and the points between them.
+fn patches(places: &[Pos2], texture: egui::TextureId, tint: Color32) -> Mesh {
+    let mut mesh = Mesh::with_texture(texture);
+    let side = PATCHES + 1;
+    mesh.vertices.extend(places.iter().enumerate().map(|(at, &pos)| {
+        let uv = pos2((at % side) as f32, (at / side) as f32) / PATCHES as f32;
+        Vertex { pos, uv, color: tint }
+    }));
+    for row in 0..PATCHES {
+        for column in 0..PATCHES {
+            let corner = (row * side + column) as u32;
+            let below = corner + side as u32;
+            mesh.add_triangle(corner, corner + 1, below);
+            mesh.add_triangle(corner + 1, below + 1, below);
+        }
+    }
+    mesh
+}
+
+/// A click chooses the camera under the pointer, a double-click views from it. Returns whether there is one.
+pub(crate) fn answer(
+    ui: &Ui,
+    response: &Response,
+    state: &State,
+    pointed_at: Option<usize>,
+    commands: &mut Commands,
+) -> bool {
+    menu(ui, response, state, pointed_at, commands);
+    let Some(camera) = pointed_at.filter(|_| !response.dragged()) else { return false };
+    ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
+    let name = state.scene.as_ref().and_then(|scene| scene.cameras.get(camera)).map(|camera| &camera.name);
+    if let Some(name) = name {
+        let help = format!("{name}\nClick: show its picture. Double-click: view from it. Right-click: more.");
+        response.clone().on_hover_text_at_pointer(help);
+    }
+    if response.double_clicked() {
+        commands.push(Command::View(ViewCommand::JumpTo(camera)));
+    } else if response.clicked() {
+        commands.push(Command::Source(SourceCommand::Camera(camera)));
+    }
+    true
+}
+
+/// What can be done to the camera that the menu was opened on.
+pub(crate) fn menu(
+    ui: &Ui,
+    response: &Response,
+    state: &State,
+    pointed_at: Option<usize>,
+    commands: &mut Commands,
+) {
+    let id = response.id.with("camera of the menu");
+    if response.secondary_clicked() {
+        ui.data_mut(|data| data.insert_temp(id, pointed_at));
+    }
+    let Some(camera) = ui.data(|data| data.get_temp::<Option<usize>>(id)).flatten() else { return };
+    response.context_menu(|ui| {
+        let cameras = &state.live.cameras;
+        let is_solo = cameras.solo == Some(camera);
+        let shows = cameras.shows(camera);
+        for (name, command) in [
+            ("View from it", Command::View(ViewCommand::JumpTo(camera))),
+            ("Show its picture", Command::Source(SourceCommand::Camera(camera))),
+            (
+                if is_solo { "All cameras again" } else { "Its samples alone" },
+                Command::View(ViewCommand::Solo((!is_solo).then_some(camera))),
+            ),
+            (
+                if shows { "Leave its samples out" } else { "Show its samples" },
+                Command::View(ViewCommand::CameraOn(camera, !shows)),
+            ),
+        ] {
+            if ui.button(name).clicked() {
+                commands.push(command);
+                ui.close();
+            }
+        }
+    });
+}

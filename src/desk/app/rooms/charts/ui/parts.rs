@@ -1,0 +1,209 @@
+//! What charts share: a legend that hides no point, the point under the pointer, and the button that measures.
+
+use std::ops::RangeInclusive;
+
+use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
+use egui_material_icons::MaterialIcon;
+use egui_plot::{GridMark, MarkerShape, Plot, PlotPoint, PlotUi};
+
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::charts::model::{ChartCommand, Study};
+use crate::app::theme::Tokens;
+use crate::app::widgets::empty_ui;
+use overlook_lab::chart::{Marker, Scale};
+
+/// How near the pointer selects a point, points on the screen.
+const NEAR: f32 = 12.0;
+
+/// Room below a plot for a line of text.
+pub(crate) const HINT: f32 = 20.0;
+
+/// Width of a mark in the legend.
+const MARK: f32 = 12.0;
+
+/// What an entry of the legend shows.
+#[derive(Clone, Copy)]
+pub(crate) enum Mark {
+    Points(MarkerShape),
+    Line,
+    Ring,
+}
+
+/// The shape of a marker.
+pub(crate) fn shape(marker: Marker) -> MarkerShape {
+    match marker {
+        Marker::Dot | Marker::Ring => MarkerShape::Circle,
+        Marker::Square => MarkerShape::Square,
+        Marker::Diamond => MarkerShape::Diamond,
+        Marker::Up => MarkerShape::Up,
+        Marker::Down => MarkerShape::Down,
+        Marker::Cross => MarkerShape::Cross,
+        Marker::Plus => MarkerShape::Plus,
+        Marker::Star => MarkerShape::Asterisk,
+    }
+}
+
+/// The legend, in rows above the plot: inside it, it would hide points.
+pub(crate) fn legend_ui<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Mark, Color32, &'a str)>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(5.0, 1.0);
+        ui.spacing_mut().interact_size.y = 0.0;
+        for (mark, color, name) in entries {
+            let font = egui::TextStyle::Small.resolve(ui.style());
+            let text = Tokens::in_ui(ui).text;
+            let words = ui.painter().layout_no_wrap(name.to_owned(), font, text);
+            // A mark stays beside its name.
+            let size = vec2(MARK + 4.0 + words.size().x + 8.0, words.size().y.max(MARK));
+            let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+            let middle = rect.left_center() + vec2(MARK / 2.0, 0.0);
+            ui.painter().add(mark_at(mark, middle, color));
+            let at = rect.left_center() + vec2(MARK + 4.0, -0.5 * words.size().y);
+            ui.painter().galley(at, words, text);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, name));
+        }
+    });
+}
+
+fn mark_at(mark: Mark, at: Pos2, color: Color32) -> Shape {
+    let polygon = |corners: &[(f32, f32)]| {
+        let corners = corners.iter().map(|(x, y)| at + vec2(*x, *y) * 4.0).collect();
+        Shape::convex_polygon(corners, color, Stroke::NONE)
+    };
+    let strokes = |ends: &[(f32, f32)]| {
+        let stroke = |(x, y): &(f32, f32)| {
+            let half = vec2(*x, *y) * 4.0;
+            Shape::line_segment([at - half, at + half], Stroke::new(1.0, color))
+        };
+        Shape::Vec(ends.iter().map(stroke).collect())
+    };
+    match mark {
+        Mark::Line => {
+            let half = vec2(MARK / 2.0, 0.0);
+            Shape::line_segment([at - half, at + half], Stroke::new(1.5, color))
+        }
+        Mark::Ring => Shape::circle_stroke(at, 5.0, Stroke::new(1.5, color)),
+        Mark::Points(MarkerShape::Diamond) => polygon(&[(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)]),
+        Mark::Points(MarkerShape::Square) => polygon(&[(-0.8, -0.8), (0.8, -0.8), (0.8, 0.8), (-0.8, 0.8)]),
+        Mark::Points(MarkerShape::Up) => polygon(&[(0.0, -1.0), (0.9, 0.7), (-0.9, 0.7)]),
+        Mark::Points(MarkerShape::Down) => polygon(&[(-0.9, -0.7), (0.9, -0.7), (0.0, 1.0)]),
+        Mark::Points(MarkerShape::Cross) => strokes(&[(0.7, 0.7), (0.7, -0.7)]),
+        Mark::Points(MarkerShape::Plus) => strokes(&[(1.0, 0.0), (0.0, 1.0)]),
+        Mark::Points(MarkerShape::Asterisk) => strokes(&[(0.0, 1.0), (0.87, 0.5), (0.87, -0.5)]),
+        Mark::Points(_) => Shape::circle_filled(at, 4.0, color),
+    }
+}
+
+/// The point under the pointer, if one is near.
+pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2]>) -> Option<usize> {
+    let pointer = plot_ui.screen_from_plot(plot_ui.pointer_coordinate()?);
+    places
+        .enumerate()
+        .map(|(index, [x, y])| (index, plot_ui.screen_from_plot(PlotPoint::new(x, y)).distance(pointer)))
+        .filter(|(_, distance)| *distance < NEAR)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(index, _)| index)
+}
+
+/// The button that measures, or resumes a stopped run.
+pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Commands) {
+    let charts = &state.inspector.charts;
+    let (name, help) = match study {
+        _ if charts.goes_on(study, &state.settings) => {
+            ("Resume", "Measures what is left; takes minutes, and can be canceled.")
+        }
+        Study::Sweep => (
+            "Run a sweep",
+            "Measures around the settings on the sliders; takes minutes, and can be canceled.",
+        ),
+        Study::Stress => {
+            ("Run a stress test", "Disturbs the capture more and more; takes minutes, and can be canceled.")
+        }
+    };
+    let button = ui.add_enabled(state.has_capture() && !charts.studying, egui::Button::new(name));
+    if button
+        .on_hover_text(help)
+        .on_disabled_hover_text("A capture must be open, and nothing else being measured.")
+        .clicked()
+    {
+        commands.push(Command::Chart(ChartCommand::Study(study)));
+    }
+}
+
+/// The text in place of a chart without points: the reason, or that the first is being measured.
+pub(crate) fn no_points_ui(
+    ui: &mut Ui,
+    state: &State,
+    study: Study,
+    icon: MaterialIcon,
+    text: &str,
+    commands: &mut Commands,
+) {
+    if state.inspector.charts.under_way() == Some(study) {
+        let text = "Points appear one by one, as they are measured.";
+        empty_ui(ui, icon, "Measuring the first setting…", text, |ui| {
+            ui.add(egui::Spinner::new().size(22.0));
+        });
+        return;
+    }
+    let title = match study {
+        Study::Sweep => "No sweep yet",
+        Study::Stress => "No stress test yet",
+    };
+    empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
+}
+
+/// Ticks that are aimed at.
+const TICKS: usize = 6;
+
+/// The value at a coordinate of the plot; logarithmic axes have decimal logarithms as coordinates.
+fn value_at(coordinate: f64, scale: Scale) -> f64 {
+    match scale {
+        Scale::Linear => coordinate,
+        // Beyond, there are no numbers.
+        Scale::Log => 10_f64.powf(coordinate.clamp(-300.0, 300.0)),
+    }
+}
+
+/// The ticks between two coordinates of the plot, all of them equally strong.
+fn ticks(low: f64, high: f64, scale: Scale) -> Vec<GridMark> {
+    let step_size = (high - low) / TICKS as f64;
+    if !(step_size.is_finite() && step_size > 0.0) {
+        return Vec::new();
+    }
+    let values = scale.ticks(value_at(low, scale), value_at(high, scale), TICKS).into_iter();
+    let coordinates = values.map(|value| if scale == Scale::Log { value.log10() } else { value });
+    let inside = coordinates.filter(|coordinate| (low..=high).contains(coordinate));
+    inside.map(|value| GridMark { value, step_size }).collect()
+}
+
+/// The number at a tick of the axis that shows these coordinates.
+pub(crate) fn tick_label(tick: GridMark, shown: &RangeInclusive<f64>, scale: Scale) -> String {
+    let [low, high, tick] = [*shown.start(), *shown.end(), tick.value].map(|at| value_at(at, scale));
+    scale.label(tick, low, high, TICKS)
+}
+
+/// A plot with named axes and round ticks.
+pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [String; 2], scales: [Scale; 2]) -> Plot<'a> {
+    Plot::new(id)
+        .x_axis_label(x)
+        .y_axis_label(y)
+        .x_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, scales[0]))
+        .y_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, scales[1]))
+        .grid_color(Tokens::in_ui(ui).border)
+        .allow_scroll(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_of_a_logarithmic_axis_lie_at_the_logarithms_of_round_values() {
+        let at = |low: f64, high: f64, scale| -> Vec<f64> {
+            ticks(low, high, scale).into_iter().map(|tick| tick.value).collect()
+        };
+        assert_eq!(at(22.4, 28.1, Scale::Linear), [23.0, 24.0, 25.0, 26.0, 27.0, 28.0]);
+        assert_eq!(at(-0.5, 4.5, Scale::Log), [0.0, 1.0, 2.0, 3.0, 4.0]);
+        assert!(at(1.0, 1.0, Scale::Log).is_empty() && at(400.0, 500.0, Scale::Log).is_empty());
+    }
+}

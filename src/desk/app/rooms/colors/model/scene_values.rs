@@ -1,0 +1,16 @@
+//! The scalar values of what is open.
+
+use crate::app::model::document::State;
+use crate::app::model::scene::Content;
+use overlook_engine::capture::ValueChannel;
+
+impl State {
+    /// The scalar values of what is open; none as a rule.
+    pub(crate) fn value_channels(&self) -> &[ValueChannel] {
+        match self.content() {
+            Some(Content::Store { samples, .. }) => &samples.values,
+            Some(Content::Capture { capture, .. }) => capture.value_channels(),
+            None => &[],
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! What is drawn.
+
+pub(crate) mod panel;
+pub(crate) mod value_panel;
+
+pub(crate) use panel::color_panel_ui;

@@ -1,0 +1,269 @@
+//! What is compared with what, from where and how, and what came of it.
+
+use std::sync::Arc;
+
+use egui::ColorImage;
+
+use super::vantage::CompareVantage;
+use crate::app::model::scene::OpenScene;
+use crate::app::rooms::files::model::picture_folder::PictureFolder;
+use crate::app::rooms::source::model::picture_zoom::PictureZoom;
+use overlook_engine::grid::Grid;
+use overlook_engine::preprocess::PreparedScan;
+use overlook_engine::render::Vantage;
+use overlook_engine::samples::SampleSet;
+use overlook_engine::settings::Settings;
+use overlook_lab::rivals::Rival;
+
+/// What one side shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CompareSide {
+    Kept,
+    Everything,
+    AsClaimed,
+    A,
+    B,
+    Truth,
+    Point,
+    Block,
+    Surfel,
+    Gather,
+    Cpu,
+    Gpu,
+    TriangleMesh,
+    Tsdf,
+    NearestCamera,
+    LayeredDepthImage,
+    /// What another program made: a [`PictureFolder`] by its number.
+    Pictures(u64),
+}
+
+impl CompareSide {
+    /// Every side that is always there, in the order of the list: name and what it is.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 16] = [
+        (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
+        (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
+        (
+            Self::AsClaimed,
+            "As claimed",
+            "After pruning, with poses, lens and exposure as the capture claims them.",
+        ),
+        (Self::A, "Settings A", "After pruning with settings A."),
+        (Self::B, "Settings B", "After pruning with settings B."),
+        (
+            Self::Truth,
+            "Truth",
+            "What a camera recorded there; known at viewpoints with a true picture and at hold-out cameras.",
+        ),
+        (Self::Point, "Kernel point", "The kept samples, one pixel each."),
+        (Self::Block, "Kernel block", "The kept samples, blended over 2×2 pixels."),
+        (Self::Surfel, "Kernel surfel", "The kept samples as oriented footprints."),
+        (Self::Gather, "Kernel gather", "The kept samples, surface first and color second."),
+        (Self::Cpu, "CPU", "The kept samples, rendered by the CPU."),
+        (Self::Gpu, "GPU", "The kept samples, rendered by the GPU."),
+        (
+            Self::TriangleMesh,
+            "Triangle meshes",
+            "All pixels as others show them: a mesh for each camera, blended by distance and stretch (RVS, 2018).",
+        ),
+        (
+            Self::Tsdf,
+            "TSDF volume",
+            "All pixels as others show them: a volume of signed distances, ray-cast (Curless and Levoy, 1996).",
+        ),
+        (
+            Self::NearestCamera,
+            "Nearest camera",
+            "The pixels of the nearest camera alone, carried to the viewpoint (McMillan and Bishop, 1995).",
+        ),
+        (
+            Self::LayeredDepthImage,
+            "Layered depth image",
+            "All pixels as others show them: one picture with several samples along each ray (Shade et al., 1998).",
+        ),
+    ];
+}
+
+impl CompareSide {
+    /// The method of others that the side shows.
+    pub(crate) fn rival(self) -> Option<Rival> {
+        match self {
+            Self::TriangleMesh => Some(Rival::TriangleMesh),
+            Self::Tsdf => Some(Rival::Tsdf(4)),
+            Self::NearestCamera => Some(Rival::NearestCamera),
+            Self::LayeredDepthImage => Some(Rival::LayeredDepthImage),
+            _ => None,
+        }
+    }
+}
+
+/// How the two are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CompareMode {
+    Wipe,
+    Flip,
+    Beside,
+    Difference,
+}
+
+impl CompareMode {
+    /// Every mode: name and what it does.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
+        (Self::Wipe, "Wipe", "One over the other, cut at a line that is dragged."),
+        (Self::Flip, "Flip", "One at a time: hold X for the other."),
+        (Self::Beside, "Side by side", "The two beside each other, with one zoom."),
+        (Self::Difference, "Difference", "Where and how much they differ."),
+    ];
+}
+
+/// What the map of a difference shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CompareMeasure {
+    Steps,
+    Brightness,
+    Flip,
+    Class,
+    Flicker,
+}
+
+impl CompareMeasure {
+    /// Every measure: name and what it shows.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 5] = [
+        (Self::Steps, "Absolute", "The largest difference of a color channel, in 8-bit steps."),
+        (
+            Self::Brightness,
+            "Signed",
+            "Where the right side is brighter (orange) or darker (purple), in 8-bit steps of luma.",
+        ),
+        (
+            Self::Flip,
+            "FLIP",
+            "The difference that a person sees when flipping between the two, from 0 to 1 (LDR-FLIP, 67 pixels per degree).",
+        ),
+        (
+            Self::Class,
+            "Where",
+            "The absolute difference, colored by its place: on surfaces that no camera saw (pink), at edges of the truth (orange), \
+             elsewhere (blue).",
+        ),
+        (
+            Self::Flicker,
+            "Flicker",
+            "By how much the difference changes from the frame before to this one, in 8-bit steps: beside the truth, error that comes and \
+             goes.",
+        ),
+    ];
+}
+
+/// The compared sides, and the measure on the map of the difference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CompareChoice {
+    pub sides: [CompareSide; 2],
+    /// From where.
+    pub from: CompareVantage,
+    pub measure: CompareMeasure,
+    /// The difference at the map's upper end, in the unit of the measure; `None` to fit it.
+    pub range: Option<f32>,
+}
+
+/// How the comparison looks.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct CompareLook {
+    pub choice: CompareChoice,
+    /// How the two are shown.
+    pub mode: CompareMode,
+    /// Where the line is, as a share of the width.
+    pub wipe: f32,
+    pub part: PictureZoom,
+}
+
+impl Default for CompareLook {
+    fn default() -> Self {
+        let sides = [CompareSide::Everything, CompareSide::Kept];
+        let (from, measure) = (CompareVantage::Live, CompareMeasure::Steps);
+        let choice = CompareChoice { sides, from, measure, range: None };
+        Self { choice, mode: CompareMode::Wipe, wipe: 0.5, part: PictureZoom::default() }
+    }
+}
+
+/// What a comparison is made from; an equal key gives an equal comparison.
+#[derive(Clone)]
+pub(crate) struct CompareKey {
+    pub scene: Arc<OpenScene>,
+    pub choice: CompareChoice,
+    /// Where the live view stands, and when.
+    pub vantage: Vantage,
+    /// The kept samples that the live view shows.
+    pub samples: Arc<SampleSet>,
+    /// Whether those show every frame, and not only the one that the live view shows.
+    pub whole: bool,
+    /// The pass over all frames, where it is done.
+    pub scan: Option<Arc<PreparedScan>>,
+    /// The settings on the sliders, A and B.
+    pub settings: [Settings; 3],
+    /// Pictures of other programs that are open.
+    pub pictures: Vec<PictureFolder>,
+    /// Dark or light, as holes use a color of the theme.
+    pub dark: bool,
+}
+
+impl PartialEq for CompareKey {
+    fn eq(&self, other: &Self) -> bool {
+        let uses = |side: CompareSide| self.choice.sides.contains(&side);
+        self.scene.id == other.scene.id
+            && self.choice == other.choice
+            && Arc::ptr_eq(&self.samples, &other.samples)
+            && self.whole == other.whole
+            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
+            && self.settings[0] == other.settings[0]
+            && (!uses(CompareSide::A) || self.settings[1] == other.settings[1])
+            && (!uses(CompareSide::B) || self.settings[2] == other.settings[2])
+            && self.dark == other.dark
+            && self.vantage.frame == other.vantage.frame
+            && (self.choice.from != CompareVantage::Live || self.vantage == other.vantage)
+    }
+}
+
+/// A comparison that is shown.
+pub(crate) struct ShownComparison {
+    /// Whose pictures these are.
+    pub sides: [CompareSide; 2],
+    /// What these are called.
+    pub names: [String; 2],
+    /// From where.
+    pub from: CompareVantage,
+    pub comparison: PictureDifference,
+    /// Left, right and difference on the graphics card.
+    pub textures: [egui::TextureHandle; 3],
+}
+
+/// Displayed colors (0 to 255 a channel); `None` in holes.
+pub(crate) type DisplayColors = Grid<Option<[u8; 3]>>;
+
+/// Two pictures and their difference.
+pub(crate) struct PictureDifference {
+    /// The two sides, of one size, as they are compared: without the colors that fill holes.
+    pub sides: [DisplayColors; 2],
+    /// The two as shown: holes filled, or in a color of their own.
+    pub images: [Arc<ColorImage>; 2],
+    /// Where and how much they differ.
+    pub difference: Arc<ColorImage>,
+    /// What the map shows.
+    pub measure: CompareMeasure,
+    /// How far every pixel is apart, in the unit of the measure; `None` where a side has no sample.
+    pub apart: Grid<Option<f32>>,
+    /// The difference at the map's upper end.
+    pub range: f32,
+    /// Mean of the map, signs aside, where both sides have a sample.
+    pub mean: f64,
+    /// Peak signal-to-noise ratio of one side against the other where both have a sample; infinite where equal.
+    pub psnr_db: f64,
+    /// Structural similarity of luma where both have a sample, −1 to 1.
+    pub ssim: f64,
+    /// Root mean square change of the difference since the frame before, 8-bit steps; `None` where that is not measured.
+    pub flicker_steps: Option<f64>,
+    /// Shares of the squared difference where both have a sample: unseen, edge and inner; `None` where that is not measured.
+    pub by_class: Option<[f64; 3]>,
+    /// Share of pixels that only one side has a sample for.
+    pub one_sided: f64,
+}

@@ -1,0 +1,390 @@
+//! Two pictures from one viewpoint: wiped over each other, flipped, beside each other, or as their difference. One zoom for both.
+
+use egui::{Align, Align2, Key, Layout, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
+use egui_material_icons::icons::{ICON_ADD_PHOTO_ALTERNATE, ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
+
+use super::model::{
+    CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage, PictureDifference, ShownComparison,
+};
+use crate::app::colormap::{diverging, sequential};
+use crate::app::model::{Command, Commands, Content, State};
+use crate::app::rooms::compare::model::CompareCommand;
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::source::model::PictureZoom;
+use crate::app::rooms::source::ui::legend;
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{
+    choice_ui, empty_ui, icon_button, least_width_of_segments, one_line, scrolled, segments_ui, waiting,
+};
+use crate::app::{model, widgets};
+
+/// Height of the lines below the picture.
+const FOOTER: f32 = 48.0;
+
+/// Widths of the lists: in a view that is wide enough, and at least.
+const LIST_WIDTH: f32 = 140.0;
+const SHORTEST_LIST: f32 = 60.0;
+/// Width of the button of other programs' pictures.
+const PICTURES_WIDTH: f32 = 38.0;
+
+const BAR_WIDTH: f32 = 150.0;
+
+pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let before = &state.inspector.compare;
+    let mut look = before.clone();
+    header_ui(ui, state, &mut look, commands);
+    let area = ui.available_rect_before_wrap();
+    let canvas = Rect::from_min_max(area.min, area.max - vec2(0.0, FOOTER));
+    if let Some(trouble) = &state.inspector.compare_error {
+        ui.scope_builder(egui::UiBuilder::new().max_rect(canvas), |ui| {
+            empty_ui(ui, ICON_COMPARE, "These two cannot be compared here", trouble, |_| {});
+        });
+    }
+    let pointed = match &state.inspector.compare_error {
+        Some(_) => None,
+        None => canvas_ui(ui, canvas, state, &mut look),
+    };
+    ui.allocate_rect(canvas, Sense::hover());
+    footer_ui(ui, state, &mut look, pointed);
+    if look != *before {
+        commands.push(Command::Compare(CompareCommand::Look(Box::new(look))));
+    }
+}
+
+/// What is compared above, how below: rows that wrap break each other apart in a narrow view.
+fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, commands: &mut Commands) {
+    ui.horizontal(|ui| {
+        // What is left beside the button, with a gap after each list.
+        let gap = ui.spacing().item_spacing.x;
+        let width = ((ui.available_width() - PICTURES_WIDTH) / 3.0 - gap).clamp(SHORTEST_LIST, LIST_WIDTH);
+        // A list as wide as its text would push the others out of the view.
+        let list = |ui: &mut Ui, contents: &mut dyn FnMut(&mut Ui)| {
+            let layout = Layout::left_to_right(Align::Center);
+            ui.allocate_ui_with_layout(vec2(width, space::CONTROL), layout, contents);
+        };
+        for (index, name) in [(0, "Left side"), (1, "Right side")] {
+            list(ui, &mut |ui| {
+                if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &sides(state), width) {
+                    look.choice.sides[index] = side;
+                }
+            });
+        }
+        list(ui, &mut |ui| {
+            if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), width) {
+                look.choice.from = place;
+            }
+        });
+        pictures_menu_ui(ui, state, commands);
+    });
+    let is_done = ui.horizontal(|ui| {
+        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, CompareMode::ALL) {
+            look.mode = mode;
+        }
+        ui.add_space(space::MEDIUM);
+        let fits = ui.available_width() >= least_width_of_segments(ui, &CompareMeasure::ALL);
+        if fits {
+            measure_ui(ui, look);
+        }
+        fits
+    });
+    if !is_done.inner {
+        measure_ui(ui, look);
+    }
+}
+
+/// What a difference is measured in, where one is shown.
+fn measure_ui(ui: &mut Ui, look: &mut CompareLook) {
+    if look.mode != CompareMode::Difference {
+        return;
+    }
+    if let Some(measure) = segments_ui(ui, "Difference in", look.choice.measure, CompareMeasure::ALL) {
+        // A locked range is one of the other unit.
+        (look.choice.measure, look.choice.range) = (measure, None);
+    }
+}
+
+/// Every side: what is always there, and the pictures of other programs.
+fn sides(state: &State) -> Vec<(CompareSide, String, String)> {
+    let always = CompareSide::ALL.map(|(side, name, help)| (side, name.to_owned(), help.to_owned()));
+    let opened = state.inspector.pictures.iter();
+    let opened = opened.map(|folder| (CompareSide::Pictures(folder.id), folder.name(), folder.words()));
+    always.into_iter().chain(opened).collect()
+}
+
+/// Opens and closes pictures of other programs.
+fn pictures_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let button = egui::Button::new(ICON_ADD_PHOTO_ALTERNATE.rich_text().size(16.0));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        for (name, command) in [
+            ("Open folder of pictures…", Command::File(FileCommand::AskPath(Purpose::OpenPictures))),
+            ("Open pictures from path…", Command::File(FileCommand::TypePath(Purpose::OpenPictures))),
+        ] {
+            if ui.button(name).on_hover_text(PICTURES).clicked() {
+                commands.push(command);
+            }
+        }
+        for folder in &state.inspector.pictures {
+            if ui.button(format!("Close {}", folder.name())).on_hover_text(folder.words()).clicked() {
+                commands.push(Command::Compare(CompareCommand::ClosePictures(folder.id)));
+            }
+        }
+    });
+    response.on_hover_text(PICTURES).accessible_name("Pictures of other programs");
+}
+
+const PICTURES: &str = "Compare with pictures that another program made of the same viewpoints. Where their folder has a \
+                        transforms.json, it says where each was taken; else each has its viewpoint's own name.";
+
+fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
+    let mut places =
+        vec![(CompareVantage::Live, "Live view".to_owned(), "The viewpoint of the live view.".to_owned())];
+    let Some(scene) = &state.scene else { return places };
+    if let Content::Capture { truth, .. } = &scene.content {
+        places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
+            let help = "Viewed from this camera, rendered from the samples of all others.".to_owned();
+            (CompareVantage::HoldOut(index), format!("Hold-out {}", camera.name), help)
+        }));
+        let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
+        places.extend(known.map(|(index, view)| {
+            let path = &view.file_path;
+            (
+                CompareVantage::Truth(index),
+                format!("Truth {path}"),
+                format!("A viewpoint whose true picture is known: {path}."),
+            )
+        }));
+    }
+    places
+}
+
+/// The two pictures; gives the pixel under the pointer.
+fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -> Option<[usize; 2]> {
+    let tokens = Tokens::in_ui(ui);
+    let (response, painter) = widgets::canvas_ui(ui, canvas, "comparison", "Comparison");
+    widgets::empty_canvas(ui, &painter, canvas);
+    let Some(compared) = &state.inspector.compared else {
+        waiting(ui, canvas, 28.0);
+        return None;
+    };
+    let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
+    let flipped = response.is_pointer_button_down_on() && look.mode == CompareMode::Flip
+        || ui.input(|input| input.key_down(Key::X));
+    let parts = parts(look, flipped);
+    let areas: Vec<Rect> = parts.iter().map(|(_, shares)| area_of(look.mode, canvas, *shares)).collect();
+    draw(&painter, canvas, compared, look, &parts);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let plate = |at: egui::Pos2, align: Align2, words: &str| {
+        let galley = painter.layout_no_wrap(words.to_owned(), font.clone(), tokens.on_scrim);
+        let place = align.anchor_size(at, galley.size() + vec2(10.0, 4.0));
+        painter.rect_filled(place, 4.0, tokens.scrim);
+        painter.galley(place.min + vec2(5.0, 2.0), galley, tokens.on_scrim);
+    };
+    if !is_of(compared, look) {
+        painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.scrim);
+        waiting(ui, canvas, 28.0);
+    }
+    let (left, right) = (canvas.left_top() + vec2(6.0, 6.0), canvas.right_top() + vec2(-6.0, 6.0));
+    for (index, (texture, _)) in parts.iter().enumerate() {
+        let words = compared.names.get(*texture).map_or("Difference", String::as_str);
+        if index == 0 {
+            plate(left, Align2::LEFT_TOP, words);
+        } else {
+            plate(right, Align2::RIGHT_TOP, words);
+        }
+    }
+    // Side by side, the pointer is over one of the two.
+    let pointer = response.hover_pos();
+    let under = areas.iter().find(|area| pointer.is_some_and(|at| area.contains(at))).or(areas.first());
+    let picture = look.part.placed(size, *under.unwrap_or(&canvas));
+    move_ui(ui, &response, canvas, picture, look);
+    let at = response.hover_pos().filter(|at| picture.contains(*at))?;
+    let at = (at - picture.min) / picture.size() * size;
+    Some([at.x as usize, at.y as usize])
+}
+
+/// Whether the pictures are those of the choice; if not, they are being computed.
+fn is_of(compared: &ShownComparison, look: &CompareLook) -> bool {
+    (compared.sides, compared.from) == (look.choice.sides, look.choice.from)
+}
+
+/// What is drawn: which of left, right and difference, and the shares of the width between which.
+fn parts(look: &CompareLook, flipped: bool) -> Vec<(usize, [f32; 2])> {
+    match look.mode {
+        CompareMode::Difference => vec![(2, [0.0, 1.0])],
+        CompareMode::Flip | CompareMode::Wipe if flipped => vec![(1, [0.0, 1.0])],
+        CompareMode::Flip => vec![(0, [0.0, 1.0])],
+        CompareMode::Wipe => vec![(0, [0.0, look.wipe]), (1, [look.wipe, 1.0])],
+        CompareMode::Beside => vec![(0, [0.0, 0.5]), (1, [0.5, 1.0])],
+    }
+}
+
+/// The area that a picture is fitted into when it is drawn between two shares of the width: the whole canvas for pictures over each
+/// other.
+fn area_of(mode: CompareMode, canvas: Rect, [from, to]: [f32; 2]) -> Rect {
+    let column = |share: f32| canvas.left() + canvas.width() * share;
+    if mode == CompareMode::Beside {
+        Rect::from_x_y_ranges(column(from)..=column(to), canvas.y_range())
+    } else {
+        canvas
+    }
+}
+
+fn draw(
+    painter: &Painter,
+    canvas: Rect,
+    compared: &ShownComparison,
+    look: &CompareLook,
+    parts: &[(usize, [f32; 2])],
+) {
+    let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
+    let column = |share: f32| canvas.left() + canvas.width() * share;
+    for (texture, [from, to]) in parts {
+        let clip = Rect::from_x_y_ranges(column(*from)..=column(*to), canvas.y_range());
+        let picture = look.part.placed(size, area_of(look.mode, canvas, [*from, *to]));
+        let texture = compared.textures[*texture].id();
+        widgets::picture(&painter.with_clip_rect(clip), texture, picture);
+    }
+    for (_, [from, _]) in parts.iter().skip(1) {
+        for (width, color) in [(3.0, egui::Color32::BLACK), (1.5, egui::Color32::WHITE)] {
+            painter.vline(column(*from), canvas.y_range(), Stroke::new(width, color));
+        }
+    }
+}
+
+/// Drags the line of the wipe, or the picture; the wheel zooms to the pointer.
+fn move_ui(ui: &Ui, response: &Response, canvas: Rect, picture: Rect, look: &mut CompareLook) {
+    if response.double_clicked() {
+        look.part = PictureZoom::default();
+        return;
+    }
+    let shifts = response.dragged_by(egui::PointerButton::Middle)
+        || response.dragged_by(egui::PointerButton::Secondary)
+        || ui.input(|input| input.modifiers.shift)
+        || look.mode != CompareMode::Wipe;
+    if response.dragged() && shifts {
+        look.part = look.part.shifted(response.drag_delta() / picture.size());
+    } else if response.is_pointer_button_down_on()
+        && look.mode == CompareMode::Wipe
+        && let Some(pointer) = response.interact_pointer_pos()
+    {
+        look.wipe = ((pointer.x - canvas.left()) / canvas.width()).clamp(0.0, 1.0);
+    }
+    let Some(pointer) = response.hover_pos() else { return };
+    let scroll = scrolled(ui);
+    if scroll != 0.0 {
+        look.part = look.part.scrolled(scroll, (pointer - picture.min) / picture.size());
+    }
+}
+
+fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option<[usize; 2]>) {
+    let tokens = Tokens::in_ui(ui);
+    let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_error.is_none());
+    let Some(compared) = compared else { return };
+    let comparison = &compared.comparison;
+    ui.horizontal(|ui| {
+        if look.mode == CompareMode::Difference {
+            bar_ui(ui, comparison);
+            let locked = look.choice.range.is_some();
+            let (icon, name) =
+                if locked { (ICON_LOCK, "Fit the range") } else { (ICON_LOCK_OPEN, "Lock the range") };
+            let help = "A locked range stays when the pictures change, so that colors can be compared.";
+            if icon_button(ui, icon, name, help).clicked() {
+                look.choice.range = if locked { None } else { Some(comparison.range) };
+            }
+        } else {
+            let hint = match look.mode {
+                CompareMode::Wipe => {
+                    "Drag the line. Wheel to zoom, Shift + drag to pan; hold X for the right side."
+                }
+                CompareMode::Beside => "Wheel to zoom, drag to pan: both move alike.",
+                _ => "Hold X, or the mouse button, for the right side.",
+            };
+            one_line(ui, hint, tokens.text_weak);
+        }
+    });
+    let words = pointed.and_then(|at| about_pixel(comparison, at)).unwrap_or_else(|| figures(comparison));
+    let (words, color) = if is_of(compared, look) {
+        (words, tokens.text)
+    } else {
+        let [left, right] = &compared.names;
+        (format!("{left} and {right}: {words}"), tokens.text_weak)
+    };
+    one_line(ui, words, color);
+}
+
+/// What the colors of the map mean.
+fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
+    let range = model::significant(f64::from(comparison.range));
+    match comparison.measure {
+        CompareMeasure::Steps | CompareMeasure::Class | CompareMeasure::Flicker => {
+            legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential);
+        }
+        CompareMeasure::Brightness => legend::bar(
+            ui,
+            &format!("darker −{range}"),
+            &format!("+{range} brighter, 8-bit steps"),
+            BAR_WIDTH,
+            |position| diverging(position * 2.0 - 1.0),
+        ),
+        CompareMeasure::Flip => legend::bar(ui, "FLIP 0", &range, BAR_WIDTH, sequential),
+    }
+}
+
+/// The pixel under the pointer on both sides; `None` outside.
+fn about_pixel(comparison: &PictureDifference, [x, y]: [usize; 2]) -> Option<String> {
+    let color = |side: usize| {
+        let pixel = comparison.sides[side].get(x, y)?;
+        Some(pixel.map_or_else(|| "no sample".to_owned(), |[r, g, b]| format!("{r} {g} {b}")))
+    };
+    let apart = match comparison.apart.get(x, y)? {
+        Some(apart) if comparison.measure == CompareMeasure::Flip => format!("FLIP {apart:.3}"),
+        Some(apart) if comparison.measure == CompareMeasure::Brightness => format!("{apart:+.1}/255"),
+        Some(apart) if comparison.measure == CompareMeasure::Flicker => format!("change {apart:.0}/255"),
+        Some(apart) => format!("error {apart:.0}/255"),
+        None => "nothing to compare".to_owned(),
+    };
+    Some(format!("Pixel {x}, {y} · left {} · right {} · {apart}", color(0)?, color(1)?))
+}
+
+/// The whole comparison in figures.
+fn figures(comparison: &PictureDifference) -> String {
+    let psnr = if comparison.psnr_db.is_infinite() {
+        "identical where both have samples".to_owned()
+    } else {
+        format!(
+            "PSNR {:.1} dB, SSIM {:.3}, {}",
+            comparison.psnr_db,
+            comparison.ssim,
+            match comparison.measure {
+                CompareMeasure::Flip => format!("mean FLIP {}", model::significant(comparison.mean)),
+                CompareMeasure::Flicker => {
+                    let steps =
+                        comparison.flicker_steps.map_or_else(|| "unknown".to_owned(), model::significant);
+                    format!("flicker {steps} 8-bit steps (root mean square)")
+                }
+                _ => format!("mean error {}/255", model::significant(comparison.mean)),
+            }
+        )
+    };
+    let whereabouts = comparison.by_class.map_or_else(String::new, |shares| {
+        let [unseen, edge, inner] = shares.map(|share| 100.0 * share);
+        format!("; of the squared error unseen {unseen:.0} %, edge {edge:.0} %, inner {inner:.0} %")
+    });
+    format!("{psnr}{whereabouts}; {:.1} % of pixels covered on one side only", 100.0 * comparison.one_sided)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holding_the_key_shows_the_right_side_everywhere_whether_wiped_or_flipped() {
+        for mode in [CompareMode::Wipe, CompareMode::Flip] {
+            let look = CompareLook { mode, ..CompareLook::default() };
+            assert_eq!(parts(&look, true), [(1, [0.0, 1.0])], "{mode:?}");
+            assert_eq!(parts(&look, false)[0].0, 0, "{mode:?}");
+        }
+        let look = CompareLook { mode: CompareMode::Difference, ..CompareLook::default() };
+        assert_eq!(parts(&look, true), [(2, [0.0, 1.0])]);
+    }
+}

@@ -1,0 +1,354 @@
+//! How far two pictures of one place are apart, as a display shows both: a map, and figures.
+
+use std::sync::Arc;
+
+use egui::{Color32, ColorImage};
+
+use crate::app::colormap::{diverging, sequential};
+use crate::app::rooms::compare::model::{CompareMeasure, DisplayColors, PictureDifference};
+use crate::app::theme::Tokens;
+use overlook_engine::capture::Frame;
+use overlook_engine::color::{linear_from_srgb, srgb8_from_linear, steps_from_linear};
+use overlook_engine::error::{Error, Result};
+use overlook_engine::grid::Grid;
+use overlook_engine::render::{NO_IMAGE, Picture};
+use overlook_lab::metrics::{self, ClassMap, DEFAULT_PIXELS_PER_DEGREE, ErrorClass, flip, ssim};
+
+/// Share of pixels that may differ by more than a fitted range.
+const BEYOND: f32 = 0.01;
+
+/// One side as displayed.
+#[derive(Clone)]
+pub(crate) struct DisplayedSide {
+    /// `None` in holes that were not filled.
+    pub shown: DisplayColors,
+    /// The compared colors; `None` in all holes, since colors that fill them were not recorded.
+    pub known: DisplayColors,
+}
+
+/// What a camera recorded, as displayed.
+pub(crate) fn of_frame(frame: &Frame) -> DisplayedSide {
+    let shown =
+        frame.color.map(|color| Some(color.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8)));
+    DisplayedSide { known: shown.clone(), shown }
+}
+
+/// What was painted, as displayed.
+pub(crate) fn of_picture(picture: &Picture) -> DisplayedSide {
+    let colors_where = |wanted: &dyn Fn((usize, usize)) -> bool| {
+        Grid::from_fn(picture.color.width(), picture.color.height(), |x, y| {
+            wanted((x, y)).then(|| picture.color[(x, y)].map(srgb8_from_linear))
+        })
+    };
+    DisplayedSide {
+        shown: colors_where(&|at| picture.shows(at)),
+        known: colors_where(&|at| picture.image[at] != NO_IMAGE),
+    }
+}
+
+/// Compares two sides by `measure`. `range` is the difference at the map's upper end; `None` fits it. `Invalid` where the sides
+/// differ in size.
+pub(crate) fn between(
+    sides: [DisplayedSide; 2],
+    measure: CompareMeasure,
+    range: Option<f32>,
+    dark: bool,
+) -> Result<PictureDifference> {
+    let [
+        DisplayedSide { shown: shown_left, known: left },
+        DisplayedSide { shown: shown_right, known: right },
+    ] = sides;
+    if left.size() != right.size() {
+        let ([a, b], [c, d]) = (<[usize; 2]>::from(left.size()), <[usize; 2]>::from(right.size()));
+        let what = format!(
+            "One side has {a}×{b} pixels and the other {c}×{d}: they cannot be laid over each other."
+        );
+        return Err(Error::invalid("comparison", what));
+    }
+    let tokens = Tokens::of(dark);
+    let image = |side: &DisplayColors| {
+        let colors = side.map(|pixel| pixel.map_or(tokens.hole, |[r, g, b]| Color32::from_rgb(r, g, b)));
+        Arc::new(ColorImage::new([side.width(), side.height()], colors.into_vec()))
+    };
+    let images = [image(&shown_left), image(&shown_right)];
+    let apart = apart(&left, &right, measure);
+    let range = range.unwrap_or_else(|| fitted(&apart, measure));
+    let color = |apart: f32| match measure {
+        CompareMeasure::Brightness => diverging(apart / range),
+        _ => sequential(apart / range),
+    };
+    // A gray, which no color of the maps is: the holes' own purple is near their lower end.
+    let difference = map_of(&apart, tokens.raised, color);
+    let mean = mean_of(&apart);
+    let (psnr_db, ssim) = (psnr_db(&left, &right), similarity(&left, &right));
+    let one_sided = one_sided(&left, &right);
+    let sides = [left, right];
+    let by_class = None;
+    Ok(PictureDifference {
+        sides,
+        images,
+        difference,
+        measure,
+        apart,
+        range,
+        mean,
+        psnr_db,
+        ssim,
+        flicker_steps: None,
+        by_class,
+        one_sided,
+    })
+}
+
+/// A map of the difference of pixels; unknown differences have a color of their own.
+fn map_of(apart: &Grid<Option<f32>>, unknown: Color32, color: impl Fn(f32) -> Color32) -> Arc<ColorImage> {
+    let map = apart.map(|apart| apart.map_or(unknown, &color));
+    Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()))
+}
+
+/// Mean of how far pixels are apart, signs aside.
+fn mean_of(apart: &Grid<Option<f32>>) -> f64 {
+    let known = || apart.as_slice().iter().flatten();
+    known().map(|apart| f64::from(apart.abs())).sum::<f64>() / known().count().max(1) as f64
+}
+
+/// Compares two sides by how their difference changes from the frame `before` to the one `now`, where both have a sample at both:
+/// at each pixel that of the channel where it changes most, 8-bit steps. `Invalid` where sizes differ.
+pub(crate) fn flicker(
+    [before, now]: [[DisplayedSide; 2]; 2],
+    range: Option<f32>,
+    dark: bool,
+) -> Result<PictureDifference> {
+    let measure = CompareMeasure::Flicker;
+    let [before_left, before_right] = before.map(|side| side.known);
+    let compared = between(now, CompareMeasure::Steps, None, dark)?;
+    let [left, right] = &compared.sides;
+    if [&before_left, &before_right].iter().any(|side| side.size() != left.size()) {
+        return Err(Error::invalid("comparison", "The pictures of the frame before have another size."));
+    }
+    let (mut squares, mut count) = (0.0, 0_u64);
+    let apart = Grid::from_fn(left.width(), left.height(), |x, y| {
+        let at = (x, y);
+        let [a, b, c, d] = [left[at]?, right[at]?, before_left[at]?, before_right[at]?];
+        let change: [f32; 3] = std::array::from_fn(|channel| {
+            let [a, b, c, d] = [a, b, c, d].map(|color| f32::from(color[channel]));
+            ((a - b) - (c - d)).abs()
+        });
+        squares += change.iter().map(|change| f64::from(change * change)).sum::<f64>();
+        count += 3;
+        change.into_iter().reduce(f32::max)
+    });
+    let range = range.unwrap_or_else(|| fitted(&apart, measure));
+    let difference = map_of(&apart, Tokens::of(dark).raised, |apart| sequential(apart / range));
+    let flicker_steps = (count > 0).then(|| (squares / count as f64).sqrt());
+    let mean = mean_of(&apart);
+    Ok(PictureDifference { difference, measure, apart, range, mean, flicker_steps, ..compared })
+}
+
+/// The color of a class of pixels on the map of a difference.
+fn class_color(class: ErrorClass) -> Color32 {
+    let [r, g, b] = class.color();
+    Color32::from_rgb(r, g, b)
+}
+
+/// Colors the map of a comparison by the class of each pixel, and computes the share of each class. `Invalid` if sizes differ.
+pub(crate) fn by_class(
+    compared: PictureDifference,
+    classes: &ClassMap,
+    dark: bool,
+) -> Result<PictureDifference> {
+    if classes.size() != compared.apart.size() {
+        return Err(Error::invalid("comparison", "The truth has another size than the pictures."));
+    }
+    let raised = Tokens::of(dark).raised;
+    let mut colors = Vec::with_capacity(classes.len());
+    for (apart, class) in compared.apart.as_slice().iter().zip(classes.as_slice()) {
+        let strength = apart.map_or(0.0, |apart| (apart / compared.range).clamp(0.0, 1.0).sqrt());
+        let color = class.map_or(raised, |class| Color32::BLACK.lerp_to_gamma(class_color(class), strength));
+        colors.push(color);
+    }
+    let difference = Arc::new(ColorImage::new([classes.width(), classes.height()], colors));
+    let mut squares = [0.0; 3];
+    let pixels = compared.sides[0].as_slice().iter().zip(compared.sides[1].as_slice());
+    for ((left, right), class) in pixels.zip(classes.as_slice()) {
+        if let (Some(left), Some(right), Some(class)) = (left, right, class) {
+            squares[*class as usize] +=
+                (0..3).map(|c| f64::from(left[c].abs_diff(right[c])).powi(2)).sum::<f64>();
+        }
+    }
+    let all: f64 = squares.iter().sum();
+    let by_class = (all > 0.0).then(|| squares.map(|of_class| of_class / all));
+    Ok(PictureDifference { difference, by_class, ..compared })
+}
+
+/// How far each pixel of the right is from the left.
+fn apart(left: &DisplayColors, right: &DisplayColors, measure: CompareMeasure) -> Grid<Option<f32>> {
+    let both = |of: &dyn Fn([u8; 3], [u8; 3]) -> f32| {
+        let pairs = left.as_slice().iter().zip(right.as_slice());
+        let values = pairs.map(|(a, b)| Some(of((*a)?, (*b)?)));
+        Grid::from_vec(left.width(), left.height(), values.collect())
+    };
+    match measure {
+        CompareMeasure::Steps | CompareMeasure::Class | CompareMeasure::Flicker => {
+            both(&|a, b| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0).into())
+        }
+        CompareMeasure::Brightness => both(&|a, b| luma(b) - luma(a)),
+        CompareMeasure::Flip => {
+            // A pixel of one side alone has no difference: its neighbors are filtered as if the other side showed the same.
+            let linear = |own: &DisplayColors, other: &DisplayColors| {
+                let pixels = own.as_slice().iter().zip(other.as_slice());
+                let colors = pixels.map(|(own, other)| {
+                    own.or(*other).unwrap_or_default().map(|step| linear_from_srgb(f32::from(step) / 255.0))
+                });
+                Grid::from_vec(own.width(), own.height(), colors.collect())
+            };
+            let map = flip(&linear(right, left), &linear(left, right), DEFAULT_PIXELS_PER_DEGREE);
+            let known = left.as_slice().iter().zip(right.as_slice()).zip(map.as_slice());
+            let values = known.map(|((a, b), flip)| (a.is_some() && b.is_some()).then_some(*flip));
+            Grid::from_vec(left.width(), left.height(), values.collect())
+        }
+    }
+}
+
+/// Luma of displayed colors (Rec. 709), 8-bit steps.
+fn luma([r, g, b]: [u8; 3]) -> f32 {
+    0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
+}
+
+/// A range that holds nearly all differences.
+fn fitted(apart: &Grid<Option<f32>>, measure: CompareMeasure) -> f32 {
+    let mut sorted: Vec<f32> = apart.as_slice().iter().flatten().map(|apart| apart.abs()).collect();
+    sorted.sort_unstable_by(f32::total_cmp);
+    let most = sorted.get((sorted.len() as f32 * (1.0 - BEYOND)) as usize).copied().unwrap_or(0.0);
+    let least = if measure == CompareMeasure::Flip { 0.01 } else { 1.0 };
+    most.max(least)
+}
+
+fn psnr_db(left: &DisplayColors, right: &DisplayColors) -> f64 {
+    let (mut squares, mut count) = (0.0, 0_u64);
+    for (a, b) in left.as_slice().iter().zip(right.as_slice()) {
+        if let (Some(a), Some(b)) = (a, b) {
+            squares += (0..3).map(|c| f64::from(a[c].abs_diff(b[c])).powi(2)).sum::<f64>();
+            count += 3;
+        }
+    }
+    10.0 * (255.0 * 255.0 * count.max(1) as f64 / squares).log10()
+}
+
+/// Structural similarity of luma over pixels with a sample on both sides; elsewhere the sides count as equal.
+fn similarity(left: &DisplayColors, right: &DisplayColors) -> f64 {
+    let of = |own: &DisplayColors, other: &DisplayColors| {
+        let pixels = own.as_slice().iter().zip(other.as_slice());
+        let values = pixels.map(|(own, other)| {
+            let encoded = own.or(*other).unwrap_or_default().map(|step| f32::from(step) / 255.0);
+            metrics::luma(&encoded)
+        });
+        Grid::from_vec(own.width(), own.height(), values.collect())
+    };
+    let counts = |x: usize, y: usize| left[(x, y)].is_some() && right[(x, y)].is_some();
+    ssim(&of(left, right), &of(right, left), counts)
+}
+
+fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
+    let pairs = left.as_slice().iter().zip(right.as_slice());
+    let lonely = pairs.filter(|(a, b)| a.is_some() != b.is_some()).count();
+    lonely as f64 / left.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn side(pixels: [Option<u8>; 4]) -> DisplayedSide {
+        let known = Grid::from_vec(4, 1, pixels.map(|gray| gray.map(|gray| [gray; 3])).to_vec());
+        DisplayedSide { shown: known.clone(), known }
+    }
+
+    fn compared(measure: CompareMeasure) -> PictureDifference {
+        let sides =
+            [side([Some(10), Some(200), None, Some(50)]), side([Some(30), Some(190), Some(9), Some(50)])];
+        between(sides, measure, None, true).unwrap()
+    }
+
+    #[test]
+    fn brightness_tells_which_side_is_brighter_and_steps_how_far_they_are_apart() {
+        let steps = compared(CompareMeasure::Steps);
+        assert_eq!(steps.apart.as_slice(), [Some(20.0), Some(10.0), None, Some(0.0)]);
+        assert_eq!((steps.range, steps.mean, steps.one_sided), (20.0, 10.0, 0.25));
+        assert!(steps.ssim < 1.0);
+        assert!((steps.psnr_db - 10.0 * (255.0_f64.powi(2) / (500.0 / 3.0)).log10()).abs() < 1e-9);
+        let brightness = compared(CompareMeasure::Brightness);
+        let signed: Vec<_> = brightness.apart.as_slice().iter().map(|apart| apart.map(f32::round)).collect();
+        assert_eq!(signed, [Some(20.0), Some(-10.0), None, Some(0.0)]);
+    }
+
+    #[test]
+    fn flicker_is_how_the_difference_changes_and_a_constant_one_has_none() {
+        let truth = [Some(10), Some(20), Some(30), None];
+        let sides = |painted| [side(painted), side(truth)];
+        let before = sides([Some(14), Some(20), Some(30), Some(9)]);
+        let now = sides([Some(14), Some(24), None, Some(9)]);
+        let compared = flicker([before.clone(), now], None, true).unwrap();
+        assert_eq!(compared.apart.as_slice(), [Some(0.0), Some(4.0), None, None]);
+        assert!((compared.flicker_steps.unwrap() - 8.0_f64.sqrt()).abs() < 1e-9);
+        let still = flicker([before.clone(), before], None, true).unwrap();
+        assert_eq!((still.flicker_steps, still.mean), (Some(0.0), 0.0));
+    }
+
+    #[test]
+    fn what_one_side_alone_shows_is_a_hole_of_the_map_and_changes_no_other_pixel() {
+        let alone = |pixel| {
+            let sides =
+                [side([Some(90), Some(90), None, Some(90)]), side([Some(90), Some(90), pixel, Some(90)])];
+            between(sides, CompareMeasure::Flip, None, true).unwrap()
+        };
+        let [bright, none] = [alone(Some(255)), alone(None)];
+        assert_eq!(bright.apart.as_slice(), [Some(0.0), Some(0.0), None, Some(0.0)]);
+        assert_eq!(bright.apart, none.apart);
+        assert!(compared(CompareMeasure::Flip).apart.as_slice()[0].is_some_and(|flip| flip > 0.05));
+    }
+
+    #[test]
+    fn what_fills_a_hole_is_shown_but_not_compared() {
+        let mut painted = Picture {
+            color: Grid::filled(4, 1, [1.0; 3]),
+            inverse_depth: Grid::filled(4, 1, 0.5),
+            image: Grid::filled(4, 1, 0),
+            fronts: Vec::new(),
+            coverage: Vec::new(),
+        };
+        painted.image[(2, 0)] = NO_IMAGE;
+        let sides = [of_picture(&painted), side([Some(255), Some(255), Some(0), Some(255)])];
+        let compared = between(sides, CompareMeasure::Steps, None, true).unwrap();
+        assert_eq!(compared.images[0].pixels[2], Color32::WHITE);
+        assert_eq!(compared.apart.as_slice(), [Some(0.0), Some(0.0), None, Some(0.0)]);
+        assert!(compared.psnr_db.is_infinite() && compared.one_sided == 0.25);
+        painted.inverse_depth[(2, 0)] = -1.0;
+        assert_eq!(of_picture(&painted).shown[(2, 0)], None);
+    }
+
+    #[test]
+    fn sides_of_different_sizes_are_refused() {
+        let other = DisplayedSide { shown: Grid::filled(2, 2, None), known: Grid::filled(2, 2, None) };
+        let sides = [side([None; 4]), other];
+        let error = between(sides, CompareMeasure::Steps, None, true).err().unwrap().to_string();
+        assert!(error.contains("4×1") && error.contains("2×2"), "{error}");
+    }
+
+    #[test]
+    fn the_map_of_where_differences_lie_tells_the_share_of_each_class() {
+        let sides = [
+            side([Some(90), Some(90), Some(90), Some(90)]),
+            side([Some(100), Some(110), Some(90), Some(250)]),
+        ];
+        let compared = between(sides, CompareMeasure::Class, Some(20.0), true).unwrap();
+        let classes = [Some(ErrorClass::Unseen), Some(ErrorClass::Edge), Some(ErrorClass::Inner), None];
+        let told = by_class(compared, &Grid::from_vec(4, 1, classes.to_vec()), true).unwrap();
+        let [unseen, edge, inner] = told.by_class.unwrap();
+        assert!((unseen - 0.2).abs() < 1e-9 && (edge - 0.8).abs() < 1e-9 && inner == 0.0);
+        assert_eq!(told.difference.pixels[1], class_color(ErrorClass::Edge));
+        assert_eq!(told.difference.pixels[2], Color32::BLACK);
+        let other = Grid::filled(2, 2, None);
+        assert!(by_class(told, &other, true).is_err());
+    }
+}

@@ -1,0 +1,5 @@
+//! What is computed, on threads of its own.
+
+pub(crate) mod compare;
+pub(crate) mod difference;
+pub(crate) mod place;

@@ -1,0 +1,119 @@
+//! Carries out what concerns edits: selecting, deleting, and the list.
+
+use std::path::PathBuf;
+
+use super::model::{BRUSH_RADII, EditCommand, EditKey, EditedScene};
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::work::FileRequest;
+use overlook_engine::edits::{Action, Edit, EditList, Region};
+
+impl OverlookApp {
+    /// Carries out what concerns edits.
+    pub(crate) fn apply_to_edits(&mut self, command: EditCommand) {
+        let frame_number = self.state.frame_number();
+        let edits = &mut self.state.edits;
+        match command {
+            EditCommand::Select(region) => edits.selection = Some(edits.combined(region, edits.combine)),
+            EditCommand::Draw { region, combine, is_done: false } => edits.draft = Some((region, combine)),
+            EditCommand::Draw { region, combine, is_done: true } => {
+                edits.selection = Some(edits.combined(region, combine));
+                edits.draft = None;
+            }
+            EditCommand::Mask { camera, stroke } => edits.mask(&camera, stroke),
+            EditCommand::Reshape(region) => edits.selection = Some(region),
+            EditCommand::SelectNothing => (edits.selection, edits.draft, edits.tool) = (None, None, None),
+            EditCommand::Invert => {
+                edits.selection = edits.selection.take().map(|selection| match selection {
+                    Region::Not(region) => *region,
+                    region => Region::Not(Box::new(region)),
+                });
+            }
+            EditCommand::Combine(combine) => edits.combine = combine,
+            EditCommand::Depth(depth) => edits.depth = depth,
+            EditCommand::Tool(tool) => (edits.tool, edits.draft) = (tool, None),
+            EditCommand::Radius(radius) => {
+                edits.radius = radius.clamp(*BRUSH_RADII.start(), *BRUSH_RADII.end());
+            }
+            EditCommand::GrowBy(footprints) => edits.grow_by = footprints,
+            EditCommand::Grow(grows) => edits.selection = edits.grown(grows),
+            EditCommand::Time(time) => edits.time = time,
+            EditCommand::Range([first, last]) => edits.range = Some([first.min(last), last.max(first)]),
+            EditCommand::Act(action) => {
+                let edit = edits.edit_of_selection(action, frame_number.unwrap_or_default());
+                if let Some(edit) = edit {
+                    edits.change(true, |list| list.edits.push(edit));
+                    (edits.selection, edits.tool) = (None, None);
+                }
+            }
+            EditCommand::LeaveOut(camera) => {
+                let Some(scene) = &self.state.scene else { return };
+                let Some(camera) = scene.cameras.get(camera) else { return };
+                let region = Region::Cameras(vec![camera.name.clone()]);
+                let edit = Edit::new(format!("Leave out {}", camera.name), Action::LeaveOut, region);
+                edits.change(true, |list| list.edits.push(edit));
+            }
+            EditCommand::Switch(index, on) => edits.change(true, |list| {
+                if let Some(edit) = list.edits.get_mut(index) {
+                    edit.is_on = on;
+                }
+            }),
+            EditCommand::Rename(index, name) => edits.change(false, |list| {
+                if let Some(edit) = list.edits.get_mut(index) {
+                    edit.name = name;
+                }
+            }),
+            EditCommand::Move(from, to) => edits.change(true, |list| {
+                if from < list.edits.len() && to < list.edits.len() {
+                    let edit = list.edits.remove(from);
+                    list.edits.insert(to, edit);
+                }
+            }),
+            EditCommand::Remove(index) => edits.change(true, |list| {
+                if index < list.edits.len() {
+                    list.edits.remove(index);
+                }
+            }),
+            EditCommand::SelectOf(index) => {
+                if let Some(edit) = edits.list.edits.get(index) {
+                    edits.selection = Some(edit.region.clone());
+                }
+            }
+        }
+    }
+
+    /// Takes in what edits leave, or why they cannot be applied.
+    pub(crate) fn edited(&mut self, key: EditKey, edited: Result<Box<EditedScene>, String>) {
+        let edits = &mut self.state.edits;
+        match edited {
+            Ok(edited) => (edits.edited, edits.trouble) = (Some((key, *edited)), None),
+            Err(trouble) => edits.trouble = Some(trouble),
+        }
+    }
+
+    pub(crate) fn save_edits(&mut self, path: PathBuf) {
+        let list = self.state.edits.list.clone();
+        self.workers.file.submit(FileRequest::SaveEdits { path, list });
+    }
+
+    pub(crate) fn edits_saved(&mut self, path: &std::path::Path, list: EditList) {
+        self.state.edits.saved = list;
+        self.state.notify(NoticeKind::Done, "Saved", path.display().to_string());
+    }
+
+    /// Takes in a list that was read: it is put in the place of the one that is there, which undo brings back.
+    pub(crate) fn edits_loaded(&mut self, path: &std::path::Path, list: EditList) {
+        let cameras = self.state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+        let cut = self.state.report().map_or(&[][..], |report| &report.cut);
+        let gone: Vec<String> = cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
+        if let Err(error) =
+            list.check(cameras, &gone, self.state.value_channels(), &path.display().to_string())
+        {
+            return self.state.notify(NoticeKind::Error, "Edits not opened", error.to_string());
+        }
+        let edits = &mut self.state.edits;
+        edits.saved = list.clone();
+        edits.change(true, |known| *known = list);
+        self.state.notify(NoticeKind::Done, "Edits opened", path.display().to_string());
+    }
+}

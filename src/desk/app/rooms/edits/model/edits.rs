@@ -1,0 +1,285 @@
+//! The edits of the open scene: the list with its undo, what is selected, and what both leave of the samples.
+
+use std::sync::Arc;
+
+use super::command::{Combine, DrawnDepth, EditTime, EditTool};
+use super::region::{join_stroke, words};
+use crate::app::model::scene::OpenScene;
+use crate::app::rooms::settings::model::undo::Steps;
+use overlook_engine::edits::{Action, Edit, EditList, Reach, Region, Stroke};
+use overlook_engine::preprocess::PreparedScan;
+use overlook_engine::samples::SampleSet;
+
+/// What is worked out of edits; equal keys give the same samples.
+#[derive(Clone)]
+pub(crate) struct EditKey {
+    pub scene: Arc<OpenScene>,
+    /// The samples before edits; an outline where a store plays from disk.
+    pub samples: Arc<SampleSet>,
+    /// The scan that they were pruned with: its capture says which cameras confirm a sample.
+    pub scan: Option<Arc<PreparedScan>>,
+    pub list: EditList,
+    pub selection: Option<Region>,
+}
+
+impl PartialEq for EditKey {
+    fn eq(&self, other: &Self) -> bool {
+        self.scene.id == other.scene.id
+            && Arc::ptr_eq(&self.samples, &other.samples)
+            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
+            && self.list == other.list
+            && self.selection == other.selection
+    }
+}
+
+/// What edits and the selection give.
+#[derive(Clone)]
+pub(crate) struct EditedScene {
+    /// What edits leave.
+    pub samples: Arc<SampleSet>,
+    /// The same, with the selection in a color of its own.
+    pub shown: Arc<SampleSet>,
+    /// Samples before edits.
+    pub before: u64,
+    /// Those that edits delete.
+    pub deleted: u64,
+    /// Those of what edits leave that are selected.
+    pub selected: u64,
+    /// Bytes in memory of what edits leave.
+    pub bytes: u64,
+}
+
+/// The edits of the open scene.
+pub(crate) struct SceneEdits {
+    pub list: EditList,
+    steps: Steps<EditList>,
+    /// Whether the list was changed after any setting: undo takes back what was done last.
+    pub is_latest: bool,
+    pub selection: Option<Region>,
+    /// What is being drawn, and how it will join the selection.
+    pub draft: Option<(Region, Combine)>,
+    pub combine: Combine,
+    pub depth: DrawnDepth,
+    pub tool: Option<EditTool>,
+    /// Of the brush, points.
+    pub radius: f32,
+    /// Footprints.
+    pub grow_by: f64,
+    pub time: EditTime,
+    /// The frames of [`EditTime::Range`] and of masks, by their numbers; `None` for all.
+    pub range: Option<[i64; 2]>,
+    /// What the last list and selection gave; `None` without any.
+    pub edited: Option<(EditKey, EditedScene)>,
+    /// Why they gave nothing.
+    pub trouble: Option<String>,
+    /// The list as it is in a file.
+    pub saved: EditList,
+}
+
+/// Radii of the brush, points.
+pub(crate) const BRUSH_RADII: std::ops::RangeInclusive<f32> = 1.0..=200.0;
+
+impl Default for SceneEdits {
+    fn default() -> Self {
+        Self {
+            list: EditList::default(),
+            steps: Steps::default(),
+            is_latest: false,
+            selection: None,
+            draft: None,
+            combine: Combine::default(),
+            depth: DrawnDepth::default(),
+            tool: None,
+            radius: 16.0,
+            grow_by: 2.0,
+            time: EditTime::default(),
+            range: None,
+            edited: None,
+            trouble: None,
+            saved: EditList::default(),
+        }
+    }
+}
+
+impl SceneEdits {
+    /// Whether anything is edited or selected.
+    pub(crate) fn are_in_use(&self) -> bool {
+        self.selection.is_some() || self.draft.is_some() || !self.list.is_idle()
+    }
+
+    /// What is selected, with what is being drawn.
+    pub(crate) fn shown_selection(&self) -> Option<Region> {
+        match &self.draft {
+            Some((region, combine)) => Some(self.combined(region.clone(), *combine)),
+            None => self.selection.clone(),
+        }
+    }
+
+    /// Changes the list in one step of undo. Names that are typed letter by letter are one step.
+    pub(crate) fn change(&mut self, is_new_step: bool, change: impl FnOnce(&mut EditList)) {
+        let before = self.list.clone();
+        change(&mut self.list);
+        if self.list == before {
+            return;
+        }
+        self.steps.record(before, is_new_step);
+        self.is_latest = true;
+    }
+
+    /// Whether undo (or redo) would take an edit back (or do it again).
+    pub(crate) fn can(&self, undo: bool) -> bool {
+        self.is_latest && self.steps.can(undo)
+    }
+
+    /// Takes the last change of the list back, or does it again; false where there is none.
+    pub(crate) fn step(&mut self, undo: bool) -> bool {
+        if !self.can(undo) {
+            return false;
+        }
+        let Some(list) = self.steps.step(undo, self.list.clone()) else { return false };
+        self.list = list;
+        true
+    }
+
+    /// What a region that is chosen makes of the selection.
+    pub(crate) fn combined(&self, region: Region, combine: Combine) -> Region {
+        let Some(selection) = self.selection.clone() else { return region };
+        match (combine, selection) {
+            (Combine::Replace, _) => region,
+            (Combine::Add, Region::Any(mut parts)) => {
+                join_stroke(&mut parts, region);
+                Region::Any(parts)
+            }
+            (Combine::Add, selection) => {
+                let mut parts = vec![selection];
+                join_stroke(&mut parts, region);
+                if parts.len() == 1 { parts.swap_remove(0) } else { Region::Any(parts) }
+            }
+            (Combine::Subtract, selection) => Region::Without(vec![selection, region]),
+            (Combine::Intersect, selection) => Region::All(vec![selection, region]),
+        }
+    }
+
+    /// The selection, grown or shrunk.
+    pub(crate) fn grown(&self, grows: bool) -> Option<Region> {
+        let region = self.selection.clone()?;
+        let by = self.grow_by;
+        let further = |footprints: f64| (footprints + by).min(Region::MOST_FOOTPRINTS);
+        Some(match region {
+            Region::Grow { region, footprints } if grows => {
+                Region::Grow { region, footprints: further(footprints) }
+            }
+            Region::Shrink { region, footprints } if !grows => {
+                Region::Shrink { region, footprints: further(footprints) }
+            }
+            region if grows => Region::Grow { region: Box::new(region), footprints: by },
+            region => Region::Shrink { region: Box::new(region), footprints: by },
+        })
+    }
+
+    /// Puts a stroke on the mask of a camera: on the one that was painted last, if it is at the same frames, or on a new one.
+    pub(crate) fn mask(&mut self, camera: &str, stroke: Stroke) {
+        let range = self.range;
+        self.change(true, |list| {
+            if let Some(Edit { is_on: true, action: Action::Delete, region, frames, .. }) =
+                list.edits.last_mut()
+                && let Region::Pixels { camera: of, frame: None, strokes, .. } = region
+                && *of == camera
+                && *frames == range
+            {
+                strokes.push(stroke);
+                return;
+            }
+            let region = Region::Pixels {
+                camera: camera.to_owned(),
+                frame: None,
+                outline: Vec::new(),
+                strokes: vec![stroke],
+            };
+            let mut edit = Edit::new(format!("Mask {camera}"), Action::Delete, region);
+            edit.frames = range;
+            list.edits.push(edit);
+        });
+    }
+
+    /// The edit that an action makes of the selection, at a frame by its number.
+    pub(crate) fn edit_of_selection(&self, action: Action, frame_number: i64) -> Option<Edit> {
+        let region = self.selection.clone()?;
+        let verb = match action {
+            Action::LeaveOut => "Leave out",
+            Action::Delete => "Delete",
+            Action::KeepOnly => "Keep only",
+            Action::Restore => "Restore",
+        };
+        let mut edit = Edit::new(format!("{verb} {}", words(&region)), action, region);
+        (edit.frames, edit.reach) = match self.time {
+            EditTime::AllFrames => (None, Reach::Frames),
+            EditTime::Spans => (Some([frame_number; 2]), Reach::Span),
+            EditTime::ThisFrame => (Some([frame_number; 2]), Reach::Frames),
+            EditTime::Range => (self.range, Reach::Frames),
+        };
+        Some(edit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::region::last_shape;
+    use super::*;
+
+    #[test]
+    fn edits_are_taken_back_and_done_again_until_a_setting_is_changed() {
+        let mut edits = SceneEdits::default();
+        assert!(!edits.step(true));
+        let delete = Edit::new("a", Action::Delete, Region::Doubtful);
+        edits.change(true, |list| list.edits.push(delete.clone()));
+        edits.change(true, |list| list.edits[0].is_on = false);
+        edits.change(false, |list| list.edits[0].name = "b".to_owned());
+        assert!(edits.step(true) && edits.list.edits == [delete]);
+        assert!(edits.step(true) && edits.list.edits.is_empty() && !edits.can(true));
+        assert!(edits.step(false) && edits.step(false) && edits.list.edits[0].name == "b");
+        edits.is_latest = false;
+        assert!(!edits.step(true), "a setting was changed after it");
+    }
+
+    #[test]
+    fn regions_join_the_selection_as_sets_and_the_last_shape_is_reshaped() {
+        let sphere = Region::Sphere { center: [0.0; 3], radius: 1.0 };
+        let edits = SceneEdits { selection: Some(sphere.clone()), ..SceneEdits::default() };
+        assert_eq!(edits.combined(Region::Doubtful, Combine::Replace), Region::Doubtful);
+        let mut without = edits.combined(sphere.clone(), Combine::Subtract);
+        assert_eq!(without, Region::Without(vec![sphere.clone(), sphere]));
+        assert_eq!(words(&without), "sphere − sphere");
+        let Some(Region::Sphere { radius, .. }) = last_shape(&mut without) else { panic!("a sphere") };
+        *radius = 2.0;
+        let Region::Without(parts) = without else { panic!("a difference") };
+        assert!(matches!(parts[1], Region::Sphere { radius: 2.0, .. }));
+    }
+
+    #[test]
+    fn strokes_that_are_painted_one_after_the_other_are_one_region_and_one_mask() {
+        let stroke = |x: f64| Stroke { radius: 3.0, points: vec![[x, 1.0]] };
+        let painted = |strokes: Vec<Stroke>| Region::Pixels {
+            camera: "a".to_owned(),
+            frame: Some(2),
+            outline: Vec::new(),
+            strokes,
+        };
+        let mut edits = SceneEdits { selection: Some(painted(vec![stroke(1.0)])), ..SceneEdits::default() };
+        edits.selection = Some(edits.combined(painted(vec![stroke(2.0)]), Combine::Add));
+        assert_eq!(edits.selection, Some(painted(vec![stroke(1.0), stroke(2.0)])));
+        edits.selection = edits.grown(true);
+        edits.selection = edits.grown(true);
+        assert!(matches!(edits.selection, Some(Region::Grow { footprints: 4.0, .. })));
+        edits.mask("a", stroke(1.0));
+        edits.mask("a", stroke(2.0));
+        edits.range = Some([3, 5]);
+        edits.mask("a", stroke(3.0));
+        edits.mask("b", stroke(4.0));
+        let frames: Vec<_> = edits.list.edits.iter().map(|edit| edit.frames).collect();
+        assert_eq!(frames, [None, Some([3, 5]), Some([3, 5])]);
+        assert!(edits.step(true) && edits.step(true) && edits.step(true));
+        let [edit] = &edits.list.edits[..] else { panic!("one mask") };
+        assert!(matches!(&edit.region, Region::Pixels { strokes, .. } if *strokes == [stroke(1.0)]));
+    }
+}

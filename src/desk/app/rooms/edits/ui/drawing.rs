@@ -1,0 +1,262 @@
+//! Drawing in a picture to select what it shows: rectangles, lassos, strokes of a brush, and clicks on surfaces.
+
+use egui::{
+    Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, pos2,
+};
+use glam::DVec3;
+
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::edits::model::{Combine, EditCommand, EditTool};
+use crate::app::theme::Tokens;
+use overlook_engine::edits::{self, Action, Outline, Region};
+
+/// Points of the pointer closer together than this are one corner of a lasso.
+const CORNER: f32 = 3.0;
+
+/// Points of a stroke are at least this share of its radius apart.
+const STROKE_STEP: f32 = 0.2;
+
+/// Where a picture lies on the screen.
+pub(crate) struct PicturePlace {
+    pub(crate) corner: Pos2,
+    /// Points along a pixel of the picture.
+    pub(crate) scale: f32,
+    /// What can be seen of it.
+    pub(crate) shown: Rect,
+}
+
+impl PicturePlace {
+    fn pixel(&self, at: Pos2) -> [f64; 2] {
+        let within = (at - self.corner) / self.scale;
+        [f64::from(within.x), f64::from(within.y)]
+    }
+
+    fn on_screen(&self, [x, y]: [f64; 2]) -> Pos2 {
+        self.corner + Vec2::new(x as f32, y as f32) * self.scale
+    }
+}
+
+/// What was drawn, in pixels of the picture. One of both is there.
+pub(crate) struct Drawn {
+    pub(crate) outline: Outline,
+    pub(crate) strokes: Vec<edits::Stroke>,
+    /// Whether the button of the pointer was let go.
+    pub(crate) is_done: bool,
+}
+
+/// How what is drawn now joins the selection: as the keys say, or else as the panel says.
+fn combine_now(ui: &Ui, state: &State) -> Combine {
+    let modifiers = ui.input(|input| input.modifiers);
+    match (modifiers.shift, modifiers.alt) {
+        (true, false) => Combine::Add,
+        (false, true) => Combine::Subtract,
+        (true, true) => Combine::Intersect,
+        (false, false) => state.edits.combine,
+    }
+}
+
+/// Lets a person draw with the tool that is on, and selects what `region_of` makes of it.
+pub(crate) fn select_drawn(
+    ui: &Ui,
+    response: &Response,
+    painter: &Painter,
+    place: &PicturePlace,
+    state: &State,
+    commands: &mut Commands,
+    region_of: impl FnOnce(Drawn) -> Option<Region>,
+) {
+    let Some(drawn) = drawing_ui(ui, response, painter, place, state) else { return };
+    let is_done = drawn.is_done;
+    if let Some(region) = region_of(drawn) {
+        let combine = combine_now(ui, state);
+        commands.push(Command::Edit(EditCommand::Draw { region, combine, is_done }));
+    }
+}
+
+/// Selects the surface that is clicked on.
+pub(crate) fn select_surface(
+    ui: &Ui,
+    response: &Response,
+    state: &State,
+    commands: &mut Commands,
+    point_at: impl FnOnce(Pos2) -> Option<DVec3>,
+) {
+    if response.hovered() {
+        ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+    }
+    let clicked = response.interact_pointer_pos().filter(|_| response.clicked());
+    let Some((point, frame)) = clicked.and_then(point_at).zip(state.frame_number()) else { return };
+    let region = Region::same_surface(point.to_array(), frame);
+    commands.push(Command::Edit(EditCommand::Draw {
+        region,
+        combine: combine_now(ui, state),
+        is_done: true,
+    }));
+}
+
+/// Draws a shape while the pointer is dragged; gives what a brush has painted so far as it goes, and every shape once it is done.
+pub(crate) fn drawing_ui(
+    ui: &Ui,
+    response: &Response,
+    painter: &Painter,
+    place: &PicturePlace,
+    state: &State,
+) -> Option<Drawn> {
+    let tool = state.edits.tool?;
+    let radius = state.edits.radius;
+    if response.hovered() {
+        ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+    }
+    let id = ui.scope_id().with("drawn in a picture");
+    let mut corners: Vec<Pos2> = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    let before = corners.len();
+    let within = |at: Pos2| at.clamp(place.shown.min, place.shown.max);
+    if response.drag_started_by(PointerButton::Primary) {
+        corners = ui.ctx().input(|input| input.pointer.press_origin()).map(within).into_iter().collect();
+    }
+    let is_dabbed = tool.has_radius() && response.clicked_by(PointerButton::Primary);
+    let is_drawn = response.dragged_by(PointerButton::Primary) || is_dabbed;
+    if let Some(at) = response.interact_pointer_pos().filter(|_| is_drawn).map(within) {
+        draw_to(&mut corners, at, tool, radius);
+        ui.ctx().request_repaint();
+    }
+    let tokens = Tokens::of(state.dark);
+    let painter = painter.with_clip_rect(place.shown);
+    if tool.has_radius() {
+        let at = response.hover_pos().or(response.interact_pointer_pos());
+        brush_shape(&painter, &corners, at, radius, tokens.mark);
+    } else if corners.len() > 1 {
+        for (width, color) in [(3.0, Color32::from_black_alpha(140)), (1.4, tokens.mark)] {
+            painter.add(Shape::closed_line(corners.clone(), Stroke::new(width, color)));
+        }
+    }
+    let is_done = response.drag_stopped() || is_dabbed;
+    let drawn = (is_done || (tool.has_radius() && corners.len() != before))
+        .then(|| drawn(&corners, place, tool, radius, is_done))
+        .flatten();
+    if is_done {
+        corners.clear();
+    }
+    ui.data_mut(|data| data.insert_temp(id, corners));
+    drawn
+}
+
+/// Draws on to where the pointer is.
+fn draw_to(corners: &mut Vec<Pos2>, at: Pos2, tool: EditTool, radius: f32) {
+    let step = if tool.has_radius() { (STROKE_STEP * radius).max(1.0) } else { CORNER };
+    if tool == EditTool::Rectangle {
+        let start = corners.first().copied().unwrap_or(at);
+        *corners = vec![start, pos2(at.x, start.y), at, pos2(start.x, at.y)];
+    } else if corners.last().is_none_or(|last| last.distance(at) >= step) {
+        corners.push(at);
+    }
+}
+
+/// What was drawn; `None` for an outline without an area.
+fn drawn(
+    corners: &[Pos2],
+    place: &PicturePlace,
+    tool: EditTool,
+    radius: f32,
+    is_done: bool,
+) -> Option<Drawn> {
+    let pixels: Outline = corners.iter().map(|at| place.pixel(*at)).collect();
+    if tool.has_radius() {
+        let stroke = edits::Stroke { radius: f64::from(radius / place.scale), points: pixels };
+        let is_drawn = !stroke.points.is_empty();
+        return is_drawn.then(|| Drawn { outline: Vec::new(), strokes: vec![stroke], is_done });
+    }
+    let area = Rect::from_points(corners);
+    let has_area = corners.len() >= 3 && area.width() >= CORNER && area.height() >= CORNER;
+    has_area.then(|| Drawn { outline: pixels, strokes: Vec::new(), is_done })
+}
+
+/// The brush, and where it went.
+fn brush_shape(painter: &Painter, path: &[Pos2], at: Option<Pos2>, radius: f32, color: Color32) {
+    stroke_shape(painter, path, radius, color.gamma_multiply(0.35));
+    if let Some(at) = at {
+        painter.circle_stroke(at, radius, Stroke::new(3.0, Color32::from_black_alpha(140)));
+        painter.circle_stroke(at, radius, Stroke::new(1.4, color));
+    }
+}
+
+fn stroke_shape(painter: &Painter, path: &[Pos2], radius: f32, color: Color32) {
+    match path {
+        [] => {}
+        [at] => {
+            painter.circle_filled(*at, radius, color);
+        }
+        _ => {
+            painter.add(Shape::line(path.to_vec(), Stroke::new(2.0 * radius, color)));
+        }
+    }
+}
+
+/// Shows what is drawn on the picture of a camera: of the selection, and by masks that act at the frame that is shown.
+pub(crate) fn drawn_areas(painter: &Painter, place: &PicturePlace, camera: &str, state: &State) {
+    let painter = painter.with_clip_rect(place.shown);
+    let mark = Tokens::of(state.dark).mark;
+    let number = state.frame_number();
+    for edit in state.edits.list.acting().filter(|edit| edit.action == Action::Delete) {
+        let is_now =
+            edit.frames.is_none_or(|[first, last]| number.is_some_and(|at| (first..=last).contains(&at)));
+        if is_now && matches!(edit.region, Region::Pixels { frame: None, .. }) {
+            area_shapes(&painter, place, camera, &edit.region, Color32::from_black_alpha(150));
+        }
+    }
+    if let Some(selection) = &state.edits.selection {
+        area_shapes(&painter, place, camera, selection, mark.gamma_multiply(0.35));
+    }
+}
+
+fn area_shapes(painter: &Painter, place: &PicturePlace, camera: &str, region: &Region, color: Color32) {
+    match region {
+        Region::Pixels { camera: of, outline, strokes, .. } if of == camera => {
+            let on_screen = |points: &[[f64; 2]]| -> Vec<Pos2> {
+                points.iter().map(|pixel| place.on_screen(*pixel)).collect()
+            };
+            if !outline.is_empty() {
+                painter.add(Shape::closed_line(on_screen(outline), Stroke::new(2.0, color.to_opaque())));
+            }
+            for stroke in strokes {
+                stroke_shape(painter, &on_screen(&stroke.points), stroke.radius as f32 * place.scale, color);
+            }
+        }
+        Region::Any(parts) | Region::All(parts) | Region::Without(parts) => {
+            for part in parts {
+                area_shapes(painter, place, camera, part, color);
+            }
+        }
+        Region::Grow { region, .. } | Region::Shrink { region, .. } | Region::Not(region) => {
+            area_shapes(painter, place, camera, region, color);
+        }
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_drawn_on_a_magnified_picture_is_in_its_pixels() {
+        let place = PicturePlace {
+            corner: pos2(10.0, 20.0),
+            scale: 4.0,
+            shown: Rect::from_min_max(pos2(10.0, 20.0), pos2(410.0, 320.0)),
+        };
+        let mut corners = Vec::new();
+        for at in [pos2(50.0, 60.0), pos2(50.5, 60.0), pos2(90.0, 60.0)] {
+            draw_to(&mut corners, at, EditTool::Brush, 8.0);
+        }
+        let stroke = drawn(&corners, &place, EditTool::Brush, 8.0, true).unwrap().strokes.remove(0);
+        assert_eq!((stroke.radius, stroke.points), (2.0, vec![[10.0, 10.0], [20.0, 10.0]]));
+        corners.clear();
+        for at in [pos2(50.0, 60.0), pos2(90.0, 100.0)] {
+            draw_to(&mut corners, at, EditTool::Rectangle, 8.0);
+        }
+        let outline = drawn(&corners, &place, EditTool::Rectangle, 8.0, true).unwrap().outline;
+        assert_eq!(outline, [[10.0, 10.0], [20.0, 10.0], [20.0, 20.0], [10.0, 20.0]]);
+        assert!(drawn(&corners[..2], &place, EditTool::Lasso, 8.0, true).is_none(), "a line has no area");
+    }
+}

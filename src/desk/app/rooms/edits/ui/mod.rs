@@ -1,0 +1,8 @@
+//! What is drawn.
+
+pub(crate) mod drawing;
+pub(crate) mod panel;
+pub(crate) mod shapes;
+pub(crate) mod tools;
+
+pub(crate) use panel::edits_ui;

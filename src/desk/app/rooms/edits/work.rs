@@ -1,0 +1,109 @@
+//! Applies edits and the selection to the samples that the window shows.
+
+use std::sync::Arc;
+
+use super::model::{EditKey, EditedScene};
+use crate::app::model::Message;
+use crate::app::theme::Tokens;
+use overlook_engine::color::linear_from_srgb;
+use overlook_engine::edits::{Action, Edit, EditList, Region, SampleVotes, edit_samples, selected};
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::samples::{ImageBuffer, SampleSet};
+
+/// What is kept between edits: what was read, asked and cut last.
+#[derive(Default)]
+pub(crate) struct SampleEditor {
+    /// All samples of a store that plays from disk, by its scene.
+    read: Option<(u64, Arc<SampleSet>)>,
+    /// The votes on samples.
+    votes: Option<(Arc<SampleSet>, Arc<SampleVotes>)>,
+    /// What a list leaves of samples.
+    cut: Option<(Arc<SampleSet>, EditList, Arc<SampleSet>)>,
+}
+
+impl SampleEditor {
+    /// What edits leave, and how the selection is shown; the trouble where they ask for what is not there.
+    pub(crate) fn answer(&mut self, key: EditKey, job: &Job) -> Result<Message> {
+        let edited = match self.edited(&key, job) {
+            Err(error) if !job.is_cancelled() => Err(error.to_string()),
+            other => Ok(other?),
+        };
+        Ok(Message::Edited { key: Box::new(key), edited: edited.map(Box::new) })
+    }
+
+    fn edited(&mut self, key: &EditKey, job: &Job) -> Result<EditedScene> {
+        let base = self.base(key, job)?;
+        let asks = key.list.asks_for_votes() || key.selection.as_ref().is_some_and(Region::asks_for_votes);
+        let votes = if asks { self.votes(key, &base, job)? } else { None };
+        let (votes, place) = (votes.as_deref(), &key.scene.name);
+        let samples = self.cut(&base, &key.list, votes, place)?;
+        let mut edited = EditedScene {
+            before: base.sample_count(),
+            deleted: base.sample_count().saturating_sub(samples.sample_count()),
+            selected: 0,
+            bytes: samples.bytes(),
+            shown: samples.clone(),
+            samples,
+        };
+        if let Some(region) = &key.selection {
+            let mark = Tokens::of(true).mark;
+            let color =
+                [mark.r(), mark.g(), mark.b()].map(|channel| linear_from_srgb(f32::from(channel) / 255.0));
+            let (tinted, count) = selected(&base, region, color, votes, place)?;
+            if key.list.is_idle() {
+                (edited.shown, edited.selected) = (Arc::new(tinted), count);
+            } else {
+                edited.shown = Arc::new(edit_samples(&tinted, &key.list, votes, place)?.0);
+                let mut without = key.list.clone();
+                without.edits.push(Edit::new("", Action::Delete, region.clone()));
+                let (rest, _) = edit_samples(&base, &without, votes, place)?;
+                edited.selected = edited.samples.sample_count().saturating_sub(rest.sample_count());
+            }
+        }
+        Ok(edited)
+    }
+
+    /// All samples before edits.
+    fn base(&mut self, key: &EditKey, job: &Job) -> Result<Arc<SampleSet>> {
+        let Some(playback) = key.scene.playback() else { return Ok(key.samples.clone()) };
+        if let Some((_, samples)) = self.read.as_ref().filter(|(scene, _)| *scene == key.scene.id) {
+            return Ok(samples.clone());
+        }
+        let samples = Arc::new(playback.store().read_all(job)?);
+        self.read = Some((key.scene.id, samples.clone()));
+        Ok(samples)
+    }
+
+    fn votes(&mut self, key: &EditKey, base: &Arc<SampleSet>, job: &Job) -> Result<Option<Arc<SampleVotes>>> {
+        if let Some((_, votes)) = self.votes.as_ref().filter(|(of, _)| Arc::ptr_eq(of, base)) {
+            return Ok(Some(votes.clone()));
+        }
+        let Some(capture) = key.scan.as_ref().map(|scan| scan.capture()).or(key.scene.capture()) else {
+            return Ok(None);
+        };
+        let votes = SampleVotes::of(&ImageBuffer::of(&base.images), &base.cameras, capture, job)?;
+        let votes = Arc::new(votes);
+        self.votes = Some((base.clone(), votes.clone()));
+        Ok(Some(votes))
+    }
+
+    fn cut(
+        &mut self,
+        base: &Arc<SampleSet>,
+        list: &EditList,
+        votes: Option<&SampleVotes>,
+        place: &str,
+    ) -> Result<Arc<SampleSet>> {
+        if list.is_idle() {
+            return Ok(base.clone());
+        }
+        if let Some((_, _, cut)) = self.cut.as_ref().filter(|(of, by, _)| Arc::ptr_eq(of, base) && by == list)
+        {
+            return Ok(cut.clone());
+        }
+        let cut = Arc::new(edit_samples(base, list, votes, place)?.0);
+        self.cut = Some((base.clone(), list.clone(), cut.clone()));
+        Ok(cut)
+    }
+}

@@ -1,0 +1,337 @@
+//! Paths that are chosen in a dialog or typed: their purpose, whether there is anything to write, and whether they exist already.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::path_names::{lasting, named, other_ending, place, suggested_name, typed_destination};
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::model::{Command, Content, SceneSource, State, WorkKind};
+use crate::app::rooms::files::model::{Destination, FileCommand, Opening, Purpose, TypedPath};
+use crate::app::rooms::frame::model::{DockView, NoticeKind};
+use crate::app::rooms::path::model::NO_KEYS;
+use crate::app::rooms::report::model::{TableForm, table_text};
+use crate::app::rooms::share::model::FigureOf;
+use crate::app::work::FileRequest;
+use overlook_engine::error::Error;
+
+/// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
+const NO_DIALOG: Duration = Duration::from_secs(2);
+
+const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
+
+impl OverlookApp {
+    /// Carries out what concerns files.
+    pub(crate) fn apply_to_files(&mut self, command: FileCommand) {
+        match command {
+            FileCommand::Open(opening) => self.ask_to_open(opening),
+            // Before a path is chosen for nothing.
+            FileCommand::AskPath(purpose) | FileCommand::TypePath(purpose) if self.refuses(purpose) => {}
+            FileCommand::AskPath(purpose) => {
+                self.asked_at = Some(Instant::now());
+                self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
+            }
+            FileCommand::TypePath(purpose) => self.type_path(purpose, None),
+            FileCommand::TypedPath(text) => {
+                if let Some(typed) = &mut self.state.typed_path {
+                    (typed.text, typed.replaces) = (text, false);
+                }
+            }
+            FileCommand::TakeTypedPath => self.take_typed_path(),
+            FileCommand::CloseTypedPath => self.state.typed_path = None,
+            FileCommand::ForgetRecent => {
+                self.state.recent.clear();
+                self.state.recent_pictures.clear();
+            }
+            FileCommand::Introduced => self.state.inspector.introduced = true,
+            FileCommand::RoomExplained => self.state.inspector.room_explained = true,
+            FileCommand::Stay => {
+                self.state.inspector.closing.asks = false;
+                self.state.open_after_question = None;
+            }
+            FileCommand::GoOnAnyway => self.go_on_anyway(),
+        }
+    }
+
+    fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
+        let text = suggested_name(&self.state, purpose);
+        let folder = std::env::current_dir().ok();
+        self.state.typed_path = Some(TypedPath { purpose, text, folder, reason, replaces: false });
+    }
+
+    /// Takes the path in the field. A path to write to is taken once it is known to be free, or may be replaced.
+    fn take_typed_path(&mut self) {
+        let Some(typed) = &mut self.state.typed_path else { return };
+        let (purpose, Some(path)) = (typed.purpose, place(&typed.text)) else { return };
+        let Some(path) = named(purpose, path) else {
+            typed.reason = Some(other_ending(purpose));
+            return;
+        };
+        if purpose.writes() && !typed.replaces {
+            self.workers.check.submit(Destination { purpose, path });
+        } else {
+            self.last_typed = self.state.typed_path.take();
+            self.take_path(purpose, path);
+        }
+    }
+
+    /// Takes in whether the path in the field exists.
+    pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
+        let Destination { purpose, path } = destination;
+        if !purpose.writes() {
+            let opening = Opening::Path(path.clone());
+            if taken && self.state.unsaved_work().is_some() {
+                self.state.open_after_question = Some(opening);
+            } else {
+                // A path that does not exist fails to open like any other, and the open scene stays.
+                self.open(opening);
+            }
+            return;
+        }
+        let typed = self.state.typed_path.as_mut();
+        let Some(typed) = typed
+            .filter(|typed| typed.purpose == *purpose && typed_destination(typed).as_ref() == Some(path))
+        else {
+            return;
+        };
+        if taken {
+            typed.replaces = true;
+        } else {
+            self.last_typed = self.state.typed_path.take();
+            self.take_path(*purpose, path.clone());
+        }
+    }
+
+    /// Takes in what the system's dialog was answered.
+    pub(crate) fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
+        let asked_at = self.asked_at.take();
+        match path {
+            // The dialog asks before it replaces a file of the chosen name, but not for folders, nor for a name with an added ending.
+            Some(path)
+                if (purpose.fills_folder() || named(purpose, path.clone()).as_ref() != Some(&path))
+                    && path.to_str().is_some() =>
+            {
+                self.type_path(purpose, None);
+                self.apply(Command::File(FileCommand::TypedPath(path.display().to_string())));
+                self.take_typed_path();
+            }
+            Some(path) => self.take_path(purpose, path),
+            None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
+                self.type_path(purpose, Some(NO_DIALOG_WORDS.to_owned()));
+            }
+            None => {
+                let entry = purpose.typed_entry();
+                let text = format!("Where no file dialog appears, \"{entry}\" takes a path that is typed.");
+                self.state.notify(NoticeKind::Done, "No path was chosen", text);
+            }
+        }
+    }
+
+    /// Shows a path again that was typed and could not be read or written.
+    pub(crate) fn type_again(&mut self, work: WorkKind, error: &Error) {
+        let Error::Io { path, .. } = error else { return };
+        let last = self.last_typed.take_if(|last| {
+            last.purpose.work() == work
+                && typed_destination(last).is_some_and(|place| path.starts_with(place))
+        });
+        if let (Some(last), None) = (last, &self.state.typed_path) {
+            self.state.typed_path =
+                Some(TypedPath { reason: Some(error.to_string()), replaces: false, ..last });
+        }
+    }
+
+    pub(crate) fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
+        let path = lasting(path);
+        // Thresholds may have been changed while a path was chosen.
+        if self.refuses(purpose) {
+            return;
+        }
+        self.begin_sharing(purpose, &path);
+        match purpose {
+            Purpose::OpenFile | Purpose::OpenFolder => {
+                self.apply(Command::File(FileCommand::Open(Opening::Path(path))))
+            }
+            Purpose::SaveStore => self.save_store(path),
+            Purpose::SaveSettings => {
+                let settings = self.state.shown_settings();
+                self.workers.file.submit(FileRequest::SaveSettings { path, settings });
+            }
+            Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::SaveTable(table) => {
+                if let Some(text) = table_text(table, TableForm::of_file(&path), &self.state) {
+                    self.workers.file.submit(FileRequest::SaveText { path, text });
+                }
+            }
+            Purpose::SavePicture => self.save_picture(path),
+            Purpose::SaveShot => self.save_shot(path),
+            Purpose::SavePath => self.save_path(path),
+            Purpose::LoadPath => {
+                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                    self.workers.file.submit(FileRequest::LoadPath { path, scene });
+                }
+            }
+            Purpose::SaveEdits => self.save_edits(path),
+            Purpose::SaveSession => self.save_session(&path),
+            Purpose::LoadEdits => {
+                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                    self.workers.file.submit(FileRequest::LoadEdits { path, scene });
+                }
+            }
+            Purpose::OpenPictures => {
+                if let Some(scene) = self.state.scene.clone() {
+                    self.workers.file.submit(FileRequest::OpenPictures { path, scene });
+                }
+            }
+            Purpose::ExportPictures
+            | Purpose::ExportExr
+            | Purpose::ExportFilm
+            | Purpose::ExportPage
+            | Purpose::ExportSplats(_)
+            | Purpose::ExportPoints
+            | Purpose::ExportPointsOfFrames => self.export(purpose, path),
+            Purpose::ExportFigure => self.export_figure(path),
+        }
+    }
+
+    fn save_picture(&mut self, path: PathBuf) {
+        let shown = self.state.live_shown.as_ref();
+        let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
+        let picture = self.state.shown_picture().cloned();
+        if let Some((picture, rendered)) = picture.zip(rendered) {
+            let display = self.state.display;
+            self.workers.file.submit(FileRequest::SavePicture { path, picture, rendered, display });
+        } else {
+            self.state.share.asked = None;
+            self.notify_in_motion();
+        }
+    }
+
+    /// Takes a picture of the window once it is drawn without the field that the path was typed into.
+    fn save_shot(&mut self, path: PathBuf) {
+        let path = if path.extension().is_some() { path } else { path.with_extension("png") };
+        if !self.visible_views().contains(&DockView::Live) {
+            let text = "The live view is behind another one; bring it to the front, then try again.";
+            self.state.share.asked = None;
+            return self.state.warn_of_scene("No view to save", text);
+        }
+        // The dialog would be in the picture.
+        self.state.share.is_open = false;
+        self.state.share.asked = None;
+        self.shot_wanted = Some(path);
+        let (shot, ctx) = (self.shot.clone(), self.ctx.clone());
+        let taken = egui::ScreenshotCallback::new(move |image| {
+            *shot.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(image);
+            ctx.request_repaint();
+        });
+        self.ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
+    }
+
+    /// Writes the picture of the window that was taken, if one was.
+    pub(crate) fn take_shot(&mut self) {
+        let taken = self.shot.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
+        let Some(picture) = taken else { return };
+        let Some(path) = self.shot_wanted.take() else { return };
+        let scale = picture.size[0] as f32 / self.ctx.content_rect().width().max(1.0);
+        let area = self.state.live.area;
+        let area = [area.left(), area.top(), area.width(), area.height()]
+            .map(|side| (side * scale).round().max(0.0) as usize);
+        self.workers.file.submit(FileRequest::SaveShot { path, picture, area });
+    }
+
+    fn save_path(&mut self, path: PathBuf) {
+        let Some(scene) = self.state.scene.clone() else { return };
+        let (camera_path, size) = (self.state.inspector.path.clone(), self.state.export_size());
+        let up_in_world = self.state.up_in_world();
+        self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size, up_in_world });
+    }
+
+    fn save_store(&mut self, path: PathBuf) {
+        let Some(scene) = &self.state.scene else { return };
+        let edits = self.state.edits.list.clone();
+        if let Content::Store { playback, .. } = &scene.content {
+            let playback = playback.clone();
+            self.workers.file.submit(FileRequest::SaveAgain { path, playback, edits });
+        } else if !edits.is_idle() {
+            let (scene, settings) = (scene.clone(), self.state.settings.clone());
+            self.workers.file.submit(FileRequest::SaveEdited { path, scene, settings, edits });
+        } else if let Some(whole) = &self.state.whole {
+            // The store records the rendering settings of now, so that it looks the same when it is opened.
+            let mut samples = (*whole.samples).clone();
+            samples.settings.render = self.state.settings.render.clone();
+            let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
+            self.workers.file.submit(FileRequest::SaveStore { path, scene, samples, report });
+        }
+    }
+
+    /// Whether something that a purpose needs is missing; warns if so.
+    pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
+        let Some((title, text)) = what_is_missing(&self.state, purpose) else { return false };
+        self.state.warn_of_scene(title, text);
+        true
+    }
+}
+
+/// Title and text of the warning if there is nothing to write for a purpose, or nothing that could use what it reads.
+pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
+    let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
+    let no_scene = || where_not(state.scene.is_some(), "Open a capture or a store first.");
+    let no_capture = |text| where_not(state.has_capture(), text);
+    let no_keys = || where_not(state.inspector.path.pictures() > 0, NO_KEYS);
+    let no_samples = || no_scene().or_else(|| where_not(state.is_whole_ready(), not_pruned(state)));
+    let (title, text) = match purpose {
+        Purpose::SaveTable(table) => {
+            let is_empty = table_text(table, TableForm::Csv, state).is_none();
+            return is_empty.then(|| ("Nothing to save yet", format!("There is no {} yet.", table.name())));
+        }
+        Purpose::SaveStore => ("Nothing to save yet", no_samples()),
+        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => {
+            ("Nothing to export yet", no_samples().or_else(no_keys))
+        }
+        Purpose::ExportPage
+        | Purpose::ExportSplats(_)
+        | Purpose::ExportPoints
+        | Purpose::ExportPointsOfFrames => ("Nothing to export yet", no_samples()),
+        Purpose::ExportFigure => ("Nothing to export yet", no_scene().or_else(|| no_figure(state))),
+        Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
+        Purpose::LoadPath => ("No scene for a camera path", no_scene()),
+        Purpose::SaveSession => {
+            let has_path =
+                state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
+            let text =
+                "A session names the file or folder that is open; what comes with the program has none.";
+            ("No session to save", where_not(has_path, text))
+        }
+        Purpose::SaveEdits | Purpose::LoadEdits => ("No scene for edits", no_scene()),
+        Purpose::OpenPictures => (
+            "Nothing to compare pictures with",
+            no_capture("Open a capture first: a store has no viewpoints with true pictures."),
+        ),
+        Purpose::OpenFile
+        | Purpose::OpenFolder
+        | Purpose::SaveSettings
+        | Purpose::LoadSettings
+        | Purpose::SavePicture
+        | Purpose::SaveShot => return None,
+    };
+    text.map(|text| (title, text.to_owned()))
+}
+
+/// Why there is no picture for a figure.
+fn no_figure(state: &State) -> Option<&'static str> {
+    match state.share.options.figure_of {
+        FigureOf::Source if state.source_shown.is_none() => {
+            Some("There is no source picture: a store holds none, and a capture shows it once it is read.")
+        }
+        FigureOf::Live if state.live_shown.is_none() => Some("The live view has no picture yet."),
+        _ => None,
+    }
+}
+
+/// Why the whole capture is not pruned with the settings on the sliders.
+fn not_pruned(state: &State) -> &'static str {
+    if state.stopped {
+        "The whole capture is not pruned with these settings; recompute it (below), then try again."
+    } else {
+        "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
+    }
+}

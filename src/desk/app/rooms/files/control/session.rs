@@ -1,0 +1,65 @@
+//! Sessions: writing what is open and set, and taking it in again.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::address::ViewAddress;
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::dock::Dock;
+use crate::app::model::{OpenScene, SceneSource};
+use crate::app::rooms::files::model::Session;
+use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::rooms::path::model::CameraPath;
+use crate::app::work::FileRequest;
+
+impl OverlookApp {
+    /// Writes the session.
+    pub(crate) fn save_session(&mut self, place: &Path) {
+        let Some(session) = self.session() else { return };
+        match session.to_text(place) {
+            Ok(text) => self.workers.file.submit(FileRequest::SaveText { path: place.to_path_buf(), text }),
+            Err(error) => self.state.notify(NoticeKind::Error, "Session not saved", error.to_string()),
+        }
+    }
+
+    /// The session of a scene that has a path.
+    fn session(&self) -> Option<Session> {
+        let state = &self.state;
+        let scene = state.scene.as_ref()?;
+        let SceneSource::Path(opens) = &scene.origin else { return None };
+        let path = &state.inspector.path;
+        let path = if path.pictures() > 0 {
+            path.views(state.export_size(), &scene.frame_numbers)
+        } else {
+            Vec::new()
+        };
+        Some(Session {
+            opens: opens.clone(),
+            settings: state.settings.clone(),
+            edits: state.edits.list.clone(),
+            path,
+            up_in_world: state.up_in_world(),
+            view: self.view_address()?.to_string(),
+            layout: self.dock.to_json(),
+        })
+    }
+
+    /// Takes in what a session says of the scene that it opened.
+    pub(crate) fn take_session(&mut self, session: &Session, scene: &Arc<OpenScene>) {
+        if session.settings != self.state.settings {
+            self.change_settings(session.settings.clone());
+        }
+        self.dock = Dock::from_json(&session.layout);
+        self.state.look.workspace = self.dock.workspace();
+        self.show_areas_that_fit();
+        let up = session.up_in_world;
+        self.state.live.up = (up != scene.up_in_world).then_some(up);
+        self.state.inspector.path = CameraPath::default();
+        self.take_path_views(scene, &session.path);
+        self.state.edits.saved = session.edits.clone();
+        self.state.edits.change(true, |list| *list = session.edits.clone());
+        if let Some(view) = ViewAddress::read(session.view.trim_start_matches('#')) {
+            self.go_to_view(scene, &view);
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! A session as a text: what is open, and all that was set about it, so that a window opens with it again, here or elsewhere.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use overlook_engine::capture::transforms::{PathView, path_from_json, path_to_json};
+use overlook_engine::edits::EditList;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::settings::{Field, Settings};
+
+use crate::app::rooms::settings::model::setting_names::SettingPairs;
+use glam::DVec3;
+
+/// The ending of a session's file.
+pub(crate) const SESSION_ENDING: &str = "overlook";
+
+/// The version of the form.
+const VERSION: u32 = 1;
+
+/// A session.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Session {
+    /// What is open: a capture or a store. Absolute.
+    pub opens: PathBuf,
+    pub settings: Settings,
+    pub edits: EditList,
+    /// The views of the camera path, with keys marked; empty without one.
+    pub path: Vec<PathView>,
+    /// Up in the world: as chosen, or as the capture has it.
+    pub up_in_world: DVec3,
+    /// The address of the view, as `#view=…&frame=…`.
+    pub view: String,
+    /// The arrangement of the views, as the window remembers it.
+    pub layout: String,
+}
+
+/// The file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SessionForm {
+    version: u32,
+    /// Relative to the file where it lies below its folder.
+    opens: PathBuf,
+    up: [f64; 3],
+    #[serde(default)]
+    view: String,
+    #[serde(default)]
+    settings: String,
+    #[serde(default)]
+    edits: String,
+    #[serde(default)]
+    path: String,
+    #[serde(default)]
+    layout: String,
+}
+
+impl Session {
+    /// Whether a path is that of a session, by its ending.
+    pub(crate) fn is_session(path: &Path) -> bool {
+        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(SESSION_ENDING))
+    }
+
+    /// The text of a file at `place`. Its first lines say how to prune the same without a window.
+    ///
+    /// # Errors
+    /// `Invalid` where the camera path cannot be written.
+    pub(crate) fn to_text(&self, place: &Path) -> Result<String> {
+        let folder = place.parent().unwrap_or(Path::new(""));
+        let path =
+            if self.path.is_empty() { String::new() } else { path_to_json(self.up_in_world, &self.path)? };
+        let form = SessionForm {
+            version: VERSION,
+            opens: self.opens.strip_prefix(folder).unwrap_or(&self.opens).to_path_buf(),
+            up: self.up_in_world.to_array(),
+            view: self.view.clone(),
+            settings: self.settings.to_toml(),
+            edits: if self.edits.edits.is_empty() { String::new() } else { self.edits.to_toml() },
+            path,
+            layout: self.layout.clone(),
+        };
+        let text = toml::to_string_pretty(&form)
+            .map_err(|error| Error::invalid(place.display(), error.to_string()))?;
+        Ok(format!(
+            "# A session of Overlook: overlook open {}\n# {}\n{text}",
+            quoted(place),
+            self.command_line()
+        ))
+    }
+
+    /// Reads a file's text.
+    ///
+    /// # Errors
+    /// `Invalid` with what is wrong where.
+    pub(crate) fn from_text(text: &str, place: &Path) -> Result<Self> {
+        let name = place.display().to_string();
+        let invalid = |what: String| Error::invalid(&name, what);
+        let form: SessionForm = toml::from_str(text).map_err(|error| {
+            let before = error.span().map_or("", |span| &text[..span.start.min(text.len())]);
+            let line = before.matches('\n').count() + 1;
+            invalid(format!("line {line}: {}", error.message()))
+        })?;
+        if form.version != VERSION {
+            let what = format!(
+                "it has version {}, this Overlook reads version {VERSION}; use the Overlook that wrote it",
+                form.version
+            );
+            return Err(invalid(what));
+        }
+        let folder = place.parent().unwrap_or(Path::new(""));
+        let edits = if form.edits.is_empty() {
+            EditList::default()
+        } else {
+            EditList::from_toml(&form.edits, &name)?
+        };
+        let path =
+            if form.path.is_empty() { Vec::new() } else { path_from_json(form.path.as_bytes(), place)? };
+        let up = DVec3::from(form.up).try_normalize();
+        let up = up.ok_or_else(|| {
+            invalid("\"up\" is no direction; write it as three numbers, as in [0, 0, 1]".to_owned())
+        })?;
+        Ok(Self {
+            opens: folder.join(form.opens),
+            settings: Settings::from_toml(&form.settings, &name)?,
+            edits,
+            path,
+            up_in_world: up,
+            view: form.view,
+            layout: form.layout,
+        })
+    }
+
+    /// The command that prunes the same.
+    fn command_line(&self) -> String {
+        let defaults = Settings::default();
+        let pairs = SettingPairs::new(&self.settings, &defaults);
+        let mut line = format!("overlook preprocess {} --out scene.ovl", quoted(&self.opens));
+        for (field, [value, _]) in pairs.differing() {
+            let Field { path, .. } = field;
+            let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            // A string takes all that is written.
+            let _ = write!(line, " --set {path}={value}");
+        }
+        if !self.edits.edits.is_empty() {
+            line += " --edits EDITS.toml, which Save > Save edits writes";
+        }
+        line
+    }
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "/._-+,=:@".contains(letter);
+    if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn session(opens: &str) -> Session {
+        let mut settings = Settings::default();
+        settings.pruning.depth_tolerance = 2.5;
+        Session {
+            opens: opens.into(),
+            settings,
+            edits: EditList::default(),
+            path: Vec::new(),
+            up_in_world: DVec3::Z,
+            view: "#view=1,2&frame=3".to_owned(),
+            layout: "{}".to_owned(),
+        }
+    }
+
+    #[test]
+    fn a_session_is_read_as_it_was_written_and_follows_its_folder_to_another_place() {
+        let text = session("/data/my scene/capture").to_text(Path::new("/data/my scene/a.overlook")).unwrap();
+        let first: Vec<&str> = text.lines().take(2).collect();
+        assert_eq!(first[0], "# A session of Overlook: overlook open '/data/my scene/a.overlook'");
+        assert!(
+            first[1].ends_with("'/data/my scene/capture' --out scene.ovl --set pruning.depth_tolerance=2.5"),
+            "{}",
+            first[1]
+        );
+        let read = Session::from_text(&text, Path::new("/else/where/a.overlook")).unwrap();
+        assert_eq!(read, session("/else/where/capture"));
+    }
+
+    #[test]
+    fn what_is_no_session_says_where_and_why() {
+        for (text, words) in [
+            ("version = 1\n", "missing field `opens`"),
+            ("version = 1\nopens = \"a\"\nup = [0, 0, 0]\n", "\"up\" is no direction"),
+            ("version = 2\nopens = \"a\"\nup = [0, 0, 1]\n", "this Overlook reads version 1"),
+            ("version = 1\nopens = \"a\"\nfoo = 3\n", "line 3: unknown field `foo`"),
+            ("version = 1\nopens = \"a\"\nup = [0, 0, 1]\nsettings = \"x = 1\"\n", "unknown field `x`"),
+        ] {
+            let error = Session::from_text(text, Path::new("s.overlook")).unwrap_err().to_string();
+            assert!(error.starts_with("s.overlook") && error.contains(words), "{error}");
+        }
+    }
+}

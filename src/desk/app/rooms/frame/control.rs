@@ -1,0 +1,93 @@
+//! Carries out commands about the window: workspaces, the maximized view, and hidden areas.
+
+use super::model::{Area, DockView, WindowCommand};
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::rooms::help::model::HelpPage;
+
+impl OverlookApp {
+    /// Carries out what concerns the window.
+    pub(crate) fn apply_to_window(&mut self, command: WindowCommand) {
+        let look = &mut self.state.look;
+        match command {
+            WindowCommand::OpenView(view) => self.open_view(view),
+            WindowCommand::ResetLayout => {
+                self.dock.reset();
+                (look.maximized, look.hides_totals) = (None, false);
+                self.show_areas_that_fit();
+            }
+            WindowCommand::Workspace(workspace) => {
+                self.dock.show_workspace(workspace);
+                (look.workspace, look.maximized) = (workspace, None);
+                self.show_areas_that_fit();
+            }
+            WindowCommand::Maximize(view) => {
+                let view = view.or_else(|| self.dock.pointed_at()).unwrap_or(DockView::Live);
+                look.maximized = (look.maximized != Some(view)).then_some(view);
+            }
+            WindowCommand::ShowArea(area, show) => self.show_area(area, show),
+            WindowCommand::ShowTotals(show) => look.hides_totals = !show,
+            WindowCommand::FullScreen => {
+                let is_full = self.ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
+                self.ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!is_full));
+            }
+            WindowCommand::InterfaceSize(step) => match step {
+                0 => self.ctx.set_zoom_factor(1.0),
+                step if step > 0 => egui::gui_zoom::zoom_in(&self.ctx),
+                _ => egui::gui_zoom::zoom_out(&self.ctx),
+            },
+            WindowCommand::Dark(dark) => self.state.dark = dark,
+            WindowCommand::Dismiss(id) => self.state.notices.retain(|notice| notice.id != id),
+            WindowCommand::Palette(palette) => self.state.inspector.palette = palette,
+            WindowCommand::Help(page) => self.show_help(page),
+        }
+    }
+
+    fn show_help(&mut self, page: Option<HelpPage>) {
+        let state = &mut self.state;
+        state.inspector.help = page;
+        if page == Some(HelpPage::About) {
+            state.inspector.held_memory = state.held_memory();
+            let window = self.window.as_ref();
+            let memory = window.and_then(|window| window.device.generate_allocator_report());
+            state.inspector.graphics_memory = memory.map(|memory| memory.total_allocated_bytes);
+        }
+    }
+
+    /// Brings a view to the front: out of an area that was hidden, and from behind one that fills the window.
+    fn open_view(&mut self, view: DockView) {
+        if let Some(area) = view.area() {
+            self.show_area(area, true);
+        }
+        self.state.look.maximized = self.state.look.maximized.filter(|maximized| *maximized == view);
+        self.dock.open(view);
+    }
+
+    fn show_area(&mut self, area: Area, show: bool) {
+        self.dock.show_area(area, show);
+        let look = &mut self.state.look;
+        look.hidden.retain(|hidden| *hidden != area);
+        if !show {
+            look.hidden.push(area);
+        }
+        look.maximized = None;
+    }
+
+    /// Hides the area of cameras' pictures where a store is open, which holds none, and shows it again with a capture.
+    pub(crate) fn show_source_where_there_is_one(&mut self) {
+        let (maximized, has_capture) = (self.state.look.maximized, self.state.has_capture());
+        if self.state.look.shows(Area::Source) != has_capture {
+            self.show_area(Area::Source, has_capture);
+        }
+        self.state.look.maximized = maximized.filter(|view| has_capture || *view != DockView::Source);
+    }
+
+    /// Shows every area of the workspace that has something to show: a store holds no pictures of cameras.
+    pub(crate) fn show_areas_that_fit(&mut self) {
+        let maximized = self.state.look.maximized;
+        let has_source = self.state.scene.is_none() || self.state.has_capture();
+        for (area, ..) in Area::ALL {
+            self.show_area(area, area != Area::Source || has_source);
+        }
+        self.state.look.maximized = maximized;
+    }
+}

@@ -1,0 +1,74 @@
+//! Notices to the person: messages over the views, and the log.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::notice::{Notice, NoticeKind, NoticeLink, and_others};
+use super::view::DockView;
+use crate::app::model::document::State;
+
+impl State {
+    /// Adds a message.
+    pub(crate) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
+        self.add_notice(kind, title.into(), text.into(), None, None);
+    }
+
+    /// Adds a message that a file was written.
+    pub(crate) fn notify_of_file(&mut self, title: impl Into<String>, text: impl Into<String>, path: &Path) {
+        let link = Some(NoticeLink::Folder(path.to_path_buf()));
+        self.add_notice(NoticeKind::Done, title.into(), text.into(), None, link);
+    }
+
+    /// Adds a warning about what is open.
+    pub(crate) fn warn_of_scene(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        let scene = self.scene.as_ref().map(|scene| scene.id);
+        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, None);
+    }
+
+    /// Adds a message about what is open that a view shows in full.
+    pub(crate) fn notify_with_link(
+        &mut self,
+        title: impl Into<String>,
+        text: impl Into<String>,
+        view: DockView,
+    ) {
+        let scene = self.scene.as_ref().map(|scene| scene.id);
+        self.add_notice(NoticeKind::Done, title.into(), text.into(), scene, Some(NoticeLink::View(view)));
+    }
+
+    /// Adds a warning about what is open that something else shows in full.
+    pub(crate) fn warn_with_link(
+        &mut self,
+        title: impl Into<String>,
+        text: impl Into<String>,
+        link: NoticeLink,
+    ) {
+        let scene = self.scene.as_ref().map(|scene| scene.id);
+        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, Some(link));
+    }
+
+    fn add_notice(
+        &mut self,
+        kind: NoticeKind,
+        title: String,
+        text: String,
+        scene: Option<u64>,
+        link: Option<NoticeLink>,
+    ) {
+        self.inspector.log(kind, format!("{title}: {text}"));
+        self.notices.retain(|notice| notice.title != title || notice.text != text);
+        let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
+        self.notices.push(Notice { id, kind, title, text, since: Instant::now(), scene, link });
+    }
+
+    /// Reports once the parts of the open store that could not be read: the first line as a message, all lines in the log.
+    pub(crate) fn report_damage(&mut self, lines: &[String]) {
+        let told = &mut self.inspector.reported_damage;
+        let new: Vec<&String> = lines.iter().filter(|line| told.insert((*line).clone())).collect();
+        let Some((first, others)) = new.split_first() else { return };
+        for line in others {
+            self.inspector.log(NoticeKind::Warning, (*line).clone());
+        }
+        self.warn_of_scene("The store is damaged", and_others(first, others.len()));
+    }
+}

@@ -1,0 +1,66 @@
+//! What the live view shows at this moment: a finished picture, or one that is carried to the viewpoint while the next is painted.
+
+use egui::TextureId;
+
+use crate::app::model::document::State;
+use overlook_engine::capture::{Camera, Intrinsics};
+use overlook_engine::grid::Grid;
+
+/// What the live view shows.
+pub(crate) struct SeenPicture<'a> {
+    pub texture: TextureId,
+    /// Where it is seen from, with as many pixels as it has.
+    pub camera: &'a Camera,
+    /// As in a picture; `None` while its pixels cannot be read.
+    pub inverse_depth: Option<&'a Grid<f32>>,
+}
+
+impl State {
+    /// What the live view shows; `None` before the first picture.
+    pub(crate) fn live_seen(&self) -> Option<SeenPicture<'_>> {
+        let shown = self.live_shown.as_ref()?;
+        Some(match &self.live_carried {
+            Some(carried) => SeenPicture {
+                texture: carried.texture.id(),
+                camera: &carried.camera,
+                inverse_depth: Some(&carried.inverse_depth),
+            },
+            None => SeenPicture {
+                texture: shown.texture.id(),
+                camera: &shown.key.vantage.camera,
+                inverse_depth: shown.picture.rendered().map(|rendered| &rendered.inverse_depth),
+            },
+        })
+    }
+
+    /// Whether the view is where a picture was taken from.
+    pub(crate) fn looks_from(&self, camera: &Camera) -> bool {
+        let lens = camera.intrinsics;
+        self.live_camera([lens.width, lens.height]).as_ref() == Some(camera)
+    }
+
+    /// The camera of the picture that the live view shows, for `width × height` pixels over it: what is drawn there lies where the
+    /// picture shows it. Before the first picture, that of the view.
+    pub(crate) fn seen_camera(&self, size: [u32; 2]) -> Option<Camera> {
+        match self.live_seen() {
+            Some(seen) => Some(stretched(seen.camera, size)),
+            None => self.live_camera(size),
+        }
+    }
+}
+
+/// A camera whose picture is stretched to another size.
+fn stretched(camera: &Camera, [width, height]: [u32; 2]) -> Camera {
+    let lens = camera.intrinsics;
+    let [across, down] =
+        [f64::from(width) / f64::from(lens.width), f64::from(height) / f64::from(lens.height)];
+    let intrinsics = Intrinsics {
+        width,
+        height,
+        fx: lens.fx * across,
+        fy: lens.fy * down,
+        cx: lens.cx * across,
+        cy: lens.cy * down,
+    };
+    Camera { intrinsics, ..camera.clone() }
+}

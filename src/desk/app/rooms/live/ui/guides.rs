@@ -1,0 +1,262 @@
+//! Guides over the live view: the frame of a picture, the ground, the world's axes, and a measured distance.
+
+use egui::{Align2, Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
+use glam::{DAffine3, DVec3};
+
+use super::live_pixels::is_seen;
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::cameras::ui::overlays::{clipped, projected};
+use crate::app::rooms::live::model::{FrameGuide, OrbitCamera, ViewCommand};
+use crate::app::theme::Tokens;
+use overlook_engine::capture::Camera;
+
+/// Length of the axes on the screen, points.
+const AXIS: f32 = 30.0;
+
+/// Height of a live view from which on the axes have that length, points; in a lower one they are shorter.
+const ROOM_OF_AXES: f32 = 300.0;
+
+/// Shortest axes, as a share of that length.
+const SHORTEST_AXES: f32 = 0.6;
+
+/// Offset of the axes' middle from the corner.
+const FROM_CORNER: Vec2 = vec2(46.0, -46.0);
+
+/// Lines of the ground on either side of its middle.
+const LINES: i32 = 12;
+
+/// Parts of a line of the ground; each is drawn in front of the picture or behind it.
+const PARTS: i32 = 24;
+
+/// Nearest part of a line that is drawn, in pivot distances.
+const NEAR: f64 = 1e-3;
+
+/// The part of the live view that its picture fills: all of it, or the largest part of the shape of the frame.
+pub(crate) fn picture_area(canvas: Rect, state: &State) -> Rect {
+    if state.live.guides.locks_aspect { framed_area(canvas, state) } else { canvas }
+}
+
+/// The largest part of an area that has the shape of the frame: what a picture of that shape shows.
+fn framed_area(area: Rect, state: &State) -> Rect {
+    let Some([width, height]) = state.framed_size().map(|size| size.map(|side| side as f32)) else {
+        return area;
+    };
+    let scale = (area.width() / width).min(area.height() / height);
+    let size = vec2((width * scale).max(1.0), (height * scale).max(1.0));
+    Rect::from_center_size(area.center(), size).intersect(area)
+}
+
+/// Draws the guides, and looks along the axis that is clicked.
+pub(crate) fn guides_ui(
+    ui: &mut Ui,
+    painter: &Painter,
+    canvas: Rect,
+    state: &State,
+    commands: &mut Commands,
+) {
+    let size = [canvas.width() as u32, canvas.height() as u32];
+    let (Some(orbit), Some(vantage)) = (&state.live.orbit, state.seen_camera(size)) else { return };
+    if state.live.guides.grid {
+        ground(painter, canvas, state, orbit, &vantage);
+    }
+    frame(painter, canvas, state);
+    ruler(painter, canvas, state, &vantage);
+    if state.live.guides.axes {
+        axes_ui(ui, painter, canvas, &vantage, commands);
+    }
+}
+
+/// Darkens everything outside the frame.
+fn frame(painter: &Painter, canvas: Rect, state: &State) {
+    let Some([width, height]) = state.framed_size().filter(|_| state.live.guides.frame != FrameGuide::Off)
+    else {
+        return;
+    };
+    let frame = framed_area(canvas, state);
+    let shade = Color32::from_black_alpha(140);
+    for outside in [
+        Rect::from_min_max(canvas.min, pos2(canvas.right(), frame.top())),
+        Rect::from_min_max(pos2(canvas.left(), frame.bottom()), canvas.max),
+        Rect::from_min_max(pos2(canvas.left(), frame.top()), frame.left_bottom()),
+        Rect::from_min_max(frame.right_top(), pos2(canvas.right(), frame.bottom())),
+    ] {
+        if outside.is_positive() {
+            painter.rect_filled(outside, 0.0, shade);
+        }
+    }
+    let tokens = Tokens::of(state.dark);
+    painter.rect_stroke(frame, 0.0, Stroke::new(1.0, tokens.on_scrim), egui::StrokeKind::Inside);
+    plate(painter, frame.left_top() + vec2(8.0, 8.0), Align2::LEFT_TOP, &format!("{width}×{height}"), tokens);
+}
+
+/// A line of text on the scrim.
+fn plate(painter: &Painter, at: Pos2, align: Align2, text: &str, tokens: &Tokens) {
+    let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(11.5), tokens.on_scrim);
+    let area = align.anchor_size(at, galley.size() + vec2(8.0, 4.0));
+    painter.rect_filled(area, 4.0, tokens.scrim);
+    painter.galley(area.min + vec2(4.0, 2.0), galley, tokens.on_scrim);
+}
+
+/// Distance between lines of the ground: the power of ten that suits how far away the pivot is.
+fn spacing(pivot_distance: f64) -> f64 {
+    10.0_f64.powf((pivot_distance * 0.4).log10().floor())
+}
+
+/// Lines of the ground at the height of the world's origin, below the pivot; faint where the picture is in front of them.
+fn ground(painter: &Painter, canvas: Rect, state: &State, orbit: &OrbitCamera, vantage: &Camera) {
+    let up = orbit.up_in_world();
+    let [a, b] = {
+        let (a, b) = up.any_orthonormal_pair();
+        if up == DVec3::Z { [DVec3::X, DVec3::Y] } else { [a, b] }
+    };
+    let step = spacing(orbit.pivot_distance);
+    let pivot = orbit.world_from_camera.transform_point3(DVec3::Z * orbit.pivot_distance);
+    let middle = [a, b].map(|axis| (pivot.dot(axis) / step).round() * step);
+    let tokens = Tokens::of(state.dark);
+    let eye = GroundEye {
+        vantage,
+        camera_from_world: vantage.camera_from_world(),
+        near: NEAR * orbit.pivot_distance,
+    };
+    let reach = f64::from(LINES) * step;
+    for (along, across, [from, at]) in [(a, b, middle), (b, a, [middle[1], middle[0]])] {
+        for line in -LINES..=LINES {
+            let place = at + f64::from(line) * step;
+            let is_axis = place.abs() < step * 1e-6;
+            let color = if is_axis { Tokens::axis_of(along) } else { tokens.on_scrim };
+            for part in 0..PARTS {
+                let [start, end] = [part, part + 1].map(|part| {
+                    let share = f64::from(part) / f64::from(PARTS) * 2.0 - 1.0;
+                    along * (from + share * reach) + across * place
+                });
+                let part = GroundPart { ends: [start, end], fade: fade(line, part) };
+                ground_part(painter, canvas, state, &eye, &part, color);
+            }
+        }
+    }
+    let text = format!("grid {}", state.live.unit.length(step));
+    plate(painter, canvas.right_bottom() + vec2(-8.0, -8.0), Align2::RIGHT_BOTTOM, &text, tokens);
+}
+
+/// The camera that the ground is drawn for.
+struct GroundEye<'a> {
+    vantage: &'a Camera,
+    camera_from_world: DAffine3,
+    /// Depth at which lines are cut off, world units.
+    near: f64,
+}
+
+struct GroundPart {
+    /// World space.
+    ends: [DVec3; 2],
+    /// 1 in the middle of the ground, 0 at its edge.
+    fade: f32,
+}
+
+fn fade(line: i32, part: i32) -> f32 {
+    let across = line as f32 / LINES as f32;
+    let along = (part as f32 + 0.5) / PARTS as f32 * 2.0 - 1.0;
+    (1.0 - across.hypot(along)).clamp(0.0, 1.0)
+}
+
+fn ground_part(
+    painter: &Painter,
+    canvas: Rect,
+    state: &State,
+    eye: &GroundEye<'_>,
+    part: &GroundPart,
+    color: Color32,
+) {
+    let ends = part.ends.map(|end| eye.camera_from_world.transform_point3(end));
+    let Some(ends) = clipped(ends, eye.near).filter(|_| part.fade > 0.0) else { return };
+    let middle = (ends[0] + ends[1]) / 2.0;
+    let [Some(start), Some(end), Some(center)] =
+        [ends[0], ends[1], middle].map(|end| projected(eye.vantage, end))
+    else {
+        return;
+    };
+    let at = |point: Pos2| canvas.min + point.to_vec2();
+    // The picture may show the ground itself, which then must not hide its lines.
+    let hidden = is_seen(state, canvas, at(center), middle.z * 0.97).is_some_and(|seen| !seen);
+    let strength = part.fade * if hidden { 0.07 } else { 0.5 };
+    painter.line_segment([at(start), at(end)], Stroke::new(1.0, color.gamma_multiply(strength)));
+}
+
+/// The distance that is measured, between its points.
+fn ruler(painter: &Painter, canvas: Rect, state: &State, vantage: &Camera) {
+    let ruler = &state.live.ruler;
+    let tokens = Tokens::of(state.dark);
+    let places: Vec<Pos2> = (ruler.points.iter())
+        .filter_map(|point| vantage.project(*point))
+        .map(|(pixel, _)| canvas.min + vec2(pixel.x as f32, pixel.y as f32))
+        .collect();
+    if let [a, b] = places.as_slice() {
+        for (width, color) in [(4.0, Color32::from_black_alpha(170)), (2.0, tokens.mark)] {
+            painter.line_segment([*a, *b], Stroke::new(width, color));
+        }
+    }
+    for place in &places {
+        painter.circle(*place, 4.0, tokens.mark, Stroke::new(1.5, Color32::from_black_alpha(200)));
+    }
+    if let (Some(distance), [a, b]) = (ruler.distance(), places.as_slice()) {
+        let text = state.live.unit.length(distance);
+        plate(painter, a.lerp(*b, 0.5) + vec2(0.0, -10.0), Align2::CENTER_BOTTOM, &text, tokens);
+    }
+    if ruler.active {
+        let text = match ruler.points.len() {
+            0 => "Click the first point to measure from (M ends)",
+            1 => "Click the second point",
+            _ => "Click to measure anew (M ends)",
+        };
+        plate(painter, canvas.center_top() + vec2(0.0, 8.0), Align2::CENTER_TOP, text, tokens);
+    }
+}
+
+/// The directions of the world's axes; a click on an end looks along it.
+fn axes_ui(ui: &mut Ui, painter: &Painter, canvas: Rect, vantage: &Camera, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    let scale = (canvas.height() / ROOM_OF_AXES).clamp(SHORTEST_AXES, 1.0);
+    let middle = canvas.left_bottom() + FROM_CORNER * scale;
+    let camera_from_world = vantage.world_from_camera.matrix3.transpose();
+    let mut ends: Vec<(DVec3, DVec3, &str)> = Vec::new();
+    for (axis, names) in [(DVec3::X, ["X", "−X"]), (DVec3::Y, ["Y", "−Y"]), (DVec3::Z, ["Z", "−Z"])] {
+        for (axis, name) in [(axis, names[0]), (-axis, names[1])] {
+            ends.push((camera_from_world * axis, axis, name));
+        }
+    }
+    ends.sort_by(|a, b| b.0.z.total_cmp(&a.0.z));
+    painter.circle_filled(middle, (AXIS + 12.0) * scale, tokens.scrim.gamma_multiply(0.6));
+    for (direction, axis, name) in ends {
+        let end = middle + vec2(direction.x as f32, direction.y as f32) * AXIS * scale;
+        let color = Tokens::axis_of(axis);
+        let is_positive = name.len() == 1;
+        let area = Rect::from_center_size(end, Vec2::splat(scale * if is_positive { 16.0 } else { 12.0 }));
+        let response = ui.interact(area, ui.scope_id().with(("axis", name)), Sense::click());
+        response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("View from {name}")));
+        if is_positive {
+            painter.line_segment([middle, end], Stroke::new(2.0, color));
+            painter.circle_filled(end, 8.0 * scale, color);
+            let font = egui::FontId::proportional(11.0 * scale.max(0.8));
+            painter.text(end, Align2::CENTER_CENTER, name, font, Color32::BLACK);
+        } else {
+            let fill = if response.hovered() { color } else { color.gamma_multiply(0.35) };
+            painter.circle(end, 5.0 * scale, fill, Stroke::new(1.0, color));
+        }
+        if response.on_hover_text(format!("View from {name}")).clicked() {
+            commands.push(Command::View(ViewCommand::LookAlong(-axis)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ground_has_a_line_for_each_power_of_ten_that_suits_the_distance() {
+        for (distance, expected) in [(1.0, 0.1), (5.0, 1.0), (30.0, 10.0), (2.5e-6, 1e-6)] {
+            assert!((spacing(distance) / expected - 1.0).abs() < 1e-9, "{distance}: {}", spacing(distance));
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The live view's camera in numbers, its guides, and the cameras whose samples it shows.
+
+use std::f64::consts::PI;
+
+use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, Slider, Ui};
+use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_CONTENT_PASTE, ICON_LINK};
+
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::cameras::ui::camera_list::camera_list_ui;
+use crate::app::rooms::live::model::{
+    ANGLES_OF_VIEW, FLY_SPEEDS, FrameGuide, OrbitCamera, UP_DIRECTIONS, Unit, ViewAngles, ViewCommand,
+};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{choice_ui, note, segments_ui};
+
+/// The panel.
+pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let Some(orbit) = &state.live.orbit else { return };
+    let mut sent = Vec::new();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        lens_ui(ui, orbit, &mut sent);
+        pose_ui(ui, state, orbit, &mut sent);
+        guides_ui(ui, state, &mut sent);
+        moving_ui(ui, state, &mut sent);
+        heading_ui(ui, "Cameras");
+        camera_list_ui(ui, state, commands);
+    });
+    commands.extend(sent.into_iter().map(Command::View));
+}
+
+pub(crate) fn heading_ui(ui: &mut Ui, name: &str) {
+    ui.add_space(space::MEDIUM);
+    ui.label(RichText::new(name).strong());
+}
+
+fn grid_ui(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
+    Grid::new(name).num_columns(2).spacing([space::LARGE, 6.0]).show(ui, contents);
+}
+
+fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
+    heading_ui(ui, "Lens");
+    let mut degrees = orbit.angle_of_view() * 180.0 / PI;
+    let range = ANGLES_OF_VIEW.map(|angle| angle * 180.0 / PI);
+    ui.horizontal(|ui| {
+        ui.label("Field of view");
+        let slider = Slider::new(&mut degrees, range[0]..=range[1]).suffix("°").max_decimals(1);
+        let slider = ui.add(slider).accessible_name("Field of view");
+        if slider.on_hover_text("Horizontal angle that the lens sees.").changed() {
+            sent.push(ViewCommand::AngleOfView(degrees * PI / 180.0));
+        }
+    });
+    note(ui, format!("focal length {:.0} px of {}×{}", orbit.lens.fx, orbit.lens.width, orbit.lens.height));
+}
+
+fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
+    heading_ui(ui, "Pose");
+    let mut position = orbit.world_from_camera.translation;
+    let mut angles = orbit.angles();
+    let speed = orbit.pivot_distance * 0.005;
+    ui.horizontal(|ui| {
+        // Three numbers and their unit fit into the narrowest panel.
+        ui.spacing_mut().item_spacing.x = space::SMALL;
+        ui.spacing_mut().button_padding.x = space::SMALL + 1.0;
+        for (name, value) in [("X", &mut position.x), ("Y", &mut position.y), ("Z", &mut position.z)] {
+            let drag = DragValue::new(value).speed(speed).max_decimals(4).prefix(format!("{name} "));
+            let drag = ui.add(drag.update_while_editing(false)).accessible_name(format!("Position {name}"));
+            drag.on_hover_text("Position of the eye in world space.");
+        }
+        if state.live.unit == Unit::Meters {
+            ui.label("m");
+        }
+    });
+    if position != orbit.world_from_camera.translation {
+        sent.push(ViewCommand::Position(position));
+    }
+    let before = angles;
+    ui.horizontal_wrapped(|ui| {
+        let ViewAngles { heading, pitch, roll } = &mut angles;
+        for (name, help, value) in [
+            ("Heading", "Where the view looks on the compass: 0° along +Y, 90° along +X.", heading),
+            ("Pitch", "How far it looks up.", pitch),
+            ("Roll", "How far it is turned clockwise about the line of sight.", roll),
+        ] {
+            let mut degrees = *value * 180.0 / PI;
+            let drag = DragValue::new(&mut degrees).speed(0.5).max_decimals(1).suffix("°");
+            let drag = ui.add(drag.update_while_editing(false)).accessible_name(name);
+            if drag.on_hover_text(format!("{name}: {help}")).changed() {
+                *value = degrees * PI / 180.0;
+            }
+        }
+        let caption = RichText::new("heading, pitch, roll").small().color(Tokens::in_ui(ui).text_weak);
+        // In a row of its own where it does not fit beside the numbers.
+        ui.add(Label::new(caption).extend());
+    });
+    if angles != before {
+        sent.push(ViewCommand::Angles(angles));
+    }
+    ui.horizontal_wrapped(|ui| {
+        for (icon, name, help, command) in [
+            (ICON_CONTENT_COPY, "Copy view", COPY, ViewCommand::Copy),
+            (
+                ICON_CONTENT_PASTE,
+                "Paste view",
+                "Go to a copied view or address (Ctrl+V).",
+                ViewCommand::Paste,
+            ),
+            (ICON_LINK, "Copy address", ADDRESS, ViewCommand::CopyAddress),
+        ] {
+            let button = ui.button((icon.rich_text(), name)).accessible_name(name);
+            if button.on_hover_text(help).clicked() {
+                sent.push(command);
+            }
+        }
+    });
+}
+
+const ADDRESS: &str =
+    "Copy the address of this view (Ctrl+L): this window, overlook open and exported pages go to it.";
+
+const COPY: &str = "Copy pose, lens and frame as text (Ctrl+C): a transforms.json that this window pastes and render --views takes.";
+
+fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
+    heading_ui(ui, "Guides");
+    let mut guides = state.live.guides;
+    ui.horizontal(|ui| {
+        ui.label("Frame");
+        if let Some(frame) = segments_ui(ui, "Frame guide", guides.frame, FrameGuide::ALL) {
+            guides.frame = frame;
+        }
+    });
+    for (name, help, on) in [
+        ("Lock aspect", "Give the picture the shape of that frame.", &mut guides.locks_aspect),
+        ("Axes", "The world's axes; click one to look along it.", &mut guides.axes),
+        ("Ground grid", "The ground at the height of the world's origin.", &mut guides.grid),
+        ("Pictures in cameras", "Draw every camera with its picture.", &mut guides.pictures),
+    ] {
+        ui.add(Checkbox::new(on, name)).on_hover_text(help);
+    }
+    if guides != state.live.guides {
+        sent.push(ViewCommand::Guides(guides));
+    }
+}
+
+fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
+    heading_ui(ui, "Moving and measuring");
+    grid_ui(ui, "moving", |ui| {
+        ui.label("Fly speed");
+        let mut speed = state.live.fly_speed;
+        let slider = Slider::new(&mut speed, FLY_SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
+        let help = "Speed of W A S D, Q E; [ and ] change it, Shift is four times as fast.";
+        if ui.add(slider).accessible_name("Fly speed").on_hover_text(help).changed() {
+            sent.push(ViewCommand::FlySpeed(speed));
+        }
+        ui.end_row();
+        ui.label("Up");
+        if let Some(up) = choice_ui(ui, "Up axis", state.live.up, &UP_DIRECTIONS, 106.0) {
+            sent.push(ViewCommand::Up(up));
+        }
+        ui.end_row();
+        ui.label("Unit");
+        sent.extend(segments_ui(ui, "Unit", state.live.unit, Unit::ALL).map(ViewCommand::Unit));
+        ui.end_row();
+        ui.label("Distance");
+        ui.horizontal(|ui| {
+            let ruler = &state.live.ruler;
+            let button = ui.selectable_label(ruler.active, "Measure").accessible_name("Measure a distance");
+            if button
+                .on_hover_text("Click two points of the live view to measure between them (M).")
+                .clicked()
+            {
+                sent.push(ViewCommand::Measure(!ruler.active));
+            }
+            if let Some(distance) = ruler.distance() {
+                ui.label(RichText::new(state.live.unit.length(distance)).strong());
+            }
+        });
+        ui.end_row();
+    });
+}

@@ -1,0 +1,5 @@
+//! What is computed, on threads of its own.
+
+pub(crate) mod carry;
+pub(crate) mod image;
+pub(crate) mod schedule;

@@ -1,0 +1,167 @@
+//! The camera path: keys, playing, and pictures of it.
+
+use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
+use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
+
+use crate::app::model::{Command, Commands, SIDES, State};
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::share::model::{ShareCommand, ShareWay};
+use crate::app::widgets::{empty_ui, icon_button, weak};
+use overlook_engine::plural::counted;
+
+/// Columns and rows of exported pictures.
+pub(crate) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
+    let mut chosen = size;
+    let [width, height] = &mut chosen;
+    for (name, separator, side) in [("Picture width", "×", width), ("Picture height", "", height)] {
+        let drag = DragValue::new(side).range(SIDES).speed(2.0).update_while_editing(false);
+        ui.add(drag).on_hover_text(SIZE).accessible_name(name);
+        ui.label(separator);
+    }
+    if chosen != size {
+        commands.push(Command::Path(PathCommand::PictureSize(chosen)));
+    }
+}
+
+const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
+
+pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let path = &state.inspector.path;
+    if path.keys.is_empty() {
+        let text = "Fly to where the path should begin and add a key; fly on and add the next. The path runs smoothly \
+                    through all of them, in space and in time.";
+        empty_ui(ui, ICON_MOVIE, "No camera path yet", text, |ui| {
+            if ui.button("Add key here (K)").clicked() {
+                commands.push(Command::Path(PathCommand::AddKey));
+            }
+            path_file_ui(ui, false, commands);
+        });
+        return;
+    }
+    let rows: &[&[PathControls]] = match ui.available_width() {
+        width if width > ONE_ROW => {
+            &[&[PathControls::Keys, PathControls::Pace, PathControls::Size, PathControls::File]]
+        }
+        width if width > TWO_ROWS => {
+            &[&[PathControls::Keys, PathControls::Pace], &[PathControls::Size, PathControls::File]]
+        }
+        _ => &[&[PathControls::Keys], &[PathControls::Pace], &[PathControls::Size], &[PathControls::File]],
+    };
+    for row in rows {
+        ui.horizontal(|ui| {
+            for part in *row {
+                part_ui(ui, state, *part, commands);
+            }
+        });
+    }
+    keys_ui(ui, state, commands);
+}
+
+/// Controls above the keys, in rows as wide as the panel.
+#[derive(Clone, Copy)]
+enum PathControls {
+    Keys,
+    Pace,
+    Size,
+    File,
+}
+
+/// Widths from which on all controls fit into one row and into two.
+const ONE_ROW: f32 = 735.0;
+const TWO_ROWS: f32 = 430.0;
+
+fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
+    let path = &state.inspector.path;
+    let ready = path.pictures() > 0;
+    match part {
+        PathControls::Keys => {
+            if ui.button("Add key here (K)").clicked() {
+                commands.push(Command::Path(PathCommand::AddKey));
+            }
+            let is_playing = path.playing.is_some();
+            let (icon, name) =
+                if is_playing { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
+            if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
+                commands.push(Command::Path(PathCommand::Play(!is_playing)));
+            }
+            weak(ui, counted(path.pictures(), "picture"));
+        }
+        PathControls::Pace => {
+            ui.label("Frames per segment");
+            let mut pictures = path.pictures_per_leg;
+            let drag = DragValue::new(&mut pictures).range(1..=2000);
+            if ui.add(drag).accessible_name("Frames per segment").changed() {
+                commands.push(Command::Path(PathCommand::PicturesPerLeg(pictures)));
+            }
+        }
+        PathControls::Size => {
+            ui.label("Size");
+            size_ui(ui, state.export_size(), commands);
+        }
+        PathControls::File => {
+            path_file_ui(ui, ready, commands);
+            if ui.button("Share…").on_hover_text(SHARE).accessible_name("Share the camera path").clicked() {
+                commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Film))));
+            }
+        }
+    }
+}
+
+/// The path's file.
+fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
+    ui.menu_button("Path file…", |ui| {
+        for (name, needs_path, command) in [
+            ("Save camera path…", true, Command::File(FileCommand::AskPath(Purpose::SavePath))),
+            ("Save camera path to path…", true, Command::File(FileCommand::TypePath(Purpose::SavePath))),
+            ("Open camera path…", false, Command::File(FileCommand::AskPath(Purpose::LoadPath))),
+            ("Open camera path from path…", false, Command::File(FileCommand::TypePath(Purpose::LoadPath))),
+            ("Remove all keys", true, Command::Path(PathCommand::Clear)),
+        ] {
+            let button = ui.add_enabled(ready || !needs_path, egui::Button::new(name));
+            if button.on_hover_text(PATH_FILE).clicked() {
+                commands.push(command);
+            }
+        }
+    });
+}
+
+const SHARE: &str = "A video or pictures along the path.";
+
+const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
+
+/// Width from which on there is room for the position of a key.
+const ROOMY: f32 = 390.0;
+
+fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let keys = &state.inspector.path.keys;
+    let is_roomy = ui.available_width() > ROOMY;
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
+            for (index, key) in keys.iter().enumerate() {
+                let number = index + 1;
+                let at = key.orbit.world_from_camera.translation;
+                let place = format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z);
+                let help = format!("Go to this key, at {place}");
+                if ui.button(format!("Key {number}")).on_hover_text(help).clicked() {
+                    commands.push(Command::Path(PathCommand::GoToKey(index)));
+                }
+                if is_roomy {
+                    ui.label(RichText::new(place).monospace());
+                }
+                weak(ui, format!("frame {}", key.frame + 1));
+                ui.horizontal(|ui| {
+                    let here = format!("Set key {number} to the current view");
+                    if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
+                        commands.push(Command::Path(PathCommand::ReplaceKey(index)));
+                    }
+                    let remove = format!("Remove key {number}");
+                    if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
+                        commands.push(Command::Path(PathCommand::RemoveKey(index)));
+                    }
+                });
+                ui.end_row();
+            }
+        });
+    });
+}

@@ -1,0 +1,332 @@
+//! The explanation of one pixel: its verdict, which sample represents it, when it is stored, and the evidence of every camera.
+
+use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
+use egui_extras::{Column, TableBuilder, TableRow};
+use egui_material_icons::icons::{
+    ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING, ICON_TABLE_VIEW,
+};
+
+use super::model::{Probed, verdict_text as words};
+use crate::app::camera_chips::chips;
+use crate::app::model::{Command, Commands, OpenScene, State};
+use crate::app::rooms::cameras::model::CameraText;
+use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::pixel::model::PixelCommand;
+use crate::app::rooms::report::model::{Table, TableForm};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
+use overlook_engine::plural::counted;
+use overlook_engine::preprocess::inspect::CameraEvidence;
+
+/// Width of the summary beside the table.
+const SUMMARY: f32 = 264.0;
+
+/// Width that the table needs at its full size, and the size of its letters in less.
+const TABLE: f32 = 826.0;
+const NARROW: f32 = 11.0;
+
+/// Least width of the last column, which gets what the others leave: beyond that the table scrolls to the side.
+const OWN_SAMPLE: f32 = 110.0;
+
+/// Columns of the table: heading, width in points, and what it means.
+const COLUMNS: [(&str, f32, &str); 9] = [
+    ("Camera", 88.0, "Click a name to see the point there."),
+    ("Visible", 128.0, "Whether the camera shows the same surface point, and if not, why."),
+    ("Depth", 96.0, "Planar depth expected at the point, and the depth that the camera recorded there."),
+    ("Depth error", 74.0, "Distance to the surface found there, in pixel footprints (px)."),
+    ("Angle", 44.0, "Angle of incidence: between the line of sight and the surface's normal."),
+    (
+        "Paper r",
+        50.0,
+        "The paper's r: planar depth over cosine of incidence, this pixel's divided by that camera's. Below 1 this pixel is denser.",
+    ),
+    (
+        "Density",
+        54.0,
+        "Footprint density: the paper's r with focal length and resolution, this pixel's longest side on the surface beside that camera's; its area where \
+         longest sides do not decide.",
+    ),
+    ("Color", 44.0, "Largest difference of a color channel, in 8-bit steps."),
+    (
+        "Its own sample",
+        150.0,
+        "What became of that camera's own pixel. One that blends both sides of a depth edge, or whose normal is not known, yields to others \
+         however dense it is.",
+    ),
+];
+
+pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
+    let Some((scene, probed)) = shown else {
+        let text = if state.inspector.probe.spot.is_some() {
+            "No verdict here: the spot is a hole, filled or not, or its verdict is still being computed."
+        } else {
+            "Point at a pixel in the source or the live view. Click to pin it; every camera then says what it \
+             knows about the point."
+        };
+        empty_ui(ui, ICON_LOCATION_SEARCHING, "No pixel selected", text, |_| {});
+        return;
+    };
+    let area = ui.available_rect_before_wrap();
+    let left = Rect::from_min_size(area.min, vec2(SUMMARY.min(area.width() * 0.3), area.height()));
+    let right = Rect::from_min_max(pos2(left.right() + space::LARGE, area.top()), area.max);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(left).id_salt("summary"), |ui| {
+        ScrollArea::vertical()
+            .auto_shrink(false)
+            .show(ui, |ui| summary_ui(ui, state, scene, probed, commands));
+    });
+    ui.scope_builder(egui::UiBuilder::new().max_rect(right).id_salt("evidence"), |ui| {
+        ScrollArea::horizontal()
+            .auto_shrink(false)
+            .show(ui, |ui| table_ui(ui, state, scene, probed, commands));
+    });
+    ui.allocate_rect(area, Sense::hover());
+}
+
+fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    ui.spacing_mut().item_spacing.y = 3.0;
+    ui.horizontal(|ui| heading_ui(ui, state, scene, probed, commands));
+    if let Some(explanation) = &probed.explanation {
+        let sentence = words::verdict(&scene.cameras, explanation.verdict);
+        let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
+        ui.add(Label::new(chips(ui, &sentence, &scene.cameras, &TextStyle::Body, color)).wrap());
+        if explanation.is_doubtful {
+            note(ui, words::DOUBTFUL);
+        }
+        if let Some(votes) = words::votes(explanation.votes, explanation.is_flying) {
+            note(ui, votes).on_hover_text(words::rule_of_votes(&state.settings.pruning));
+        }
+        if explanation.chain.len() > 1 {
+            let chain = words::chain(&scene.cameras, &explanation.chain);
+            ui.add(Label::new(chips(ui, &chain, &scene.cameras, &TextStyle::Small, tokens.text_weak)).wrap())
+                .on_hover_text("The witness chain: from this pixel to the sample that replaces it.");
+        }
+    } else {
+        let text = if state.has_capture() {
+            words::pending_verdict(state, state.inspector.probe.pinned)
+        } else {
+            "A kept sample. The store does not record its witnesses; open its capture for them."
+        };
+        ui.add(Label::new(RichText::new(text).color(tokens.text_weak)).wrap());
+    }
+    let point = match probed.point_in_world {
+        Some(p) => Some(format!("Point {:.3}, {:.3}, {:.3}", p.x, p.y, p.z)),
+        // Not known until the capture was searched.
+        None if probed.explanation.is_none() && state.has_capture() => None,
+        None => Some("Infinitely far, or without depth".to_owned()),
+    };
+    if let Some(point) = point {
+        note(ui, point);
+    }
+    for value in &probed.values {
+        note(ui, value);
+    }
+    spans_ui(ui, state, probed);
+}
+
+/// Which pixel it is, and what can be done with it.
+fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
+    let is_narrow = ui.available_width() < 0.9 * SUMMARY;
+    let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
+    // Buttons first: the name gets what is left.
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let pinned = state.inspector.probe.pinned;
+        let (pin, pin_name) = if pinned { (ICON_KEEP_OFF, "Unpin pixel") } else { (ICON_KEEP, "Pin pixel") };
+        let pin_help = "A pinned pixel stays selected while the pointer moves on (click a pixel, or P)";
+        for (icon, name, help, command) in [
+            (
+                ICON_CONTENT_COPY,
+                "Copy explanation",
+                "Copy all of this as text (Ctrl+Shift+C)",
+                Command::Pixel(PixelCommand::CopyExplanation),
+            ),
+            (
+                ICON_TABLE_VIEW,
+                "Copy CSV of the pixel table",
+                "Copy the table as CSV",
+                Command::CopyTable(Table::Pixel, TableForm::Csv),
+            ),
+            (pin, pin_name, pin_help, Command::Pixel(PixelCommand::Pin(!pinned))),
+        ] {
+            if icon_button(ui, icon, name, help).clicked() {
+                commands.push(command);
+            }
+        }
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            dot(ui, probed.camera);
+            let text = format!("{name}  {}, {}", probed.x, probed.y);
+            let shown = RichText::new(&text);
+            let shown = if is_narrow { shown.strong() } else { shown.heading() };
+            ui.add(Label::new(shown).truncate());
+        });
+    });
+}
+
+/// When the pixel is stored: one bar per span, and the frame shown.
+fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
+    let tokens = Tokens::in_ui(ui);
+    let frames = state.frame_count().max(1);
+    let caption = match &probed.spans {
+        None if state.has_capture() => "When it is stored is known once the capture is pruned.".to_owned(),
+        None => "A store plays frame by frame; open the capture to see when the pixel is stored.".to_owned(),
+        Some(spans) if spans.is_empty() => {
+            "Never stored: other samples replace it in every frame.".to_owned()
+        }
+        Some(spans) => {
+            let stored: usize = spans.iter().map(|span| span.len()).sum();
+            format!(
+                "Stored for {stored} of {}, by {}",
+                counted(frames, "frame"),
+                counted(spans.len(), "sample")
+            )
+        }
+    };
+    note(ui, &caption);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 3.0, tokens.raised);
+    let step = rect.width() / frames as f32;
+    let gap = if step > 4.0 { 1.0 } else { 0.0 };
+    for span in probed.spans.iter().flatten() {
+        let (start, end) = (span.start as f32 * step, span.end as f32 * step - gap);
+        let bar =
+            Rect::from_min_max(rect.min + vec2(start, 2.0), pos2(rect.left() + end, rect.bottom() - 2.0));
+        let color = tokens.of_span(span.len(), frames);
+        painter.rect_filled(bar, 1.0, color);
+    }
+    let now = rect.left() + (state.timeline.frame as f32 + 0.5) * step;
+    painter.vline(now, rect.y_range(), egui::Stroke::new(2.0, tokens.text));
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Spans of the pixel: {caption}"))
+    });
+    response.on_hover_text(
+        "When this pixel is stored: blue for all frames at once, green for several, orange for one; gray where another \
+         camera's sample replaces it. The line is the frame shown.",
+    );
+}
+
+fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
+    let Some(explanation) = &probed.explanation else { return };
+    if explanation.evidence.is_empty() {
+        weak(ui, "The pixel has no depth, so that it cannot be compared with other cameras.");
+        return;
+    }
+    let narrow = ui.available_width() < TABLE;
+    let row_height = if narrow { 16.0 } else { 19.0 };
+    ui.spacing_mut().item_spacing.x = if narrow { 6.0 } else { 12.0 };
+    ui.spacing_mut().interact_size.y = row_height;
+    ui.spacing_mut().button_padding.y = 0.0;
+    if narrow {
+        for font in ui.style_mut().text_styles.values_mut() {
+            font.size = font.size.min(NARROW);
+        }
+    }
+    let order = words::ordered(&explanation.evidence, explanation.winner);
+    let scale = if narrow { 0.86 } else { 1.0 };
+    let mut table = TableBuilder::new(ui).id_salt("evidence").striped(true).auto_shrink(false);
+    for (_, width, _) in &COLUMNS[..COLUMNS.len() - 1] {
+        table = table.column(Column::initial(width * scale).at_least(24.0).clip(true).resizable(true));
+    }
+    let table =
+        table.column(Column::remainder().at_least(OWN_SAMPLE).clip(true)).header(row_height, |mut header| {
+            for (name, _, help) in COLUMNS {
+                header.col(|ui| {
+                    note(ui, name).on_hover_text(help);
+                });
+            }
+        });
+    // Of hundreds of cameras only those in view are drawn.
+    table.body(|body| {
+        body.rows(row_height, order.len(), |mut row| {
+            let evidence = &explanation.evidence[order[row.index()]];
+            row_ui(&mut row, state, scene, evidence, explanation.winner == Some(evidence.camera), commands);
+        });
+    });
+}
+
+fn row_ui(
+    line: &mut TableRow<'_, '_>,
+    state: &State,
+    scene: &OpenScene,
+    row: &CameraEvidence,
+    wins: bool,
+    commands: &mut Commands,
+) {
+    line.col(|ui| {
+        ui.horizontal(|ui| name_ui(ui, scene, row, wins, commands));
+    });
+    let tokens = *Tokens::of(state.dark);
+    let tolerance = &state.settings.pruning;
+    let same = words::is_same_point(row);
+    let (sees, why) = words::sees(row);
+    line.col(|ui| {
+        let color = if same { tokens.text } else { tokens.text_weak };
+        ui.label(RichText::new(sees).color(color)).on_hover_text(why);
+    });
+    let mut cell = |text: String, over: bool, help: String| {
+        line.col(|ui| {
+            let color = if over { tokens.warning } else { tokens.text };
+            let label = ui.label(RichText::new(text).monospace().color(color));
+            if !help.is_empty() {
+                label.on_hover_text(help);
+            }
+        });
+    };
+    cell(depth_words(row), false, String::new());
+    let off = row.plane_distance_footprints;
+    let help = format!(
+        "{} footprints of {} units; the tolerance is {}.",
+        words::distance(off),
+        words::number(row.footprint),
+        tolerance.depth_tolerance
+    );
+    cell(words::distance(off), off > f64::from(tolerance.depth_tolerance), help);
+    let turned = row.normal_angle_degrees > f64::from(tolerance.normal_tolerance);
+    let angle =
+        if row.incidence_degrees.is_nan() { "–".into() } else { format!("{:.0}°", row.incidence_degrees) };
+    let help = format!(
+        "The normals differ by {}°; the tolerance is {}°.",
+        words::distance(row.normal_angle_degrees),
+        tolerance.normal_tolerance
+    );
+    cell(angle, turned, help);
+    for rate in words::rates(row) {
+        cell(rate, false, String::new());
+    }
+    let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
+    cell(words::distance(row.color_difference_steps), apart, String::new());
+    line.col(|ui| {
+        let own = words::own_sample(row).unwrap_or_else(|| CameraText::new("–"));
+        let own = if wins && row.outcome.is_some() { own.words(", replaces it") } else { own };
+        let color = if wins { tokens.accent } else { tokens.text_weak };
+        ui.label(chips(ui, &own, &scene.cameras, &TextStyle::Body, color));
+    });
+}
+
+/// The depth that is expected, and the one that was found.
+fn depth_words(row: &CameraEvidence) -> String {
+    match (row.depth_expected.is_nan(), row.depth_found.is_nan()) {
+        (true, _) => "–".to_owned(),
+        (_, true) => words::number(row.depth_expected),
+        _ => format!("{} / {}", words::number(row.depth_expected), words::number(row.depth_found)),
+    }
+}
+
+/// A button with the name of a row's camera: it shows the point in the camera's picture.
+fn name_ui(ui: &mut Ui, scene: &OpenScene, row: &CameraEvidence, wins: bool, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    let name = scene.cameras.get(row.camera).map_or("", |camera| &camera.name);
+    dot(ui, row.camera);
+    let text = RichText::new(name).color(if wins { tokens.accent } else { tokens.text });
+    let button = Button::new(if wins { text.strong() } else { text }).small().frame(false);
+    let help = "See the point in this camera's picture; Shift + click views from the camera";
+    let response = ui.add(button).on_hover_text(help).accessible_name(format!("Go to the point in {name}"));
+    if response.clicked() {
+        if ui.input(|input| input.modifiers.shift) {
+            commands.push(Command::View(ViewCommand::JumpTo(row.camera)));
+        } else {
+            commands.push(Command::Pixel(PixelCommand::ShowPointIn(row.camera)));
+        }
+    }
+}

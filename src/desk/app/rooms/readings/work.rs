@@ -1,0 +1,66 @@
+//! Checks how a capture's poses and depth are read, and shows two readings as pictures.
+
+use std::sync::Arc;
+
+use egui::{Color32, ColorImage};
+
+use super::model::ReadingImages;
+use crate::app::model::{Message, OpenScene};
+use overlook_engine::capture::conventions::{self, Finding};
+use overlook_engine::color::srgb8_from_linear;
+use overlook_engine::error::Result;
+use overlook_engine::grid::Grid;
+
+/// Columns of the pictures at most.
+const WIDTH: usize = 320;
+
+/// The questions about the readings of a scene.
+pub(crate) enum ReadingRequest {
+    /// Whether another reading fits better.
+    Check(Arc<OpenScene>),
+    /// Pictures of the reading as it is, and of the one that a finding names.
+    Show(Arc<OpenScene>, Arc<Finding>),
+}
+
+/// Answers one request.
+pub(crate) fn answer(request: ReadingRequest) -> Message {
+    match request {
+        ReadingRequest::Check(scene) => {
+            let found = scene.source().and_then(conventions::check).map(Arc::new);
+            let finding = found.map_err(|error| format!("The views could not be compared: {error}"));
+            Message::ReadingsChecked { scene: scene.id, finding }
+        }
+        ReadingRequest::Show(scene, finding) => {
+            let images = show(&scene, &finding).map_err(|error| error.to_string());
+            Message::ReadingsShown { scene: scene.id, images }
+        }
+    }
+}
+
+fn show(scene: &OpenScene, finding: &Finding) -> Result<ReadingImages> {
+    let other = finding.alternative().map_or(finding.claimed, |other| other.reading);
+    let pictures = conventions::pictures(scene.source()?, [finding.claimed, other], WIDTH)?;
+    let [as_read, otherwise] = &pictures.readings;
+    Ok(ReadingImages {
+        images: [
+            image(&pictures.recorded, |color| Some(*color)),
+            image(&as_read.color, |color| *color),
+            image(&otherwise.color, |color| *color),
+        ],
+        votes: [as_read, otherwise].map(|views| [views.agree, views.contradict]),
+        camera: pictures.camera,
+    })
+}
+
+/// A picture for the screen; transparent in holes.
+fn image<T>(colors: &Grid<T>, color: impl Fn(&T) -> Option<[f32; 3]>) -> Arc<ColorImage> {
+    let shown = |value: &T| match color(value) {
+        Some(color) => {
+            let [r, g, b] = color.map(srgb8_from_linear);
+            Color32::from_rgb(r, g, b)
+        }
+        None => Color32::TRANSPARENT,
+    };
+    let (width, height) = colors.size();
+    Arc::new(ColorImage::new([width, height], colors.as_slice().iter().map(shown).collect()))
+}

@@ -1,0 +1,6 @@
+//! What is drawn.
+
+pub(crate) mod histogram;
+pub(crate) mod panel;
+
+pub(crate) use panel::{naming_ui, settings_ui};

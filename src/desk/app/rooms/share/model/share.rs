@@ -1,0 +1,295 @@
+//! The dialog of all ways out of the window: what is chosen in it, and what came of it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::figure::{FigureOf, FigureOptions};
+use crate::app::model::scene::OpenScene;
+use crate::app::model::texture::Texture;
+use crate::app::rooms::files::model::purpose::Purpose;
+use crate::app::rooms::live::model::picture::LivePicture;
+use overlook_engine::render::Vantage;
+use overlook_engine::samples::SampleSet;
+use overlook_engine::settings::RenderSettings;
+use overlook_engine::splats::{SplatFormat, SplatSky};
+
+/// A way out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum ShareWay {
+    #[default]
+    Page,
+    Splats,
+    Film,
+    Pictures,
+    Figure,
+    Points,
+    Store,
+}
+
+impl ShareWay {
+    /// Every way in the order of the dialog: its name, and what it is for.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 7] = [
+        (
+            Self::Page,
+            "Interactive page",
+            "One HTML file that plays the scene from any viewpoint, in any browser and offline: to mail, to publish, or to put beside \
+             a paper.",
+        ),
+        (
+            Self::Splats,
+            "Splats",
+            "Gaussian splats for other viewers and engines: every kept sample is one, as wide as its pixel. Nothing is trained.",
+        ),
+        (Self::Film, "Video", "A video along the camera path, which everybody can play."),
+        (
+            Self::Pictures,
+            "Pictures",
+            "This view as it is shown, or every picture of the camera path: PNG, or EXR with linear color and depth.",
+        ),
+        (
+            Self::Figure,
+            "Figure",
+            "A picture for print, with what its colors mean, a scale bar and a caption: PDF, SVG or PNG.",
+        ),
+        (
+            Self::Points,
+            "Points",
+            "A point cloud with normals, colors and radii as PLY, for programs that measure and mesh.",
+        ),
+        (
+            Self::Store,
+            "Store",
+            "All kept samples in one file that Overlook opens at once, on any machine and without the recording.",
+        ),
+    ];
+
+    /// Its name and what it is for.
+    pub(crate) fn name_and_use(self) -> (&'static str, &'static str) {
+        let known = Self::ALL.iter().find(|(way, ..)| *way == self);
+        known.map_or(("", ""), |(_, name, used)| (name, used))
+    }
+}
+
+/// What pictures are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum SharedPictures {
+    #[default]
+    View,
+    ViewWithLegend,
+    CameraPath,
+}
+
+impl SharedPictures {
+    /// Every choice: its name and what it is.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::View, "This view", "The picture of the live view."),
+        (Self::ViewWithLegend, "With legend", "The live view with all that lies over it, and its legend."),
+        (Self::CameraPath, "Camera path", "A folder of numbered pictures along the camera path."),
+    ];
+}
+
+/// What is chosen in the dialog.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of the dialog, each by its name")]
+pub(crate) struct ShareOptions {
+    pub way: ShareWay,
+    /// Title of the page; empty for the name of the scene.
+    pub title: String,
+    /// Text of the page's author.
+    pub text: String,
+    /// Most megabytes of a page, where it is bounded.
+    pub page_is_bounded: bool,
+    pub page_megabytes: f64,
+    pub format: SplatFormat,
+    pub sky: SplatSky,
+    /// Most thousands of splats, where they are bounded.
+    pub splats_are_bounded: bool,
+    pub kilosplats: u64,
+    pub pictures: SharedPictures,
+    /// Whether pictures are EXR with linear color and depth.
+    pub linear: bool,
+    /// Whether points are those of every frame, in a folder.
+    pub points_of_all_frames: bool,
+    pub figure_of: FigureOf,
+    pub figure: FigureOptions,
+}
+
+impl Default for ShareOptions {
+    fn default() -> Self {
+        Self {
+            way: ShareWay::default(),
+            title: String::new(),
+            text: String::new(),
+            page_is_bounded: false,
+            page_megabytes: 10.0,
+            format: SplatFormat::Ply,
+            sky: SplatSky::Out,
+            splats_are_bounded: false,
+            kilosplats: 500,
+            pictures: SharedPictures::default(),
+            linear: false,
+            points_of_all_frames: false,
+            figure_of: FigureOf::default(),
+            figure: FigureOptions::default(),
+        }
+    }
+}
+
+impl ShareOptions {
+    /// What a path is chosen for.
+    pub(crate) fn purpose(&self) -> Purpose {
+        match (self.way, self.pictures) {
+            (ShareWay::Page, _) => Purpose::ExportPage,
+            (ShareWay::Splats, _) => Purpose::ExportSplats(self.format),
+            (ShareWay::Film, _) => Purpose::ExportFilm,
+            (ShareWay::Pictures, SharedPictures::View) => Purpose::SavePicture,
+            (ShareWay::Pictures, SharedPictures::ViewWithLegend) => Purpose::SaveShot,
+            (ShareWay::Pictures, SharedPictures::CameraPath) if self.linear => Purpose::ExportExr,
+            (ShareWay::Pictures, SharedPictures::CameraPath) => Purpose::ExportPictures,
+            (ShareWay::Figure, _) => Purpose::ExportFigure,
+            (ShareWay::Points, _) if self.points_of_all_frames => Purpose::ExportPointsOfFrames,
+            (ShareWay::Points, _) => Purpose::ExportPoints,
+            (ShareWay::Store, _) => Purpose::SaveStore,
+        }
+    }
+
+    /// Most bytes of a page.
+    pub(crate) fn page_at_most(&self) -> Option<u64> {
+        self.page_is_bounded.then_some((self.page_megabytes * 1e6) as u64)
+    }
+
+    /// Most splats.
+    pub(crate) fn splats_at_most(&self) -> Option<u64> {
+        self.splats_are_bounded.then_some(self.kilosplats * 1000)
+    }
+}
+
+/// What came of the last thing that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ShareOutcome {
+    /// It is written: what, and where.
+    Written { said: String, path: PathBuf },
+    /// Nothing was written, or not all; why.
+    Failed(String),
+}
+
+/// The dialog.
+#[derive(Default)]
+pub(crate) struct ShareDialog {
+    pub is_open: bool,
+    pub options: ShareOptions,
+    /// What the sizes follow from; `None` until it is measured.
+    pub facts: Option<ShareFacts>,
+    /// What the budget leaves: of which request, its picture where there is any, and by how many decibels it is like that of all samples.
+    pub preview: Option<ShownPreview>,
+    /// Where what was asked for last is written, until it is.
+    pub asked: Option<PathBuf>,
+    pub outcome: Option<ShareOutcome>,
+}
+
+impl ShareDialog {
+    /// Forgets what belongs to a scene.
+    pub(crate) fn close_scene(&mut self) {
+        let options = ShareOptions {
+            title: String::new(),
+            text: String::new(),
+            pictures: SharedPictures::default(),
+            figure_of: FigureOf::default(),
+            ..std::mem::take(&mut self.options)
+        };
+        *self = Self { options, asked: self.asked.take(), ..Self::default() };
+    }
+}
+
+/// What can be done in the dialog.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ShareCommand {
+    /// Open it, at a way or where it was.
+    Open(Option<ShareWay>),
+    Close,
+    Change(Box<ShareOptions>),
+    /// Stop what is being written.
+    Stop,
+    /// Open the folder of a file in the system's file manager.
+    ShowInFolder(PathBuf),
+}
+
+/// What sizes are measured from.
+#[derive(Clone)]
+pub(crate) struct ShareKey {
+    pub scene: Arc<OpenScene>,
+    /// The samples of the whole capture; of a store the outline.
+    pub samples: Arc<SampleSet>,
+    pub frame: usize,
+    /// The picture of the live view, where it is in memory.
+    pub picture: Option<Arc<LivePicture>>,
+}
+
+impl PartialEq for ShareKey {
+    fn eq(&self, other: &Self) -> bool {
+        let same_picture = match (&self.picture, &other.picture) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        };
+        Arc::ptr_eq(&self.samples, &other.samples) && self.frame == other.frame && same_picture
+    }
+}
+
+/// What a preview is of.
+#[derive(Clone)]
+pub(crate) struct SharePreviewKey {
+    pub scene: Arc<OpenScene>,
+    /// As in [`ShareKey`].
+    pub samples: Arc<SampleSet>,
+    pub vantage: Vantage,
+    pub settings: RenderSettings,
+    /// The samples that the budget leaves, as a share of all.
+    pub share: f64,
+}
+
+impl PartialEq for SharePreviewKey {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+            && self.scene.id == other.scene.id
+            && self.vantage == other.vantage
+            && self.settings == other.settings
+            && self.share.to_bits() == other.share.to_bits()
+    }
+}
+
+/// A picture of what a budget leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SharePreview {
+    pub image: Arc<egui::ColorImage>,
+    /// PSNR beside the picture of all samples, dB.
+    pub decibels: Option<f64>,
+}
+
+/// A preview as the dialog shows it.
+pub(crate) struct ShownPreview {
+    pub key: SharePreviewKey,
+    /// Its texture and decibels; `None` where the budget leaves nothing.
+    pub picture: Option<(Texture, Option<f64>)>,
+}
+
+/// What was measured of the open scene, for sizes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ShareFacts {
+    /// Kept samples.
+    pub samples: u64,
+    /// Those with a place that are shown at the frame, and those at infinity.
+    pub placed_here: u64,
+    pub at_infinity_here: u64,
+    /// Bytes of the store: of an open one as it is, else by writing all samples or those of some cameras.
+    pub store_bytes: f64,
+    /// Bytes of a pixel of the live view's picture as PNG and as EXR; `None` while none is in memory.
+    pub picture: Option<PictureFacts>,
+}
+
+/// What the picture of the live view takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PictureFacts {
+    pub pixels: f64,
+    pub png_bytes: f64,
+    pub exr_bytes: f64,
+}

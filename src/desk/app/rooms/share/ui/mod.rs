@@ -1,0 +1,6 @@
+//! What is drawn.
+
+pub(crate) mod options;
+pub(crate) mod panel;
+
+pub(crate) use panel::share_ui;

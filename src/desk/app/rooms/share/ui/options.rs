@@ -1,0 +1,211 @@
+//! The options of each way out.
+
+use egui::{DragValue, Grid, TextEdit, Ui};
+
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::path::ui::size_ui;
+use crate::app::rooms::share::model::{
+    DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
+};
+use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::widgets::{note, segments_ui, weak};
+use overlook_engine::plural::counted;
+use overlook_engine::splats::{SplatFormat, SplatSky};
+
+/// Width of the names of options, so that what is chosen stands in one line whatever the way.
+const LABELS: f32 = 70.0;
+
+/// Formats of splats: name and help.
+const FORMATS: [(SplatFormat, &str, &str); 4] = [
+    (SplatFormat::Ply, "PLY", "One frame, as most programs read it."),
+    (SplatFormat::Spz, "SPZ", "One frame, a sixth as large."),
+    (SplatFormat::Glb, "GLB", "All frames as glTF, shown by an animation."),
+    (SplatFormat::Usda, "USDA", "All frames as USD, shown by visibility."),
+];
+
+/// What becomes of the sky.
+const SKIES: [(SplatSky, &str, &str); 2] = [
+    (SplatSky::Out, "Left out", "No format has a place for what is infinitely far away."),
+    (SplatSky::Dome, "Far dome", "Its colors become a dome of splats around the scene."),
+];
+
+/// Whether pictures are EXR.
+const KINDS: [(bool, &str, &str); 2] = [
+    (false, "PNG", "As they are shown, with alpha where the background is transparent."),
+    (true, "EXR", "Linear color, coverage and depth."),
+];
+
+const PATH: &str = "Whoever opens it can follow the camera path.";
+const NO_PATH: &str = "The camera path is not in it, as its keys are at one moment.";
+
+/// The paper of figures.
+const PAPERS: [(bool, &str, &str); 2] =
+    [(false, "Light", "Dark type on white paper."), (true, "Dark", "Light type on dark paper, for slides.")];
+
+/// Which points.
+const POINTS: [(bool, &str, &str); 2] =
+    [(false, "This frame", "One file."), (true, "Every frame", "A folder with a file for each frame.")];
+
+/// The options of the chosen way.
+pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
+    let grid = Grid::new("options of sharing").num_columns(2).min_col_width(LABELS).spacing([12.0, 8.0]);
+    grid.show(ui, |ui| match options.way {
+        ShareWay::Page => page_ui(ui, state, options),
+        ShareWay::Splats => splats_ui(ui, options),
+        ShareWay::Film => film_ui(ui, state, commands),
+        ShareWay::Pictures => pictures_ui(ui, state, options, commands),
+        ShareWay::Figure => figure_ui(ui, options),
+        ShareWay::Points => {
+            ui.label("Points of");
+            let all = &mut options.points_of_all_frames;
+            *all = segments_ui(ui, "Points of", *all, POINTS).unwrap_or(*all);
+            ui.end_row();
+        }
+        ShareWay::Store => store_ui(ui, state),
+    });
+    match options.way {
+        ShareWay::Splats if !options.format.holds_time() => {
+            let number = state.timeline.frame + 1;
+            note(ui, format!("Such a file holds one frame: number {number}, which is shown."));
+        }
+        ShareWay::Store if !state.live.cameras.shows_all() => {
+            note(ui, "Cameras that the live view leaves out are in it as well.");
+        }
+        ShareWay::Page if state.inspector.path.pictures() > 0 => {
+            let keys = &state.inspector.path.keys;
+            let passes_time = keys.first().map(|key| key.frame) < keys.last().map(|key| key.frame);
+            note(ui, if passes_time { PATH } else { NO_PATH });
+        }
+        _ => {}
+    }
+}
+
+fn page_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
+    let name = state.scene.as_ref().map_or("", |scene| scene.name.as_str());
+    ui.label("Title");
+    ui.add(TextEdit::singleline(&mut options.title).desired_width(f32::INFINITY).hint_text(name))
+        .accessible_name("Title of the page");
+    ui.end_row();
+    ui.label("Text");
+    ui.add(
+        TextEdit::multiline(&mut options.text)
+            .desired_width(f32::INFINITY)
+            .desired_rows(2)
+            .hint_text("About the scene"),
+    )
+    .accessible_name("Text of the page");
+    ui.end_row();
+    ui.checkbox(&mut options.page_is_bounded, "At most")
+        .on_hover_text("What shows least is made coarser until the page fits.");
+    ui.horizontal(|ui| {
+        let drag =
+            DragValue::new(&mut options.page_megabytes).range(0.2..=10_000.0).speed(0.1).max_decimals(1);
+        ui.add_enabled(options.page_is_bounded, drag.suffix(" MB"))
+            .accessible_name("Most megabytes of the page");
+    });
+    ui.end_row();
+}
+
+fn splats_ui(ui: &mut Ui, options: &mut ShareOptions) {
+    ui.label("Format");
+    options.format = segments_ui(ui, "Format", options.format, FORMATS).unwrap_or(options.format);
+    ui.end_row();
+    ui.label("Sky");
+    options.sky = segments_ui(ui, "Sky", options.sky, SKIES).unwrap_or(options.sky);
+    ui.end_row();
+    ui.checkbox(&mut options.splats_are_bounded, "At most")
+        .on_hover_text("Samples are merged where that shows least.");
+    ui.horizontal(|ui| {
+        let drag =
+            DragValue::new(&mut options.kilosplats).range(1..=1_000_000).speed(10.0).suffix(" k splats");
+        ui.add_enabled(options.splats_are_bounded, drag).accessible_name("Most splats");
+    });
+    ui.end_row();
+}
+
+fn film_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    picture_size_ui(ui, state, commands);
+    ui.label("Pace");
+    ui.horizontal(|ui| {
+        let mut rate = state.timeline.frames_per_second;
+        let drag = DragValue::new(&mut rate).range(1.0..=120.0).max_decimals(2).suffix(" a second");
+        if ui.add(drag).accessible_name("Pictures a second").changed() {
+            commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
+        }
+        let path = &state.inspector.path;
+        weak(ui, format!("{}, {}", counted(path.keys.len(), "key"), counted(path.pictures(), "picture")));
+    });
+    ui.end_row();
+}
+
+fn picture_size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    ui.label("Size");
+    ui.horizontal(|ui| size_ui(ui, state.export_size(), commands));
+    ui.end_row();
+}
+
+fn pictures_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
+    ui.label("Of");
+    options.pictures =
+        segments_ui(ui, "Pictures of", options.pictures, SharedPictures::ALL).unwrap_or(options.pictures);
+    ui.end_row();
+    if options.pictures != SharedPictures::ViewWithLegend {
+        ui.label("Format");
+        options.linear = segments_ui(ui, "Format", options.linear, KINDS).unwrap_or(options.linear);
+        ui.end_row();
+    }
+    if options.pictures == SharedPictures::CameraPath {
+        picture_size_ui(ui, state, commands);
+    }
+}
+
+fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
+    ui.label("Of");
+    options.figure_of =
+        segments_ui(ui, "Figure of", options.figure_of, FigureOf::ALL).unwrap_or(options.figure_of);
+    ui.end_row();
+    let figure = &mut options.figure;
+    ui.label("Width");
+    ui.horizontal(|ui| {
+        let (mut width, mut dots) = (figure.width_mm(), figure.dots_per_inch);
+        let drag = DragValue::new(&mut width).range(5.0..=1500.0).speed(0.5).max_decimals(1).suffix(" mm");
+        ui.add(drag.update_while_editing(false)).accessible_name("Width of the figure");
+        let drag = DragValue::new(&mut dots).range(DOTS_PER_INCH).suffix(" dpi");
+        ui.add(drag.update_while_editing(false)).accessible_name("Dots per inch");
+        if dots != figure.dots_per_inch || (width - figure.width_mm()).abs() > 0.01 {
+            *figure = FigureOptions {
+                columns: FigureWidth::Millimeters(width).columns(dots),
+                dots_per_inch: dots,
+                ..figure.clone()
+            };
+        }
+        weak(ui, format!("{} px", figure.columns));
+    });
+    ui.end_row();
+    ui.label("Paper");
+    ui.horizontal(|ui| {
+        figure.is_dark = segments_ui(ui, "Paper", figure.is_dark, PAPERS).unwrap_or(figure.is_dark);
+        let size = DragValue::new(&mut figure.type_points).range(4.0..=48.0).speed(0.1).max_decimals(1);
+        ui.add(size.suffix(" pt")).on_hover_text("Size of the type").accessible_name("Size of the type");
+    });
+    ui.end_row();
+    ui.label("With");
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut figure.has_legend, "Legend")
+            .on_hover_text("What the colors mean, below the picture.");
+        ui.checkbox(&mut figure.has_scale_bar, "Scale bar")
+            .on_hover_text("A length in the picture, at the distance of what its middle shows.");
+    });
+    ui.end_row();
+    ui.label("Caption");
+    let caption = TextEdit::multiline(&mut figure.caption).desired_width(f32::INFINITY).desired_rows(2);
+    ui.add(caption).accessible_name("Caption of the figure");
+    ui.end_row();
+}
+
+fn store_ui(ui: &mut Ui, state: &State) {
+    let cameras = state.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+    ui.label("Holds");
+    ui.label(format!("{}, {}", counted(cameras, "camera"), counted(state.frame_count(), "frame")));
+    ui.end_row();
+}

@@ -1,0 +1,229 @@
+//! Figures for print: of a source picture with its overlay, of the live view, and of a rendered viewpoint.
+
+use std::path::Path;
+
+use egui::{Color32, ColorImage};
+use image::RgbaImage;
+
+use super::figure_meaning::{Meaning, of_live, of_source};
+use crate::app::model::median_depth;
+use crate::app::rooms::colors::model::Display;
+use crate::app::rooms::live::model::{LiveKey, PixelSource, Unit};
+use crate::app::rooms::live::work::image as live_image;
+use crate::app::rooms::live::work::image::CameraFilter;
+use crate::app::rooms::share::model::FigureOptions;
+use crate::app::rooms::source::model::{Overlay, SourceKey};
+use crate::app::rooms::source::work::image::source_picture;
+use overlook_engine::capture::{Camera, Capture, Intrinsics};
+use overlook_engine::color::srgb8_from_linear;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::grid::Grid;
+use overlook_engine::job::Job;
+use overlook_engine::preprocess;
+use overlook_engine::render::{Picture, Renderer};
+use overlook_engine::settings::Settings;
+use overlook_engine::whole_file;
+use overlook_lab::chart::{Chart, ColorBar, Figure, ScaleBar};
+
+/// The endings of a figure's file, the usual one first.
+pub(crate) const FIGURE_ENDINGS: [&str; 3] = ["pdf", "svg", "png"];
+
+/// The middle of a picture, which its scale bar is valid for: so many parts of each side lie on either side of it.
+const AROUND_MIDDLE: usize = 3;
+
+/// A figure of what one camera recorded at a frame, with an overlay. Verdicts are those of the whole capture by `settings`.
+///
+/// # Errors
+/// Those of reading and of preprocessing; `Cancelled`.
+pub(crate) fn of_camera(
+    capture: &Capture,
+    [camera, frame]: [usize; 2],
+    overlay: Overlay,
+    settings: &Settings,
+    options: &FigureOptions,
+    job: &Job,
+) -> Result<Figure> {
+    let inspection = if overlay.needs_verdicts() {
+        let scan = preprocess::scan(capture, settings, job)?;
+        Some(preprocess::inspect_frame(capture, Some(&scan), settings, frame, job)?.into())
+    } else {
+        None
+    };
+    let key = SourceKey {
+        scene: 0,
+        camera,
+        frame,
+        overlay,
+        against: None,
+        isolated: None,
+        display: Display::default(),
+        dark: options.is_dark,
+        inspection,
+    };
+    of_source_picture(capture, &key, options)
+}
+
+/// A figure of a source picture.
+///
+/// # Errors
+/// Those of reading the picture.
+pub(crate) fn of_source_picture(
+    capture: &Capture,
+    key: &SourceKey,
+    options: &FigureOptions,
+) -> Result<Figure> {
+    let key = SourceKey { dark: options.is_dark, ..key.clone() };
+    let frame = match &key.inspection {
+        Some(inspection) => inspection.cameras[key.camera].frame.clone(),
+        None => capture.frame(key.camera, key.frame)?,
+    };
+    let shown = source_picture(&key, &frame);
+    let meaning = of_source(key.overlay, &shown.legend, &capture.cameras, key.dark, options.unit);
+    let lens = capture.cameras[key.camera].intrinsics;
+    let scale = scale_bar(&lens, &frame.inverse_depth, options.unit);
+    Ok(put_together(opaque(&shown.image), meaning, Some(scale), options))
+}
+
+/// A figure of the live view, whose key has the size of the figure.
+///
+/// # Errors
+/// Those of rendering, and `Unsupported` where the picture stays on the graphics card.
+pub(crate) fn of_live_view(key: &LiveKey, options: &FigureOptions, job: &Job) -> Result<Figure> {
+    let mut renderer = Renderer::new();
+    let painted = live_image::paint(&mut renderer, &mut CameraFilter::default(), key, job)?;
+    let PixelSource::InMemory { image, rendered } = &painted.pixels else {
+        return Err(Error::unsupported(
+            "figure",
+            "the picture is out of reach; try again once the view rests",
+        ));
+    };
+    let meaning = of_live(key, rendered);
+    let scale = scale_bar(&key.vantage.camera.intrinsics, &rendered.inverse_depth, options.unit);
+    Ok(put_together(opaque(image), meaning, Some(scale), options))
+}
+
+/// A figure of a rendered picture, through a lens, or orthographic with so many world units from edge to edge, with what its colors mean.
+pub(crate) fn of_rendered(
+    picture: &Picture,
+    camera: &Camera,
+    orthographic: Option<f64>,
+    color_bar: Option<ColorBar>,
+    options: &FigureOptions,
+) -> Figure {
+    let (width, height) = picture.color.size();
+    let pixels = RgbaImage::from_fn(width as u32, height as u32, |x, y| {
+        let at = (x as usize, y as usize);
+        let [red, green, blue] = picture.color[at].map(srgb8_from_linear);
+        let alpha = (255.0 * picture.alpha(at)).round() as u8;
+        image::Rgba([red, green, blue, alpha])
+    });
+    let scale = match orthographic {
+        Some(width) => {
+            ScaleBar { unit_share: 1.0 / width, unit: options.unit.name().to_owned(), distance: None }
+        }
+        None => scale_bar(&camera.intrinsics, &picture.inverse_depth, options.unit),
+    };
+    put_together(pixels, Meaning { legend: Vec::new(), color_bar }, Some(scale), options)
+}
+
+/// Writes a figure in the format that the ending of its path names. The file takes its name once it is whole. Gives its bytes.
+///
+/// # Errors
+/// `Invalid` for another ending, and those of drawing and writing.
+pub(crate) fn write(path: &Path, figure: &Figure) -> Result<u64> {
+    let chart = figure.chart()?;
+    let bytes = bytes_of(path, &chart)?;
+    whole_file::write_all(path, &bytes)?;
+    Ok(bytes.len() as u64)
+}
+
+fn bytes_of(path: &Path, chart: &Chart) -> Result<Vec<u8>> {
+    let is = |known: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
+    match FIGURE_ENDINGS.iter().position(|known| is(known)) {
+        Some(0) => chart.pdf(),
+        Some(1) => Ok(chart.svg().into_bytes()),
+        Some(_) => chart.png(),
+        None => {
+            Err(Error::invalid(path.display(), "a figure is PDF, SVG or PNG; name it .pdf, .svg or .png"))
+        }
+    }
+}
+
+fn put_together(
+    picture: RgbaImage,
+    Meaning { legend, color_bar }: Meaning,
+    scale: Option<ScaleBar>,
+    options: &FigureOptions,
+) -> Figure {
+    Figure {
+        picture,
+        legend: if options.has_legend { legend } else { Vec::new() },
+        color_bar: color_bar.filter(|_| options.has_legend),
+        scale: scale.filter(|_| options.has_scale_bar),
+        caption: options.caption.clone(),
+        columns: options.columns,
+        dots_per_inch: options.dots_per_inch,
+        type_points: options.type_points,
+        is_dark: options.is_dark,
+    }
+}
+
+/// The length of a unit at the distance of what the middle of a picture shows.
+fn scale_bar(lens: &Intrinsics, inverse_depth: &Grid<f32>, unit: Unit) -> ScaleBar {
+    let (width, height) = inverse_depth.size();
+    let middle = |side: usize| side / AROUND_MIDDLE..(side - side / AROUND_MIDDLE).max(1);
+    let depths = middle(height).flat_map(|y| middle(width).map(move |x| inverse_depth[(x, y)]));
+    let mut depths: Vec<f32> = depths.collect();
+    if !depths.iter().any(|depth| *depth > 0.0) {
+        depths = inverse_depth.as_slice().to_vec();
+    }
+    let distance = median_depth(&depths);
+    ScaleBar {
+        unit_share: lens.fx / distance / f64::from(lens.width),
+        unit: unit.name().to_owned(),
+        distance: Some(distance),
+    }
+}
+
+fn opaque(image: &ColorImage) -> RgbaImage {
+    let [width, height] = image.size;
+    RgbaImage::from_fn(width as u32, height as u32, |x, y| {
+        let color: Color32 = image.pixels[y as usize * width + x as usize];
+        image::Rgba([color.r(), color.g(), color.b(), u8::MAX])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use overlook_engine::demo::{Demo, DemoSpec};
+
+    #[test]
+    fn every_overlay_of_a_camera_becomes_a_figure_in_every_format() {
+        let demo = Demo::new(&DemoSpec::new("orrery").size((48, 36)).frames(2)).unwrap();
+        let settings = Settings::default();
+        let capture = demo.capture(&settings.capture);
+        let options =
+            FigureOptions { columns: 480, caption: "A caption.".to_owned(), ..FigureOptions::default() };
+        let folder = tempfile::tempdir().unwrap();
+        for (overlay, name, _) in Overlay::ALL {
+            let figure = of_camera(&capture, [1, 1], overlay, &settings, &options, &Job::new()).unwrap();
+            let says_something = !figure.legend.is_empty() || figure.color_bar.is_some();
+            assert_eq!(says_something, overlay != Overlay::Color, "{name}");
+            for (ending, begins) in FIGURE_ENDINGS.iter().zip([&b"%PDF"[..], b"<svg", b"\x89PNG"]) {
+                let path = folder.path().join(format!("figure.{ending}"));
+                let bytes = write(&path, &figure).unwrap();
+                let written = std::fs::read(&path).unwrap();
+                assert!(written.starts_with(begins) && written.len() as u64 == bytes, "{name} {ending}");
+            }
+        }
+        assert!(
+            write(
+                &folder.path().join("figure.jpg"),
+                &of_camera(&capture, [0, 0], Overlay::Color, &settings, &options, &Job::new()).unwrap()
+            )
+            .is_err()
+        );
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "nothing else is left");
+    }
+}

@@ -1,0 +1,9 @@
+//! What is computed, on threads of its own.
+
+pub(crate) mod facts;
+pub(crate) mod figure_meaning;
+pub(crate) mod figures;
+pub(crate) mod preview;
+pub(crate) mod sharing;
+
+pub(crate) use figures::{FIGURE_ENDINGS, of_camera, of_rendered, write};

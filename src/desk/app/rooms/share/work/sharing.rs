@@ -1,0 +1,178 @@
+//! Writes what is shared: a page, splats, points, and the pictures or the film of a camera path.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::app::model::{Message, bytes, count_of, significant};
+use crate::app::rooms::colors::work::developed;
+use crate::app::rooms::path::model::{Exported, NO_KEYS};
+use crate::app::rooms::share::work::figures;
+use crate::app::work::requests::{Export, ExportRequest, FigureExport, PathExport};
+use crate::points;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::page::{self, PageOptions};
+use overlook_engine::plural::counted;
+use overlook_engine::render::film::{self, FilmEncoder, FilmSource};
+use overlook_engine::render::output::{write_exr, write_png};
+use overlook_engine::render::{Picture, Renderer};
+use overlook_engine::samples::SampleSet;
+use overlook_engine::splats::{self, SplatOptions};
+use overlook_engine::store::file::{Extras, Store, write_with};
+use overlook_engine::whole_file;
+
+/// Writes what was asked for. Files take their names once they are whole; of a folder of pictures those that were rendered stay.
+pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
+    let ExportRequest { path, source, what } = request;
+    let mut notice = None;
+    let said = match what {
+        Export::Path(export) => {
+            let (said, used) = write_path(path, source, export, job)?;
+            notice = used;
+            said
+        }
+        Export::Page(options) => write_page(path, source, options, job)?,
+        Export::Splats { options, frame } => write_splats(path, source, options, *frame, job)?,
+        Export::Figure(figure) => write_figure(path, figure, job)?,
+        Export::Points { frame: Some(frame) } => {
+            let points = write_points(path, &*at(source, *frame, job)?, *frame)?;
+            count_of(points, "point")
+        }
+        Export::Points { frame: None } => write_all_points(path, source, job)?,
+    };
+    let damage = match source {
+        FilmSource::Memory(_) => Vec::new(),
+        FilmSource::Disk(playback) => playback.store().damage(),
+    };
+    Ok(Message::Exported { path: path.clone(), exported: Exported { said, notice, damage } })
+}
+
+/// The samples of a frame, perhaps with those of others.
+fn at(source: &FilmSource, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
+    match source {
+        FilmSource::Memory(samples) => Ok(samples.clone()),
+        FilmSource::Disk(playback) => playback.at(frame, job),
+    }
+}
+
+/// Writes the page. That of samples in memory is the page of their store, byte for byte.
+fn write_page(path: &Path, source: &FilmSource, options: &PageOptions, job: &Job) -> Result<String> {
+    let written = match source {
+        FilmSource::Disk(playback) => page::write(path, playback.store(), options, job)?,
+        FilmSource::Memory(samples) => {
+            let folder = temporary_folder()?;
+            let store = folder.path().join("scene.ovl");
+            job.start("Rounding samples", 0);
+            write_with(&store, samples, &Extras::default(), job)?;
+            page::write(path, &Store::open(&store)?, options, job)?
+        }
+    };
+    let of = if written.samples < written.samples_of_store {
+        format!(" in place of {}", count_of(written.samples_of_store, "sample"))
+    } else {
+        String::new()
+    };
+    Ok(format!("a page of {} with {}{of}", bytes(written.bytes), count_of(written.samples, "sample")))
+}
+
+fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String> {
+    job.start("Drawing the figure", 0);
+    let (figure, options) = match figure {
+        FigureExport::Live { key, options } => (figures::of_live_view(key, options, job)?, options),
+        FigureExport::Source { scene, key, options } => {
+            (figures::of_source_picture(scene.source()?, key, options)?, options)
+        }
+    };
+    let written = figures::write(path, &figure)?;
+    Ok(format!("a figure of {} mm, {}", significant(options.width_mm()), bytes(written)))
+}
+
+/// A folder that goes when it is dropped.
+///
+/// # Errors
+/// `Io`.
+pub(crate) fn temporary_folder() -> Result<tempfile::TempDir> {
+    tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))
+}
+
+fn write_splats(
+    path: &Path,
+    source: &FilmSource,
+    options: &SplatOptions,
+    frame: usize,
+    job: &Job,
+) -> Result<String> {
+    let written = match source {
+        _ if !options.format.holds_time() => {
+            splats::write(path, &*at(source, frame, job)?, Some(frame), options, job)?
+        }
+        FilmSource::Memory(samples) => splats::write(path, samples, None, options, job)?,
+        FilmSource::Disk(playback) => {
+            splats::write(path, &playback.store().read_all(job)?, None, options, job)?
+        }
+    };
+    let mut said = count_of(written.splats, "splat");
+    if written.of_sky == 0 && written.at_infinity > 0 {
+        said = format!("{said}, without {} of the sky", count_of(written.at_infinity, "sample"));
+    }
+    if let Some([x, y, z]) = written.offset {
+        said = format!("{said}, less the offset ({x}, {y}, {z})");
+    }
+    Ok(said)
+}
+
+fn write_points(path: &Path, set: &SampleSet, frame: usize) -> Result<u64> {
+    let images = set.images.iter().filter(|image| image.span.contains(frame));
+    points::write(path, set, images.map(|image| &**image))
+}
+
+/// Writes a file for each frame, all of them or none.
+fn write_all_points(path: &Path, source: &FilmSource, job: &Job) -> Result<String> {
+    let frames = source.frame_count();
+    job.start("Writing frames", frames);
+    let points = whole_file::write_folder(path, |folder| {
+        let mut points = 0;
+        for frame in 0..frames {
+            job.check()?;
+            let set = at(source, frame, job)?;
+            let number = set.frame_numbers.get(frame).copied().unwrap_or(frame as i64);
+            points += write_points(&folder.join(format!("{number:04}.ply")), &set, frame)?;
+            job.advance(1);
+        }
+        Ok(points)
+    })?;
+    Ok(format!("{}, {}", count_of(points, "point"), counted(frames, "file")))
+}
+
+/// Renders all pictures of a camera path and writes them. Gives what was written, and why the renderer of the settings was not used.
+fn write_path(
+    path: &Path,
+    source: &FilmSource,
+    export: &PathExport,
+    job: &Job,
+) -> Result<(String, Option<String>)> {
+    let vantages = export.camera_path.vantages(export.size, source.frame_count());
+    if vantages.is_empty() {
+        return Err(Error::invalid("camera path", NO_KEYS));
+    }
+    let mut renderer = Renderer::new();
+    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
+        film::paint(source, &vantages, None, &mut renderer, &export.settings, job, take)
+    };
+    let display = &export.display;
+    if let Some(rate) = export.target.film_rate {
+        let mut encoder = FilmEncoder::start(path, export.size.map(|side| side as usize), rate)?;
+        paint(&mut |_, picture| encoder.add(developed(display, picture).as_ref().unwrap_or(picture)))?;
+        encoder.finish(job)?;
+    } else {
+        std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
+        paint(&mut |nth, picture| {
+            if export.target.linear {
+                return write_exr(&path.join(format!("{:04}.exr", nth + 1)), picture);
+            }
+            let file = path.join(format!("{:04}.png", nth + 1));
+            write_png(&file, developed(display, picture).as_ref().unwrap_or(picture))
+        })?;
+    }
+    Ok((counted(vantages.len(), "picture"), renderer.notice().map(str::to_owned)))
+}

@@ -1,0 +1,383 @@
+//! What the colors of a picture mean: color bars and swatches.
+
+use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+
+use crate::app::colormap::{diverging, sequential};
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::colors::model::titled_value;
+use crate::app::rooms::live::model::{ColorBy, HoleDisplay};
+use crate::app::rooms::source::model::{
+    Legend, Overlay, RATIO_RANGE, SourceCommand, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
+};
+use crate::app::theme::Tokens;
+use crate::app::widgets::one_line;
+use crate::app::{camera_cues, model};
+use overlook_engine::grid::Grid;
+use overlook_engine::preprocess::agreement::SampleAgreement;
+use overlook_engine::preprocess::inspect::VISIBLE_STEPS;
+use overlook_engine::samples::TILE;
+
+/// Height of a line of legend.
+const LINE: f32 = 22.0;
+
+/// Width that a swatch needs beside its name.
+const SWATCH_WIDTH: f32 = 26.0;
+
+/// Width of `others (25) 12.3 %`.
+const MORE_WIDTH: f32 = 116.0;
+
+/// Width of the legend of holes.
+const HOLE_WIDTH: f32 = 220.0;
+
+pub(crate) fn source_legend_ui(
+    ui: &mut Ui,
+    state: &State,
+    key: &SourceKey,
+    legend: &Legend,
+    commands: &mut Commands,
+) {
+    let tokens = Tokens::in_ui(ui);
+    line_ui(ui, |ui| match legend {
+        Legend::Plain if key.overlay == Overlay::Normals => {
+            one_line(ui, "Red, green and blue: the normal's x, y and z in world space.", tokens.text_weak);
+        }
+        Legend::Plain => {
+            one_line(ui, "As recorded. Choose an overlay above to see what is redundant.", tokens.text_weak);
+        }
+        Legend::Depth { near, far, without } => {
+            let figure = |value: f32| model::significant(f64::from(value));
+            bar_ui(ui, &format!("far {}", figure(*far)), &format!("near {}", figure(*near)), sequential);
+            if *without > 0.0 {
+                swatch_ui(ui, tokens.invalid, &format!("no depth {:.1} %", 100.0 * without));
+            }
+        }
+        Legend::Ratio => ratio_ui(ui, "this camera denser", "other denser"),
+        Legend::Tiles(_) => bar_ui(ui, "all pruned", "all kept", sequential),
+        Legend::Split { background, lasting, foreground, invalid } => {
+            let total = background + lasting + foreground + invalid;
+            let counts = [*background, *lasting, *foreground];
+            for ((color, name), count) in spans(tokens).into_iter().zip(counts) {
+                swatch_ui(ui, color, &format!("{name} {}", model::percent(count, total)));
+            }
+            no_depth_ui(ui, *invalid, total);
+        }
+        Legend::Agreement { confirmed, contradicted, alone, invalid } => {
+            let total = confirmed + contradicted + alone + invalid;
+            let shares = [*confirmed, *contradicted, *alone].map(|count| model::percent(count, total));
+            for ((found, name, help), share) in AGREEMENTS.into_iter().zip(shares) {
+                swatch_ui(ui, tokens.of_agreement(found), &format!("{name} {share}")).on_hover_text(help);
+            }
+            no_depth_ui(ui, *invalid, total);
+        }
+        Legend::ViewDependence { visible, alike, unknown } => {
+            view_dependence_ui(ui, *visible, *unknown, visible + alike + unknown);
+        }
+        Legend::Winners { kept, lost_to, dropped, invalid } => {
+            let total = kept + dropped + invalid + lost_to.iter().sum::<u64>();
+            let label = RichText::new(format!("kept {}", model::percent(*kept, total)));
+            ui.label(label.small()).on_hover_text("Kept pixels show their own picture.");
+            no_depth_ui(ui, *invalid, total);
+            if *dropped > 0 {
+                swatch_ui(ui, tokens.hole, &format!("dropped {}", model::percent(*dropped, total)))
+                    .on_hover_text(
+                        "Dropped without a witness: contradicted by other cameras, or edge-blended.",
+                    );
+            }
+            winners_ui(ui, state, lost_to, total, commands);
+        }
+    });
+}
+
+/// How far colors of a point differ between cameras, with the shares of pixels that differ visibly and that one camera alone shows.
+fn view_dependence_ui(ui: &mut Ui, visible: u64, unknown: u64, total: u64) {
+    bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} of 255"), sequential);
+    let differs = format!("visible {}", model::percent(visible, total));
+    ui.label(RichText::new(differs).small()).on_hover_text(format!(
+        "Differs by {VISIBLE_STEPS:.0} or more of 255 steps: the eye sees two colors.",
+    ));
+    let unknown = format!("seen once {}", model::percent(unknown, total));
+    ui.label(RichText::new(unknown).small())
+        .on_hover_text("No other camera shows the point about as finely; shown dimmed.");
+}
+
+/// The gray of pixels without depth, where there are any, with their share.
+fn no_depth_ui(ui: &mut Ui, invalid: u64, total: u64) {
+    if invalid > 0 {
+        let name = format!("no depth {}", model::percent(invalid, total));
+        swatch_ui(ui, Tokens::in_ui(ui).invalid, &name)
+            .on_hover_text("The camera recorded no depth here: these pixels take part in nothing.");
+    }
+}
+
+/// How samples agree with other cameras, with name and help.
+const AGREEMENTS: [(SampleAgreement, &str, &str); 3] = [
+    (
+        SampleAgreement::Confirmed,
+        "confirmed",
+        "Another camera sees the surface where this one has it, and no majority contradicts it.",
+    ),
+    (
+        SampleAgreement::Contradicted,
+        "contradicted",
+        "More cameras see a surface behind this one than see this one, its own camera counted among the latter. \
+         A cross-camera check by majority drops such samples.",
+    ),
+    (SampleAgreement::Alone, "alone", "No other camera confirms it, and no majority contradicts it."),
+];
+
+/// For how long samples are stored, in the colors of both views.
+fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
+    [(tokens.static_over_time, "all frames"), (tokens.lasting, "several"), (tokens.moving, "this frame")]
+}
+
+/// Cameras with the share of pixels that each won, most first. A list holds those that the picture shows as *others* and those that
+/// have no room. While the pointer is on a name, the picture shows that camera alone.
+fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64, commands: &mut Commands) {
+    let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+    let (ranked, named) = ranked(won_by);
+    let entry = |camera: usize| {
+        let name = &cameras.get(camera)?.name;
+        Some((camera, format!("{name} {}", model::percent(won_by[camera], total))))
+    };
+    let entries: Vec<_> = ranked.iter().filter_map(|camera| entry(*camera)).collect();
+    let mut hovered = None;
+    let shown = cameras_that_fit(ui, &entries[..named.min(entries.len())], 0.0);
+    for (camera, name) in &entries[..shown] {
+        if camera_ui(ui, *camera, name).hovered() {
+            hovered = Some(*camera);
+        }
+    }
+    let others = &entries[shown..];
+    if !others.is_empty() {
+        let count: u64 = others.iter().map(|(camera, _)| won_by[*camera]).sum();
+        let label = format!("others ({}) {}", others.len(), model::percent(count, total));
+        hovered = others_ui(ui, &label, others).or(hovered);
+    }
+    if hovered != state.inspector.isolated {
+        commands.push(Command::Source(SourceCommand::Isolate(hovered)));
+    }
+}
+
+/// A list of cameras that opens at a click; gives the one under the pointer.
+fn others_ui(ui: &mut Ui, label: &str, others: &[(usize, String)]) -> Option<usize> {
+    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, Tokens::in_ui(ui).text_weak);
+    let button = egui::Button::new(RichText::new(label).small()).small();
+    let (_, list) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        let mut hovered = None;
+        ScrollArea::vertical().max_height(300.0).show_rows(ui, LINE, others.len(), |ui, rows| {
+            for (camera, name) in &others[rows] {
+                ui.horizontal(|ui| {
+                    if camera_ui(ui, *camera, name).hovered() {
+                        hovered = Some(*camera);
+                    }
+                });
+            }
+        });
+        hovered
+    });
+    list.and_then(|list| list.inner)
+}
+
+/// The sign of a camera with words beside it.
+fn camera_ui(ui: &mut Ui, camera: usize, words: &str) -> Response {
+    ui.spacing_mut().item_spacing.x = 5.0;
+    let sign = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    camera_cues::sign(ui.painter(), sign.0, camera);
+    let response = ui.add(egui::Label::new(RichText::new(words).small()).sense(Sense::hover()));
+    ui.add_space(6.0);
+    response.union(sign.1)
+}
+
+/// How many entries fit before the last `reserved` points of the line.
+fn cameras_that_fit(ui: &Ui, entries: &[(usize, String)], reserved: f32) -> usize {
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let mut room = ui.available_width() - reserved - MORE_WIDTH;
+    let fits = |(_, name): &&(usize, String)| {
+        let galley = ui.painter().layout_no_wrap(name.clone(), font.clone(), Color32::PLACEHOLDER);
+        room -= galley.size().x + SWATCH_WIDTH;
+        room >= 0.0
+    };
+    entries.iter().take_while(fits).count()
+}
+
+pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    line_ui(ui, |ui| {
+        match state.live.color_by {
+            ColorBy::Picture => {}
+            ColorBy::Camera => {
+                let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+                let entries: Vec<_> =
+                    cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone())).collect();
+                let shown = cameras_that_fit(ui, &entries, HOLE_WIDTH);
+                for (camera, name) in &entries[..shown] {
+                    camera_ui(ui, *camera, name);
+                }
+                if shown < entries.len() {
+                    let label = format!("others ({})", entries.len() - shown);
+                    others_ui(ui, &label, &entries[shown..]);
+                }
+            }
+            ColorBy::Agreement if state.has_capture() => {
+                for (found, name, help) in AGREEMENTS {
+                    swatch_ui(ui, tokens.of_agreement(found), name).on_hover_text(help);
+                }
+            }
+            ColorBy::Agreement => {
+                one_line(
+                    ui,
+                    "A store does not record agreement; open its capture for that.",
+                    tokens.text_weak,
+                );
+            }
+            ColorBy::Span => {
+                for (color, name) in spans(tokens) {
+                    swatch_ui(ui, color, name);
+                }
+            }
+            ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
+            ColorBy::Value => value_ui(ui, state),
+        }
+        holes_ui(ui, state);
+    });
+}
+
+/// The colors of the value that is shown, between the ends of its range.
+fn value_ui(ui: &mut Ui, state: &State) {
+    let Some((_, channel)) = state.display.values.channel_of(state.value_channels()) else { return };
+    let Ok(colors) = state.display.values.colors(channel) else {
+        one_line(ui, "The range of the value has no width.", Tokens::in_ui(ui).warning);
+        return;
+    };
+    let [low, high] = colors.range().map(|end| model::significant(f64::from(end)));
+    let low = format!("{} {low}", titled_value(channel));
+    bar_ui(ui, &low, &high, |share| {
+        let [r, g, b] = colors.color(colors.value_at(share));
+        Color32::from_rgb(r, g, b)
+    });
+}
+
+/// What pixels are that no sample reached, and their share of the picture.
+fn holes_ui(ui: &mut Ui, state: &State) {
+    let shares = state.live_shown.as_ref().map(|shown| {
+        let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
+        let (holes, sky) = (shown.picture.stats.holes, shown.picture.sky_holes);
+        let sky = if state.holes_shown() == HoleDisplay::Filled { sky.min(holes) } else { 0 };
+        [model::percent(holes - sky, pixels), model::percent(sky, pixels)]
+    });
+    let share = shares.as_ref().map(|[unseen, _]| unseen);
+    let named = |name: &str| share.map_or_else(|| name.to_owned(), |share| format!("{name} {share}"));
+    match state.holes_shown() {
+        HoleDisplay::Filled => {
+            let name = named("filled (invented)");
+            // Among the picture's own colors it has none of its own.
+            let response = match state.live.color_by {
+                ColorBy::Picture => ui.label(RichText::new(name).small()),
+                _ => swatch_ui(ui, Color32::GRAY, &name),
+            };
+            response.on_hover_text(
+                "No sample reached these pixels. Their colors are continued from the background; H shows them.",
+            );
+            if let Some([_, sky]) = shares.as_ref().filter(|[_, sky]| !sky.starts_with("0.0 ")) {
+                ui.label(RichText::new(format!("sky {sky}")).small()).on_hover_text(
+                    "No sample reached these pixels either: they show the sky in that direction, as cameras saw it, or continued from there.",
+                );
+            }
+        }
+        HoleDisplay::Hatched => {
+            swatch_ui(ui, Tokens::in_ui(ui).hole_stripe, &named("hole: no sample reached it"));
+        }
+    }
+}
+
+/// The kept share of each tile, where tiles are large enough on the screen to read it.
+pub(crate) fn tile_shares(
+    painter: &Painter,
+    picture: Rect,
+    size: egui::Vec2,
+    shares: &Grid<f32>,
+    tokens: &Tokens,
+) {
+    let tile = picture.width() / size.x * TILE as f32;
+    if tile < 30.0 {
+        return;
+    }
+    let font = egui::FontId::proportional(11.0);
+    for tile_y in 0..shares.height() {
+        for tile_x in 0..shares.width() {
+            let center = picture.min + vec2(tile_x as f32 + 0.5, tile_y as f32 + 0.5) * tile;
+            if !painter.clip_rect().contains(center) {
+                continue;
+            }
+            let text = format!("{:.0}", shares[(tile_x, tile_y)] * 100.0);
+            let galley = painter.layout_no_wrap(text, font.clone(), tokens.on_scrim);
+            let plate = Rect::from_center_size(center, galley.size() + vec2(6.0, 2.0));
+            painter.rect_filled(plate, 3.0, tokens.scrim);
+            painter.galley(plate.min + vec2(3.0, 1.0), galley, tokens.on_scrim);
+        }
+    }
+}
+
+fn line_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+    ui.scope_builder(egui::UiBuilder::new().max_rect(rect).id_salt("legend"), |ui| {
+        ui.horizontal_centered(contents);
+    });
+}
+
+fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) -> Response {
+    ui.spacing_mut().item_spacing.x = 5.0;
+    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, color);
+    let response = ui.label(RichText::new(name).small());
+    ui.add_space(6.0);
+    response
+}
+
+/// A color bar, `width` wide, between the names of its ends.
+pub(crate) fn bar(ui: &mut Ui, low: &str, high: &str, width: f32, color: impl Fn(f32) -> Color32) {
+    ui.label(RichText::new(low).small());
+    let (rect, _) = ui.allocate_exact_size(vec2(width, 10.0), Sense::hover());
+    gradient(ui.painter(), rect, color);
+    ui.label(RichText::new(high).small());
+}
+
+/// A color bar as wide as the line has room for.
+fn bar_ui(ui: &mut Ui, low: &str, high: &str, color: impl Fn(f32) -> Color32) {
+    let width = (ui.available_width() - 150.0).clamp(60.0, 180.0);
+    bar(ui, low, high, width, color);
+}
+
+/// The diverging bar, with the ratios at its ends and middle.
+fn ratio_ui(ui: &mut Ui, low: &str, high: &str) {
+    ui.label(RichText::new(low).small());
+    let (rect, response) = ui.allocate_exact_size(vec2(120.0, LINE), Sense::hover());
+    let bar = Rect::from_min_max(rect.min + vec2(0.0, 1.0), pos2(rect.right(), rect.top() + 9.0));
+    gradient(ui.painter(), bar, |position| diverging(position * 2.0 - 1.0));
+    let font = egui::FontId::proportional(10.0);
+    let weak = Tokens::in_ui(ui).text_weak;
+    let end = 2.0_f32.powf(RATIO_RANGE);
+    for (position, align, label) in [
+        (rect.left(), Align2::LEFT_BOTTOM, format!("1/{end:.0}")),
+        (rect.center().x, Align2::CENTER_BOTTOM, "r = 1".to_owned()),
+        (rect.right(), Align2::RIGHT_BOTTOM, format!("{end:.0}")),
+    ] {
+        ui.painter().text(pos2(position, rect.bottom()), align, label, font.clone(), weak);
+    }
+    response.on_hover_text(
+        "r compares two sampling rates; the scale is logarithmic, and r = 1 means equally dense.",
+    );
+    ui.label(RichText::new(high).small());
+}
+
+fn gradient(painter: &Painter, rect: Rect, color: impl Fn(f32) -> Color32) {
+    let steps = 48;
+    let step = rect.width() / steps as f32;
+    for i in 0..steps {
+        let left = rect.left() + step * i as f32;
+        // Half a point of overlap closes the seams that anti-aliasing would leave.
+        let part = Rect::from_min_max(pos2(left, rect.top()), pos2(left + step + 0.5, rect.bottom()));
+        painter.rect_filled(part.intersect(rect), 0.0, color((i as f32 + 0.5) / steps as f32));
+    }
+}

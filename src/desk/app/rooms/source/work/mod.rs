@@ -1,0 +1,4 @@
+//! What is computed, on threads of its own.
+
+pub(crate) mod image;
+pub(crate) mod source_comparisons;
