@@ -584,7 +584,7 @@ class Part:
         look = actor.GetProperty()
         look.DeepCopy(self.prop.GetProperty())
         look.RemoveAllTextures()
-        settings = {"Lighting": False, "Ambient": 1, "Diffuse": 0, "Interpolation": 0, "EdgeVisibility": False, "VertexVisibility": False}
+        settings = {"Lighting": False, "Ambient": 1, "Diffuse": 0, "Interpolation": 0, "EdgeVisibility": False, "VertexVisibility": False, "Opacity": 1}
         for name, value in settings.items():
             getattr(look, f"Set{name}")(value)
         return actor
@@ -594,7 +594,8 @@ class Part:
         of its corners. Names that it lacks are missing."""
         from vtkmodules.util.numpy_support import vtk_to_numpy
 
-        found = {name: (is_of_points, vtk_to_numpy(array)) for name, (is_of_points, array) in self.arrays().items() if name in names}
+        asked = {name: it for name, it in self.arrays().items() if name in names and it[1].GetNumberOfComponents() == 1}
+        found = {name: (is_of_points, vtk_to_numpy(array)) for name, (is_of_points, array) in asked.items()}
         if self.is_of_points or not any(is_of_points for is_of_points, _ in found.values()):
             return {name: array[index] for name, (_, array) in found.items()}
         corners = self.corners[index]
@@ -705,7 +706,8 @@ def parts_of(renderer):
 
 def checked_values(values):
     """What is asked for, as a list of {"name", "unit", "range"}: names, such objects, or an object of units by name."""
-    asked = [{"name": name, "unit": unit} for name, unit in values.items()] if isinstance(values, dict) else list(values or ())
+    values = [values] if isinstance(values, str) else values or ()
+    asked = [{"name": name, "unit": unit} for name, unit in values.items()] if isinstance(values, dict) else list(values)
     asked = [dict(it) if isinstance(it, dict) else {"name": str(it)} for it in asked]
     if any(not it.get("name") or set(it) - {"name", "unit", "range", "tolerance", "exact"} for it in asked):
         raise CaptureError("each value needs a name, and may have a unit, a range, a tolerance and exact")
