@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::list::{Action, Edit, EditList};
-use super::region_test::RegionTest;
-use super::seen::PixelRays;
+use super::region_test::{RegionContext, RegionTest};
+use super::seen::{PixelRays, Seen};
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, with_changed_frames};
 use crate::error::Result;
 use crate::job::Job;
@@ -14,7 +14,7 @@ use crate::job::Job;
 /// # Errors
 /// As [`EditList::check`].
 pub fn with_cameras_left(capture: &Capture, edits: &EditList) -> Result<Capture> {
-    edits.check(&capture.cameras, &[], "edits")?;
+    edits.check(&capture.cameras, &[], capture.value_channels(), "edits")?;
     let left_out = edits.cameras_left_out();
     Ok(if left_out.is_empty() {
         capture.clone()
@@ -31,8 +31,8 @@ struct PixelEdit {
 }
 
 impl PixelEdit {
-    fn new(edit: &Edit, camera: &Camera) -> Self {
-        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, camera, &[]) }
+    fn new(edit: &Edit, context: RegionContext<'_>) -> Self {
+        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, context) }
     }
 
     fn acts_at(&self, frame_number: i64) -> bool {
@@ -49,7 +49,8 @@ struct PixelEdits {
 impl PixelEdits {
     fn new(capture: &Capture, edits: &EditList) -> Self {
         let of_camera = |camera: &Camera| {
-            let edits = edits.before_pruning().map(|edit| PixelEdit::new(edit, camera));
+            let context = RegionContext { camera, channels: capture.value_channels(), marked: &[] };
+            let edits = edits.before_pruning().map(|edit| PixelEdit::new(edit, context));
             (PixelRays::of(camera), edits.collect())
         };
         Self {
@@ -71,7 +72,8 @@ impl PixelEdits {
             if inverse_depth < 0.0 {
                 continue;
             }
-            let seen = rays.seen(pixel % width, pixel / width, inverse_depth);
+            let mut seen: Seen<'_> = rays.seen(pixel % width, pixel / width, inverse_depth);
+            seen.values = of.values.of(pixel);
             let mut stays = true;
             for edit in &acting {
                 stays = edit.action.leaves(stays, edit.test.contains(&seen));
