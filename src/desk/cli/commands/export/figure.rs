@@ -146,9 +146,8 @@ impl FigureArgs {
             let what = "an orthographic view is one of a store; a recorded picture is in perspective";
             return Err(Error::invalid("--orthographic", what).into());
         }
-        self.edits.refuse_for_capture()?;
         let settings = self.settings.over(overlook_engine::settings::Settings::default())?;
-        let capture = input::open_capture(place, &settings.capture)?;
+        let capture = self.edits.open_capture(place, &settings.capture)?;
         let camera = camera_named(&capture.cameras, self.camera.as_deref(), place)?;
         let frame = match self.frame {
             None => 0,
