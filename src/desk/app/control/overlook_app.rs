@@ -12,8 +12,9 @@ use crate::app::dock::Dock;
 use crate::app::model::{Busy, Command, Message, State, StoppableWork, Stopwatch};
 use crate::app::pace::LeastPeriod;
 use crate::app::rooms::files::control::remembered::Memory;
-use crate::app::rooms::files::model::TypedPath;
-use crate::app::rooms::frame::model::{DockView, NoticeKind, Workspace};
+use crate::app::rooms::files::model::{FileCommand, Opening, TypedPath};
+use crate::app::rooms::frame::model::{DockView, NoticeKind, WindowCommand, Workspace};
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::theme;
 use crate::app::work::{Outbox, Scheduler, Workers};
 use overlook_engine::demo::DemoSpec;
@@ -126,7 +127,7 @@ impl OverlookApp {
         match start {
             Start::Demo(spec) => app.open_demo(spec),
             Start::Welcome => {
-                app.apply(Command::Workspace(Workspace::Explore));
+                app.apply(Command::Window(WindowCommand::Workspace(Workspace::Explore)));
                 app.state.timeline.plays_once_open = true;
                 app.open_room();
             }
@@ -215,7 +216,7 @@ impl OverlookApp {
         }
         let frame = std::mem::replace(&mut self.state.timeline.frame, before);
         if frame != before {
-            self.apply(Command::Frame(frame));
+            self.apply(Command::Time(TimeCommand::Frame(frame)));
         }
         self.ctx.request_repaint_after(Duration::from_secs_f32(wait));
     }
@@ -252,7 +253,7 @@ impl OverlookApp {
         let dropped =
             self.ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
         if let Some(path) = dropped {
-            self.apply(Command::OpenPath(path));
+            self.apply(Command::File(FileCommand::Open(Opening::Path(path))));
         }
     }
 

@@ -5,17 +5,18 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::app::model::command::{Command, HelpPage};
 use crate::app::model::inspector::Inspector;
 use crate::app::model::results::{Accuracy, Inspected, Whole, method_of};
 use crate::app::model::scene::{Content, OpenScene, SceneSource};
 use crate::app::model::texture::Texture;
 use crate::app::rooms::colors::model::display::Display;
 use crate::app::rooms::edits::model::edits::SceneEdits;
+use crate::app::rooms::files::model::command::Opening;
 use crate::app::rooms::files::model::purpose::TypedPath;
 use crate::app::rooms::files::model::recent::RecentPicture;
 use crate::app::rooms::frame::model::notice::Notice;
 use crate::app::rooms::frame::model::workspace::WindowLook;
+use crate::app::rooms::help::model::HelpPage;
 use crate::app::rooms::live::model::orbit_camera::OrbitCamera;
 use crate::app::rooms::live::model::picture::{
     ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried,
@@ -142,7 +143,7 @@ pub(crate) struct State {
     pub share: ShareDialog,
     pub edits: SceneEdits,
     /// What is to be opened, while the question is whether what is lost by it may be.
-    pub open_after_question: Option<Command>,
+    pub open_after_question: Option<Opening>,
     pub dark: bool,
     pub look: WindowLook,
     /// How both views show color.

@@ -6,7 +6,6 @@ use std::time::Instant;
 
 use egui::TextureHandle;
 
-use crate::app::model::command::{CommandPalette, HelpPage};
 use crate::app::model::frame_timer::Meter;
 use crate::app::model::results::CameraMemory;
 use crate::app::rooms::charts::model::charts::Charts;
@@ -14,6 +13,7 @@ use crate::app::rooms::compare::model::comparison::{CompareLook, CompareSide, Sh
 use crate::app::rooms::compare::model::vantage::CompareVantage;
 use crate::app::rooms::files::model::picture_folder::PictureFolder;
 use crate::app::rooms::frame::model::notice::{LogLine, NoticeKind};
+use crate::app::rooms::help::model::{CommandPalette, HelpPage};
 use crate::app::rooms::live::model::view_history::ViewHistory;
 use crate::app::rooms::path::model::CameraPath;
 use crate::app::rooms::pixel::model::pixel::{Probed, Spot};

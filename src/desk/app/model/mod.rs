@@ -16,7 +16,7 @@ pub(crate) mod text;
 pub(crate) mod texture;
 pub(crate) mod work_kind;
 
-pub(crate) use command::{Command, CommandPalette, Commands, HelpPage};
+pub(crate) use command::{Command, Commands};
 pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use message::Message;

@@ -4,6 +4,7 @@ use super::*;
 use crate::app::model::{Content, SceneSource};
 use crate::app::rooms::frame::model::Workspace;
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::timeline::model::TimeCommand;
 
 #[test]
 fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_what_it_is_in_figures() {
@@ -26,7 +27,7 @@ fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_
     assert!(bytes <= 4_000_000, "{bytes}");
     // Who takes over before is not set in motion.
     let mut other = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
-    other.apply(Command::Step(1));
+    other.apply(Command::Time(TimeCommand::Step(1)));
     wait(&mut other, "the room", |app| app.state.scene.is_some());
     assert!(!other.state.timeline.playing);
     // What has no path is named by none.

@@ -4,14 +4,14 @@ use glam::DVec2;
 
 use crate::app::control::OverlookApp;
 use crate::app::model::{Command, Message};
-use crate::app::rooms::live::model::{CarriedLook, CarryKey, LiveKey, PixelSource};
+use crate::app::rooms::live::model::{CarriedLook, CarryKey, LiveKey, PixelSource, ViewCommand};
 use crate::app::tests::{ready, settle};
 use overlook_engine::capture::Camera;
 
 const SIZE: [u32; 2] = [48, 36];
 
 fn turn(app: &mut OverlookApp) -> Camera {
-    app.apply(Command::Orbit(DVec2::new(0.1, 0.02)));
+    app.apply(Command::View(ViewCommand::Orbit(DVec2::new(0.1, 0.02))));
     app.state.live_camera(SIZE).unwrap()
 }
 

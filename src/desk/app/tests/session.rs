@@ -2,9 +2,11 @@
 
 use super::*;
 use crate::app::model::SceneSource;
-use crate::app::rooms::frame::model::Workspace;
+use crate::app::rooms::files::model::{FileCommand, Opening};
+use crate::app::rooms::frame::model::{WindowCommand, Workspace};
 use crate::app::rooms::live::model::ViewCommand;
-use crate::app::rooms::path::model::SavedPathKey;
+use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::tests::edits::{delete, open};
 use overlook_engine::edits::Region;
 
@@ -34,7 +36,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     let [session, store, again] = ["a.overlook", "a.ovl", "again.ovl"].map(|name| folder.path().join(name));
     let mut app = ready(2, 1);
     assert!(app.state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_))));
-    app.apply(Command::TypePath(Purpose::SaveSession));
+    app.apply(Command::File(FileCommand::TypePath(Purpose::SaveSession)));
     assert!(
         app.notices().iter().any(|notice| notice.starts_with("No session to save")),
         "{:?}",
@@ -47,12 +49,12 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     settle(&mut app);
     delete(&mut app, Region::ConfirmedByFewerThan(1));
     for (frame, angle) in [(0, 0.1), (2, -0.2)] {
-        app.apply(Command::Frame(frame));
-        app.apply(Command::Orbit(glam::DVec2::new(angle, 0.05)));
-        app.apply(Command::AddKey);
+        app.apply(Command::Time(TimeCommand::Frame(frame)));
+        app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(angle, 0.05))));
+        app.apply(Command::Path(PathCommand::AddKey));
     }
     app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
-    app.apply(Command::Workspace(Workspace::Compare));
+    app.apply(Command::Window(WindowCommand::Workspace(Workspace::Compare)));
     // The address of a view rounds it; who saved it and who opens it see the same.
     app.apply(Command::View(ViewCommand::CopyAddress));
     settle(&mut app);
@@ -82,7 +84,7 @@ fn a_session_whose_capture_is_gone_or_that_is_damaged_says_so_and_leaves_what_is
         [("version = 1\nopens = \"gone\"\nup = [0, 0, 1]\n", "gone"), ("nonsense", "line 1: ")]
     {
         std::fs::write(&path, text).unwrap();
-        app.apply(Command::OpenPath(path.clone()));
+        app.apply(Command::File(FileCommand::Open(Opening::Path(path.clone()))));
         settle(&mut app);
         let notices = app.notices();
         assert!(

@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::{Command, StoppableWork};
-use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::charts::model::{ChartCommand, Study};
 use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::pixel::model::Spot;
+use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::pixel::model::{PixelCommand, Spot};
+use crate::app::rooms::settings::model::SettingsCommand;
 use crate::app::tests::{orrery, ready, set_method, settle, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
 
@@ -33,10 +35,10 @@ fn of_files_asked_for_one_after_the_other_each_is_written() {
 fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 4);
-    app.apply(Command::Study(Study::Sweep));
-    app.apply(Command::PicturesPerLeg(2000));
+    app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
+    app.apply(Command::Path(PathCommand::PicturesPerLeg(2000)));
     for _ in 0..2 {
-        app.apply(Command::AddKey);
+        app.apply(Command::Path(PathCommand::AddKey));
     }
     app.take_path(Purpose::ExportPictures, folder.path().join("pictures"));
     app.watch_work();
@@ -126,8 +128,8 @@ fn the_live_view_is_painted_for_others_while_it_lies_behind_them() {
 #[test]
 fn of_a_pixel_that_is_let_go_of_nothing_more_is_said() {
     let mut app = ready(2, 2);
-    app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 })));
-    app.apply(Command::Pin(true));
+    app.apply(Command::Pixel(PixelCommand::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 }))));
+    app.apply(Command::Pixel(PixelCommand::Pin(true)));
     wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
     app.apply(Command::Escape);
     settle(&mut app);
@@ -155,7 +157,7 @@ fn settings_kept_beside_a_store_are_those_that_it_shows() {
     set_method(&mut app, PruningMethod::Off);
     app.open_path(&path);
     wait(&mut app, "the store", |app| !app.state.has_capture());
-    app.apply(Command::SavePreset("mine".into()));
+    app.apply(Command::Settings(SettingsCommand::SavePreset("mine".into())));
     let (_, kept) = &app.state.inspector.presets[0];
     assert_eq!(kept.pruning, Settings::default().pruning);
 }

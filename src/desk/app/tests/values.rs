@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::app::rooms::colors::model::{Display, ValueLook};
-use crate::app::rooms::live::model::ColorBy;
+use crate::app::rooms::live::model::{ColorBy, ViewCommand};
 use overlook_engine::capture;
 use overlook_engine::render::{MISSING_COLOR, output};
 use overlook_engine::settings::Settings;
@@ -54,10 +54,10 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     let mut app = ready(2, 1);
     edits::open(&mut app, folder.path(), true);
     assert_eq!(app.state.value_channels().len(), 1);
-    app.apply(Command::JumpTo(0));
+    app.apply(Command::View(ViewCommand::JumpTo(0)));
     settle(&mut app);
     let picture = shown(&app);
-    app.apply(Command::ColorBy(ColorBy::Value));
+    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Value)));
     settle(&mut app);
     let colored = shown(&app);
     assert!(colored != picture);

@@ -3,13 +3,29 @@
 use egui::TextureOptions;
 
 use super::model::{
-    CompareChoice, CompareKey, CompareSide, CompareVantage, PictureDifference, ShownComparison,
+    CompareChoice, CompareCommand, CompareKey, CompareSide, CompareVantage, PictureDifference,
+    ShownComparison,
 };
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::files::model::PictureFolder;
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 
 impl OverlookApp {
+    /// Carries out what concerns the comparison of two pictures.
+    pub(crate) fn apply_to_comparison(&mut self, command: CompareCommand) {
+        let inspector = &mut self.state.inspector;
+        match command {
+            CompareCommand::Look(look) => {
+                let before = &inspector.compare.choice;
+                if (look.choice.sides, look.choice.from) != (before.sides, before.from) {
+                    inspector.compare_error = None;
+                }
+                inspector.compare = *look;
+            }
+            CompareCommand::ClosePictures(id) => inspector.close_pictures(|folder| folder.id == id),
+        }
+    }
+
     pub(crate) fn compared(&mut self, key: &CompareKey, outcome: Result<PictureDifference, String>) {
         let inspector = &mut self.state.inspector;
         match outcome {

@@ -7,16 +7,16 @@ use super::model::{
     CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage, PictureDifference, ShownComparison,
 };
 use crate::app::colormap::{diverging, sequential};
-use crate::app::model;
 use crate::app::model::{Command, Commands, Content, State};
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::compare::model::CompareCommand;
+use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::source::model::PictureZoom;
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets;
 use crate::app::widgets::{
     choice_ui, empty_ui, icon_button, least_width_of_segments, one_line, scrolled, segments_ui, waiting,
 };
+use crate::app::{model, widgets};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -47,7 +47,7 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
     ui.allocate_rect(canvas, Sense::hover());
     footer_ui(ui, state, &mut look, pointed);
     if look != *before {
-        commands.push(Command::Compare(Box::new(look)));
+        commands.push(Command::Compare(CompareCommand::Look(Box::new(look))));
     }
 }
 
@@ -116,8 +116,8 @@ fn pictures_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let button = egui::Button::new(ICON_ADD_PHOTO_ALTERNATE.rich_text().size(16.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         for (name, command) in [
-            ("Open folder of pictures…", Command::AskPath(Purpose::OpenPictures)),
-            ("Open pictures from path…", Command::TypePath(Purpose::OpenPictures)),
+            ("Open folder of pictures…", Command::File(FileCommand::AskPath(Purpose::OpenPictures))),
+            ("Open pictures from path…", Command::File(FileCommand::TypePath(Purpose::OpenPictures))),
         ] {
             if ui.button(name).on_hover_text(PICTURES).clicked() {
                 commands.push(command);
@@ -125,7 +125,7 @@ fn pictures_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         }
         for folder in &state.inspector.pictures {
             if ui.button(format!("Close {}", folder.name())).on_hover_text(folder.words()).clicked() {
-                commands.push(Command::ClosePictures(folder.id));
+                commands.push(Command::Compare(CompareCommand::ClosePictures(folder.id)));
             }
         }
     });

@@ -4,24 +4,13 @@ use std::path::PathBuf;
 
 use super::model::{BRUSH_RADII, EditCommand, EditKey, EditedScene};
 use crate::app::control::overlook_app::OverlookApp;
-use crate::app::model::Command;
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::work::FileRequest;
 use overlook_engine::edits::{Action, Edit, EditList, Region};
 
 impl OverlookApp {
-    /// Carries out what concerns edits, and undo where the last change was one; gives back what does not.
-    pub(crate) fn apply_to_edits(&mut self, command: Command) -> Option<Command> {
-        match command {
-            Command::Edit(command) => self.edit(command),
-            Command::Undo if self.state.edits.step(true) => {}
-            Command::Redo if self.state.edits.step(false) => {}
-            other => return Some(other),
-        }
-        None
-    }
-
-    fn edit(&mut self, command: EditCommand) {
+    /// Carries out what concerns edits.
+    pub(crate) fn apply_to_edits(&mut self, command: EditCommand) {
         let frame_number = self.state.frame_number();
         let edits = &mut self.state.edits;
         match command {

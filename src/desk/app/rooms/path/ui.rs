@@ -4,7 +4,8 @@ use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
 use crate::app::model::{Command, Commands, SIDES, State};
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::widgets::{empty_ui, icon_button, weak};
 use overlook_engine::plural::counted;
@@ -19,7 +20,7 @@ pub(crate) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
         ui.label(separator);
     }
     if chosen != size {
-        commands.push(Command::PictureSize(chosen));
+        commands.push(Command::Path(PathCommand::PictureSize(chosen)));
     }
 }
 
@@ -32,7 +33,7 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                     through all of them, in space and in time.";
         empty_ui(ui, ICON_MOVIE, "No camera path yet", text, |ui| {
             if ui.button("Add key here (K)").clicked() {
-                commands.push(Command::AddKey);
+                commands.push(Command::Path(PathCommand::AddKey));
             }
             path_file_ui(ui, false, commands);
         });
@@ -76,13 +77,13 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
     match part {
         PathControls::Keys => {
             if ui.button("Add key here (K)").clicked() {
-                commands.push(Command::AddKey);
+                commands.push(Command::Path(PathCommand::AddKey));
             }
             let is_playing = path.playing.is_some();
             let (icon, name) =
                 if is_playing { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
             if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
-                commands.push(Command::PlayPath(!is_playing));
+                commands.push(Command::Path(PathCommand::Play(!is_playing)));
             }
             weak(ui, counted(path.pictures(), "picture"));
         }
@@ -91,7 +92,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             let mut pictures = path.pictures_per_leg;
             let drag = DragValue::new(&mut pictures).range(1..=2000);
             if ui.add(drag).accessible_name("Frames per segment").changed() {
-                commands.push(Command::PicturesPerLeg(pictures));
+                commands.push(Command::Path(PathCommand::PicturesPerLeg(pictures)));
             }
         }
         PathControls::Size => {
@@ -111,11 +112,11 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
 fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
     ui.menu_button("Path file…", |ui| {
         for (name, needs_path, command) in [
-            ("Save camera path…", true, Command::AskPath(Purpose::SavePath)),
-            ("Save camera path to path…", true, Command::TypePath(Purpose::SavePath)),
-            ("Open camera path…", false, Command::AskPath(Purpose::LoadPath)),
-            ("Open camera path from path…", false, Command::TypePath(Purpose::LoadPath)),
-            ("Remove all keys", true, Command::ClearPath),
+            ("Save camera path…", true, Command::File(FileCommand::AskPath(Purpose::SavePath))),
+            ("Save camera path to path…", true, Command::File(FileCommand::TypePath(Purpose::SavePath))),
+            ("Open camera path…", false, Command::File(FileCommand::AskPath(Purpose::LoadPath))),
+            ("Open camera path from path…", false, Command::File(FileCommand::TypePath(Purpose::LoadPath))),
+            ("Remove all keys", true, Command::Path(PathCommand::Clear)),
         ] {
             let button = ui.add_enabled(ready || !needs_path, egui::Button::new(name));
             if button.on_hover_text(PATH_FILE).clicked() {
@@ -143,7 +144,7 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 let place = format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z);
                 let help = format!("Go to this key, at {place}");
                 if ui.button(format!("Key {number}")).on_hover_text(help).clicked() {
-                    commands.push(Command::GoToKey(index));
+                    commands.push(Command::Path(PathCommand::GoToKey(index)));
                 }
                 if is_roomy {
                     ui.label(RichText::new(place).monospace());
@@ -152,11 +153,11 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 ui.horizontal(|ui| {
                     let here = format!("Set key {number} to the current view");
                     if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
-                        commands.push(Command::ReplaceKey(index));
+                        commands.push(Command::Path(PathCommand::ReplaceKey(index)));
                     }
                     let remove = format!("Remove key {number}");
                     if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
-                        commands.push(Command::RemoveKey(index));
+                        commands.push(Command::Path(PathCommand::RemoveKey(index)));
                     }
                 });
                 ui.end_row();

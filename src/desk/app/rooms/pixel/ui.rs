@@ -6,11 +6,12 @@ use egui_material_icons::icons::{
     ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING, ICON_TABLE_VIEW,
 };
 
-use super::model::Probed;
-use super::model::verdict_text as words;
+use super::model::{Probed, verdict_text as words};
 use crate::app::camera_chips::chips;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::cameras::model::CameraText;
+use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::report::model::{Table, TableForm};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
@@ -138,7 +139,7 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
                 ICON_CONTENT_COPY,
                 "Copy explanation",
                 "Copy all of this as text (Ctrl+Shift+C)",
-                Command::CopyExplanation,
+                Command::Pixel(PixelCommand::CopyExplanation),
             ),
             (
                 ICON_TABLE_VIEW,
@@ -146,7 +147,7 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
                 "Copy the table as CSV",
                 Command::CopyTable(Table::Pixel, TableForm::Csv),
             ),
-            (pin, pin_name, pin_help, Command::Pin(!pinned)),
+            (pin, pin_name, pin_help, Command::Pixel(PixelCommand::Pin(!pinned))),
         ] {
             if icon_button(ui, icon, name, help).clicked() {
                 commands.push(command);
@@ -323,9 +324,9 @@ fn name_ui(ui: &mut Ui, scene: &OpenScene, row: &CameraEvidence, wins: bool, com
     let response = ui.add(button).on_hover_text(help).accessible_name(format!("Go to the point in {name}"));
     if response.clicked() {
         if ui.input(|input| input.modifiers.shift) {
-            commands.push(Command::JumpTo(row.camera));
+            commands.push(Command::View(ViewCommand::JumpTo(row.camera)));
         } else {
-            commands.push(Command::ShowPointIn(row.camera));
+            commands.push(Command::Pixel(PixelCommand::ShowPointIn(row.camera)));
         }
     }
 }

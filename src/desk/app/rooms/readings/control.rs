@@ -5,30 +5,28 @@ use std::sync::Arc;
 
 use egui::TextureOptions;
 
-use super::model::{ReadingImages, ShownReadings};
+use super::model::{ReadingCommand, ReadingImages, ShownReadings};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model;
-use crate::app::model::{Command, SceneSource};
+use crate::app::model::SceneSource;
 use crate::app::rooms::frame::model::{NoticeKind, NoticeLink};
 use crate::app::work::OpenRequest;
 use overlook_engine::capture::conventions::Finding;
 
 impl OverlookApp {
-    /// Carries out what concerns readings; gives back what does not.
-    pub(crate) fn apply_to_readings(&mut self, command: Command) -> Option<Command> {
+    /// Carries out what concerns readings.
+    pub(crate) fn apply_to_readings(&mut self, command: ReadingCommand) {
         match command {
-            Command::CompareReadings(open) => {
+            ReadingCommand::Compare(open) => {
                 let is_possible = self.state.why_no_readings().is_none();
                 self.state.inspector.readings.is_open = open && is_possible;
             }
-            Command::CopyKeys => {
+            ReadingCommand::CopyKeys => {
                 self.ctx.copy_text(self.state.inspector.readings.keys());
                 let text = "Paste them into the manifest, before \"frames\".";
                 self.state.notify(NoticeKind::Done, "Keys copied", text);
             }
-            other => return Some(other),
         }
-        None
     }
 
     /// Opens the scene again, under the other reading or under the one of its files.

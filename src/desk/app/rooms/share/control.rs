@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::model::{FigureOf, FigureOptions, ShareCommand, ShareOutcome};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model;
-use crate::app::model::{Command, StoppableWork, WorkKind};
+use crate::app::model::{StoppableWork, WorkKind};
 use crate::app::rooms::files::model::Purpose;
 use crate::app::rooms::frame::model::{NoticeKind, and_others};
 use crate::app::rooms::live::model::LiveKey;
@@ -18,9 +18,8 @@ use overlook_engine::render::film::FilmSource;
 use overlook_engine::splats::{SplatAmount, SplatOptions};
 
 impl OverlookApp {
-    /// Carries out what concerns the dialog; gives back what does not.
-    pub(crate) fn apply_to_share(&mut self, command: Command) -> Option<Command> {
-        let Command::Share(command) = command else { return Some(command) };
+    /// Carries out what concerns the dialog.
+    pub(crate) fn apply_to_share(&mut self, command: ShareCommand) {
         let share = &mut self.state.share;
         match command {
             ShareCommand::Open(way) => {
@@ -54,7 +53,6 @@ impl OverlookApp {
             }
             ShareCommand::ShowInFolder(path) => self.workers.show_in_folder.submit(path),
         }
-        None
     }
 
     /// Notes where something is written that the dialog was asked for.

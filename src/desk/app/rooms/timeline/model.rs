@@ -112,6 +112,24 @@ impl Timeline {
     }
 }
 
+/// What concerns time.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum TimeCommand {
+    Frame(usize),
+    /// Step forward or back, around the ends.
+    Step(i64),
+    TogglePlay,
+    FramesPerSecond(f32),
+    /// First and last frame of what is played; all frames by `None`.
+    LoopRange(Option<[usize; 2]>),
+    /// Whether playback turns back at either end.
+    PingPong(bool),
+    /// Mark this frame, or take its marker away.
+    ToggleMarker,
+    /// Go to the next marker (true), or to the one before.
+    ToMarker(bool),
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,6 +5,7 @@ use egui_material_icons::icons::{ICON_VISIBILITY, ICON_VISIBILITY_OFF};
 
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::source::model::SourceCommand;
 use crate::app::widgets::{dot, icon_button, note};
 
 /// Height of an entry, points.
@@ -65,8 +66,8 @@ fn row_ui(ui: &mut Ui, state: &State, index: usize, name: &str, commands: &mut C
     let label = ui.selectable_label(chosen, name).accessible_name(format!("Camera {name}"));
     let label = label.on_hover_text("Click: show its picture. Double-click: view from it.");
     if label.double_clicked() {
-        commands.push(Command::JumpTo(index));
+        commands.push(Command::View(ViewCommand::JumpTo(index)));
     } else if label.clicked() {
-        commands.push(Command::SourceCamera(index));
+        commands.push(Command::Source(SourceCommand::Camera(index)));
     }
 }

@@ -10,6 +10,7 @@ use super::overlays::frustum;
 use crate::app::camera_cues;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::source::model::SourceCommand;
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
 
@@ -234,9 +235,9 @@ pub(crate) fn answer(
         response.clone().on_hover_text_at_pointer(help);
     }
     if response.double_clicked() {
-        commands.push(Command::JumpTo(camera));
+        commands.push(Command::View(ViewCommand::JumpTo(camera)));
     } else if response.clicked() {
-        commands.push(Command::SourceCamera(camera));
+        commands.push(Command::Source(SourceCommand::Camera(camera)));
     }
     true
 }
@@ -259,8 +260,8 @@ pub(crate) fn menu(
         let is_solo = cameras.solo == Some(camera);
         let shows = cameras.shows(camera);
         for (name, command) in [
-            ("View from it", Command::JumpTo(camera)),
-            ("Show its picture", Command::SourceCamera(camera)),
+            ("View from it", Command::View(ViewCommand::JumpTo(camera))),
+            ("Show its picture", Command::Source(SourceCommand::Camera(camera))),
             (
                 if is_solo { "All cameras again" } else { "Its samples alone" },
                 Command::View(ViewCommand::Solo((!is_solo).then_some(camera))),

@@ -4,14 +4,14 @@ use egui::text::{LayoutJob, TextWrapping};
 use egui::{Painter, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
-use crate::app::camera_cues;
-use crate::app::model;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::cameras::ui::{overlay as cameras_overlay, overlays};
+use crate::app::rooms::live::model::ViewCommand;
 use crate::app::rooms::pixel::model::verdict_text as words;
+use crate::app::rooms::source::model::SourceCommand;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets;
 use crate::app::widgets::{empty_ui, waiting};
+use crate::app::{camera_cues, model, widgets};
 
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
@@ -98,10 +98,10 @@ fn card_ui(
         egui::WidgetInfo::selected(egui::Role::Button, true, selected, format!("Camera {}", camera.name))
     });
     if response.clicked() {
-        commands.push(Command::SourceCamera(index));
+        commands.push(Command::Source(SourceCommand::Camera(index)));
     }
     if response.double_clicked() {
-        commands.push(Command::JumpTo(index));
+        commands.push(Command::View(ViewCommand::JumpTo(index)));
     }
     cameras_overlay::menu(ui, &response, state, Some(index), commands);
     response.on_hover_ui(|ui| {

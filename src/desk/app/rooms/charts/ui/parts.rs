@@ -7,7 +7,7 @@ use egui_material_icons::MaterialIcon;
 use egui_plot::{GridMark, MarkerShape, Plot, PlotPoint, PlotUi};
 
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::charts::model::{ChartCommand, Study};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
 use overlook_lab::chart::{Marker, Scale};
@@ -125,7 +125,7 @@ pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &
         .on_disabled_hover_text("A capture must be open, and nothing else being measured.")
         .clicked()
     {
-        commands.push(Command::Study(study));
+        commands.push(Command::Chart(ChartCommand::Study(study)));
     }
 }
 

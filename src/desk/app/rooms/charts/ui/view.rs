@@ -7,16 +7,15 @@ use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
 use super::parts::{HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button, tick_label};
-use crate::app::camera_cues;
-use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::model::{
-    Quantity, Study, method_name, point_name, series_name, settings_alone,
+    ChartCommand, Quantity, Study, method_name, point_name, series_name, settings_alone,
 };
 use crate::app::rooms::report::model::Table;
-use crate::app::rooms::settings::model::setting_names;
+use crate::app::rooms::settings::model::{SettingsCommand, setting_names};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{choice_ui, one_line, table_ui, weak};
+use crate::app::{camera_cues, model};
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::{Kernel, Settings};
 use overlook_lab::chart::{ChartSeries, Marker, Scale, series};
@@ -73,7 +72,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
     if let Some(point) = shown.inner.and_then(|index| charts.sweep.get(index)) {
         if let Some(settings) = settings_alone(point).filter(|_| shown.response.clicked()) {
-            commands.push(Command::TakeSettings(Box::new(settings.clone())));
+            commands.push(Command::Settings(SettingsCommand::Take(Box::new(settings.clone()))));
         }
         shown.response.on_hover_text_at_pointer(words(point, [along, up]));
     }
@@ -97,7 +96,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if let Some(quantity) = choice_ui(ui, name, axes[index], &quantities, 124.0) {
                 let mut axes = axes;
                 axes[index] = quantity;
-                commands.push(Command::ChartAxes(axes));
+                commands.push(Command::Chart(ChartCommand::Axes(axes)));
             }
         }
         study_button(ui, state, Study::Sweep, commands);
@@ -183,7 +182,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
             .collect();
         let now = names.iter().position(|name| *name == chosen).unwrap_or(0);
         if let Some(index) = choice_ui(ui, "Disturbance", now, &choices, 150.0) {
-            commands.push(Command::Disturbance(names[index].to_owned()));
+            commands.push(Command::Chart(ChartCommand::Disturbance(names[index].to_owned())));
         }
         study_button(ui, state, Study::Stress, commands);
         table_ui(ui, Table::StressTest, commands);

@@ -9,7 +9,7 @@ use super::tools::{cameras_ui, mask_ui, range_ui, select_ui};
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::edits::model::{EditCommand, EditTime, last_shape, words as region_words};
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::live::ui::view_panel::heading_ui;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, segments_ui, weak};
@@ -242,7 +242,7 @@ fn files_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ("Save cleaned store…", SAVES, Purpose::SaveStore),
         ] {
             if ui.button(name).on_hover_text(help).clicked() {
-                commands.push(Command::AskPath(command));
+                commands.push(Command::File(FileCommand::AskPath(command)));
             }
         }
     });

@@ -6,6 +6,7 @@ use super::path_names::lasting;
 use crate::address::{self, ViewAddress};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::{Command, OpenScene, SceneSource};
+use crate::app::rooms::files::model::{FileCommand, Opening};
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::live::model::OrbitCamera;
 use overlook_engine::capture::Camera;
@@ -47,7 +48,9 @@ impl OverlookApp {
             Some(scene) if !names_scene || scene.origin == SceneSource::Path(path) => {
                 self.go_to_view(&scene, &view);
             }
-            _ if names_scene => self.apply(Command::OpenPath(format!("{place}{view}").into())),
+            _ if names_scene => {
+                self.apply(Command::File(FileCommand::Open(Opening::Path(format!("{place}{view}").into()))))
+            }
             _ => {}
         }
     }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::path_names::{lasting, named, other_ending, place, suggested_name, typed_destination};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::{Command, Content, SceneSource, State, WorkKind};
-use crate::app::rooms::files::model::{Destination, Purpose, TypedPath};
+use crate::app::rooms::files::model::{Destination, FileCommand, Opening, Purpose, TypedPath};
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::path::model::NO_KEYS;
 use crate::app::rooms::report::model::{TableForm, table_text};
@@ -21,26 +21,36 @@ const NO_DIALOG: Duration = Duration::from_secs(2);
 const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
 
 impl OverlookApp {
-    /// Carries out commands about a path that is chosen or typed; gives back any other.
-    pub(crate) fn apply_to_typed_path(&mut self, command: Command) -> Option<Command> {
+    /// Carries out what concerns files.
+    pub(crate) fn apply_to_files(&mut self, command: FileCommand) {
         match command {
+            FileCommand::Open(opening) => self.ask_to_open(opening),
             // Before a path is chosen for nothing.
-            Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
-            Command::AskPath(purpose) => {
+            FileCommand::AskPath(purpose) | FileCommand::TypePath(purpose) if self.refuses(purpose) => {}
+            FileCommand::AskPath(purpose) => {
                 self.asked_at = Some(Instant::now());
                 self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
             }
-            Command::TypePath(purpose) => self.type_path(purpose, None),
-            Command::TypedPath(text) => {
+            FileCommand::TypePath(purpose) => self.type_path(purpose, None),
+            FileCommand::TypedPath(text) => {
                 if let Some(typed) = &mut self.state.typed_path {
                     (typed.text, typed.replaces) = (text, false);
                 }
             }
-            Command::TakeTypedPath => self.take_typed_path(),
-            Command::CloseTypedPath => self.state.typed_path = None,
-            other => return Some(other),
+            FileCommand::TakeTypedPath => self.take_typed_path(),
+            FileCommand::CloseTypedPath => self.state.typed_path = None,
+            FileCommand::ForgetRecent => {
+                self.state.recent.clear();
+                self.state.recent_pictures.clear();
+            }
+            FileCommand::Introduced => self.state.inspector.introduced = true,
+            FileCommand::RoomExplained => self.state.inspector.room_explained = true,
+            FileCommand::Stay => {
+                self.state.inspector.closing.asks = false;
+                self.state.open_after_question = None;
+            }
+            FileCommand::GoOnAnyway => self.go_on_anyway(),
         }
-        None
     }
 
     fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
@@ -69,12 +79,12 @@ impl OverlookApp {
     pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
         let Destination { purpose, path } = destination;
         if !purpose.writes() {
-            let command = Command::OpenPath(path.clone());
+            let opening = Opening::Path(path.clone());
             if taken && self.state.unsaved_work().is_some() {
-                self.state.open_after_question = Some(command);
+                self.state.open_after_question = Some(opening);
             } else {
                 // A path that does not exist fails to open like any other, and the open scene stays.
-                self.open(command);
+                self.open(opening);
             }
             return;
         }
@@ -102,7 +112,7 @@ impl OverlookApp {
                     && path.to_str().is_some() =>
             {
                 self.type_path(purpose, None);
-                self.apply(Command::TypedPath(path.display().to_string()));
+                self.apply(Command::File(FileCommand::TypedPath(path.display().to_string())));
                 self.take_typed_path();
             }
             Some(path) => self.take_path(purpose, path),
@@ -138,7 +148,9 @@ impl OverlookApp {
         }
         self.begin_sharing(purpose, &path);
         match purpose {
-            Purpose::OpenFile | Purpose::OpenFolder => self.apply(Command::OpenPath(path)),
+            Purpose::OpenFile | Purpose::OpenFolder => {
+                self.apply(Command::File(FileCommand::Open(Opening::Path(path))))
+            }
             Purpose::SaveStore => self.save_store(path),
             Purpose::SaveSettings => {
                 let settings = self.state.shown_settings();

@@ -4,7 +4,8 @@ use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, ScrollArea, Stroke,
 use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_NOTES, ICON_WARNING};
 
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::frame::model::{Notice, NoticeKind, NoticeLink};
+use crate::app::rooms::frame::model::{Notice, NoticeKind, NoticeLink, WindowCommand};
+use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::rooms::share::model::ShareCommand;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, icon_button};
@@ -60,12 +61,14 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                     );
                     if let Some(link) = &notice.link {
                         let (name, command) = match link {
-                            NoticeLink::View(view) => {
-                                (format!("Show in {}", view.name_and_help().0), Command::OpenView(*view))
-                            }
-                            NoticeLink::Readings => {
-                                ("Compare readings…".to_owned(), Command::CompareReadings(true))
-                            }
+                            NoticeLink::View(view) => (
+                                format!("Show in {}", view.name_and_help().0),
+                                Command::Window(WindowCommand::OpenView(*view)),
+                            ),
+                            NoticeLink::Readings => (
+                                "Compare readings…".to_owned(),
+                                Command::Reading(ReadingCommand::Compare(true)),
+                            ),
                             NoticeLink::Folder(path) => (
                                 "Show in folder".to_owned(),
                                 Command::Share(ShareCommand::ShowInFolder(path.clone())),
@@ -73,12 +76,12 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                         };
                         if ui.button(name).clicked() {
                             commands.push(command);
-                            commands.push(Command::Dismiss(notice.id));
+                            commands.push(Command::Window(WindowCommand::Dismiss(notice.id)));
                         }
                     }
                 });
                 if icon_button(ui, ICON_CLOSE, "Dismiss", "Dismiss (Esc)").clicked() {
-                    commands.push(Command::Dismiss(notice.id));
+                    commands.push(Command::Window(WindowCommand::Dismiss(notice.id)));
                 }
             });
         });

@@ -1,8 +1,9 @@
 //! The views that somebody left by a jump: back to them, and forward again, as a browser does.
 
+use super::command::ViewCommand;
 use super::orbit_camera::OrbitCamera;
-use super::view_look::ViewCommand;
 use crate::app::model::command::Command;
+use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::settings::model::undo::Steps;
 
 /// Views that were left.
@@ -15,7 +16,10 @@ impl ViewHistory {
     /// Whether a command takes the view elsewhere at once. Views that are moved by hand stay under the hand.
     pub(crate) fn is_jump(command: &Command) -> bool {
         match command {
-            Command::JumpTo(_) | Command::Home | Command::GoToKey(_) | Command::FramePoint => true,
+            Command::View(ViewCommand::JumpTo(_))
+            | Command::View(ViewCommand::Home)
+            | Command::Path(PathCommand::GoToKey(_))
+            | Command::View(ViewCommand::FramePoint) => true,
             Command::View(command) => matches!(
                 command,
                 ViewCommand::LookAlong(_) | ViewCommand::GoToAddress(_) | ViewCommand::Pasted(_)

@@ -4,11 +4,11 @@ use egui::{Popup, PopupCloseBehavior, Rect, Response, ScrollArea, Sense, Ui, vec
 
 use egui_material_icons::icons::ICON_PLACE;
 
-use crate::app::camera_cues;
 use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::live::model::ViewCommand;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets;
 use crate::app::widgets::{text_field_ui, weak};
+use crate::app::{camera_cues, widgets};
 
 /// Height of an entry, points.
 const ROW: f32 = 42.0;
@@ -51,7 +51,7 @@ pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         });
         if let Some(camera) = chosen {
-            commands.push(Command::JumpTo(camera));
+            commands.push(Command::View(ViewCommand::JumpTo(camera)));
             ui.data_mut(|data| data.remove::<String>(id));
             ui.close();
         }

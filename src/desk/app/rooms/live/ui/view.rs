@@ -5,27 +5,22 @@ use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
 use super::live_pixels::{inverse_depth_at, pixel_at};
-use crate::app::model;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::cameras::ui::overlay as cameras_overlay;
 use crate::app::rooms::cameras::ui::overlay::{camera_at, seen_cameras};
-use crate::app::rooms::cameras::ui::overlays;
+use crate::app::rooms::cameras::ui::{overlay as cameras_overlay, overlays};
 use crate::app::rooms::edits::model::{DrawnDepth, EditTool};
-use crate::app::rooms::edits::ui::drawing;
 use crate::app::rooms::edits::ui::drawing::{Drawn, PicturePlace};
-use crate::app::rooms::edits::ui::shapes as edit_shapes;
+use crate::app::rooms::edits::ui::{drawing, shapes as edit_shapes};
 use crate::app::rooms::live::model::{ColorBy, HoleDisplay, ViewCommand};
 use crate::app::rooms::live::ui::{go_to, guides};
-use crate::app::rooms::pixel::model::Spot;
-use crate::app::rooms::pixel::model::verdict_text as words;
-use crate::app::rooms::source::ui::legend;
-use crate::app::rooms::source::ui::view as source_view;
+use crate::app::rooms::pixel::model::{Spot, verdict_text as words};
 use crate::app::rooms::source::ui::view::FOOTER;
+use crate::app::rooms::source::ui::{legend, view as source_view};
 use crate::app::theme::Tokens;
-use crate::app::widgets;
 use crate::app::widgets::{
     icon_button, least_width_of_segments, one_line, picture, scrolled, segments_ui, waiting,
 };
+use crate::app::{model, widgets};
 use overlook_engine::capture::sighting::tolerances::MARKED_SURFACE;
 use overlook_engine::capture::sighting::{Sighting, compare};
 use overlook_engine::edits::{Region, Viewpoint};
@@ -43,7 +38,7 @@ const LABEL_WIDTH: f32 = 66.0;
 pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let area = ui.max_rect();
     if area != state.live.area {
-        commands.push(Command::LiveArea(area));
+        commands.push(Command::View(ViewCommand::Area(area)));
     }
     header_ui(ui, state, commands);
     let available = ui.available_rect_before_wrap();
@@ -61,7 +56,7 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let has_values = !state.value_channels().is_empty();
         let choices = ColorBy::ALL.into_iter().filter(|(of, ..)| has_values || *of != ColorBy::Value);
         if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
-            commands.push(Command::ColorBy(color_by));
+            commands.push(Command::View(ViewCommand::ColorBy(color_by)));
         }
         let needed = LABEL_WIDTH + least_width_of_segments(ui, &HoleDisplay::ALL);
         if ui.available_size_before_wrap().x < needed {
@@ -75,7 +70,7 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ui.label(RichText::new("Holes").size(12.5));
         });
         if let Some(holes) = segments_ui(ui, "Holes", state.holes_shown(), HoleDisplay::ALL) {
-            commands.push(Command::Holes(holes));
+            commands.push(Command::View(ViewCommand::Holes(holes)));
         }
     });
 }
@@ -88,10 +83,10 @@ pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Command
         (ICON_VIDEOCAM_OFF, "Show cameras")
     };
     if icon_button(ui, icon, name, name).clicked() {
-        commands.push(Command::ShowCameras(!state.live.show_cameras));
+        commands.push(Command::View(ViewCommand::ShowCameras(!state.live.show_cameras)));
     }
     if icon_button(ui, ICON_HOME, "Reset view", "Back to the start view (Home)").clicked() {
-        commands.push(Command::Home);
+        commands.push(Command::View(ViewCommand::Home));
     }
     go_to::go_to_ui(ui, state, commands);
 }
@@ -103,7 +98,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     let shrink = (LARGEST_SIDE / pixels.max_elem()).min(1.0);
     let size = [(pixels.x * shrink) as u32, (pixels.y * shrink) as u32].map(|side| side.max(1));
     if size != state.live.size {
-        commands.push(Command::LiveSize(size));
+        commands.push(Command::View(ViewCommand::Size(size)));
     }
     if let Some(seen) = state.live_seen() {
         picture(&painter, seen.texture, canvas);
@@ -237,7 +232,7 @@ fn motion(
     commands: &mut Commands,
 ) {
     if response.double_clicked() && !is_taken && !state.live.ruler.active {
-        commands.push(Command::Home);
+        commands.push(Command::View(ViewCommand::Home));
         return;
     }
     let draws = state.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
@@ -249,9 +244,9 @@ fn motion(
             || response.dragged_by(PointerButton::Middle)
             || ui.ctx().input(|input| input.modifiers.shift);
         commands.push(if shifts {
-            Command::Pan(delta / f64::from(canvas.height().max(1.0)))
+            Command::View(ViewCommand::Pan(delta / f64::from(canvas.height().max(1.0))))
         } else {
-            Command::Orbit(delta * ORBIT_PER_POINT)
+            Command::View(ViewCommand::Orbit(delta * ORBIT_PER_POINT))
         });
     }
     if response.hovered() {
@@ -260,8 +255,8 @@ fn motion(
             let factor = (-f64::from(scroll) * 0.003).exp();
             let under = response.hover_pos().and_then(|pointer| point_under(state, canvas, pointer));
             commands.push(match under {
-                Some(point_in_world) => Command::DollyTo { factor, point_in_world },
-                None => Command::Dolly(factor),
+                Some(point_in_world) => Command::View(ViewCommand::DollyTo { factor, point_in_world }),
+                None => Command::View(ViewCommand::Dolly(factor)),
             });
         }
     }

@@ -6,8 +6,8 @@ use super::pair_grid::{PairCell, by_weight, pairs_ui};
 use crate::app::colormap::sequential;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::compare::model::CompareSide;
-use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::compare::model::{CompareCommand, CompareSide};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::report::model::Table;
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
@@ -35,8 +35,8 @@ pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands
         if button.on_disabled_hover_text("Open the capture that the store was made from.").clicked() {
             let mut look = state.inspector.compare.clone();
             look.choice.sides = [CompareSide::AsClaimed, CompareSide::Kept];
-            commands.push(Command::Compare(Box::new(look)));
-            commands.push(Command::OpenView(DockView::Compare));
+            commands.push(Command::Compare(CompareCommand::Look(Box::new(look))));
+            commands.push(Command::Window(WindowCommand::OpenView(DockView::Compare)));
         }
         table_ui(ui, Table::Alignment, commands);
     });

@@ -4,10 +4,9 @@ use egui::{ScrollArea, Ui};
 use egui_material_icons::icons::ICON_MEMORY;
 
 use super::panel::{share_ui, stale_ui};
-use crate::app::camera_cues;
-use crate::app::model;
 use crate::app::model::{CameraMemory, State};
 use crate::app::widgets::{empty_ui, note};
+use crate::app::{camera_cues, model};
 
 pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
     let (Some(scene), Some(cameras)) = (&state.scene, &state.inspector.memory) else {

@@ -5,7 +5,7 @@ use egui::{Align, Layout, RichText, Ui};
 use super::causes::causes_ui;
 use crate::app::model;
 use crate::app::model::{Accuracy, Command, Commands, Content, State};
-use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::theme::{Tokens, figure_style};
 use crate::app::widgets::one_line;
 use overlook_engine::plural::counted;
@@ -49,7 +49,7 @@ pub(crate) fn totals_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let Some(account) = account else { return };
         ui.allocate_ui_with_layout(egui::vec2(bars, FIGURE), Layout::top_down(Align::Min), |ui| {
             if causes_ui(ui, &account).is_some_and(|bars| bars.clicked()) {
-                commands.push(Command::OpenView(DockView::Report));
+                commands.push(Command::Window(WindowCommand::OpenView(DockView::Report)));
             }
         });
     });

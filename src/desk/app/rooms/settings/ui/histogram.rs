@@ -4,7 +4,7 @@ use egui::{Align2, Label, Painter, Rect, RichText, Sense, Stroke, Ui, pos2, vec2
 
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::settings::model::{BARS, ThresholdAxis, ThresholdHistogram};
+use crate::app::rooms::settings::model::{BARS, SettingsCommand, ThresholdAxis, ThresholdHistogram};
 use crate::app::theme::Tokens;
 use overlook_engine::settings::Field;
 
@@ -60,7 +60,8 @@ pub(crate) fn histogram_ui(
     {
         let dragged = axis.value((pointer.x - plot.left()) / plot.width());
         if (dragged - value).abs() > 1e-6 * value.abs() {
-            commands.push(Command::Set { path: field.path, value: dragged.into() });
+            commands
+                .push(Command::Settings(SettingsCommand::Set { path: field.path, value: dragged.into() }));
         }
     }
     response.on_hover_text(help_words(histogram, value));

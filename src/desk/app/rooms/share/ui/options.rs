@@ -7,6 +7,7 @@ use crate::app::rooms::path::ui::size_ui;
 use crate::app::rooms::share::model::{
     DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
 };
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::widgets::{note, segments_ui, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::splats::{SplatFormat, SplatSky};
@@ -129,7 +130,7 @@ fn film_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let mut rate = state.timeline.frames_per_second;
         let drag = DragValue::new(&mut rate).range(1.0..=120.0).max_decimals(2).suffix(" a second");
         if ui.add(drag).accessible_name("Pictures a second").changed() {
-            commands.push(Command::FramesPerSecond(rate));
+            commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
         }
         let path = &state.inspector.path;
         weak(ui, format!("{}, {}", counted(path.keys.len(), "key"), counted(path.pictures(), "picture")));

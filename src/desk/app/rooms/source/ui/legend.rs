@@ -2,17 +2,16 @@
 
 use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
-use crate::app::camera_cues;
 use crate::app::colormap::{diverging, sequential};
-use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::colors::model::titled_value;
 use crate::app::rooms::live::model::{ColorBy, HoleDisplay};
 use crate::app::rooms::source::model::{
-    Legend, Overlay, RATIO_RANGE, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
+    Legend, Overlay, RATIO_RANGE, SourceCommand, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
 };
 use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
+use crate::app::{camera_cues, model};
 use overlook_engine::grid::Grid;
 use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::preprocess::inspect::VISIBLE_STEPS;
@@ -155,7 +154,7 @@ fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64, commands: 
         hovered = others_ui(ui, &label, others).or(hovered);
     }
     if hovered != state.inspector.isolated {
-        commands.push(Command::Isolate(hovered));
+        commands.push(Command::Source(SourceCommand::Isolate(hovered)));
     }
 }
 

@@ -5,20 +5,19 @@ use egui_material_icons::icons::ICON_HIDE_IMAGE;
 use glam::DVec2;
 
 use crate::app::camera_chips::chips;
-use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::cameras::model::CameraText;
 use crate::app::rooms::cameras::ui::overlays;
 use crate::app::rooms::edits::model::{DrawnDepth, EditCommand, EditTool};
 use crate::app::rooms::edits::ui::drawing;
 use crate::app::rooms::edits::ui::drawing::{Drawn, PicturePlace};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::pixel::model::{Spot, verdict_text as words};
-use crate::app::rooms::source::model::{Legend, Overlay, PictureZoom};
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::pixel::model::{PixelCommand, Spot, verdict_text as words};
+use crate::app::rooms::source::model::{Legend, Overlay, PictureZoom, SourceCommand};
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::Tokens;
-use crate::app::widgets;
 use crate::app::widgets::{camera_choices, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
+use crate::app::{model, widgets};
 use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::edits::{Region, Viewpoint};
 use overlook_engine::grid::Grid;
@@ -37,7 +36,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
                     pictures and why each pixel went.";
         empty_ui(ui, ICON_HIDE_IMAGE, "This store holds no source frames", text, |ui| {
             if ui.button("Open capture folder…").clicked() {
-                commands.push(Command::AskPath(Purpose::OpenFolder));
+                commands.push(Command::File(FileCommand::AskPath(Purpose::OpenFolder)));
             }
         });
         return;
@@ -58,7 +57,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, Overlay::ALL) {
-        commands.push(Command::Overlay(overlay));
+        commands.push(Command::Source(SourceCommand::Overlay(overlay)));
     }
 }
 
@@ -72,12 +71,12 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let best = (None, "best other", "");
         let others: Vec<_> = std::iter::once(best).chain(others).collect();
         if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST_WIDTH) {
-            commands.push(Command::Against(against));
+            commands.push(Command::Source(SourceCommand::Against(against)));
         }
         weak(ui, "vs");
     }
     if let Some(camera) = choice_ui(ui, "Source camera", state.source.camera, &cameras, CAMERA_LIST_WIDTH) {
-        commands.push(Command::SourceCamera(camera));
+        commands.push(Command::Source(SourceCommand::Camera(camera)));
     }
 }
 
@@ -152,10 +151,10 @@ fn tile_tooltip(response: Response, shares: &Grid<f32>, [x, y]: [usize; 2], [wid
 pub(crate) fn point_at(response: &Response, spot: Spot, state: &State, commands: &mut Commands) {
     let probe = &state.inspector.probe;
     if response.clicked() {
-        commands.push(Command::Probe(Some(spot)));
-        commands.push(Command::Pin(true));
+        commands.push(Command::Pixel(PixelCommand::Probe(Some(spot))));
+        commands.push(Command::Pixel(PixelCommand::Pin(true)));
     } else if !probe.pinned && !response.dragged() && probe.spot != Some(spot) {
-        commands.push(Command::Probe(Some(spot)));
+        commands.push(Command::Pixel(PixelCommand::Probe(Some(spot))));
     }
 }
 
@@ -222,18 +221,19 @@ fn zoom_and_pan(
 ) {
     let part = state.source.part;
     if response.double_clicked() && !is_drawn {
-        commands.push(Command::SourceZoom(PictureZoom::default()));
+        commands.push(Command::Source(SourceCommand::Zoom(PictureZoom::default())));
         return;
     }
     let pans = response.dragged() && !(is_drawn && response.dragged_by(PointerButton::Primary));
     if pans && part.zoom > 1.0 {
-        commands.push(Command::SourceZoom(part.shifted(response.drag_delta() / picture.size())));
+        commands
+            .push(Command::Source(SourceCommand::Zoom(part.shifted(response.drag_delta() / picture.size()))));
     }
     let Some(pointer) = response.hover_pos() else { return };
     let scroll = scrolled(ui);
     if scroll != 0.0 {
         let at = (pointer - picture.min) / picture.size();
-        commands.push(Command::SourceZoom(part.scrolled(scroll, at)));
+        commands.push(Command::Source(SourceCommand::Zoom(part.scrolled(scroll, at))));
     }
 }
 

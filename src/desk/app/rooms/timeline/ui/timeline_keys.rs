@@ -3,6 +3,7 @@
 use egui::{CursorIcon, Id, Painter, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::path::model::PathCommand;
 use crate::app::theme::Tokens;
 
 /// Half the width of a key, and how far around its middle it is taken hold of, points.
@@ -37,11 +38,11 @@ pub(crate) fn keys_ui(
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             let frame = ((pointer.x - bar.left()) / step).clamp(0.0, last as f32) as usize;
             if frame != key.frame {
-                commands.push(Command::MoveKey { index, frame });
+                commands.push(Command::Path(PathCommand::MoveKey { index, frame }));
             }
         }
         if response.clicked() {
-            commands.push(Command::GoToKey(index));
+            commands.push(Command::Path(PathCommand::GoToKey(index)));
         }
         let help = format!(
             "Key {} at frame {}. Drag it to another frame; a click goes there.",

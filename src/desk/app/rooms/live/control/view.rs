@@ -2,22 +2,21 @@
 
 use std::path::Path;
 
-use super::model::{FLY_SPEEDS, OrbitCamera, ViewCommand};
 use crate::address;
 use crate::app::control::overlook_app::OverlookApp;
-use crate::app::model::{Command, OpenScene};
 use crate::app::rooms::frame::model::NoticeKind;
-use crate::app::rooms::path::model::{CameraPath, SavedPathKey};
+use crate::app::rooms::live::model::{FLY_SPEEDS, HoleDisplay, OrbitCamera, ViewCommand};
+use crate::app::rooms::path::control::key_of;
+use crate::app::rooms::source::model::PictureZoom;
 use overlook_engine::capture::transforms::{PathView, path_from_json, path_to_json};
-use overlook_engine::plural::counted;
+use overlook_engine::settings::{Fill, RenderSettings};
 
 /// Bytes of a copied view that are read at most: thousands of times what one takes.
 const MOST_PASTED: usize = 1 << 20;
 
 impl OverlookApp {
-    /// Carries out what concerns the live view's camera; gives back what does not.
-    pub(crate) fn apply_to_view(&mut self, command: Command) -> Option<Command> {
-        let Command::View(command) = command else { return Some(command) };
+    /// Carries out what concerns the live view's camera and what surrounds its picture.
+    pub(crate) fn apply_to_view(&mut self, command: ViewCommand) {
         let live = &mut self.state.live;
         match command {
             ViewCommand::Copy => self.copy_view(),
@@ -57,26 +56,52 @@ impl OverlookApp {
                 live.ruler.points.clear();
             }
             ViewCommand::PickPoint(point) => live.ruler.pick(point),
-            pose => self.pose_view(&pose),
+            ViewCommand::ColorBy(color_by) => live.color_by = color_by,
+            ViewCommand::ShowCameras(show) => live.show_cameras = show,
+            ViewCommand::Size(size) => live.size = size,
+            ViewCommand::Area(area) => live.area = area,
+            ViewCommand::Holes(holes) => self.show_holes(holes),
+            ViewCommand::Home => {
+                let up = self.state.up_in_world();
+                self.state.live.orbit =
+                    self.state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene, up));
+                self.state.source.part = PictureZoom::default();
+            }
+            ViewCommand::JumpTo(index) => {
+                let scene = self.state.scene.as_ref();
+                if let Some((scene, camera)) =
+                    scene.and_then(|scene| Some((scene, scene.cameras.get(index)?)))
+                {
+                    live.orbit = Some(OrbitCamera::at_camera(scene, camera));
+                }
+            }
+            ViewCommand::CopyPicture => self.copy_picture(),
+            ViewCommand::FramePoint => self.frame_point(),
+            ViewCommand::AngleOfView(angle) => self.turn(|orbit| orbit.set_angle_of_view(angle)),
+            ViewCommand::Position(at) => self.turn(|orbit| orbit.world_from_camera.translation = at),
+            ViewCommand::Angles(angles) => self.turn(|orbit| orbit.set_angles(angles)),
+            ViewCommand::LookAlong(direction) => self.turn(|orbit| orbit.look_along(direction)),
+            ViewCommand::Orbit(angles) => self.turn(|orbit| orbit.orbit(angles)),
+            ViewCommand::Pan(share) => self.turn(|orbit| orbit.pan(share)),
+            ViewCommand::Dolly(factor) => self.turn(|orbit| orbit.dolly(factor)),
+            ViewCommand::DollyTo { factor, point_in_world } => {
+                self.turn(|orbit| orbit.dolly_to(factor, point_in_world));
+            }
+            ViewCommand::Fly(steps) => self.turn(|orbit| orbit.fly(steps)),
         }
-        None
+    }
+
+    /// Changes the camera of the live view, where there is one.
+    fn turn(&mut self, change: impl FnOnce(&mut OrbitCamera)) {
+        if let Some(orbit) = &mut self.state.live.orbit {
+            change(orbit);
+        }
     }
 
     fn step_view(&mut self, back: bool) {
         let Some(now) = self.state.live.orbit.clone() else { return };
         if let Some(view) = self.state.inspector.views.step(back, now) {
             self.state.live.orbit = Some(view);
-        }
-    }
-
-    fn pose_view(&mut self, command: &ViewCommand) {
-        let Some(orbit) = &mut self.state.live.orbit else { return };
-        match *command {
-            ViewCommand::AngleOfView(angle) => orbit.set_angle_of_view(angle),
-            ViewCommand::Position(position) => orbit.world_from_camera.translation = position,
-            ViewCommand::Angles(angles) => orbit.set_angles(angles),
-            ViewCommand::LookAlong(direction) => orbit.look_along(direction),
-            _ => {}
         }
     }
 
@@ -125,44 +150,43 @@ impl OverlookApp {
         }
     }
 
-    /// Takes in the keys of a path that was read: after those that are there.
-    pub(crate) fn path_loaded(&mut self, place: &Path, views: &[PathView]) {
-        let Some(scene) = self.state.scene.clone() else { return };
-        let count = self.take_path_views(&scene, views);
-        let text = format!("{} from {}", counted(count, "key"), place.display());
-        self.state.notify(NoticeKind::Done, "Camera path opened", text);
-    }
-
-    /// Takes the keys among some views after those that are there; gives how many.
-    pub(crate) fn take_path_views(&mut self, scene: &OpenScene, views: &[PathView]) -> usize {
-        let path = &mut self.state.inspector.path;
-        let (is_new, before) = (path.keys.is_empty(), path.keys.clone());
-        let keys: Vec<SavedPathKey> =
-            views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)).collect();
-        let count = keys.len();
-        path.keys.extend(keys);
-        path.playing = None;
-        if is_new {
-            path.take_pace_of(views);
-            path.saved = path.keys.clone();
+    /// Shows holes filled or hatched; to be shown filled, they must be filled by the settings too.
+    fn show_holes(&mut self, holes: HoleDisplay) {
+        self.state.live.holes = holes;
+        let mut settings = self.state.settings.clone();
+        if holes == HoleDisplay::Filled && settings.render.fill == Fill::None {
+            settings.render.fill = RenderSettings::default().fill;
+            self.change_settings(settings);
         }
-        self.keys_changed(before, None);
-        count
     }
 
-    /// Takes in that a path was written.
-    pub(crate) fn path_saved(&mut self, place: &Path, saved: CameraPath) {
-        self.state.inspector.path.saved = saved.keys;
-        self.state.notify(NoticeKind::Done, "Saved", place.display().to_string());
+    fn copy_picture(&mut self) {
+        if self.state.live_shown.is_none() {
+            return;
+        }
+        let Some(image) = self.state.shown_picture() else { return self.notify_in_motion() };
+        self.ctx.copy_image(image.as_ref().clone());
+        self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
     }
-}
 
-/// The key of a view: at the frame of its number, or at the nearest one.
-fn key_of(scene: &OpenScene, view: &PathView) -> SavedPathKey {
-    let numbers = scene.frame_numbers.iter().enumerate();
-    let nearest = numbers.min_by_key(|(_, number)| number.abs_diff(view.frame_number));
-    SavedPathKey {
-        orbit: OrbitCamera::at_camera(scene, &view.camera),
-        frame: nearest.map_or(0, |(index, _)| index),
+    /// Pictures in motion may stay on the graphics card, out of reach.
+    pub(crate) fn notify_in_motion(&mut self) {
+        let text = "The live view is playing; pause it first, and try again.";
+        self.state.warn_of_scene("No picture yet", text);
+    }
+
+    /// Centers the live view on the selected point.
+    fn frame_point(&mut self) {
+        let probed = self.state.inspector.probe.shown.clone();
+        let point = probed.as_ref().and_then(|probed| probed.point_in_world);
+        if let (Some(point), Some(orbit)) = (point, &mut self.state.live.orbit) {
+            orbit.look_at(point);
+            return;
+        }
+        let (title, text) = match probed {
+            Some(_) => ("No point here", "This pixel is infinitely far away; point at another one."),
+            None => ("Point at a pixel first", "F then centers the live view on it."),
+        };
+        self.state.warn_of_scene(title, text);
     }
 }
