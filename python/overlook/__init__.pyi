@@ -390,6 +390,7 @@ def record_pyvista(
     lights: Literal["fixed", "as_set"] = "fixed",
     antialias: int | None = None,
     normals: bool = True,
+    values: Iterable[str | Mapping[str, Any]] | Mapping[str, str | None] | None = None,
     step_jumps: bool = False,
     overwrite: bool = False,
 ) -> None:
@@ -399,6 +400,7 @@ def record_pyvista(
     `cameras` and true views, `truth`, are given, or placed around the scene: a number or "ring:6", "sphere:12", "inside:6"; or they are
     the content of a manifest, as `place` writes it. `frames` is a
     number of frames, or their numbers; `step(frame)` changes the scene before each. `size` is columns and rows, that of the window if it
-    is not given. `overlook.vtk_capture.record` is the same function, and says the rest.
+    is not given. `values` are up to four arrays of points or cells whose numbers are recorded beside the colors: their names, units by
+    names as in {"pressure": "Pa"}, or what the manifest says of each. `overlook.vtk_capture.record` is the same function, and says the rest.
 
     Raises overlook.vtk_capture.CaptureError, a ValueError, with one line on what is wrong."""

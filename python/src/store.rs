@@ -298,7 +298,7 @@ fn page_options(
     if !(fps > 0.0 && fps.is_finite()) {
         return Err(PyValueError::new_err(format!("fps: {fps} is no number of frames a second")));
     }
-    Ok(PageOptions { title, text, frames_per_second: fps, path: None, at_most })
+    Ok(PageOptions { title, text, frames_per_second: fps, path: None, at_most, scalar_bar: None })
 }
 
 type Rendered<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<bool>>);

@@ -48,10 +48,11 @@ pub fn edit_store(
     job: &Job,
 ) -> Result<EditedStore> {
     let place = store.path().display().to_string();
+    let values: Vec<_> = store.info().values.iter().map(|stored| stored.channel.clone()).collect();
     let mut report = store.info().report.clone();
     let mut counted = Report::from_json(&report, &place)?;
     let gone: Vec<String> = counted.cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
-    edits.check(&store.info().cameras, &gone, &place)?;
+    edits.check(&store.info().cameras, &gone, &values, &place)?;
     let edits = &CutByHand::left_to_do(&counted.cut, edits);
     let set = store.read_undamaged(job)?;
     let images = ImageBuffer::of(&set.images);

@@ -24,4 +24,5 @@ mod repeated_frames;
 mod scalar_values;
 mod selections;
 mod span_tree;
+mod value_regions;
 mod view_dependence;

@@ -17,7 +17,7 @@ use super::evidence::Evidence;
 use super::list::{Action, Edit, EditList, Reach};
 use super::marks::SampleMarks;
 use super::region::Region;
-use super::region_test::RegionTest;
+use super::region_test::{RegionContext, RegionTest};
 use super::seen::{ImageMarks, PixelRays, Seen, Votes};
 use super::votes::SampleVotes;
 use crate::capture::Camera;
@@ -84,8 +84,8 @@ struct SampleEdit {
 
 impl SampleEdit {
     /// `None` where the edit changes nothing of the camera.
-    fn new(edit: &Edit, camera: &Camera, frame_numbers: &[i64], marked: &[Region]) -> Option<Self> {
-        let test = RegionTest::new(&edit.region, camera, marked);
+    fn new(edit: &Edit, context: RegionContext<'_>, frame_numbers: &[i64]) -> Option<Self> {
+        let test = RegionTest::new(&edit.region, context);
         let is_idle = match (edit.action, &test) {
             (Action::KeepOnly, RegionTest::Constant(inside)) => *inside,
             (_, RegionTest::Constant(inside)) => !inside,
@@ -224,9 +224,8 @@ pub fn cut(
     let in_order = edits.in_order();
     let marks = SampleMarks::of(images, outline, in_order.iter().map(|edit| &edit.region), votes, place)?;
     let of_camera = |camera| {
-        let numbers = &outline.frame_numbers;
-        let ready =
-            in_order.iter().filter_map(|edit| SampleEdit::new(edit, camera, numbers, marks.regions()));
+        let context = RegionContext { camera, channels: &outline.values, marked: marks.regions() };
+        let ready = in_order.iter().filter_map(|edit| SampleEdit::new(edit, context, &outline.frame_numbers));
         CameraEdits { rays: PixelRays::of(camera), edits: ready.collect(), camera }
     };
     let cameras: Vec<CameraEdits<'_>> = outline.cameras.iter().map(of_camera).collect();
@@ -308,7 +307,8 @@ pub fn selected(
         .enumerate()
         .map(|(index, image)| {
             let camera = &set.cameras[image.camera as usize];
-            let test = RegionTest::new(region, camera, marks.regions());
+            let context = RegionContext { camera, channels: &set.values, marked: marks.regions() };
+            let test = RegionTest::new(region, context);
             if matches!(test, RegionTest::Constant(false)) {
                 return Ok((image.clone(), 0));
             }

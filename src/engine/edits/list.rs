@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::region::Region;
-use crate::capture::Camera;
+use crate::capture::{Camera, ValueChannel};
 use crate::error::{Error, Result};
 
 /// What an edit does.
@@ -175,12 +175,18 @@ impl EditList {
         self.acting().filter(whole).flat_map(|edit| edit.region.named_cameras()).collect()
     }
 
-    /// Checks the cameras that the edits that act name against those of a capture or store; `gone` were left out of it before. `place` is
-    /// named in errors.
+    /// Checks the cameras and the values that the edits that act name against those of a capture or store; the cameras `gone` were left out
+    /// of it before. `place` is named in errors.
     ///
     /// # Errors
-    /// `Invalid` for a camera that is not there, and where no camera is left.
-    pub fn check(&self, cameras: &[Camera], gone: &[String], place: &str) -> Result<()> {
+    /// `Invalid` for a camera or a value that is not there, and where no camera is left.
+    pub fn check(
+        &self,
+        cameras: &[Camera],
+        gone: &[String],
+        values: &[ValueChannel],
+        place: &str,
+    ) -> Result<()> {
         for (index, edit) in self.edits.iter().enumerate().filter(|(_, edit)| edit.is_on) {
             let named = edit.region.named_cameras();
             let known = |name: &str| {
@@ -191,6 +197,9 @@ impl EditList {
                 let more = if cameras.len() > names.len() { " …" } else { "" };
                 let what = format!("there is no camera '{unknown}'; name one of {}{more}", names.join(", "));
                 return Err(Error::invalid(edit_place(place, index, edit), what));
+            }
+            for name in edit.region.named_values() {
+                ValueChannel::named(values, name, &edit_place(place, index, edit))?;
             }
         }
         let left_out = self.cameras_left_out();

@@ -8,7 +8,7 @@
 //! Source: none for the list; regions are combined as sets, as in constructive solid geometry. What differs from editors of splats and
 //! points: a region may ask what other cameras say of a sample, and every edit has frames. Two rules say when an edit acts:
 //!
-//! - A region in space or in a picture deletes *observations*, before pruning, so that no redundant pixel of another camera brings
+//! - A region in space, in a picture or of values deletes *observations*, before pruning, so that no redundant pixel of another camera brings
 //!   back what was deleted, and what a masked pixel represented is represented by others.
 //! - A region that asks for evidence (votes of cameras, doubt, angle) or depends on other samples (what a picture shows, a surface, what is
 //!   near) and an edit that reaches over the spans of samples act on what pruning *kept*, since only a sample has evidence and a span.

@@ -113,6 +113,16 @@ pub enum Region {
         /// The most grazing view.
         to: f64,
     },
+    /// Samples of which a scalar value is in a range, both ends included, which may be infinite. What has no value is not among them. A
+    /// sample has the value of the first frame of its span.
+    Value {
+        /// Of the channel.
+        name: String,
+        /// The lowest.
+        from: f64,
+        /// The highest.
+        to: f64,
+    },
     /// The surface that a sample lies on, at one frame: all samples of all cameras that are reached from it in short steps along which
     /// the direction of the surface hardly changes. Edges end it.
     SameSurface {
@@ -309,5 +319,11 @@ impl Region {
         };
         names.extend(self.parts().iter().flat_map(Self::named_cameras));
         names
+    }
+
+    /// The channels of values that it names.
+    pub(super) fn named_values(&self) -> Vec<&str> {
+        let own = if let Self::Value { name, .. } = self { vec![name.as_str()] } else { Vec::new() };
+        own.into_iter().chain(self.parts().iter().flat_map(Self::named_values)).collect()
     }
 }

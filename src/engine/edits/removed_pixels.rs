@@ -5,8 +5,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::list::{Action, Edit, EditList, edit_place};
-use super::region_test::RegionTest;
-use super::seen::PixelRays;
+use super::region_test::{RegionContext, RegionTest};
+use super::seen::{PixelRays, Seen};
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, with_changed_frames};
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -16,7 +16,7 @@ use crate::job::Job;
 /// # Errors
 /// As [`EditList::check`].
 pub fn with_cameras_left(capture: &Capture, edits: &EditList) -> Result<Capture> {
-    edits.check(&capture.cameras, &[], "edits")?;
+    edits.check(&capture.cameras, &[], capture.value_channels(), "edits")?;
     let left_out = edits.cameras_left_out();
     Ok(if left_out.is_empty() {
         capture.clone()
@@ -33,8 +33,8 @@ struct PixelEdit {
 }
 
 impl PixelEdit {
-    fn new(edit: &Edit, camera: &Camera) -> Self {
-        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, camera, &[]) }
+    fn new(edit: &Edit, context: RegionContext<'_>) -> Self {
+        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, context) }
     }
 
     fn acts_at(&self, frame_number: i64) -> bool {
@@ -51,7 +51,8 @@ struct PixelEdits {
 impl PixelEdits {
     fn new(capture: &Capture, edits: &EditList) -> Self {
         let of_camera = |camera: &Camera| {
-            let edits = edits.before_pruning().map(|edit| PixelEdit::new(edit, camera));
+            let context = RegionContext { camera, channels: capture.value_channels(), marked: &[] };
+            let edits = edits.before_pruning().map(|edit| PixelEdit::new(edit, context));
             (PixelRays::of(camera), edits.collect())
         };
         Self {
@@ -73,7 +74,8 @@ impl PixelEdits {
             if inverse_depth < 0.0 {
                 continue;
             }
-            let seen = rays.seen(pixel % width, pixel / width, inverse_depth);
+            let mut seen: Seen<'_> = rays.seen(pixel % width, pixel / width, inverse_depth);
+            seen.values = of.values.of(pixel);
             let mut stays = true;
             for edit in &acting {
                 stays = edit.action.leaves(stays, edit.test.contains(&seen));

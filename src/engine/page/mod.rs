@@ -33,7 +33,7 @@ pub(crate) use chunks::gzipped;
 
 pub use budget::coarsened;
 pub use html::escaped;
-pub use options::{PageOptions, PagePath};
+pub use options::{PageOptions, PagePath, PageScalarBar};
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

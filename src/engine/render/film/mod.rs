@@ -11,6 +11,7 @@ pub use path::{PathKey, pose_at};
 use std::sync::Arc;
 
 use super::orthographic::OrthographicView;
+use super::output::PictureValues;
 use super::renderer::Renderer;
 use super::vantage::{Picture, Vantage};
 use crate::error::Result;
@@ -48,6 +49,23 @@ impl FilmSource {
     }
 }
 
+/// A picture of a film, with what its values are read from.
+pub struct FilmPicture<'a> {
+    /// The picture, with depths from its vantage.
+    pub picture: &'a Picture,
+    /// The same as it was rendered of these samples at this vantage.
+    rendered: (&'a Picture, &'a SampleSet, &'a Vantage),
+}
+
+impl FilmPicture<'_> {
+    /// The scalar values that it shows.
+    #[must_use]
+    pub fn values(&self) -> PictureValues {
+        let (picture, samples, vantage) = self.rendered;
+        PictureValues::of(samples, vantage, picture)
+    }
+}
+
 /// Renders every vantage in order and passes the pictures to `take` with their index; `orthographic` pictures are so many world units
 /// wide. The next frame of perspective ones is read from disk meanwhile.
 ///
@@ -61,6 +79,23 @@ pub fn paint(
     settings: &RenderSettings,
     job: &Job,
     mut take: impl FnMut(usize, &Picture) -> Result<()>,
+) -> Result<()> {
+    let take = |nth: usize, shown: &FilmPicture<'_>| take(nth, shown.picture);
+    paint_with_values(source, vantages, orthographic, renderer, settings, job, take)
+}
+
+/// As [`paint`], with the values that pictures show.
+///
+/// # Errors
+/// As [`paint`].
+pub fn paint_with_values(
+    source: &FilmSource,
+    vantages: &[Vantage],
+    orthographic: Option<f64>,
+    renderer: &mut Renderer,
+    settings: &RenderSettings,
+    job: &Job,
+    mut take: impl FnMut(usize, &FilmPicture<'_>) -> Result<()>,
 ) -> Result<()> {
     job.start("Rendering", vantages.len());
     for (nth, vantage) in vantages.iter().enumerate() {
@@ -78,10 +113,9 @@ pub fn paint(
         };
         let (painted, _) = rayon::join(|| renderer.render(shown, from, settings, job), ahead);
         let (picture, _): (Arc<Picture>, _) = painted?;
-        match &view {
-            Some(view) => take(nth, &view.finish(&picture))?,
-            None => take(nth, &picture)?,
-        }
+        let finished = view.as_ref().map(|view| view.finish(&picture));
+        let rendered = (&*picture, &**shown, from);
+        take(nth, &FilmPicture { picture: finished.as_ref().unwrap_or(&picture), rendered })?;
         job.advance(1);
     }
     Ok(())

@@ -23,7 +23,7 @@ use overlook_engine::preprocess;
 use overlook_engine::render::{Picture, Renderer};
 use overlook_engine::settings::Settings;
 use overlook_engine::whole_file;
-use overlook_lab::chart::{Chart, Figure, ScaleBar};
+use overlook_lab::chart::{Chart, ColorBar, Figure, ScaleBar};
 
 /// The endings of a figure's file, the usual one first.
 pub(crate) const FIGURE_ENDINGS: [&str; 3] = ["pdf", "svg", "png"];
@@ -102,11 +102,12 @@ pub(crate) fn of_live_view(key: &LiveKey, options: &FigureOptions, job: &Job) ->
     Ok(put_together(opaque(image), meaning, Some(scale), options))
 }
 
-/// A figure of a rendered picture, through a lens, or orthographic with so many world units from edge to edge.
+/// A figure of a rendered picture, through a lens, or orthographic with so many world units from edge to edge, with what its colors mean.
 pub(crate) fn of_rendered(
     picture: &Picture,
     camera: &Camera,
     orthographic: Option<f64>,
+    color_bar: Option<ColorBar>,
     options: &FigureOptions,
 ) -> Figure {
     let (width, height) = picture.color.size();
@@ -122,7 +123,7 @@ pub(crate) fn of_rendered(
         }
         None => scale_bar(&camera.intrinsics, &picture.inverse_depth, options.unit),
     };
-    put_together(pixels, Meaning::default(), Some(scale), options)
+    put_together(pixels, Meaning { legend: Vec::new(), color_bar }, Some(scale), options)
 }
 
 /// Writes a figure in the format that the ending of its path names. The file takes its name once it is whole. Gives its bytes.
