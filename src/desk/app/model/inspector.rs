@@ -14,6 +14,7 @@ use crate::app::rooms::compare::model::vantage::CompareVantage;
 use crate::app::rooms::files::model::picture_folder::PictureFolder;
 use crate::app::rooms::frame::model::notice::{LogLine, NoticeKind};
 use crate::app::rooms::help::model::{CommandPalette, HelpPage};
+use crate::app::rooms::live::model::kept_views::KeptView;
 use crate::app::rooms::live::model::view_history::ViewHistory;
 use crate::app::rooms::path::model::CameraPath;
 use crate::app::rooms::pixel::model::pixel::{Probed, Spot};
@@ -87,6 +88,8 @@ pub(crate) struct Inspector {
     pub graphics_memory: Option<u64>,
     /// What the program held in memory when it was asked for, by part, bytes.
     pub held_memory: Vec<(&'static str, u64)>,
+    /// Views of the open scene that are kept.
+    pub kept_views: Vec<KeptView>,
     /// Views that were left by a jump.
     pub views: ViewHistory,
     /// Whether the introduction of the first run was read.
@@ -116,6 +119,7 @@ impl Inspector {
         self.compared = None;
         self.path = CameraPath::default();
         self.views = ViewHistory::default();
+        self.kept_views.clear();
         self.charts = Charts::default();
         self.saved = None;
         self.compare_error = None;

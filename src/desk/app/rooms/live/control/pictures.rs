@@ -32,6 +32,7 @@ impl OverlookApp {
         };
         self.state.live_carried = carried;
         self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
+        self.picture_kept_views();
     }
 
     /// Takes in the live picture as `camera` sees it, unless that was painted in the meantime.

@@ -1,6 +1,7 @@
 //! What is known: plain data.
 
 pub(crate) mod command;
+pub(crate) mod kept_views;
 pub(crate) mod motion_budget;
 pub(crate) mod orbit_camera;
 pub(crate) mod picture;
@@ -10,6 +11,7 @@ pub(crate) mod view_history;
 pub(crate) mod view_look;
 
 pub(crate) use command::ViewCommand;
+pub(crate) use kept_views::{KeptView, next_name};
 pub(crate) use motion_budget::MotionBudget;
 pub(crate) use orbit_camera::OrbitCamera;
 pub(crate) use picture::{

@@ -22,7 +22,10 @@ impl ViewHistory {
             | Command::View(ViewCommand::FramePoint) => true,
             Command::View(command) => matches!(
                 command,
-                ViewCommand::LookAlong(_) | ViewCommand::GoToAddress(_) | ViewCommand::Pasted(_)
+                ViewCommand::LookAlong(_)
+                    | ViewCommand::GoToAddress(_)
+                    | ViewCommand::GoToKept(_)
+                    | ViewCommand::Pasted(_)
             ),
             _ => false,
         }
