@@ -45,7 +45,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
         .exact_size(space::TOP_BAR)
         .frame(bar)
         .show(ui, |ui| frame::ui::top_bar_ui(ui, state, commands));
-    if state.scene.is_some() && !state.look.hides_totals && state.look.maximized.is_none() {
+    if state.doc.scene.is_some() && !state.look.hides_totals && state.look.maximized.is_none() {
         Panel::top("totals")
             .exact_size(space::TOTALS)
             .frame(bar)
@@ -65,7 +65,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     CentralPanel::no_frame().frame(Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO })).show(
         ui,
         |ui| {
-            if state.scene.is_none() {
+            if state.doc.scene.is_none() {
                 nothing_open_ui(ui, state, commands);
             } else {
                 let resized = dock.ui(ui, state.look.maximized, |ui, view, part| match (part, view) {

@@ -140,17 +140,11 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         ctx.data_mut(|data| data.insert_temp(given_up_id(), frame));
     }
     // What is typed is undone by the field it is typed into.
-    if state.scene.is_some() && !typing && !edits {
-        if pressed(ctx, Modifiers::COMMAND, Key::Y)
-            || pressed(ctx, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-        {
-            commands.push(Command::Redo);
-        } else if pressed(ctx, Modifiers::COMMAND, Key::Z) {
-            commands.push(Command::Undo);
-        }
+    if state.doc.scene.is_some() && !typing && !edits {
+        commands.extend(undo_keys(ctx));
     }
     let held = held_keys(ctx);
-    if typing || edits || state.scene.is_none() {
+    if typing || edits || state.doc.scene.is_none() {
         return;
     }
     // A focused button takes plain letters, Space and Enter, and nothing else.
@@ -176,7 +170,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             (Key::Space, Command::Time(TimeCommand::TogglePlay)),
             (Key::Comma, Command::Time(TimeCommand::Step(-1))),
             (Key::Period, Command::Time(TimeCommand::Step(1))),
-            (Key::P, Command::Pixel(PixelCommand::Pin(!state.inspector.probe.pinned))),
+            (Key::P, Command::Pixel(PixelCommand::Pin(!state.doc.probe.pinned))),
             (Key::F, Command::View(ViewCommand::FramePoint)),
             (Key::H, Command::View(ViewCommand::Holes(state.holes_shown().other()))),
             (Key::K, Command::Path(PathCommand::AddKey)),
@@ -201,6 +195,14 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         commands.push(Command::View(ViewCommand::Fly(steps * state.live.fly_speed)));
         ctx.request_repaint();
     }
+}
+
+fn undo_keys(ctx: &egui::Context) -> Option<Command> {
+    let again = [(Modifiers::COMMAND, Key::Y), (Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)];
+    if again.into_iter().any(|(modifiers, key)| pressed(ctx, modifiers, key)) {
+        return Some(Command::Redo);
+    }
+    pressed(ctx, Modifiers::COMMAND, Key::Z).then_some(Command::Undo)
 }
 
 /// Keys that work while text is typed as well.
@@ -275,7 +277,7 @@ fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
 
 /// Keys that select and delete. While there is a brush, brackets change it.
 fn edit_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
-    let edits = &state.edits;
+    let edits = &state.doc.edits;
     let tool = |tool: EditTool| EditCommand::Tool((edits.tool != Some(tool)).then_some(tool));
     // With fewer modifiers a key is consumed whatever else is held: those with more go first.
     let mut keys = vec![

@@ -164,7 +164,7 @@ impl OverlookApp {
         if self.commands.is_empty() {
             return;
         }
-        if self.state.live_shown.is_none() || !self.commands.iter().all(Command::moves_view) {
+        if self.state.doc.live_shown.is_none() || !self.commands.iter().all(Command::moves_view) {
             self.ctx.request_repaint();
             return;
         }
@@ -211,8 +211,10 @@ impl OverlookApp {
         let wait = (period - timeline.elapsed_secs).max(0.0);
         let before = timeline.frame;
         if frames > 0 {
-            timeline
-                .advance(frames as usize, self.state.scene.as_ref().map_or(1, |scene| scene.frame_count()));
+            timeline.advance(
+                frames as usize,
+                self.state.doc.scene.as_ref().map_or(1, |scene| scene.frame_count()),
+            );
         }
         let frame = std::mem::replace(&mut self.state.timeline.frame, before);
         if frame != before {
@@ -223,7 +225,7 @@ impl OverlookApp {
 
     /// Moves along the camera path, at the frame rate of the timeline.
     fn advance_path(&mut self) {
-        let path = &mut self.state.inspector.path;
+        let path = &mut self.state.doc.path;
         let Some(picture) = path.playing else { return };
         let Some(key) = path.at(picture) else { return };
         let next = picture

@@ -17,7 +17,7 @@ use overlook_engine::settings::Settings;
 impl OverlookApp {
     /// Takes in one answer, unless it is about a scene that is no longer open.
     pub(crate) fn receive(&mut self, message: Message) {
-        let current = self.state.scene.as_ref().map(|scene| scene.id);
+        let current = self.state.doc.scene.as_ref().map(|scene| scene.id);
         if message.scene().is_some_and(|scene| Some(scene) != current) {
             return;
         }
@@ -27,14 +27,14 @@ impl OverlookApp {
             Message::Scanned { scan, .. } => self.scanned(scan),
             Message::Pruned { settings, result, .. } => self.pruned(settings, &result),
             Message::Inspected { inspected, .. } => {
-                state.inspected = Some(inspected);
-                state.failed_frame = None;
+                state.doc.inspected = Some(inspected);
+                state.doc.failed_frame = None;
             }
             Message::SourcePainted { key, picture } => {
-                let replaced = state.source_shown.take().map(|shown| shown.texture);
+                let replaced = state.doc.source_shown.take().map(|shown| shown.texture);
                 // The source view shows single pixels sharply; the live view is interpolated.
                 let texture = Texture::send(ctx, "source", Texture::PIXELS, &picture.image, replaced);
-                state.source_shown = Some(ShownPicture { key, picture, texture });
+                state.doc.source_shown = Some(ShownPicture { key, picture, texture });
             }
             Message::LivePainted { key, picture } => self.live_painted(key, picture),
             Message::LiveCarried { carried, key } => self.live_carried(&key.to, carried),
@@ -43,16 +43,16 @@ impl OverlookApp {
             Message::Thumbnails { pictures, .. } => {
                 let textures =
                     pictures.into_iter().map(|it| ctx.load_texture("thumbnail", it, TextureOptions::LINEAR));
-                state.inspector.thumbs = textures.collect();
+                state.doc.thumbs = textures.collect();
             }
-            Message::Histograms { histograms, .. } => state.inspector.histograms = histograms,
+            Message::Histograms { histograms, .. } => state.doc.histograms = histograms,
             Message::Compared { key, outcome } => self.compared(&key, outcome),
-            Message::MemoryMapped { cameras, .. } => state.inspector.memory = Some(cameras),
+            Message::MemoryMapped { cameras, .. } => state.doc.memory = Some(cameras),
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
-            Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
-            Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
+            Message::Swept { point, known, .. } => state.doc.charts.add(*point, known),
+            Message::Stressed { point, known, .. } => state.doc.charts.add_stressed(*point, known),
             Message::Studied => {
-                state.inspector.charts.complete();
+                state.doc.charts.complete();
                 self.refresh_busy();
             }
             Message::Exported { path, exported } => self.exported(&path, &exported),
@@ -89,9 +89,9 @@ impl OverlookApp {
         let settings = &self.state.settings;
         // Its settings were taken back, and the scan for the settings on the sliders is here already.
         let late =
-            !scan.serves(settings) && self.state.scan.as_ref().is_some_and(|scan| scan.serves(settings));
+            !scan.serves(settings) && self.state.doc.scan.as_ref().is_some_and(|scan| scan.serves(settings));
         if !late {
-            self.state.scan = Some(scan);
+            self.state.doc.scan = Some(scan);
         }
     }
 
@@ -118,16 +118,16 @@ impl OverlookApp {
             model::significant(report.seconds)
         );
         state.inspector.log(NoticeKind::Done, line);
-        state.accuracy = None;
+        state.doc.accuracy = None;
         let (samples, report) = (result.samples.clone(), Arc::new(report.clone()));
-        state.whole = Some(Whole { samples, report, settings });
+        state.doc.whole = Some(Whole { samples, report, settings });
     }
 
     fn measured(&mut self, settings: &Settings, accuracy: Option<Accuracy>) {
         if *settings != self.state.settings {
             return;
         }
-        self.state.accuracy = accuracy;
+        self.state.doc.accuracy = accuracy;
     }
 
     /// Updates whether something is being opened or measured: superseded work sends no message of its end.
@@ -135,7 +135,7 @@ impl OverlookApp {
         if self.workers.open.is_idle() {
             self.state.opening = None;
         }
-        self.state.inspector.charts.studying = !self.workers.study.is_idle();
+        self.state.doc.charts.studying = !self.workers.study.is_idle();
     }
 
     fn failed(&mut self, work: WorkKind, error: &Error) {
@@ -149,11 +149,11 @@ impl OverlookApp {
             return;
         }
         match work {
-            WorkKind::Prune if self.workers.whole.is_idle() => self.state.stopped = true,
+            WorkKind::Prune if self.workers.whole.is_idle() => self.state.doc.stopped = true,
             WorkKind::InspectFrame if self.workers.inspect.is_idle() => {
-                self.state.failed_frame = self.scheduler.inspect.as_ref().map(|key| key.frame);
+                self.state.doc.failed_frame = self.scheduler.inspect.as_ref().map(|key| key.frame);
                 // Nothing goes on from here by itself.
-                self.state.stopped |= self.state.inspected.is_none();
+                self.state.doc.stopped |= self.state.doc.inspected.is_none();
             }
             _ => {}
         }

@@ -32,8 +32,8 @@ impl OverlookApp {
             Command::Undo => self.undo_or_redo(true),
             Command::Redo => self.undo_or_redo(false),
             Command::Recompute => {
-                self.state.stopped = false;
-                self.state.failed_frame = None;
+                self.state.doc.stopped = false;
+                self.state.doc.failed_frame = None;
                 (self.scheduler.inspect, self.scheduler.source) = (None, None);
                 (self.scheduler.whole, self.scheduler.measure) = (None, None);
                 self.scheduler.changed_at = None;
@@ -47,7 +47,7 @@ impl OverlookApp {
             }
         }
         if let Some(left) = left.filter(|left| self.state.live.orbit.as_ref() != Some(left)) {
-            self.state.inspector.views.left(left);
+            self.state.doc.views.left(left);
         }
         // Whichever camera or key the view was taken to, what is up stays.
         let up = self.state.up_in_world();
@@ -65,7 +65,7 @@ impl OverlookApp {
             StoppableWork::Whole => {
                 workers.whole.cancel();
                 if !self.state.is_whole_ready() {
-                    self.state.stopped = true;
+                    self.state.doc.stopped = true;
                     self.scheduler.whole = None;
                 }
             }
@@ -75,7 +75,7 @@ impl OverlookApp {
             StoppableWork::Compare => {
                 workers.compare.cancel();
                 let text = "It was stopped; choose what to compare again.";
-                self.state.inspector.compare_error = Some(text.to_owned());
+                self.state.doc.compare_error = Some(text.to_owned());
             }
             StoppableWork::Measure => workers.measure.cancel(),
         }
@@ -88,10 +88,10 @@ impl OverlookApp {
             | inspector.naming.take().is_some()
             | inspector.help.take().is_some()
             | inspector.closing.asks
-            | inspector.readings.is_open
+            | self.state.doc.readings.is_open
             | self.state.open_after_question.take().is_some();
         inspector.closing.asks = false;
-        inspector.readings.is_open = false;
+        self.state.doc.readings.is_open = false;
         if was_open
             || self.state.typed_path.take().is_some()
             || std::mem::take(&mut self.state.share.is_open)
@@ -99,18 +99,18 @@ impl OverlookApp {
         {
             return;
         }
-        self.state.edits.draft = None;
-        if self.state.edits.tool.take().is_some() || self.state.edits.selection.take().is_some() {
+        self.state.doc.edits.draft = None;
+        if self.state.doc.edits.tool.take().is_some() || self.state.doc.edits.selection.take().is_some() {
             return;
         }
         if self.state.live.ruler.active {
             return self.apply(Command::View(ViewCommand::Measure(false)));
         }
-        if self.state.inspector.path.playing.take().is_some() || self.state.look.maximized.take().is_some() {
+        if self.state.doc.path.playing.take().is_some() || self.state.look.maximized.take().is_some() {
             return;
         }
         let is_cancellable = self.state.busy.iter().any(|busy| busy.cancellable);
-        if self.state.inspector.probe.pinned && !is_cancellable {
+        if self.state.doc.probe.pinned && !is_cancellable {
             self.apply(Command::Pixel(PixelCommand::Pin(false)));
         } else {
             self.cancel();

@@ -97,7 +97,7 @@ fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() 
     step(&mut app);
     set_method(&mut app, PruningMethod::HighestRate);
     settle(&mut app);
-    assert!(app.state.whole.is_some() && !app.state.is_stale());
+    assert!(app.state.doc.whole.is_some() && !app.state.is_stale());
 }
 
 #[test]
@@ -115,49 +115,49 @@ fn a_store_records_how_it_was_painted_when_it_was_saved() {
 #[test]
 fn a_kernel_changed_while_time_passes_leaves_no_accuracy_of_the_one_before() {
     let mut app = start(2, 4);
-    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
-    let gathered = app.state.accuracy.unwrap();
+    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
+    let gathered = app.state.doc.accuracy.unwrap();
     app.apply(Command::Time(TimeCommand::TogglePlay));
     app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "point".into() }));
     step(&mut app);
-    assert!(app.state.accuracy.is_none());
+    assert!(app.state.doc.accuracy.is_none());
     // Back again, still in motion: what was asked for before is asked for again.
     app.apply(Command::Settings(SettingsCommand::Reset("render.kernel")));
     step(&mut app);
     app.apply(Command::Time(TimeCommand::TogglePlay));
-    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
-    assert_eq!(app.state.accuracy.unwrap(), gathered);
+    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
+    assert_eq!(app.state.doc.accuracy.unwrap(), gathered);
 }
 
 #[test]
 fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
     let mut app = start(2, 4);
-    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
-    let gathered = app.state.accuracy.unwrap();
+    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
+    let gathered = app.state.doc.accuracy.unwrap();
     app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "point".into() }));
     step(&mut app);
     app.apply(Command::Cancel);
     wait(&mut app, "the measuring to stop", |app| app.workers.measure.is_idle());
-    assert_ne!(app.state.accuracy, Some(gathered), "shown with another kernel");
+    assert_ne!(app.state.doc.accuracy, Some(gathered), "shown with another kernel");
     app.apply(Command::Settings(SettingsCommand::Reset("render.kernel")));
-    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
     // Measuring gives the same numbers each time.
-    assert_eq!(app.state.accuracy, Some(gathered));
+    assert_eq!(app.state.doc.accuracy, Some(gathered));
 }
 
 #[test]
 fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
     let mut app = ready(2, 2);
     app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
-    wait(&mut app, "the first point", |app| !app.state.inspector.charts.sweep.is_empty());
+    wait(&mut app, "the first point", |app| !app.state.doc.charts.sweep.is_empty());
     app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
     step(&mut app);
-    assert!(app.state.inspector.charts.studying && app.notices()[0].starts_with("Already measuring"));
+    assert!(app.state.doc.charts.studying && app.notices()[0].starts_with("Already measuring"));
     app.open_demo(orrery(2, 3));
     wait(&mut app, "the other capture", |app| app.state.frame_count() == 3);
     wait(&mut app, "the sweep to stop", |app| app.workers.study.is_idle());
     step(&mut app);
-    assert!(!app.state.inspector.charts.studying && app.state.inspector.charts.sweep.is_empty());
+    assert!(!app.state.doc.charts.studying && app.state.doc.charts.sweep.is_empty());
 }
 
 #[test]
@@ -168,9 +168,9 @@ fn what_gave_way_to_newer_work_says_nothing_of_that() {
     let cancelled = |work| Message::Failed { work, error: Error::Cancelled };
     app.receive(cancelled(WorkKind::Open));
     app.receive(cancelled(WorkKind::Study));
-    assert!(app.state.opening.is_some() && app.state.inspector.charts.studying);
+    assert!(app.state.opening.is_some() && app.state.doc.charts.studying);
     app.workers.study.cancel();
-    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+    wait(&mut app, "the sweep to stop", |app| !app.state.doc.charts.studying);
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn of_two_captures_opened_at_once_the_latter_appears() {
     let mut app = start(2, 2);
     app.open_demo(orrery(2, 3));
     app.open_demo(orrery(2, 5));
-    wait(&mut app, "a capture", |app| app.state.scene.is_some() && app.state.opening.is_none());
+    wait(&mut app, "a capture", |app| app.state.doc.scene.is_some() && app.state.opening.is_none());
     assert_eq!(app.state.frame_count(), 5);
     app.open_demo(orrery(2, 3));
     app.watch_work();
@@ -192,7 +192,7 @@ fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
     let mut app = ready(2, 2);
     let before = app.state.settings.clone();
     set_method(&mut app, PruningMethod::Off);
-    let scene = app.state.scene.as_ref().unwrap().id;
+    let scene = app.state.doc.scene.as_ref().unwrap().id;
     let saved = |scene, settings| Message::Saved {
         path: "capture.ovl".into(),
         bytes: Some(1),
@@ -257,7 +257,7 @@ fn open_damaged(folder: &std::path::Path) -> OverlookApp {
     }
     std::fs::write(&path, bytes).unwrap();
     app.open_path(&path);
-    wait(&mut app, "the store", |app| app.state.scene.is_some() && !app.state.has_capture());
+    wait(&mut app, "the store", |app| app.state.doc.scene.is_some() && !app.state.has_capture());
     settle(&mut app);
     app
 }
@@ -305,7 +305,7 @@ fn a_hole_that_is_clicked_is_not_kept() {
     app.apply(Command::View(ViewCommand::Dolly(4.0)));
     app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(2.0, 0.0))));
     settle(&mut app);
-    let picture = app.state.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();
+    let picture = app.state.doc.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();
     let width = picture.image.width();
     let hole = picture.image.as_slice().iter().position(|image| *image == NO_IMAGE).expect("a hole");
     let size = picture.image.size().into();
@@ -321,26 +321,26 @@ fn a_hole_that_is_clicked_is_not_kept() {
         settle(&mut app);
         // What the worker sent last is taken in.
         step(&mut app);
-        let probe = &app.state.inspector.probe;
+        let probe = &app.state.doc.probe;
         assert!(!probe.pinned && probe.spot.is_none() && probe.shown.is_none(), "before: {before}");
     }
     app.apply(Command::View(ViewCommand::Home));
     settle(&mut app);
-    assert!(app.state.inspector.probe.shown.is_none());
+    assert!(app.state.doc.probe.shown.is_none());
 }
 
 #[test]
 fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_there() {
     let mut app = start(2, 2);
     app.dock.open(DockView::Compare);
-    wait(&mut app, "the comparison", |app| app.state.inspector.compared.is_some());
-    let sides = |app: &OverlookApp| app.state.inspector.compared.as_ref().map(|compared| compared.sides);
+    wait(&mut app, "the comparison", |app| app.state.doc.compared.is_some());
+    let sides = |app: &OverlookApp| app.state.doc.compared.as_ref().map(|compared| compared.sides);
     let before = app.state.inspector.compare.clone();
     let mut look = before.clone();
     look.choice.sides = [CompareSide::Point, CompareSide::Kept];
-    app.state.inspector.compare_error = Some("of those before".into());
+    app.state.doc.compare_error = Some("of those before".into());
     app.apply(Command::Compare(CompareCommand::Look(Box::new(look.clone()))));
-    assert_eq!((sides(&app), &app.state.inspector.compare_error), (Some(before.choice.sides), &None));
+    assert_eq!((sides(&app), &app.state.doc.compare_error), (Some(before.choice.sides), &None));
     wait(&mut app, "the other comparison", |app| sides(app) == Some(look.choice.sides));
 }
 

@@ -159,8 +159,8 @@ fn the_pixel_that_is_looked_at_is_framed_and_without_one_nothing_moves() {
     assert_eq!(app.state.live.orbit, before);
     assert!(app.notices()[0].starts_with("Point at a pixel first"));
     app.apply(Command::Pixel(PixelCommand::Probe(Some(Spot::Source { camera: 0, x: 20, y: 22 }))));
-    wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
-    assert!(!app.state.inspector.probe.pinned);
+    wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
+    assert!(!app.state.doc.probe.pinned);
     app.apply(Command::View(ViewCommand::FramePoint));
     assert_ne!(app.state.live.orbit, before);
 }
@@ -173,29 +173,29 @@ fn escape_stops_work_before_it_lets_go_of_a_pixel() {
     app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
     step(&mut app);
     app.apply(Command::Escape);
-    assert!(app.state.inspector.probe.pinned);
-    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+    assert!(app.state.doc.probe.pinned);
+    wait(&mut app, "the sweep to stop", |app| !app.state.doc.charts.studying);
     step(&mut app);
     // Messages close before anything else.
     app.state.notices.clear();
     app.apply(Command::Escape);
-    assert!(!app.state.inspector.probe.pinned);
+    assert!(!app.state.doc.probe.pinned);
 }
 
 #[test]
 fn a_stress_test_keeps_the_points_of_the_one_before_until_it_has_its_own() {
     let mut app = ready(2, 2);
     app.apply(Command::Chart(ChartCommand::Study(Study::Stress)));
-    wait(&mut app, "three points", |app| app.state.inspector.charts.stress.len() > 2);
+    wait(&mut app, "three points", |app| app.state.doc.charts.stress.len() > 2);
     app.apply(Command::Escape);
-    wait(&mut app, "the test to stop", |app| !app.state.inspector.charts.studying);
-    let before = app.state.inspector.charts.stress.len();
+    wait(&mut app, "the test to stop", |app| !app.state.doc.charts.studying);
+    let before = app.state.doc.charts.stress.len();
     // With the same settings it would go on.
     set_method(&mut app, PruningMethod::FirstCamera);
     settle(&mut app);
     app.apply(Command::Chart(ChartCommand::Study(Study::Stress)));
-    assert_eq!(app.state.inspector.charts.stress.len(), before);
-    wait(&mut app, "the first new point", |app| app.state.inspector.charts.stress.len() < before);
+    assert_eq!(app.state.doc.charts.stress.len(), before);
+    wait(&mut app, "the first new point", |app| app.state.doc.charts.stress.len() < before);
 }
 
 #[test]
@@ -245,7 +245,7 @@ fn a_path_that_does_not_exist_asks_for_nothing_to_be_given_up() {
     app.apply(Command::File(FileCommand::Open(Opening::Path("/no/such/capture".into()))));
     wait(&mut app, "the error", |app| app.notices().iter().any(|told| told.contains("/no/such/capture")));
     assert!(app.state.open_after_question.is_none());
-    assert_eq!(app.state.inspector.path.keys.len(), 1);
+    assert_eq!(app.state.doc.path.keys.len(), 1);
 }
 
 #[test]
@@ -284,7 +284,7 @@ fn a_sweep_is_saved_as_csv_once_it_has_a_point() {
     app.apply(Command::File(FileCommand::TypePath(save)));
     assert!(app.state.typed_path.is_none() && app.notices()[0].starts_with("Nothing to save yet"));
     app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
-    wait(&mut app, "a point", |app| !app.state.inspector.charts.sweep.is_empty());
+    wait(&mut app, "a point", |app| !app.state.doc.charts.sweep.is_empty());
     app.workers.study.cancel();
     type_path(&mut app, save, &file);
     wait(&mut app, "the file", |_| file.is_file());

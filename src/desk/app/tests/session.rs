@@ -16,9 +16,9 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
     // Files have the poses of keys as matrices, whose last bits are rounded.
     let rounded = |number: f64| (number * 1e9).round() as i64;
     let pose = |key: &SavedPathKey| key.orbit.world_from_camera.to_cols_array().map(rounded);
-    let keys: Vec<_> = state.inspector.path.keys.iter().map(|key| (pose(key), key.frame)).collect();
+    let keys: Vec<_> = state.doc.path.keys.iter().map(|key| (pose(key), key.frame)).collect();
     (
-        (state.settings.clone(), state.edits.list.clone(), state.inspector.path.pictures_per_leg, keys),
+        (state.settings.clone(), state.doc.edits.list.clone(), state.doc.path.pictures_per_leg, keys),
         (
             state.live.orbit.clone(),
             state.live.up,
@@ -26,13 +26,8 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
             state.look.workspace,
             app.dock.to_json(),
         ),
-        state
-            .inspector
-            .kept_views
-            .iter()
-            .map(|kept| (kept.name.clone(), kept.view.clone()))
-            .collect::<Vec<_>>(),
-        state.scene.as_ref().map(|scene| scene.origin.clone()),
+        state.doc.kept_views.iter().map(|kept| (kept.name.clone(), kept.view.clone())).collect::<Vec<_>>(),
+        state.doc.scene.as_ref().map(|scene| scene.origin.clone()),
     )
 }
 
@@ -41,7 +36,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     let folder = tempfile::tempdir().unwrap();
     let [session, store, again] = ["a.overlook", "a.ovl", "again.ovl"].map(|name| folder.path().join(name));
     let mut app = ready(2, 1);
-    assert!(app.state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_))));
+    assert!(app.state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_))));
     app.apply(Command::File(FileCommand::TypePath(Purpose::SaveSession)));
     assert!(
         app.notices().iter().any(|notice| notice.starts_with("No session to save")),
@@ -76,13 +71,13 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     other.state.live.size = [48, 36];
     settle(&mut other);
     assert_eq!(held(&other), before);
-    let kept = &other.state.inspector.kept_views;
+    let kept = &other.state.doc.kept_views;
     assert!(kept.len() == 2 && kept.iter().all(|kept| kept.picture.is_none()));
     let left = other.state.live.orbit.clone();
     other.apply(Command::View(ViewCommand::GoToKept(0)));
     settle(&mut other);
     let is_pictured = |app: &OverlookApp| -> Vec<bool> {
-        app.state.inspector.kept_views.iter().map(|kept| kept.picture.is_some()).collect()
+        app.state.doc.kept_views.iter().map(|kept| kept.picture.is_some()).collect()
     };
     assert!(is_pictured(&other) == [true, false] && other.state.timeline.frame == 0);
     other.apply(Command::View(ViewCommand::Back));
@@ -97,7 +92,7 @@ fn a_session_whose_capture_is_gone_or_that_is_damaged_says_so_and_leaves_what_is
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.overlook");
     let mut app = ready(2, 1);
-    let id = app.state.scene.as_ref().unwrap().id;
+    let id = app.state.doc.scene.as_ref().unwrap().id;
     for (text, words) in
         [("version = 1\nopens = \"gone\"\nup = [0, 0, 1]\n", "gone"), ("nonsense", "line 1: ")]
     {
@@ -109,7 +104,7 @@ fn a_session_whose_capture_is_gone_or_that_is_damaged_says_so_and_leaves_what_is
             notices.iter().any(|notice| notice.starts_with("Could not open") && notice.contains(words)),
             "{notices:?}"
         );
-        assert_eq!(app.state.scene.as_ref().unwrap().id, id);
+        assert_eq!(app.state.doc.scene.as_ref().unwrap().id, id);
         app.state.notices.clear();
     }
 }

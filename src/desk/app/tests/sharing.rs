@@ -117,7 +117,7 @@ fn an_address_gives_back_the_viewpoint_and_the_frame_to_the_last_bit() {
         app.apply(Command::File(FileCommand::Open(Opening::Path(
             format!("{}#{view}", path.display()).into(),
         ))));
-        wait(&mut app, "the store", |app| app.state.scene.is_some() && app.state.opening.is_none());
+        wait(&mut app, "the store", |app| app.state.doc.scene.is_some() && app.state.opening.is_none());
         settle(&mut app);
         assert_eq!((app.state.live.orbit.as_ref(), app.state.timeline.frame), (Some(&shown), nth + 1));
     }

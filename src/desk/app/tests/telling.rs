@@ -59,7 +59,7 @@ fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() 
         [(Study::Sweep, "Sweep: 3 of 60, 2 min left"), (Study::Stress, "Stress test: 3 of 60, 2 min left")]
     {
         let mut state = State::default();
-        state.inspector.charts.begin(study, &Settings::default());
+        state.doc.charts.begin(study, &Settings::default());
         state.busy = vec![Busy {
             work: StoppableWork::Study,
             progress: scoring(),
@@ -79,7 +79,7 @@ fn a_chart_whose_first_point_is_on_its_way_does_not_say_that_there_is_none() {
     ] {
         let mut state = State::default();
         assert!(view_says(&state, view, none));
-        state.inspector.charts.begin(study, &Settings::default());
+        state.doc.charts.begin(study, &Settings::default());
         assert!(view_says(&state, view, "Measuring the first setting") && !view_says(&state, view, none));
     }
 }
@@ -104,7 +104,7 @@ fn settings_put_on_from_a_chart_are_named_as_in_the_panel() {
 fn histograms_of_another_frame_than_the_one_shown_say_so() {
     let mut app = start(2, 2);
     let are_of = |app: &OverlookApp, frame| {
-        app.state.inspector.histograms.first().is_some_and(|histogram| histogram.frame == Some(frame))
+        app.state.doc.histograms.first().is_some_and(|histogram| histogram.frame == Some(frame))
     };
     wait(&mut app, "the histograms", |app| are_of(app, 0));
     assert!(!view_says(&app.state, DockView::Thresholds, "at frame"));

@@ -8,8 +8,7 @@ use crate::app::rooms::timeline::model::TimeCommand;
 #[test]
 fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
     let mut app = ready(2, 4);
-    let keys =
-        |app: &OverlookApp| app.state.inspector.path.keys.iter().map(|key| key.frame).collect::<Vec<_>>();
+    let keys = |app: &OverlookApp| app.state.doc.path.keys.iter().map(|key| key.frame).collect::<Vec<_>>();
     for frame in [0, 3] {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         app.apply(Command::Path(PathCommand::AddKey));

@@ -61,14 +61,16 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     settle(&mut app);
     let colored = shown(&app);
     assert!(colored != picture);
-    let whole = app.state.whole.as_ref().unwrap().samples.clone();
+    let counted = app.state.doc.live_shown.as_ref().unwrap().picture.values.clone().unwrap();
+    assert!(counted.ascending.is_sorted() && counted.ascending.len() > 100);
+    let whole = app.state.doc.whole.as_ref().unwrap().samples.clone();
 
     let look =
         ValueLook { range: Some([100.0, 140.0]), isolated: Some([100.0, 120.0]), ..ValueLook::default() };
     app.apply(Command::Display(Display { values: look, ..app.state.display }));
     settle(&mut app);
     let isolated = shown(&app);
-    let live = app.state.live_shown.as_ref().unwrap();
+    let live = app.state.doc.live_shown.as_ref().unwrap();
     let rendered = live.picture.rendered().unwrap();
     let values = output::PictureValues::of(&live.key.samples, &live.key.vantage, rendered);
     let colors = look.colors(&values.channels[0]).unwrap();
@@ -86,7 +88,7 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     }
     assert!(seen > 100 && gray > 100, "{seen} {gray}");
     assert!(
-        std::sync::Arc::ptr_eq(&whole, &app.state.whole.as_ref().unwrap().samples),
+        std::sync::Arc::ptr_eq(&whole, &app.state.doc.whole.as_ref().unwrap().samples),
         "nothing is pruned anew"
     );
 }

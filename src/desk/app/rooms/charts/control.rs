@@ -13,7 +13,7 @@ const CHANGES: usize = 5;
 impl OverlookApp {
     /// Carries out what concerns charts.
     pub(crate) fn apply_to_charts(&mut self, command: ChartCommand) {
-        let charts = &mut self.state.inspector.charts;
+        let charts = &mut self.state.doc.charts;
         match command {
             ChartCommand::Study(study) => self.study(study),
             ChartCommand::Axes(axes) => charts.set_axes(axes),
@@ -23,14 +23,14 @@ impl OverlookApp {
 
     /// Measures with the settings on the sliders; goes on from what is known.
     fn study(&mut self, study: Study) {
-        let Some(scene) = self.state.scene.clone() else { return };
-        if self.state.inspector.charts.studying {
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        if self.state.doc.charts.studying {
             let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
             self.state.warn_of_scene("Already measuring", text);
             return;
         }
         let settings = self.state.settings.clone();
-        let charts = &mut self.state.inspector.charts;
+        let charts = &mut self.state.doc.charts;
         if !charts.begin(study, &settings) {
             let text = "Everything around these settings is measured; change one to measure around others.";
             self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
@@ -57,7 +57,7 @@ impl OverlookApp {
 
     /// Reports how far a stopped sweep or stress test came.
     pub(crate) fn notify_stopped_study(&mut self) {
-        if let Some((title, text)) = self.state.inspector.charts.stopped() {
+        if let Some((title, text)) = self.state.doc.charts.stopped() {
             self.state.notify(NoticeKind::Done, title, text);
         }
     }

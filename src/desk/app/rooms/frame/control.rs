@@ -84,7 +84,7 @@ impl OverlookApp {
     /// Shows every area of the workspace that has something to show: a store holds no pictures of cameras.
     pub(crate) fn show_areas_that_fit(&mut self) {
         let maximized = self.state.look.maximized;
-        let has_source = self.state.scene.is_none() || self.state.has_capture();
+        let has_source = self.state.doc.scene.is_none() || self.state.has_capture();
         for (area, ..) in Area::ALL {
             self.show_area(area, area != Area::Source || has_source);
         }

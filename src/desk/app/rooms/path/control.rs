@@ -15,7 +15,7 @@ impl OverlookApp {
     pub(crate) fn apply_to_path(&mut self, command: PathCommand) {
         let frame = self.state.timeline.frame;
         let here = self.state.live.orbit.clone().map(|orbit| SavedPathKey { orbit, frame });
-        let path = &mut self.state.inspector.path;
+        let path = &mut self.state.doc.path;
         let before = path.keys.clone();
         let mut moved = None;
         match command {
@@ -56,7 +56,7 @@ impl OverlookApp {
     }
 
     fn add_key(&mut self, key: SavedPathKey) {
-        let keys = &mut self.state.inspector.path.keys;
+        let keys = &mut self.state.doc.path.keys;
         keys.push(key);
         let added = format!("Key {} added", keys.len());
         if !self.visible_views().contains(&DockView::Path) {
@@ -66,10 +66,10 @@ impl OverlookApp {
 
     /// Notes what the keys of the path were, so that the change can be taken back.
     pub(crate) fn keys_changed(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
-        let path = &mut self.state.inspector.path;
+        let path = &mut self.state.doc.path;
         let changes = path.keys != before;
         path.note_change(before, moved);
-        self.state.edits.is_latest &= !changes;
+        self.state.doc.edits.is_latest &= !changes;
     }
 
     /// Moves the view to a key of the path.
@@ -80,7 +80,7 @@ impl OverlookApp {
 
     /// Takes in the keys of a path that was read: after those that are there.
     pub(crate) fn path_loaded(&mut self, place: &Path, views: &[PathView]) {
-        let Some(scene) = self.state.scene.clone() else { return };
+        let Some(scene) = self.state.doc.scene.clone() else { return };
         let count = self.take_path_views(&scene, views);
         let text = format!("{} from {}", counted(count, "key"), place.display());
         self.state.notify(NoticeKind::Done, "Camera path opened", text);
@@ -88,7 +88,7 @@ impl OverlookApp {
 
     /// Takes the keys among some views after those that are there; gives how many.
     pub(crate) fn take_path_views(&mut self, scene: &OpenScene, views: &[PathView]) -> usize {
-        let path = &mut self.state.inspector.path;
+        let path = &mut self.state.doc.path;
         let (is_new, before) = (path.keys.is_empty(), path.keys.clone());
         let keys: Vec<SavedPathKey> =
             views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)).collect();
@@ -105,7 +105,7 @@ impl OverlookApp {
 
     /// Takes in that a path was written.
     pub(crate) fn path_saved(&mut self, place: &Path, saved: CameraPath) {
-        self.state.inspector.path.saved = saved.keys;
+        self.state.doc.path.saved = saved.keys;
         self.state.notify(NoticeKind::Done, "Saved", place.display().to_string());
     }
 }

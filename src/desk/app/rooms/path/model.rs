@@ -212,7 +212,7 @@ pub(crate) struct Exported {
 }
 
 /// What concerns the camera path.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PathCommand {
     AddKey,
     RemoveKey(usize),

@@ -27,7 +27,7 @@ pub(crate) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
 const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
 pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let path = &state.inspector.path;
+    let path = &state.doc.path;
     if path.keys.is_empty() {
         let text = "Fly to where the path should begin and add a key; fly on and add the next. The path runs smoothly \
                     through all of them, in space and in time.";
@@ -72,7 +72,7 @@ const ONE_ROW: f32 = 735.0;
 const TWO_ROWS: f32 = 430.0;
 
 fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
-    let path = &state.inspector.path;
+    let path = &state.doc.path;
     let ready = path.pictures() > 0;
     match part {
         PathControls::Keys => {
@@ -134,7 +134,7 @@ const PATH_FILE: &str = "A transforms.json of every picture of the path with its
 const ROOMY: f32 = 390.0;
 
 fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let keys = &state.inspector.path.keys;
+    let keys = &state.doc.path.keys;
     let is_roomy = ui.available_width() > ROOMY;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {

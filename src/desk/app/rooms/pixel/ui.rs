@@ -56,9 +56,9 @@ const COLUMNS: [(&str, f32, &str); 9] = [
 ];
 
 pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
+    let shown = state.doc.scene.as_ref().zip(state.doc.probe.shown.as_ref());
     let Some((scene, probed)) = shown else {
-        let text = if state.inspector.probe.spot.is_some() {
+        let text = if state.doc.probe.spot.is_some() {
             "No verdict here: the spot is a hole, filled or not, or its verdict is still being computed."
         } else {
             "Point at a pixel in the source or the live view. Click to pin it; every camera then says what it \
@@ -104,7 +104,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         }
     } else {
         let text = if state.has_capture() {
-            words::pending_verdict(state, state.inspector.probe.pinned)
+            words::pending_verdict(state, state.doc.probe.pinned)
         } else {
             "A kept sample. The store does not record its witnesses; open its capture for them."
         };
@@ -131,7 +131,7 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
     // Buttons first: the name gets what is left.
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let pinned = state.inspector.probe.pinned;
+        let pinned = state.doc.probe.pinned;
         let (pin, pin_name) = if pinned { (ICON_KEEP_OFF, "Unpin pixel") } else { (ICON_KEEP, "Pin pixel") };
         let pin_help = "A pinned pixel stays selected while the pointer moves on (click a pixel, or P)";
         for (icon, name, help, command) in [

@@ -19,10 +19,10 @@ impl OverlookApp {
         match command {
             ReadingCommand::Compare(open) => {
                 let is_possible = self.state.why_no_readings().is_none();
-                self.state.inspector.readings.is_open = open && is_possible;
+                self.state.doc.readings.is_open = open && is_possible;
             }
             ReadingCommand::CopyKeys => {
-                self.ctx.copy_text(self.state.inspector.readings.keys());
+                self.ctx.copy_text(self.state.doc.readings.keys());
                 let text = "Paste them into the manifest, before \"frames\".";
                 self.state.notify(NoticeKind::Done, "Keys copied", text);
             }
@@ -31,9 +31,9 @@ impl OverlookApp {
 
     /// Opens the scene again, under the other reading or under the one of its files.
     pub(crate) fn open_reading(&mut self, otherwise: bool) {
-        let Some(scene) = &self.state.scene else { return };
+        let Some(scene) = &self.state.doc.scene else { return };
         let SceneSource::Path(path) = &scene.origin else { return };
-        let readings = &mut self.state.inspector.readings;
+        let readings = &mut self.state.doc.readings;
         let keys = match readings.alternative() {
             Some(other) if otherwise => other.keys.clone(),
             _ => Vec::new(),
@@ -51,9 +51,9 @@ impl OverlookApp {
 
     /// Takes in the finding about the agreement between views. It changes no reading.
     pub(crate) fn readings_checked(&mut self, finding: Result<Arc<Finding>, String>) {
-        let readings = &mut self.state.inspector.readings;
+        let readings = &mut self.state.doc.readings;
         // A capture opened under the other reading keeps the keys of its files.
-        let is_reread = self.state.scene.as_ref().is_some_and(|scene| scene.is_reread);
+        let is_reread = self.state.doc.scene.as_ref().is_some_and(|scene| scene.is_reread);
         if readings.alternative().is_some() || is_reread {
             return;
         }
@@ -70,7 +70,7 @@ impl OverlookApp {
 
     /// Takes in the pictures of both readings.
     pub(crate) fn readings_shown(&mut self, images: Result<ReadingImages, String>) {
-        let readings = &mut self.state.inspector.readings;
+        let readings = &mut self.state.doc.readings;
         match images {
             Ok(ReadingImages { camera, images, votes }) => {
                 let texture = |image| self.ctx.load_texture("reading", image, TextureOptions::LINEAR);

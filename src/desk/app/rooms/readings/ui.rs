@@ -22,8 +22,9 @@ const EXPLAINED: &str = "Every pixel of depth is reprojected from each camera in
 
 /// The dialog, while it is open.
 pub(crate) fn readings_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    let readings = &state.inspector.readings;
-    let (Some(finding), Some(other), Some(scene)) = (&readings.finding, readings.alternative(), &state.scene)
+    let readings = &state.doc.readings;
+    let (Some(finding), Some(other), Some(scene)) =
+        (&readings.finding, readings.alternative(), &state.doc.scene)
     else {
         return;
     };

@@ -62,7 +62,7 @@ impl OverlookApp {
     /// Takes back the last change of edits, of the camera path or of settings, whichever it was; or makes it again.
     pub(crate) fn undo_or_redo(&mut self, undo: bool) {
         let state = &mut self.state;
-        if state.edits.step(undo) || state.inspector.path.step(undo) {
+        if state.doc.edits.step(undo) || state.doc.path.step(undo) {
             return;
         }
         let (history, now) = (&mut state.inspector.history, &state.settings);
@@ -89,8 +89,8 @@ impl OverlookApp {
     fn change_settings_by(&mut self, number: Option<&'static str>, settings: Settings) {
         if settings != self.state.settings {
             self.state.inspector.history.record(&self.state.settings, number, Instant::now());
-            self.state.edits.is_latest = false;
-            self.state.inspector.path.changes.is_latest = false;
+            self.state.doc.edits.is_latest = false;
+            self.state.doc.path.changes.is_latest = false;
             self.put_settings(settings);
         }
     }
@@ -98,14 +98,14 @@ impl OverlookApp {
     pub(crate) fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
             self.scheduler.changed_at = Some(Instant::now());
-            self.state.stopped = false;
-            self.state.failed_frame = None;
+            self.state.doc.stopped = false;
+            self.state.doc.failed_frame = None;
         }
         if settings.render != self.state.settings.render {
             // It was that of pictures painted otherwise.
-            self.state.accuracy = None;
+            self.state.doc.accuracy = None;
         }
-        if self.state.accuracy.is_none() {
+        if self.state.doc.accuracy.is_none() {
             self.scheduler.measure = None;
         }
         self.state.settings = settings;

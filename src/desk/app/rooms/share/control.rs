@@ -23,7 +23,7 @@ impl OverlookApp {
         let share = &mut self.state.share;
         match command {
             ShareCommand::Open(way) => {
-                share.is_open = self.state.scene.is_some();
+                share.is_open = self.state.doc.scene.is_some();
                 share.options.way = way.unwrap_or(share.options.way);
                 share.outcome = None;
                 // Of what lies below nothing keeps the keyboard.
@@ -31,8 +31,8 @@ impl OverlookApp {
                 self.ctx.memory_mut(|memory| below.into_iter().for_each(|id| memory.surrender_focus(id)));
                 // Sizes are those of the frame that is shown.
                 self.state.timeline.playing = false;
-                self.state.inspector.path.playing = None;
-                if self.state.scene.is_none() {
+                self.state.doc.path.playing = None;
+                if self.state.doc.scene.is_none() {
                     self.state.warn_of_scene("Nothing to share yet", "Open a capture or a store first.");
                 }
             }
@@ -68,7 +68,7 @@ impl OverlookApp {
         let Some(samples) = self.state.whole_samples().cloned() else { return };
         let Some(what) = self.exported_as(purpose) else { return };
         let edited = self.state.edited_samples().cloned();
-        let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
+        let playback = self.state.doc.scene.as_ref().and_then(|scene| scene.playback().cloned());
         let playback = playback.filter(|_| edited.is_none());
         let samples = edited.unwrap_or(samples);
         let source = playback.map_or_else(
@@ -87,11 +87,11 @@ impl OverlookApp {
     pub(crate) fn export_figure(&mut self, path: PathBuf) {
         let state = &self.state;
         let options = FigureOptions { unit: state.live.unit, ..state.share.options.figure.clone() };
-        let Some(scene) = &state.scene else { return };
+        let Some(scene) = &state.doc.scene else { return };
         let what = match state.share.options.figure_of {
             FigureOf::Live => {
                 let [shown, size] = [state.live.size, state.figure_size()];
-                let key = state.live_shown.as_ref().map(|shown| &shown.key);
+                let key = state.doc.live_shown.as_ref().map(|shown| &shown.key);
                 let Some((key, camera)) = key.zip(state.live_camera(size)) else { return };
                 let key = LiveKey {
                     vantage: Vantage { camera, frame: state.timeline.frame },
@@ -105,7 +105,7 @@ impl OverlookApp {
                 FigureExport::Live { key: Box::new(key), options }
             }
             FigureOf::Source => {
-                let Some(shown) = &state.source_shown else { return };
+                let Some(shown) = &state.doc.source_shown else { return };
                 FigureExport::Source { scene: scene.clone(), key: shown.key.clone(), options }
             }
         };
@@ -120,7 +120,7 @@ impl OverlookApp {
         let frames_per_second = f64::from(state.timeline.frames_per_second);
         let along_path = |film_rate, linear| {
             Export::Path(Box::new(PathExport {
-                camera_path: state.inspector.path.clone(),
+                camera_path: state.doc.path.clone(),
                 settings: state.settings.render.clone(),
                 display: state.display,
                 size: state.export_size(),
@@ -156,7 +156,7 @@ impl OverlookApp {
 
     /// The camera path as a page follows it: a pose for each frame.
     fn page_path(&self) -> Option<PagePath> {
-        let path = &self.state.inspector.path;
+        let path = &self.state.doc.path;
         let vantages = path.vantage_of_each_frame(self.state.export_size(), self.state.frame_count());
         let first = vantages.first()?;
         Some(PagePath {

@@ -9,7 +9,7 @@ impl OverlookApp {
         let state = &mut self.state;
         match command {
             SourceCommand::Camera(camera) => {
-                if state.scene.as_ref().is_some_and(|scene| camera < scene.cameras.len()) {
+                if state.doc.scene.as_ref().is_some_and(|scene| camera < scene.cameras.len()) {
                     state.source.camera = camera;
                     state.source.against = state.source.against.filter(|&against| against != camera);
                 }
@@ -17,7 +17,7 @@ impl OverlookApp {
             SourceCommand::Overlay(overlay) => state.source.overlay = overlay,
             SourceCommand::Against(against) => state.source.against = against,
             SourceCommand::Zoom(part) => state.source.part = part,
-            SourceCommand::Isolate(camera) => state.inspector.isolated = camera,
+            SourceCommand::Isolate(camera) => state.doc.isolated = camera,
         }
     }
 }

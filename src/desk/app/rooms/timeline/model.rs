@@ -58,6 +58,16 @@ impl ShownRate {
 }
 
 impl Timeline {
+    /// At the start of another scene, passing as before.
+    pub(crate) fn at_start(&self) -> Self {
+        Self {
+            plays_once_open: self.plays_once_open,
+            frames_per_second: self.frames_per_second,
+            ping_pong: self.ping_pong,
+            ..Self::default()
+        }
+    }
+
     /// First and last frame of what is played, of `frames` frames, one at least.
     pub(crate) fn played(&self, frames: usize) -> [usize; 2] {
         let last = frames.saturating_sub(1);
@@ -113,7 +123,7 @@ impl Timeline {
 }
 
 /// What concerns time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum TimeCommand {
     Frame(usize),
     /// Step forward or back, around the ends.

@@ -16,7 +16,7 @@ const MANY: usize = 8;
 
 /// The list, with a field that filters it.
 pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(scene) = &state.scene else { return };
+    let Some(scene) = &state.doc.scene else { return };
     let cameras = &state.live.cameras;
     ui.horizontal(|ui| {
         for (name, on) in [("All on", true), ("All off", false)] {

@@ -183,7 +183,7 @@ pub(crate) fn draw(
 fn draw_camera(painter: &Painter, state: &State, camera: &ProjectedCamera<'_>, is_pointed_at: bool) {
     let is_on = state.live.cameras.shows(camera.index);
     let strength = camera.presence * if is_on || is_pointed_at { 1.0 } else { 0.3 };
-    let texture = state.inspector.thumbs.get(camera.index).filter(|_| state.live.guides.pictures && is_on);
+    let texture = state.doc.thumbs.get(camera.index).filter(|_| state.live.guides.pictures && is_on);
     if let (Some(texture), Some(picture)) = (texture, &camera.picture) {
         let tint = Color32::WHITE.gamma_multiply(strength);
         painter.add(Shape::mesh(patches(picture, texture.id(), tint)));
@@ -229,7 +229,8 @@ pub(crate) fn answer(
     menu(ui, response, state, pointed_at, commands);
     let Some(camera) = pointed_at.filter(|_| !response.dragged()) else { return false };
     ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
-    let name = state.scene.as_ref().and_then(|scene| scene.cameras.get(camera)).map(|camera| &camera.name);
+    let name =
+        state.doc.scene.as_ref().and_then(|scene| scene.cameras.get(camera)).map(|camera| &camera.name);
     if let Some(name) = name {
         let help = format!("{name}\nClick: show its picture. Double-click: view from it. Right-click: more.");
         response.clone().on_hover_text_at_pointer(help);

@@ -106,7 +106,7 @@ pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2
 
 /// The button that measures, or resumes a stopped run.
 pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Commands) {
-    let charts = &state.inspector.charts;
+    let charts = &state.doc.charts;
     let (name, help) = match study {
         _ if charts.goes_on(study, &state.settings) => {
             ("Resume", "Measures what is left; takes minutes, and can be canceled.")
@@ -138,7 +138,7 @@ pub(crate) fn no_points_ui(
     text: &str,
     commands: &mut Commands,
 ) {
-    if state.inspector.charts.under_way() == Some(study) {
+    if state.doc.charts.under_way() == Some(study) {
         let text = "Points appear one by one, as they are measured.";
         empty_ui(ui, icon, "Measuring the first setting…", text, |ui| {
             ui.add(egui::Spinner::new().size(22.0));

@@ -27,7 +27,7 @@ const FRONT: &str = "Pareto front";
 const CURRENT: &str = "current";
 
 pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let charts = &state.inspector.charts;
+    let charts = &state.doc.charts;
     if charts.sweep.is_empty() {
         let text = "A sweep tries many settings and other methods on this capture, and draws what each costs and how close \
                     it comes to the truth. Points appear one by one; a click on one applies its settings.";
@@ -88,7 +88,7 @@ fn kernel_name(kernel: Kernel) -> String {
 
 /// What is along and up, and the button that measures.
 fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let axes = state.inspector.charts.axes();
+    let axes = state.doc.charts.axes();
     ui.horizontal_wrapped(|ui| {
         let quantities = Quantity::ALL.map(|(of, name, _)| (of, name, ""));
         for (index, caption, name) in [(0, "X axis:", "X axis"), (1, "Y axis:", "Y axis")] {
@@ -164,7 +164,7 @@ fn around(values: impl Iterator<Item = f64>, scale: Scale) -> Option<[f64; 2]> {
 }
 
 pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let charts = &state.inspector.charts;
+    let charts = &state.doc.charts;
     let names = distinct(charts.stress.iter().map(|point| point.disturbance.as_str()));
     let Some(first) = names.first() else {
         let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \

@@ -2,6 +2,7 @@
 
 pub(crate) mod command;
 pub(crate) mod comparison;
+pub(crate) mod sides;
 pub(crate) mod vantage;
 
 pub(crate) use command::CompareCommand;

@@ -6,13 +6,12 @@ use std::sync::Arc;
 use super::remembered::remember_recent;
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model;
-use crate::app::model::{OpenScene, SceneSource, SourceLook};
+use crate::app::model::{Document, OpenScene, SceneSource};
 use crate::app::rooms::colors::model::Display;
-use crate::app::rooms::edits::model::SceneEdits;
+use crate::app::rooms::compare::model::CompareVantage;
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
-use crate::app::rooms::live::model::{OrbitCamera, Ruler, ShownCameras, Unit};
-use crate::app::rooms::readings::model::ReadingCheck;
 use crate::app::rooms::settings::model::SettingPairs;
+use crate::app::rooms::source::model::SourceLook;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::Settings;
 
@@ -20,7 +19,6 @@ impl OverlookApp {
     pub(crate) fn opened(&mut self, scene: &Arc<OpenScene>) {
         self.state.remember_picture();
         self.forget_closed_scene(scene);
-        self.state.scene = Some(scene.clone());
         self.show_source_where_there_is_one();
         self.notify_of_opened(scene);
         // Work for the closed scene stops, except for files that are being written.
@@ -47,32 +45,16 @@ impl OverlookApp {
         if self.workers.open.is_idle() {
             state.opening = None;
         }
-        state.scan = None;
-        state.whole = None;
-        state.stopped = false;
-        state.failed_frame = None;
-        state.inspected = None;
-        state.accuracy = None;
-        if !scene.is_reread {
-            state.inspector.readings = ReadingCheck::default();
-        }
-        state.inspector.close_scene();
+        let readings = scene.is_reread.then(|| std::mem::take(&mut state.doc.readings));
+        state.doc = Document::of(scene.clone(), &state.settings);
+        state.doc.readings = readings.unwrap_or_default();
+        state.close_pictures(|_| true);
+        state.inspector.compare.choice.from = CompareVantage::Live;
         state.share.close_scene();
-        state.edits = SceneEdits::default();
-        state.source_shown = None;
-        (state.live_shown, state.live_carried) = (None, None);
-        state.timeline.frame = 0;
-        state.timeline.playing = false;
-        state.timeline.range = None;
-        state.timeline.markers.clear();
-        state.live.cameras = ShownCameras::default();
-        state.live.ruler = Ruler::default();
-        state.live.unit = Unit::default();
-        state.live.up = None;
-        state.display = Display::default();
+        state.timeline = state.timeline.at_start();
+        state.live = state.live.at_scene(scene);
         state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
-        state.live.orbit = OrbitCamera::home(scene, scene.up_in_world);
-        state.inspector.saved = scene.capture().map(|_| state.settings.clone());
+        state.display = Display::default();
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
     }
 
@@ -102,9 +84,9 @@ impl OverlookApp {
 
     pub(crate) fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {
         // Thresholds may have been changed while it was written, and another capture opened.
-        let scene = self.state.scene.as_ref().map(|scene| scene.id);
+        let scene = self.state.doc.scene.as_ref().map(|scene| scene.id);
         if let Some((_, settings)) = holds.filter(|(of, _)| Some(*of) == scene) {
-            self.state.inspector.saved = Some(settings);
+            self.state.doc.saved = Some(settings);
         }
         if bytes.is_some() {
             remember_recent(&mut self.state.recent, path);

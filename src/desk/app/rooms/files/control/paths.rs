@@ -149,7 +149,7 @@ impl OverlookApp {
         self.begin_sharing(purpose, &path);
         match purpose {
             Purpose::OpenFile | Purpose::OpenFolder => {
-                self.apply(Command::File(FileCommand::Open(Opening::Path(path))))
+                self.apply(Command::File(FileCommand::Open(Opening::Path(path))));
             }
             Purpose::SaveStore => self.save_store(path),
             Purpose::SaveSettings => {
@@ -166,19 +166,19 @@ impl OverlookApp {
             Purpose::SaveShot => self.save_shot(path),
             Purpose::SavePath => self.save_path(path),
             Purpose::LoadPath => {
-                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
                     self.workers.file.submit(FileRequest::LoadPath { path, scene });
                 }
             }
             Purpose::SaveEdits => self.save_edits(path),
             Purpose::SaveSession => self.save_session(&path),
             Purpose::LoadEdits => {
-                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
                     self.workers.file.submit(FileRequest::LoadEdits { path, scene });
                 }
             }
             Purpose::OpenPictures => {
-                if let Some(scene) = self.state.scene.clone() {
+                if let Some(scene) = self.state.doc.scene.clone() {
                     self.workers.file.submit(FileRequest::OpenPictures { path, scene });
                 }
             }
@@ -194,7 +194,7 @@ impl OverlookApp {
     }
 
     fn save_picture(&mut self, path: PathBuf) {
-        let shown = self.state.live_shown.as_ref();
+        let shown = self.state.doc.live_shown.as_ref();
         let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
         let picture = self.state.shown_picture().cloned();
         if let Some((picture, rendered)) = picture.zip(rendered) {
@@ -239,22 +239,22 @@ impl OverlookApp {
     }
 
     fn save_path(&mut self, path: PathBuf) {
-        let Some(scene) = self.state.scene.clone() else { return };
-        let (camera_path, size) = (self.state.inspector.path.clone(), self.state.export_size());
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        let (camera_path, size) = (self.state.doc.path.clone(), self.state.export_size());
         let up_in_world = self.state.up_in_world();
         self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size, up_in_world });
     }
 
     fn save_store(&mut self, path: PathBuf) {
-        let Some(scene) = &self.state.scene else { return };
-        let edits = self.state.edits.list.clone();
+        let Some(scene) = &self.state.doc.scene else { return };
+        let edits = self.state.doc.edits.list.clone();
         if let Content::Store { playback, .. } = &scene.content {
             let playback = playback.clone();
             self.workers.file.submit(FileRequest::SaveAgain { path, playback, edits });
         } else if !edits.is_idle() {
             let (scene, settings) = (scene.clone(), self.state.settings.clone());
             self.workers.file.submit(FileRequest::SaveEdited { path, scene, settings, edits });
-        } else if let Some(whole) = &self.state.whole {
+        } else if let Some(whole) = &self.state.doc.whole {
             // The store records the rendering settings of now, so that it looks the same when it is opened.
             let mut samples = (*whole.samples).clone();
             samples.settings.render = self.state.settings.render.clone();
@@ -274,9 +274,9 @@ impl OverlookApp {
 /// Title and text of the warning if there is nothing to write for a purpose, or nothing that could use what it reads.
 pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
     let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
-    let no_scene = || where_not(state.scene.is_some(), "Open a capture or a store first.");
+    let no_scene = || where_not(state.doc.scene.is_some(), "Open a capture or a store first.");
     let no_capture = |text| where_not(state.has_capture(), text);
-    let no_keys = || where_not(state.inspector.path.pictures() > 0, NO_KEYS);
+    let no_keys = || where_not(state.doc.path.pictures() > 0, NO_KEYS);
     let no_samples = || no_scene().or_else(|| where_not(state.is_whole_ready(), not_pruned(state)));
     let (title, text) = match purpose {
         Purpose::SaveTable(table) => {
@@ -296,7 +296,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::SaveSession => {
             let has_path =
-                state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
+                state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
             let text =
                 "A session names the file or folder that is open; what comes with the program has none.";
             ("No session to save", where_not(has_path, text))
@@ -319,17 +319,17 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
 /// Why there is no picture for a figure.
 fn no_figure(state: &State) -> Option<&'static str> {
     match state.share.options.figure_of {
-        FigureOf::Source if state.source_shown.is_none() => {
+        FigureOf::Source if state.doc.source_shown.is_none() => {
             Some("There is no source picture: a store holds none, and a capture shows it once it is read.")
         }
-        FigureOf::Live if state.live_shown.is_none() => Some("The live view has no picture yet."),
+        FigureOf::Live if state.doc.live_shown.is_none() => Some("The live view has no picture yet."),
         _ => None,
     }
 }
 
 /// Why the whole capture is not pruned with the settings on the sliders.
 fn not_pruned(state: &State) -> &'static str {
-    if state.stopped {
+    if state.doc.stopped {
         "The whole capture is not pruned with these settings; recompute it (below), then try again."
     } else {
         "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."

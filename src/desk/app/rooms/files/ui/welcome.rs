@@ -41,7 +41,7 @@ const ROOM_HELP: &str =
 
 /// What the room that comes with the program is, until it is read.
 fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some((scene, report)) = state.scene.as_ref().zip(state.report()) else { return };
+    let Some((scene, report)) = state.doc.scene.as_ref().zip(state.report()) else { return };
     let tokens = Tokens::in_ui(ui);
     let band = Frame::new().fill(tokens.accent_faint).inner_margin(Margin::symmetric(space::PANEL, 8));
     let account = report.pixel_account();
@@ -76,7 +76,7 @@ fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 /// The introduction, until it is dismissed: a band of its own, so that it covers nothing of what it explains.
 pub(crate) fn introduction_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let is_room = state.scene.as_ref().is_some_and(|scene| scene.origin == SceneSource::Room);
+    let is_room = state.doc.scene.as_ref().is_some_and(|scene| scene.origin == SceneSource::Room);
     if is_room && !state.inspector.room_explained && state.look.maximized.is_none() {
         return room_ui(ui, state, commands);
     }
@@ -151,14 +151,14 @@ fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut C
         commands.push(Command::File(FileCommand::Stay));
         commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Store))));
     }
-    let path = &inspector.path;
+    let path = &state.doc.path;
     if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {
         commands.push(Command::File(FileCommand::Stay));
         commands.push(Command::File(FileCommand::AskPath(Purpose::SavePath)));
     }
     for (table, is_lost) in [
-        (Table::Sweep, !inspector.charts.sweep.is_empty()),
-        (Table::StressTest, !inspector.charts.stress.is_empty()),
+        (Table::Sweep, !state.doc.charts.sweep.is_empty()),
+        (Table::StressTest, !state.doc.charts.stress.is_empty()),
     ] {
         let name = format!("Save {}…", table.name());
         if is_lost && ui.button(name).clicked() {

@@ -20,7 +20,7 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
         return;
     }
     let left = space::LARGE + 8.0;
-    let (align, offset) = if state.scene.is_some() {
+    let (align, offset) = if state.doc.scene.is_some() {
         // Over the lower edge of the pictures: what is written below them stays readable.
         let below = space::STATUS + space::TIMELINE + 2.0 * space::LARGE;
         (Align2::LEFT_BOTTOM, egui::vec2(left, -below))

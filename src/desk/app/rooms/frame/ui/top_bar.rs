@@ -101,7 +101,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_SAVE, "Save", |ui| {
-        let (opened, shown) = (state.scene.is_some(), state.live_shown.is_some());
+        let (opened, shown) = (state.doc.scene.is_some(), state.doc.live_shown.is_some());
         for (name, keys, enabled, command) in [
             ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
             ("Copy picture", "", shown, Command::View(ViewCommand::CopyPicture)),
@@ -176,7 +176,7 @@ fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
 
 /// The name of what is open, and how large it is.
 fn title_of(state: &State) -> Option<[RichText; 2]> {
-    let scene = state.scene.as_ref()?;
+    let scene = state.doc.scene.as_ref()?;
     let kind = match (&scene.origin, scene.capture().is_some()) {
         (SceneSource::Demo(_), _) => "built-in capture, traced here",
         (SceneSource::Room, _) => "built-in store",
@@ -203,7 +203,7 @@ fn width_of(ui: &Ui, title: Option<&[RichText; 2]>) -> f32 {
 }
 
 fn title_ui(ui: &mut Ui, state: &State, title: Option<[RichText; 2]>) {
-    let (Some([name, facts]), Some(scene)) = (title, &state.scene) else { return };
+    let (Some([name, facts]), Some(scene)) = (title, &state.doc.scene) else { return };
     ui.add(Label::new(name).truncate());
     let response = ui.add(Label::new(facts.color(Tokens::in_ui(ui).text_weak)).truncate());
     if let SceneSource::Path(path) = &scene.origin {

@@ -165,8 +165,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
             command,
             Command::Undo
                 | Command::Redo
-                | Command::Settings(SettingsCommand::ResetAll)
-                | Command::Settings(SettingsCommand::Switch)
+                | Command::Settings(SettingsCommand::ResetAll | SettingsCommand::Switch)
         );
         if turns || !changes_thresholds {
             add(name.to_owned(), keys, command);
@@ -284,7 +283,7 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
     for (name, _) in SCENES {
         add(format!("Demo: {name}"), "", Command::File(FileCommand::Open(Opening::Demo((*name).to_owned()))));
     }
-    for (index, camera) in state.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
+    for (index, camera) in state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
         let [show, view] = CAMERA_KEYS.get(index).copied().unwrap_or_default();
         add(format!("Show camera '{}'", camera.name), show, Command::Source(SourceCommand::Camera(index)));
         add(format!("View from camera '{}'", camera.name), view, Command::View(ViewCommand::JumpTo(index)));

@@ -189,7 +189,7 @@ fn about_ui(ui: &mut Ui, state: &State) {
     if !held.is_empty() {
         ui.label(format!("In memory: {}", held.join(", ")));
     }
-    if let Some(shown) = &state.live_shown {
+    if let Some(shown) = &state.doc.live_shown {
         ui.label(format!("Last picture rendered by: {}", shown.picture.painter));
     }
     let instructions = overlook_engine::simd::widest();

@@ -9,16 +9,16 @@ use crate::app::rooms::live::model::{KeptView, ViewCommand, next_name};
 impl OverlookApp {
     /// Carries out what concerns views that are kept.
     pub(super) fn apply_to_kept_views(&mut self, command: ViewCommand) {
-        let kept = &mut self.state.inspector.kept_views;
+        let kept = &mut self.state.doc.kept_views;
         match command {
             ViewCommand::Keep => {
                 let name = next_name(kept);
                 let Some(view) = self.view_address() else { return };
-                self.state.inspector.kept_views.push(KeptView { name, view, picture: None });
+                self.state.doc.kept_views.push(KeptView { name, view, picture: None });
                 self.picture_kept_views();
             }
             ViewCommand::GoToKept(index) => {
-                let Some((scene, kept)) = self.state.scene.clone().zip(kept.get(index)) else { return };
+                let Some((scene, kept)) = self.state.doc.scene.clone().zip(kept.get(index)) else { return };
                 let view = kept.view.clone();
                 self.go_to_view(&scene, &view);
             }
@@ -37,19 +37,18 @@ impl OverlookApp {
     /// Gives kept views that are shown and have no picture yet a small one.
     pub(super) fn picture_kept_views(&mut self) {
         let state = &self.state;
-        if state.live_carried.is_some()
-            || state.inspector.kept_views.iter().all(|kept| kept.picture.is_some())
+        if state.doc.live_carried.is_some() || state.doc.kept_views.iter().all(|kept| kept.picture.is_some())
         {
             return;
         }
-        let here = state.live_shown.as_ref().map(|shown| &shown.key.vantage);
+        let here = state.doc.live_shown.as_ref().map(|shown| &shown.key.vantage);
         let is_here =
             here.is_some_and(|here| here.frame == state.timeline.frame && state.looks_from(&here.camera));
         let Some((view, picture)) = self.view_address().zip(state.shown_picture()).filter(|_| is_here) else {
             return;
         };
         let picture = smaller(picture);
-        let kept = self.state.inspector.kept_views.iter_mut();
+        let kept = self.state.doc.kept_views.iter_mut();
         for kept in kept.filter(|kept| kept.picture.is_none() && kept.view == view) {
             kept.picture = Some(self.ctx.load_texture("kept view", picture.clone(), TextureOptions::LINEAR));
         }

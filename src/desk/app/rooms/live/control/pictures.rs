@@ -21,17 +21,17 @@ impl OverlookApp {
             state.timeline.shown.add(key.vantage.frame, Instant::now());
         }
         let is_behind = !state.looks_from(&key.vantage.camera);
-        let carried = state.live_carried.take().filter(|_| is_behind && picture.rendered().is_some());
+        let carried = state.doc.live_carried.take().filter(|_| is_behind && picture.rendered().is_some());
         if carried.is_some() && self.scheduler.live.is_late(&key) {
-            state.live_carried = carried;
+            state.doc.live_carried = carried;
             return;
         }
-        let texture = match (carried.is_some(), state.live_shown.take()) {
+        let texture = match (carried.is_some(), state.doc.live_shown.take()) {
             (true, Some(shown)) => Some(shown.texture),
             (_, shown) => self.texture_of(&picture, shown.map(|shown| shown.texture)),
         };
-        self.state.live_carried = carried;
-        self.state.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
+        self.state.doc.live_carried = carried;
+        self.state.doc.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
         self.picture_kept_views();
     }
 
@@ -39,11 +39,11 @@ impl OverlookApp {
     pub(crate) fn live_carried(&mut self, camera: &Camera, carried: Option<CarriedLook>) {
         let state = &mut self.state;
         let is_painted =
-            state.live_shown.as_ref().is_none_or(|shown| state.looks_from(&shown.key.vantage.camera));
+            state.doc.live_shown.as_ref().is_none_or(|shown| state.looks_from(&shown.key.vantage.camera));
         let Some(CarriedLook { image, inverse_depth }) = carried.filter(|_| !is_painted) else { return };
-        let replaced = state.live_carried.take().map(|carried| carried.texture);
+        let replaced = state.doc.live_carried.take().map(|carried| carried.texture);
         let texture = Texture::send(&self.ctx, "carried", options_of(image.size, state), &image, replaced);
-        state.live_carried = Some(ShownCarried { camera: camera.clone(), inverse_depth, texture });
+        state.doc.live_carried = Some(ShownCarried { camera: camera.clone(), inverse_depth, texture });
     }
 
     /// The texture that shows a picture of the live view; `None` if it is on the GPU and the window does not draw with one.

@@ -51,7 +51,7 @@ impl OverlookApp {
             }
             ViewCommand::Solo(camera) => live.cameras.solo = camera,
             ViewCommand::AllCameras(on) => {
-                let count = self.state.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+                let count = self.state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
                 live.cameras.solo = None;
                 live.cameras.off = if on { 0..0 } else { 0..count }.collect();
             }
@@ -68,11 +68,11 @@ impl OverlookApp {
             ViewCommand::Home => {
                 let up = self.state.up_in_world();
                 self.state.live.orbit =
-                    self.state.scene.as_ref().and_then(|scene| OrbitCamera::home(scene, up));
+                    self.state.doc.scene.as_ref().and_then(|scene| OrbitCamera::home(scene, up));
                 self.state.source.part = PictureZoom::default();
             }
             ViewCommand::JumpTo(index) => {
-                let scene = self.state.scene.as_ref();
+                let scene = self.state.doc.scene.as_ref();
                 if let Some((scene, camera)) =
                     scene.and_then(|scene| Some((scene, scene.cameras.get(index)?)))
                 {
@@ -104,14 +104,14 @@ impl OverlookApp {
 
     fn step_view(&mut self, back: bool) {
         let Some(now) = self.state.live.orbit.clone() else { return };
-        if let Some(view) = self.state.inspector.views.step(back, now) {
+        if let Some(view) = self.state.doc.views.step(back, now) {
             self.state.live.orbit = Some(view);
         }
     }
 
     /// Copies the pose of the live view as a manifest of one view, which the window pastes and `render --views` takes.
     fn copy_view(&mut self) {
-        let (Some(scene), Some(orbit)) = (&self.state.scene, &self.state.live.orbit) else { return };
+        let (Some(scene), Some(orbit)) = (&self.state.doc.scene, &self.state.live.orbit) else { return };
         let camera = orbit.camera(orbit.lens.width, orbit.lens.height);
         let frame_number = scene.frame_numbers.get(self.state.timeline.frame).copied().unwrap_or_default();
         let view = PathView { camera, frame_number, is_key: true };
@@ -129,7 +129,7 @@ impl OverlookApp {
     }
 
     fn paste_view(&mut self, text: &str) {
-        let Some(scene) = self.state.scene.clone() else { return };
+        let Some(scene) = self.state.doc.scene.clone() else { return };
         if text.len() <= MOST_PASTED && address::split(text).is_some() {
             return self.go_to_address(text);
         }
@@ -165,7 +165,7 @@ impl OverlookApp {
     }
 
     fn copy_picture(&mut self) {
-        if self.state.live_shown.is_none() {
+        if self.state.doc.live_shown.is_none() {
             return;
         }
         let Some(image) = self.state.shown_picture() else { return self.notify_in_motion() };
@@ -181,7 +181,7 @@ impl OverlookApp {
 
     /// Centers the live view on the selected point.
     fn frame_point(&mut self) {
-        let probed = self.state.inspector.probe.shown.clone();
+        let probed = self.state.doc.probe.shown.clone();
         let point = probed.as_ref().and_then(|probed| probed.point_in_world);
         if let (Some(point), Some(orbit)) = (point, &mut self.state.live.orbit) {
             orbit.look_at(point);

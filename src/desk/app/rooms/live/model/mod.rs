@@ -2,6 +2,7 @@
 
 pub(crate) mod command;
 pub(crate) mod kept_views;
+pub(crate) mod look;
 pub(crate) mod motion_budget;
 pub(crate) mod orbit_camera;
 pub(crate) mod picture;
@@ -19,4 +20,4 @@ pub(crate) use picture::{
 };
 pub(crate) use pose::{ANGLES_OF_VIEW, ViewAngles};
 pub(crate) use view_history::ViewHistory;
-pub(crate) use view_look::{FLY_SPEEDS, FrameGuide, Guides, Ruler, ShownCameras, UP_DIRECTIONS, Unit};
+pub(crate) use view_look::{FLY_SPEEDS, FrameGuide, Guides, ShownCameras, UP_DIRECTIONS, Unit};

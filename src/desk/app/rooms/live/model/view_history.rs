@@ -16,13 +16,13 @@ impl ViewHistory {
     /// Whether a command takes the view elsewhere at once. Views that are moved by hand stay under the hand.
     pub(crate) fn is_jump(command: &Command) -> bool {
         match command {
-            Command::View(ViewCommand::JumpTo(_))
-            | Command::View(ViewCommand::Home)
-            | Command::Path(PathCommand::GoToKey(_))
-            | Command::View(ViewCommand::FramePoint) => true,
+            Command::Path(PathCommand::GoToKey(_)) => true,
             Command::View(command) => matches!(
                 command,
-                ViewCommand::LookAlong(_)
+                ViewCommand::JumpTo(_)
+                    | ViewCommand::Home
+                    | ViewCommand::FramePoint
+                    | ViewCommand::LookAlong(_)
                     | ViewCommand::GoToAddress(_)
                     | ViewCommand::GoToKept(_)
                     | ViewCommand::Pasted(_)

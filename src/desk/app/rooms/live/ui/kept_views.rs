@@ -16,7 +16,7 @@ const BUTTON: f32 = 30.0;
 
 /// The section of the panel.
 pub(super) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
-    let kept = &state.inspector.kept_views;
+    let kept = &state.doc.kept_views;
     for (index, kept) in kept.iter().enumerate() {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = space::SMALL;

@@ -109,7 +109,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
             waiting(ui, canvas, 28.0);
         }
     }
-    let seen = state.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
+    let seen = state.doc.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
     let draws = draw_ui(ui, &response, &painter, canvas, state, commands);
@@ -134,7 +134,7 @@ fn draw_ui(
     state: &State,
     commands: &mut Commands,
 ) -> bool {
-    match state.edits.tool {
+    match state.doc.edits.tool {
         None | Some(EditTool::Mask) => return false,
         Some(EditTool::Surface) => {
             drawing::select_surface(ui, response, state, commands, |at| point_under(state, canvas, at));
@@ -144,7 +144,7 @@ fn draw_ui(
             drawing::select_drawn(ui, response, painter, &place, state, commands, |drawn| {
                 let vantage = state.seen_camera([canvas.width() as u32, canvas.height() as u32])?;
                 let Drawn { outline, strokes, .. } = drawn;
-                let frame = state.frame_number().filter(|_| state.edits.depth == DrawnDepth::Seen);
+                let frame = state.frame_number().filter(|_| state.doc.edits.depth == DrawnDepth::Seen);
                 Some(Region::View {
                     viewpoint: Viewpoint::of(&vantage),
                     frame,
@@ -171,7 +171,7 @@ fn measure_ui(ui: &Ui, response: &Response, canvas: Rect, state: &State, command
 
 /// Marks the selected pixel.
 fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
-    let probe = &state.inspector.probe;
+    let probe = &state.doc.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
     let size = [canvas.width() as u32, canvas.height() as u32];
     if !probe.pinned && !widgets::points_at_picture(painter.ctx()) {
@@ -189,8 +189,8 @@ fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
 
 /// Selects the pixel under the pointer.
 fn probe_ui(response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
-    let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };
-    if state.live_carried.is_some() {
+    let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.doc.live_shown) else { return };
+    if state.doc.live_carried.is_some() {
         // What it shows is known once it is painted.
         return;
     }
@@ -204,7 +204,7 @@ fn probe_ui(response: &Response, canvas: Rect, state: &State, commands: &mut Com
 
 /// Whether a sample in the live picture shows the surface at this place and depth, and nothing before it.
 fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
-    let is_filled = state.live_carried.is_none()
+    let is_filled = state.doc.live_carried.is_none()
         && pixel_at(state, canvas, at).is_some_and(|(picture, place)| picture.image[place] == NO_IMAGE);
     !is_filled
         && inverse_depth_at(state, canvas, at)
@@ -235,7 +235,7 @@ fn motion(
         commands.push(Command::View(ViewCommand::Home));
         return;
     }
-    let draws = state.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
+    let draws = state.doc.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
     let is_drawn = draws && response.dragged_by(PointerButton::Primary);
     let delta = if is_drawn { egui::Vec2::ZERO } else { response.drag_delta() };
     let delta = DVec2::new(f64::from(delta.x), f64::from(delta.y));
@@ -264,7 +264,7 @@ fn motion(
 
 fn facts_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
-    let facts = match &state.live_shown {
+    let facts = match &state.doc.live_shown {
         Some(shown) => {
             let stats = &shown.picture.stats;
             let [width, height] = shown.picture.size;
@@ -283,7 +283,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
     };
     let help = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to reset the view, click to pin \
                 the pixel.";
-    let notice = state.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
+    let notice = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
     let (facts, color) = match notice {
         Some(notice) => (notice.clone(), tokens.warning),
         None => (facts, tokens.text_weak),

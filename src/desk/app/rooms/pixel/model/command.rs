@@ -3,7 +3,7 @@
 use super::pixel::Spot;
 
 /// What concerns the selected pixel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PixelCommand {
     /// Point at a pixel, or at nothing.
     Probe(Option<Spot>),

@@ -1,7 +1,7 @@
 //! What concerns the readings of a capture.
 
 /// What concerns the readings of a capture.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReadingCommand {
     /// Open or close the comparison of two readings of the capture.
     Compare(bool),

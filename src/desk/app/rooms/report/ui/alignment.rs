@@ -28,7 +28,7 @@ pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands
     ui.heading("What was corrected");
     weak(ui, "Cameras agree better so, by samples that took no part in finding it.");
     ui.horizontal(|ui| {
-        let is_capture = state.scene.as_ref().is_some_and(|scene| scene.capture().is_some());
+        let is_capture = state.doc.scene.as_ref().is_some_and(|scene| scene.capture().is_some());
         let button = ui.add_enabled(is_capture, egui::Button::new("Compare before and after"));
         let button =
             button.on_hover_text("The kept samples as the capture claims to be, beside those as corrected.");

@@ -111,7 +111,7 @@ fn figures(state: &State) -> Vec<KeyFigure> {
         _ => format!("of {}", model::bytes(report.bytes_raw)),
     };
     let seconds = report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0);
-    let render = state.live_shown.as_ref().map(|shown| {
+    let render = state.doc.live_shown.as_ref().map(|shown| {
         let stats = &shown.picture.stats;
         let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
         let covered = model::percent(pixels.saturating_sub(stats.holes), pixels);
@@ -141,8 +141,8 @@ fn figures(state: &State) -> Vec<KeyFigure> {
         ),
     ];
     // What nobody can know here has no place.
-    if state.accuracy.is_some() || state.has_truth() {
-        figures.push(accuracy_figure(state.accuracy, figure));
+    if state.doc.accuracy.is_some() || state.has_truth() {
+        figures.push(accuracy_figure(state.doc.accuracy, figure));
     }
     if state.has_capture() {
         figures.push(figure(

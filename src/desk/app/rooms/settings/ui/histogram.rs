@@ -32,7 +32,7 @@ pub(crate) fn histogram_ui(
     let painter = ui.painter_at(rect);
     painter.rect_filled(plot, 3.0, tokens.background);
     // The room is kept while nothing is counted, so that nothing below jumps; the line can be dragged already.
-    let mut histograms = state.inspector.histograms.iter();
+    let mut histograms = state.doc.histograms.iter();
     let histogram = histograms.find(|histogram| histogram.path == field.path && !histogram.is_empty());
     if let Some(histogram) = histogram {
         bars(&painter, plot, axis, histogram, tokens);

@@ -71,8 +71,8 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
         ShareWay::Store if !state.live.cameras.shows_all() => {
             note(ui, "Cameras that the live view leaves out are in it as well.");
         }
-        ShareWay::Page if state.inspector.path.pictures() > 0 => {
-            let keys = &state.inspector.path.keys;
+        ShareWay::Page if state.doc.path.pictures() > 0 => {
+            let keys = &state.doc.path.keys;
             let passes_time = keys.first().map(|key| key.frame) < keys.last().map(|key| key.frame);
             note(ui, if passes_time { PATH } else { NO_PATH });
         }
@@ -81,7 +81,7 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
 }
 
 fn page_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
-    let name = state.scene.as_ref().map_or("", |scene| scene.name.as_str());
+    let name = state.doc.scene.as_ref().map_or("", |scene| scene.name.as_str());
     ui.label("Title");
     ui.add(TextEdit::singleline(&mut options.title).desired_width(f32::INFINITY).hint_text(name))
         .accessible_name("Title of the page");
@@ -132,7 +132,7 @@ fn film_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         if ui.add(drag).accessible_name("Pictures a second").changed() {
             commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
         }
-        let path = &state.inspector.path;
+        let path = &state.doc.path;
         weak(ui, format!("{}, {}", counted(path.keys.len(), "key"), counted(path.pictures(), "picture")));
     });
     ui.end_row();
@@ -204,7 +204,7 @@ fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
 }
 
 fn store_ui(ui: &mut Ui, state: &State) {
-    let cameras = state.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+    let cameras = state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
     ui.label("Holds");
     ui.label(format!("{}, {}", counted(cameras, "camera"), counted(state.frame_count(), "frame")));
     ui.end_row();

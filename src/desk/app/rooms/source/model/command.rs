@@ -4,7 +4,7 @@ use super::picture::Overlay;
 use super::picture_zoom::PictureZoom;
 
 /// What concerns the source view.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SourceCommand {
     /// Show another camera on the left.
     Camera(usize),

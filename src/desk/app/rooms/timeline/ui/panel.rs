@@ -17,7 +17,7 @@ use crate::app::widgets::{icon_button, weak};
 const FALLS_SHORT: f32 = 0.9;
 
 pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    ui.add_enabled_ui(state.scene.is_some(), |ui| {
+    ui.add_enabled_ui(state.doc.scene.is_some(), |ui| {
         ui.horizontal(|ui| controls_ui(ui, state, commands));
         strip_ui(ui, state, commands);
     });
@@ -36,7 +36,7 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         commands.push(Command::Time(TimeCommand::Step(1)));
     }
     ui.add_space(space::SMALL);
-    let number = state.scene.as_ref().and_then(|scene| scene.frame_numbers.get(timeline.frame));
+    let number = state.doc.scene.as_ref().and_then(|scene| scene.frame_numbers.get(timeline.frame));
     let frame = format!("Frame {} of {}", timeline.frame + 1, state.frame_count().max(1));
     let label = ui.label(RichText::new(frame).strong());
     if let Some(number) = number {
@@ -142,7 +142,7 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let frames = state.frame_count().max(1);
     response.widget_info(|| {
-        egui::WidgetInfo::slider(state.scene.is_some(), state.timeline.frame as f64, "Timeline")
+        egui::WidgetInfo::slider(state.doc.scene.is_some(), state.timeline.frame as f64, "Timeline")
     });
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, f32::from(space::RADIUS), tokens.background);
@@ -151,7 +151,7 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let left = rect.left() + frame as f32 * step;
         Rect::from_min_max(pos2(left, rect.top()), pos2(left + step, rect.bottom()))
     };
-    if state.scene.is_none() {
+    if state.doc.scene.is_none() {
         return;
     }
     if state.timeline.range.is_some() {

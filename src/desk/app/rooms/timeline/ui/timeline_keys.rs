@@ -20,7 +20,7 @@ pub(crate) fn keys_ui(
 ) {
     let tokens = Tokens::in_ui(ui);
     let last = state.frame_count().saturating_sub(1);
-    let keys = &state.inspector.path.keys;
+    let keys = &state.doc.path.keys;
     for (index, key) in keys.iter().enumerate() {
         // Of keys at one frame the last lies above and is taken first.
         if keys[index + 1..].iter().any(|later| later.frame.min(last) == key.frame.min(last)) {
