@@ -8,7 +8,7 @@ use super::driver::{
 };
 use egui::accesskit::Role;
 use egui::{Key, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 /// A window in the workspace that has the Color panel beside the live view.
 fn with_colors() -> Window {
