@@ -123,10 +123,13 @@ class Capture:
 
         Raises Error with the name of an unreadable file; KeyError or IndexError for an unknown camera or frame."""
 
-    def preprocess(self, settings: Settings | None = None, progress: Progress | None = None) -> Store:
+    def preprocess(
+        self, settings: Settings | None = None, progress: Progress | None = None, *, edits: Path | None = None
+    ) -> Store:
         """Removes each sample that another one shows better. The kept samples stay in memory.
 
-        Raises Error, also for an unknown setting or one out of range."""
+        `edits` is an edit list, by its path or as its text, as `overlook preprocess --edits` takes it.
+        Raises Error, also for an unknown setting or one out of range, and for a list that is wrong."""
 
 @final
 class Samples:
@@ -351,8 +354,11 @@ def place(
 
     Raises Error where nothing can be placed."""
 
-def open_store(path: Path) -> Store:
-    """Opens a store; samples are read from the file when they are used."""
+def open_store(path: Path, *, edits: Path | None = None) -> Store:
+    """Opens a store; samples are read from the file when they are used.
+
+    With `edits`, an edit list by its path or as its text, it is what the list leaves: pictures, pages and files that are made of it are
+    those of the command line with `--edits`. Raises Error for a list that is wrong, or that asks which cameras confirm samples."""
 
 def evaluate(
     capture: Capture,

@@ -11,13 +11,14 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyModule};
 
 use super::camera::{PyCamera, PyLens, pose_of};
-use super::choices::settings_over;
+use super::choices::{edit_list, settings_over};
 use super::exceptions::to_exception;
 use super::page::PyPage;
 use super::splats::PySplats;
 use super::values::{self, PyValueChannel};
 use super::{arrays, work};
 use overlook_engine::capture::{Camera, ValueChannel};
+use overlook_engine::edited_store::open_edited;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::page::{self, PageOptions};
@@ -28,17 +29,18 @@ use overlook_engine::render::{NO_IMAGE, Picture, Renderer, Vantage};
 use overlook_engine::samples::{SampleImage, SampleSet};
 use overlook_engine::settings::RenderSettings;
 use overlook_engine::splats::{self, SplatAmount, SplatSky};
-use overlook_engine::store::file::{Store, write};
+use overlook_engine::store::file::write;
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::store::write_again;
 
-/// Opens a store for playing it from disk.
+/// Opens a store, or what edits leave of it, for playing it from disk.
 ///
 /// # Errors
-/// `Error` as [`Store::open`].
+/// `Error` as [`open_edited`], and where the list is none.
 #[pyfunction]
-pub fn open_store(py: Python<'_>, path: PathBuf) -> PyResult<PyStore> {
-    let store = work::run(py, None, |_| Store::open(&path))?;
+#[pyo3(signature = (path, *, edits=None))]
+pub fn open_store(py: Python<'_>, path: PathBuf, edits: Option<PathBuf>) -> PyResult<PyStore> {
+    let store = work::run(py, None, |job| open_edited(&path, &edit_list(edits)?, job))?;
     let (report, warnings) = (store.info().report.clone(), store.info().warnings.clone());
     let playback = Playback::new(store, DEFAULT_CACHE_BYTES);
     let outline = playback.outline().clone();

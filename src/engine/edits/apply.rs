@@ -40,6 +40,26 @@ pub struct CutByHand {
     pub sample_pixels: u64,
 }
 
+impl CutByHand {
+    /// What is left to do of a list on a store that was cut before, as its report says: what the list begins with as an earlier list does
+    /// is done, and so are edits further on that are among those of an earlier list and depend on other samples. So a list that is
+    /// applied again changes nothing: what a picture shows by now was hidden when its edit was made.
+    #[must_use]
+    pub fn left_to_do(done: &[Self], edits: &EditList) -> EditList {
+        let mut left: Vec<Edit> = edits.acting().cloned().collect();
+        for cut in done {
+            let Ok(list) = EditList::from_toml(&cut.edits, "report") else { continue };
+            let known: Vec<&Edit> = list.acting().collect();
+            if known.len() <= left.len() && known.iter().zip(&left).all(|(known, edit)| known.does_as(edit)) {
+                left.drain(..known.len());
+            }
+            let is_done = |edit: &Edit| known.iter().any(|known| known.does_as(edit));
+            left.retain(|edit| !(edit.region.depends_on_others() && is_done(edit)));
+        }
+        EditList { edits: left }
+    }
+}
+
 /// What edits leave of samples.
 #[derive(Debug)]
 pub struct EditedImages {

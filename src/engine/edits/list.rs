@@ -76,6 +76,12 @@ impl Edit {
         Self { name: name.into(), is_on: true, action, region, frames: None, reach: Reach::default() }
     }
 
+    /// Whether it does the same as another, whatever their names.
+    pub(super) fn does_as(&self, other: &Self) -> bool {
+        let Self { action, region, frames, reach, .. } = self;
+        (action, region, frames, reach) == (&other.action, &other.region, &other.frames, &other.reach)
+    }
+
     /// Whether it acts on what pruning kept alone.
     fn needs_samples(&self) -> bool {
         self.region.asks_for_evidence() || (self.frames.is_some() && self.reach == Reach::Span)
@@ -155,6 +161,11 @@ impl EditList {
             .rposition(|edit| edit.action == Action::Restore && edit.needs_samples())
             .map_or(0, |last| last + 1);
         acting.into_iter().skip(waits).filter(|edit| !edit.needs_samples())
+    }
+
+    /// The first edit that acts on what pruning kept alone, with its place in the list.
+    pub(super) fn first_after_pruning(&self) -> Option<(usize, &Edit)> {
+        self.edits.iter().enumerate().find(|(_, edit)| edit.is_on && edit.needs_samples())
     }
 
     /// Names of the cameras that are left out of all frames.

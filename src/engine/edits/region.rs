@@ -290,6 +290,11 @@ impl Region {
                 .has(&|part| matches!(part, Self::Doubtful | Self::Angle { .. }) || part.asks_other_samples())
     }
 
+    /// Whether it, or any part of it, depends on other samples than the one that is asked about.
+    pub(super) fn depends_on_others(&self) -> bool {
+        self.has(&Self::asks_other_samples)
+    }
+
     /// Whether it, apart from its parts, depends on other samples than the one that is asked about.
     pub(super) fn asks_other_samples(&self) -> bool {
         matches!(

@@ -75,6 +75,8 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("M", "measure a distance between two points"),
             ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
             ("Home, double-click", "reset to the start view"),
+            ("Ctrl + D", "keep the view in the View panel"),
+            ("Alt + left, Alt + right", "back to the view before a jump, forward again"),
             ("H", "hatch holes, or fill them"),
         ],
     ),
@@ -236,6 +238,9 @@ fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
         if pressed(ctx, Modifiers::ALT, key) {
             commands.push(Command::View(command));
         }
+    }
+    if pressed(ctx, Modifiers::COMMAND, Key::D) {
+        commands.push(Command::View(ViewCommand::Keep));
     }
     for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
         if pressed(ctx, Modifiers::COMMAND, key) {

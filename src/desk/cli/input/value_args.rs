@@ -9,6 +9,7 @@ use super::options::choice;
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::ValueColors;
+use overlook_engine::render::output::ranked_value;
 use overlook_engine::settings::{Colormap, ValueScale};
 use overlook_lab::chart::ColorBar;
 
@@ -124,10 +125,8 @@ impl ValueArgs {
     pub(crate) fn colors(&self, channel: &ValueChannel, in_view: &[f32], place: &str) -> Result<ValueColors> {
         let invalid = |what: String| Error::invalid(format!("{place}: value '{}'", channel.name), what);
         let at = |share: f32| {
-            let last = in_view.len().checked_sub(1);
-            let last =
-                last.ok_or_else(|| invalid("none is in view that --range could be a share of".to_owned()))?;
-            Ok::<_, Error>(in_view[(share * last as f32).round() as usize])
+            ranked_value(in_view, share)
+                .ok_or_else(|| invalid("none is in view that --range could be a share of".to_owned()))
         };
         let range = match self.range {
             None => channel.range,

@@ -154,9 +154,8 @@ impl FigureArgs {
                 "a recorded picture is shown in its own colors; preprocess the capture, and give the store";
             return Err(Error::invalid("--color-by", what).into());
         }
-        self.edits.refuse_for_capture()?;
         let settings = self.settings.over(overlook_engine::settings::Settings::default())?;
-        let capture = input::open_capture(place, &settings.capture)?;
+        let capture = self.edits.open_capture(place, &settings.capture)?;
         let camera = camera_named(&capture.cameras, self.camera.as_deref(), place)?;
         let frame = match self.frame {
             None => 0,
