@@ -2,7 +2,6 @@
 
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::{Command, HelpPage};
-use crate::app::rooms::charts::model::Study;
 use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::path::model::SavedPathKey;
@@ -10,7 +9,6 @@ use crate::app::rooms::pixel::model::{Spot, verdict_text};
 use crate::app::rooms::report::model::{Table, TableForm, table_text};
 use crate::app::rooms::settings::model::setting_names;
 use crate::app::rooms::source::model::PictureZoom;
-use crate::app::work::StudyRequest;
 use overlook_engine::settings::Settings;
 
 /// Changes of settings that a message lists one by one.
@@ -62,6 +60,7 @@ impl OverlookApp {
             }
             Command::GoOnAnyway => self.go_on_anyway(),
             Command::Study(study) => self.study(study),
+            Command::Chart(command) => self.apply_to_charts(command),
             Command::ChartAxes(axes) => state.inspector.charts.set_axes(axes),
             Command::Disturbance(name) => state.inspector.charts.disturbance = name,
             Command::TakeSettings(settings) => self.take_point(*settings),
@@ -110,26 +109,6 @@ impl OverlookApp {
         }
     }
 
-    /// Measures with the settings on the sliders; goes on from what is known.
-    fn study(&mut self, study: Study) {
-        let Some(scene) = self.state.scene.clone() else { return };
-        if self.state.inspector.charts.studying {
-            let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
-            self.state.warn_of_scene("Already measuring", text);
-            return;
-        }
-        let settings = self.state.settings.clone();
-        let charts = &mut self.state.inspector.charts;
-        if !charts.begin(study, &settings) {
-            let text = "Everything around these settings is measured; change one to measure around others.";
-            self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
-            return;
-        }
-        let (known, known_stress) = (charts.sweep.clone(), charts.known_stress());
-        let request = StudyRequest { scene, study, settings, known, known_stress };
-        self.workers.study.submit(request);
-    }
-
     /// Applies the settings of a chart's point, and lists what changes.
     fn take_point(&mut self, settings: Settings) {
         let changes = setting_names::changes(&self.state.settings, &settings);
@@ -142,13 +121,6 @@ impl OverlookApp {
         let text = format!("{}{more} (Ctrl+Z undoes)", told.join("; "));
         self.change_settings(settings);
         self.state.notify(NoticeKind::Done, "Settings applied", text);
-    }
-
-    /// Reports how far a stopped sweep or stress test came.
-    pub(crate) fn notify_stopped_study(&mut self) {
-        if let Some((title, text)) = self.state.inspector.charts.stopped() {
-            self.state.notify(NoticeKind::Done, title, text);
-        }
     }
 
     fn copy_explanation(&mut self) {

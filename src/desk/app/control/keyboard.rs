@@ -113,6 +113,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let inspector = &state.inspector;
     let typing = state.typed_path.is_some()
         || state.share.is_open
+        || inspector.charts.question.is_some()
         || inspector.palette.is_some()
         || inspector.naming.is_some();
     let edits = edits_text(ctx);

@@ -116,10 +116,7 @@ impl OverlookApp {
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
             Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
-            Message::Studied => {
-                state.inspector.charts.complete();
-                self.refresh_busy();
-            }
+            Message::Studied { left, .. } => self.studied(left),
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
             Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),

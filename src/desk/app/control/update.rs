@@ -242,6 +242,7 @@ impl OverlookApp {
             | inspector.help.take().is_some()
             | inspector.closing.asks
             | inspector.readings.is_open
+            | inspector.charts.question.take().is_some()
             | self.state.open_after_question.take().is_some();
         inspector.closing.asks = false;
         inspector.readings.is_open = false;

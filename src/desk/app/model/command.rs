@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
-use crate::app::rooms::charts::model::axis::Quantity;
-use crate::app::rooms::charts::model::charts::Study;
+use crate::app::rooms::charts::model::axis::ShownAxis;
+use crate::app::rooms::charts::model::charts::ChartCommand;
+use crate::app::rooms::charts::model::study::Study;
 use crate::app::rooms::colors::model::display::Display;
 use crate::app::rooms::compare::model::comparison::CompareLook;
 use crate::app::rooms::edits::model::command::EditCommand;
@@ -175,7 +176,8 @@ pub(crate) enum Command {
     /// Play the camera path from its beginning, or stop.
     PlayPath(bool),
     Study(Study),
-    ChartAxes([Quantity; 2]),
+    Chart(ChartCommand),
+    ChartAxes([ShownAxis; 2]),
     Disturbance(String),
     /// Put these settings on.
     TakeSettings(Box<Settings>),

@@ -343,6 +343,7 @@ impl State {
             || inspector.naming.is_some()
             || inspector.closing.asks
             || inspector.readings.is_open
+            || inspector.charts.question.is_some()
             || inspector.help.is_some_and(|page| page != HelpPage::Guide)
     }
 }

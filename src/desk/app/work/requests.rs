@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::app::model::OpenScene;
-use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::charts::model::{Study, StudyChoice};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{CameraPath, ExportTarget};
@@ -175,6 +175,8 @@ pub(crate) struct StudyRequest {
     pub study: Study,
     /// The settings to start from.
     pub settings: Settings,
+    /// What is measured, and for how long.
+    pub choice: StudyChoice,
     /// What is known of the sweep already.
     pub known: Vec<Point>,
     /// What is known of the stress test already.

@@ -5,7 +5,7 @@ use egui::{Id, Key, Modal, ScrollArea, TextEdit, Ui};
 use super::palette_words::asks_for;
 use crate::address;
 use crate::app::model::{Command, CommandPalette, Commands, HelpPage, State};
-use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::charts::model::{ChartCommand, Study};
 use crate::app::rooms::edits::model::{EditCommand, EditTool};
 use crate::app::rooms::files::model::Purpose;
 use crate::app::rooms::frame::model::DockView;
@@ -207,8 +207,8 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 48] {
         ("Center view on selected pixel", "F", Command::FramePoint),
         ("Add key to the camera path", "K", Command::AddKey),
         ("Recompute the whole capture", "", Command::Recompute),
-        ("Run a sweep", "", Command::Study(Study::Sweep)),
-        ("Run a stress test", "", Command::Study(Study::Stress)),
+        ("Run a sweep", "", Command::Chart(ChartCommand::Ask(Some(Study::Sweep)))),
+        ("Run a stress test", "", Command::Chart(ChartCommand::Ask(Some(Study::Stress)))),
         ("Frame times: write to the log and reset", "", Command::LogFrameTimes),
         ("Cancel", "Esc", Command::Cancel),
         ("Light theme", "", Command::Dark(false)),

@@ -1,0 +1,90 @@
+//! Carries out what concerns charts, and what is measured for them.
+
+use super::model::{ChartCommand, Study, StudyQuestion, to_measure};
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::work::StudyRequest;
+use overlook_lab::stress::StressPlan;
+use overlook_lab::sweep::SweepPlan;
+
+impl OverlookApp {
+    /// Carries out what concerns charts.
+    pub(crate) fn apply_to_charts(&mut self, command: ChartCommand) {
+        let charts = &mut self.state.inspector.charts;
+        match command {
+            ChartCommand::Ask(study) => {
+                charts.question = None;
+                if let Some(study) = study {
+                    self.ask_what_to_measure(study);
+                }
+            }
+            ChartCommand::Choose(study, choice) => {
+                charts.choose(study, *choice);
+                self.ask_what_to_measure(study);
+            }
+            ChartCommand::Toggle(study, series) => charts.toggle(study, series),
+            ChartCommand::DialScale(scale) => charts.dial_scale = scale,
+        }
+    }
+
+    /// Asks what to measure, and says how much that is.
+    fn ask_what_to_measure(&mut self, study: Study) {
+        let Some(scene) = self.state.scene.clone() else { return };
+        let (charts, settings) = (&self.state.inspector.charts, &self.state.settings);
+        let choice = charts.choice(study);
+        let (capture, truth) = match to_measure(&scene) {
+            Ok(measured) => measured,
+            Err(error) => return self.state.warn_of_scene("Nothing to measure", error.to_string()),
+        };
+        let measurements = match study {
+            Study::Sweep => {
+                SweepPlan { done: charts.sweep.clone(), ..choice.sweep_plan(settings, capture) }.open()
+            }
+            Study::Stress => {
+                let plan = StressPlan { done: charts.known_stress(), ..choice.stress_plan(settings) };
+                plan.open(capture, &truth)
+            }
+        };
+        let groups = study.groups(settings, capture);
+        self.state.inspector.charts.question = Some(StudyQuestion { study, groups, measurements });
+    }
+
+    /// Measures what is chosen with the settings on the sliders; goes on from what is known.
+    pub(crate) fn study(&mut self, study: Study) {
+        let Some(scene) = self.state.scene.clone() else { return };
+        if self.state.inspector.charts.studying {
+            let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
+            self.state.warn_of_scene("Already measuring", text);
+            return;
+        }
+        let settings = self.state.settings.clone();
+        let charts = &mut self.state.inspector.charts;
+        if !charts.begin(study, &settings) {
+            let text =
+                "Everything that is chosen is measured around these settings; choose more, or change one.";
+            self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
+            return;
+        }
+        let (known, known_stress) = (charts.sweep.clone(), charts.known_stress());
+        let choice = charts.choice(study).clone();
+        self.workers.study.submit(StudyRequest { scene, study, settings, choice, known, known_stress });
+    }
+
+    /// Takes in that a sweep or a stress test is done, or that its time is over with so many measurements left.
+    pub(crate) fn studied(&mut self, left: usize) {
+        if left == 0 {
+            self.state.inspector.charts.complete();
+        }
+        self.refresh_busy();
+        if left > 0 {
+            self.notify_stopped_study();
+        }
+    }
+
+    /// Reports how far a stopped sweep or stress test came.
+    pub(crate) fn notify_stopped_study(&mut self) {
+        if let Some((title, text)) = self.state.inspector.charts.stopped() {
+            self.state.notify(NoticeKind::Done, title, text);
+        }
+    }
+}
