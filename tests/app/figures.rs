@@ -119,7 +119,7 @@ fn the_sweep_names_its_axes_and_its_kernels() {
     let mut window = open(super::driver::demo(2, 1, (32, 24)), SIZE);
     settle(&mut window);
     open_view(&mut window, "Sweep");
-    click(&mut window, "Run a sweep");
+    measure(&mut window, "Run a sweep…");
     wait(&mut window, "a point", |window| shows(window, "settings; click one to apply it"));
     for name in ["X axis", "Y axis", "Copy CSV of the sweep"] {
         assert!(window.query_by_label(name).is_some(), "{name}");

@@ -42,7 +42,7 @@ fn with_a_point() -> Window {
     let mut window = open(demo(2, 1, (32, 24)), SIZE);
     settle(&mut window);
     open_view(&mut window, "Sweep");
-    click(&mut window, "Run a sweep");
+    measure(&mut window, "Run a sweep…");
     wait(&mut window, "a point", |window| {
         shows(window, "click one to apply it") || shows(window, "click it")
     });

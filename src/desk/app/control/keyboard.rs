@@ -25,6 +25,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("?", "keyboard and mouse shortcuts"),
             ("Ctrl + O", "open a file"),
             ("Ctrl + S, Ctrl + E", "share the store, or in another way"),
+            ("Ctrl + Shift + F", "copy a figure of the view under the pointer"),
             ("Ctrl + Z, Ctrl + Y", "undo, redo"),
             ("Shift + Space", "maximize the view under the pointer, or restore it"),
             ("F11", "full screen"),
@@ -206,6 +207,7 @@ fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
         (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
         (Modifiers::COMMAND, Key::P, Command::Palette(palette)),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::CopyExplanation),
+        (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure)),
     ];
     let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));
     pressed.map(|(_, _, command)| command).collect()

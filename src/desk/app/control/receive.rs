@@ -117,6 +117,7 @@ impl OverlookApp {
             Message::Swept { point, known, .. } => state.inspector.charts.add(*point, known),
             Message::Stressed { point, known, .. } => state.inspector.charts.add_stressed(*point, known),
             Message::Studied { left, .. } => self.studied(left),
+            Message::FigureDrawn { image, width_mm } => self.figure_drawn(image, width_mm),
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
             Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),

@@ -113,6 +113,11 @@ pub(crate) enum Message {
         scene: u64,
         left: usize,
     },
+    /// A figure for the clipboard, so many millimeters wide.
+    FigureDrawn {
+        image: egui::ColorImage,
+        width_mm: f64,
+    },
     /// What is shared is written.
     Exported {
         path: PathBuf,

@@ -1,10 +1,12 @@
 //! Films: pictures along a camera path, rendered in order for files or a video.
 
+mod compared;
 mod encoder;
 mod h264;
 mod mp4;
 mod path;
 
+pub use compared::{FilmComparison, paint_compared};
 pub use encoder::FilmEncoder;
 pub use path::{PathKey, pose_at};
 
@@ -48,11 +50,50 @@ impl FilmSource {
     }
 }
 
+/// What paints the pictures of a film.
+pub struct FilmPainter<'a> {
+    /// The samples.
+    pub source: &'a FilmSource,
+    /// Where from, in order.
+    pub vantages: &'a [Vantage],
+    /// World units from the left edge to the right one of orthographic pictures; `None` of those through a lens.
+    pub orthographic: Option<f64>,
+    /// What renders.
+    pub renderer: &'a mut Renderer,
+    /// How.
+    pub settings: &'a RenderSettings,
+}
+
+impl FilmPainter<'_> {
+    /// The picture of a vantage. The next frame of perspective ones is read from disk meanwhile.
+    ///
+    /// # Errors
+    /// Those of reading and rendering, as [`OrthographicView::new`], and `Cancelled`.
+    pub fn picture(&mut self, nth: usize, job: &Job) -> Result<Arc<Picture>> {
+        let (source, vantage) = (self.source, &self.vantages[nth]);
+        let samples = source.samples_for(vantage, self.orthographic.is_some(), job)?;
+        let parallel = |width: f64| OrthographicView::new(&samples, vantage, width);
+        let view = self.orthographic.map(parallel).transpose()?;
+        let (shown, from) = view.as_ref().map_or((&samples, vantage), |view| (&view.samples, &view.vantage));
+        // An error in reading ahead returns when that frame is rendered.
+        let ahead = || match (source, self.vantages.get(nth + 1)) {
+            (FilmSource::Disk(playback), Some(next)) if view.is_none() => {
+                playback.read_ahead_from(&next.camera, next.frame..next.frame + 1, job)
+            }
+            _ => Ok(()),
+        };
+        let (renderer, settings) = (&mut *self.renderer, self.settings);
+        let (painted, _) = rayon::join(|| renderer.render(shown, from, settings, job), ahead);
+        let (picture, _): (Arc<Picture>, _) = painted?;
+        Ok(view.as_ref().map_or_else(|| picture.clone(), |view| view.finish(&picture).into()))
+    }
+}
+
 /// Renders every vantage in order and passes the pictures to `take` with their index; `orthographic` pictures are so many world units
-/// wide. The next frame of perspective ones is read from disk meanwhile.
+/// wide.
 ///
 /// # Errors
-/// Those of reading, rendering and `take`, as [`OrthographicView::new`], and `Cancelled`.
+/// Those of [`FilmPainter::picture`] and `take`.
 pub fn paint(
     source: &FilmSource,
     vantages: &[Vantage],
@@ -63,25 +104,10 @@ pub fn paint(
     mut take: impl FnMut(usize, &Picture) -> Result<()>,
 ) -> Result<()> {
     job.start("Rendering", vantages.len());
-    for (nth, vantage) in vantages.iter().enumerate() {
+    let mut painter = FilmPainter { source, vantages, orthographic, renderer, settings };
+    for nth in 0..vantages.len() {
         job.check()?;
-        let samples = source.samples_for(vantage, orthographic.is_some(), job)?;
-        let parallel = |width: f64| OrthographicView::new(&samples, vantage, width);
-        let view = orthographic.map(parallel).transpose()?;
-        let (shown, from) = view.as_ref().map_or((&samples, vantage), |view| (&view.samples, &view.vantage));
-        // An error in reading ahead returns when that frame is rendered.
-        let ahead = || match (source, vantages.get(nth + 1)) {
-            (FilmSource::Disk(playback), Some(next)) if view.is_none() => {
-                playback.read_ahead_from(&next.camera, next.frame..next.frame + 1, job)
-            }
-            _ => Ok(()),
-        };
-        let (painted, _) = rayon::join(|| renderer.render(shown, from, settings, job), ahead);
-        let (picture, _): (Arc<Picture>, _) = painted?;
-        match &view {
-            Some(view) => take(nth, &view.finish(&picture))?,
-            None => take(nth, &picture)?,
-        }
+        take(nth, &*painter.picture(nth, job)?)?;
         job.advance(1);
     }
     Ok(())

@@ -13,10 +13,13 @@ use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
-use overlook_engine::render::film::{self, FilmSource};
-use overlook_engine::render::{FACE_COUNT, Picture, Projection, Renderer, equirectangular, faces_around};
+use overlook_engine::render::film::{self, FilmComparison, FilmPainter, FilmSource};
+use overlook_engine::render::{
+    FACE_COUNT, Picture, Projection, Renderer, Vantage, equirectangular, faces_around,
+};
 use overlook_engine::settings::{RenderSettings, Settings};
-use overlook_engine::store::playback::Playback;
+use overlook_engine::store::file::{Store, StoreInfo};
+use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::whole_file;
 
 /// Where a film is painted from, and how.
@@ -50,6 +53,12 @@ pub(crate) struct FilmArgs {
     /// lies behind the camera is not shown.
     #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with = "projection")]
     orthographic: Option<f64>,
+    /// Show this store beside the first from the same places: one of the same frames, as of the same scene with other settings.
+    #[arg(long, value_name = "STORE", conflicts_with = "projection")]
+    compare: Option<PathBuf>,
+    /// How two stores are compared.
+    #[arg(long, requires = "compare", default_value = "wipe", value_parser = choice::<FilmComparison>(FilmComparison::NAMES))]
+    mode: FilmComparison,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -61,6 +70,7 @@ impl FilmArgs {
     pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<()> {
         output::refuse_input(&self.store, out)?;
         self.edits.refuse_inputs(out)?;
+        self.compare.iter().try_for_each(|store| output::refuse_input(store, out))?;
         output::refuse_store(out)?;
         self.settings.refuse_inputs(out)?;
         output::refuse_view_files(&self.path, out)
@@ -77,8 +87,7 @@ impl FilmArgs {
         whole_file::refuse_pipe(&self.path)?;
         let playback = self.edits.open_store(&self.store)?;
         let info = playback.store().info();
-        let mut settings: Settings = self.settings.over(info.settings.clone())?;
-        self.painting.apply(&mut settings.render);
+        let settings = self.render_settings(info)?;
         let pace = Pace { frame: self.frame, pictures: self.pictures, easing: self.easing, rate };
         let stops = path::along(&self.path, info, pace)?;
         let up = info.up_in_world;
@@ -86,8 +95,57 @@ impl FilmArgs {
         let panorama = (self.projection == Projection::Equirectangular)
             .then(|| Panorama { width: self.width.unwrap_or(size.0 as u32).max(4).next_multiple_of(4), up });
         let orthographic = self.orthographic;
-        Ok(Film { playback: Arc::new(playback), stops, settings: settings.render, panorama, orthographic })
+        let compared =
+            self.compare.as_ref().map(|store| self.compared(store, info, &stops, rate)).transpose()?;
+        Ok(Film { playback: Arc::new(playback), stops, settings, panorama, orthographic, compared })
     }
+
+    /// How pictures of a store are rendered.
+    fn render_settings(&self, info: &StoreInfo) -> Result<RenderSettings, CommandError> {
+        let mut settings: Settings = self.settings.over(info.settings.clone())?;
+        self.painting.apply(&mut settings.render);
+        Ok(settings.render)
+    }
+
+    /// The other side of a comparison: a store at the places of a film of the store with `info`.
+    fn compared(
+        &self,
+        store: &Path,
+        info: &StoreInfo,
+        stops: &Stops,
+        rate: f64,
+    ) -> Result<ComparedSide, CommandError> {
+        let opened = Store::open(store)?;
+        output::warn(&opened.info().warnings);
+        let playback = Playback::new(opened, DEFAULT_CACHE_BYTES);
+        let other = playback.store().info();
+        let settings = self.render_settings(other)?;
+        let there = |vantage: &Vantage| {
+            let number = info.frame_numbers[vantage.frame];
+            let frame = other.frame_numbers.binary_search(&number).map_err(|_| {
+                let what = format!(
+                    "has no frame {number}, which {} shows in the film; compare stores of the same frames, or hold one that both \
+                     have with --frame NUMBER",
+                    self.store.display()
+                );
+                Error::invalid(store.display(), what)
+            })?;
+            Ok(Vantage { frame, ..vantage.clone() })
+        };
+        let vantages = stops.vantages.iter().map(there).collect::<Result<Vec<_>>>()?;
+        Ok(ComparedSide { playback: Arc::new(playback), vantages, settings, mode: self.mode, rate })
+    }
+}
+
+/// What a film is compared with.
+struct ComparedSide {
+    playback: Arc<Playback>,
+    /// The places of the film at its own frames.
+    vantages: Vec<Vantage>,
+    settings: RenderSettings,
+    mode: FilmComparison,
+    /// Pictures a second.
+    rate: f64,
 }
 
 /// A film that is planned.
@@ -99,6 +157,7 @@ pub(crate) struct Film {
     pub(crate) panorama: Option<Panorama>,
     /// Width of orthographic pictures, world units.
     orthographic: Option<f64>,
+    compared: Option<ComparedSide>,
 }
 
 /// All directions around the camera.
@@ -127,6 +186,9 @@ impl Film {
         let mut renderer = Renderer::strict(self.settings.backend)?;
         let source = FilmSource::Disk(self.playback.clone());
         let vantages = &self.stops.vantages;
+        if let Some(other) = &self.compared {
+            return self.paint_beside(other, &mut renderer, job, take);
+        }
         let Some(Panorama { width, up }) = self.panorama else {
             film::paint(&source, vantages, self.orthographic, &mut renderer, &self.settings, job, take)?;
             return Ok(renderer.notice().map(str::to_owned));
@@ -143,6 +205,54 @@ impl Film {
             Ok(())
         })?;
         Ok(renderer.notice().map(str::to_owned))
+    }
+}
+
+impl Film {
+    /// What could not be read of its stores.
+    pub(crate) fn damage(&self) -> Vec<String> {
+        let other = self.compared.as_ref().map(|other| &other.playback);
+        [Some(&self.playback), other]
+            .into_iter()
+            .flatten()
+            .flat_map(|playback| playback.store().damage())
+            .collect()
+    }
+
+    /// As [`Self::paint`], with another store beside this one.
+    fn paint_beside(
+        &self,
+        other: &ComparedSide,
+        renderer: &mut Renderer,
+        job: &Job,
+        take: impl FnMut(usize, &Picture) -> Result<()>,
+    ) -> Result<Option<String>> {
+        let sources = [&self.playback, &other.playback].map(|playback| FilmSource::Disk(playback.clone()));
+        // Each has its own renderer, which keeps what it painted last.
+        let mut other_renderer = Renderer::strict(other.settings.backend)?;
+        let [source, other_source] = &sources;
+        let orthographic = self.orthographic;
+        let mut sides = [
+            FilmPainter {
+                source,
+                vantages: &self.stops.vantages,
+                orthographic,
+                renderer,
+                settings: &self.settings,
+            },
+            FilmPainter {
+                source: other_source,
+                vantages: &other.vantages,
+                orthographic,
+                renderer: &mut other_renderer,
+                settings: &other.settings,
+            },
+        ];
+        let side = |side: usize, nth| sides[side].picture(nth, job);
+        let (pictures, [width, _]) = (self.stops.vantages.len(), self.size());
+        film::paint_compared(other.mode, pictures, other.rate, width, job, side, take)?;
+        let notice = sides.iter().find_map(|side| side.renderer.notice());
+        Ok(notice.map(str::to_owned))
     }
 }
 
@@ -167,7 +277,7 @@ impl PicturesArgs {
         output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
         let notice = output::watched(|job| film.paint(job, |nth, picture| paths[nth].write(picture)))?;
         output::warn(notice.as_slice());
-        output::warn(&film.playback.store().damage());
+        output::warn(&film.damage());
         let (pictures, out) = (counted(paths.len(), "picture"), self.out.display());
         output::print(&format!("Wrote {pictures} (EXR and PNG) to {out}"))
     }

@@ -208,6 +208,8 @@ pub(crate) enum ShareCommand {
     Open(Option<ShareWay>),
     Close,
     Change(Box<ShareOptions>),
+    /// Copy a figure of the source view where the pointer is over it or it fills the window, else of the live view.
+    CopyFigure,
     /// Stop what is being written.
     Stop,
     /// Open the folder of a file in the system's file manager.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::app::model::{Message, bytes, count_of, significant};
 use crate::app::rooms::colors::work::developed;
 use crate::app::rooms::path::model::{Exported, NO_KEYS};
+use crate::app::rooms::share::model::FigureOptions;
 use crate::app::rooms::share::work::figures;
 use crate::app::work::requests::{Export, ExportRequest, FigureExport, PathExport};
 use crate::points;
@@ -20,6 +21,7 @@ use overlook_engine::samples::SampleSet;
 use overlook_engine::splats::{self, SplatOptions};
 use overlook_engine::store::file::{Extras, Store, write_with};
 use overlook_engine::whole_file;
+use overlook_lab::chart::Figure;
 
 /// Writes what was asked for. Files take their names once they are whole; of a folder of pictures those that were rendered stay.
 pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
@@ -34,6 +36,13 @@ pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
         Export::Page(options) => write_page(path, source, options, job)?,
         Export::Splats { options, frame } => write_splats(path, source, options, *frame, job)?,
         Export::Figure(figure) => write_figure(path, figure, job)?,
+        Export::CopyFigure(figure) => {
+            let (figure, options) = drawn(figure, job)?;
+            return Ok(Message::FigureDrawn {
+                image: figures::image(&figure)?,
+                width_mm: options.width_mm(),
+            });
+        }
         Export::Points { frame: Some(frame) } => {
             let points = write_points(path, &*at(source, *frame, job)?, *frame)?;
             count_of(points, "point")
@@ -75,14 +84,19 @@ fn write_page(path: &Path, source: &FilmSource, options: &PageOptions, job: &Job
     Ok(format!("a page of {} with {}{of}", bytes(written.bytes), count_of(written.samples, "sample")))
 }
 
-fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String> {
+/// A figure of a view, and its options.
+fn drawn<'a>(figure: &'a FigureExport, job: &Job) -> Result<(Figure, &'a FigureOptions)> {
     job.start("Drawing the figure", 0);
-    let (figure, options) = match figure {
+    Ok(match figure {
         FigureExport::Live { key, options } => (figures::of_live_view(key, options, job)?, options),
         FigureExport::Source { scene, key, options } => {
             (figures::of_source_picture(scene.source()?, key, options)?, options)
         }
-    };
+    })
+}
+
+fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String> {
+    let (figure, options) = drawn(figure, job)?;
     let written = figures::write(path, &figure)?;
     Ok(format!("a figure of {} mm, {}", significant(options.width_mm()), bytes(written)))
 }
