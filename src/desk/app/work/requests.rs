@@ -10,7 +10,7 @@ use crate::app::rooms::charts::model::{Study, StudyChoice};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{CameraPath, ExportTarget};
-use crate::app::rooms::share::model::FigureOptions;
+use crate::app::rooms::share::model::{ComparedFilm, FigureOptions};
 use crate::app::rooms::source::model::SourceKey;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::edits::EditList;
@@ -18,8 +18,8 @@ use overlook_engine::page::PageOptions;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::preprocess::inspect::FrameInspection;
-use overlook_engine::render::Picture;
 use overlook_engine::render::film::FilmSource;
+use overlook_engine::render::{Picture, Vantage};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{CaptureSettings, RenderSettings, Settings};
 use overlook_engine::splats::SplatOptions;
@@ -222,7 +222,10 @@ pub(crate) enum FigureExport {
 
 /// The pictures of a camera path.
 pub(crate) struct PathExport {
-    pub camera_path: CameraPath,
+    /// The place of each.
+    pub vantages: Vec<Vantage>,
+    /// The comparison that they show; `None` where they show the samples.
+    pub compared: Option<ComparedFilm>,
     pub settings: RenderSettings,
     pub display: Display,
     /// Columns and rows of the pictures.

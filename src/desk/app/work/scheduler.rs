@@ -10,7 +10,6 @@ use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::live::work::schedule::LiveSchedule;
 use crate::app::rooms::pixel::model::{ProbeKey, Spot};
 use crate::app::rooms::readings::work::ReadingRequest;
-use crate::app::rooms::settings::model::SettingsSlot;
 use crate::app::rooms::share::model::{ShareKey, SharePreviewKey};
 use crate::app::rooms::source::model::SourceKey;
 use crate::app::work::requests::{HistogramRequest, MeasureRequest, PruneRequest};
@@ -246,27 +245,11 @@ impl Scheduler {
 
     /// Compares at the vantage, and with the samples, of the last live picture.
     fn request_comparison(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
-        let shown = state.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare));
-        let (Some(scene), Some(shown)) = (&state.scene, shown) else { return };
-        let history = &state.inspector.history;
-        let now = &state.settings;
-        let key = Box::new(CompareKey {
-            scene: scene.clone(),
-            choice: state.inspector.compare.choice,
-            vantage: shown.key.vantage.clone(),
-            // Of a store played from disk only the picture knows the samples.
-            samples: shown.picture.samples.clone(),
-            whole: state.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
-            scan: state.scan.clone(),
-            settings: [
-                now.clone(),
-                history.of(SettingsSlot::A, now).clone(),
-                history.of(SettingsSlot::B, now).clone(),
-            ],
-            pictures: state.inspector.pictures.clone(),
-            dark: state.dark,
-        });
-        submit_new(&workers.compare, &mut self.compare, key);
+        if visible.contains(&DockView::Compare)
+            && let Some(key) = state.compare_key()
+        {
+            submit_new(&workers.compare, &mut self.compare, Box::new(key));
+        }
     }
 
     /// Once the first frame is shown: whether the capture's files are read as they are meant. A built-in scene is.

@@ -41,7 +41,10 @@ impl FilmSource {
     }
 
     /// The samples for a picture. Which blocks of a store a picture shows is known of perspective ones alone.
-    fn samples_for(&self, vantage: &Vantage, is_orthographic: bool, job: &Job) -> Result<Arc<SampleSet>> {
+    ///
+    /// # Errors
+    /// Those of reading, and `Cancelled`.
+    pub fn samples_for(&self, vantage: &Vantage, is_orthographic: bool, job: &Job) -> Result<Arc<SampleSet>> {
         match self {
             Self::Memory(samples) => Ok(samples.clone()),
             Self::Disk(playback) if is_orthographic => playback.at(vantage.frame, job),

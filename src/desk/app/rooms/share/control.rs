@@ -154,7 +154,8 @@ impl OverlookApp {
         let frames_per_second = f64::from(state.timeline.frames_per_second);
         let along_path = |film_rate, linear| {
             Export::Path(Box::new(PathExport {
-                camera_path: state.inspector.path.clone(),
+                vantages: state.film_vantages(),
+                compared: state.compared_film(),
                 settings: state.settings.render.clone(),
                 display: state.display,
                 size: state.export_size(),

@@ -1,6 +1,7 @@
 //! What is known: plain data.
 
 pub(crate) mod comparison;
+pub(crate) mod key;
 pub(crate) mod vantage;
 
 pub(crate) use comparison::{

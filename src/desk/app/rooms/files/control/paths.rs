@@ -273,7 +273,9 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         }
         Purpose::SaveStore => ("Nothing to save yet", no_samples()),
         Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => {
-            ("Nothing to export yet", no_samples().or_else(no_keys))
+            let compares = state.share.options.compares.is_some();
+            let no_place = || if compares { no_figure(state, FigureOf::Live) } else { no_keys() };
+            ("Nothing to export yet", no_samples().or_else(no_place))
         }
         Purpose::ExportPage
         | Purpose::ExportSplats(_)

@@ -7,7 +7,7 @@ use crate::app::model::{Message, bytes, count_of, significant};
 use crate::app::rooms::colors::work::developed;
 use crate::app::rooms::path::model::{Exported, NO_KEYS};
 use crate::app::rooms::share::model::FigureOptions;
-use crate::app::rooms::share::work::figures;
+use crate::app::rooms::share::work::{compared_film, figures};
 use crate::app::work::requests::{Export, ExportRequest, FigureExport, PathExport};
 use crate::points;
 use overlook_engine::error::{Error, Result};
@@ -24,12 +24,17 @@ use overlook_engine::whole_file;
 use overlook_lab::chart::Figure;
 
 /// Writes what was asked for. Files take their names once they are whole; of a folder of pictures those that were rendered stay.
-pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
+/// Comparisons read whole captures on `threads`.
+pub(crate) fn export(
+    request: &ExportRequest,
+    threads: &Arc<rayon::ThreadPool>,
+    job: &Job,
+) -> Result<Message> {
     let ExportRequest { path, source, what } = request;
     let mut notice = None;
     let said = match what {
         Export::Path(export) => {
-            let (said, used) = write_path(path, source, export, job)?;
+            let (said, used) = write_path(path, source, export, threads, job)?;
             notice = used;
             said
         }
@@ -158,25 +163,34 @@ fn write_all_points(path: &Path, source: &FilmSource, job: &Job) -> Result<Strin
     Ok(format!("{}, {}", count_of(points, "point"), counted(frames, "file")))
 }
 
+/// Pictures a second of those in a folder, where that matters.
+const PICTURES_A_SECOND: f64 = 24.0;
+
 /// Renders all pictures of a camera path and writes them. Gives what was written, and why the renderer of the settings was not used.
 fn write_path(
     path: &Path,
     source: &FilmSource,
     export: &PathExport,
+    threads: &Arc<rayon::ThreadPool>,
     job: &Job,
 ) -> Result<(String, Option<String>)> {
-    let vantages = export.camera_path.vantages(export.size, source.frame_count());
-    if vantages.is_empty() {
-        return Err(Error::invalid("camera path", NO_KEYS));
-    }
+    let PathExport { vantages, compared, .. } = export;
+    let Some(first) = vantages.first() else { return Err(Error::invalid("camera path", NO_KEYS)) };
     let mut renderer = Renderer::new();
-    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
-        film::paint(source, &vantages, None, &mut renderer, &export.settings, job, take)
+    let rate = export.target.film_rate.unwrap_or(PICTURES_A_SECOND);
+    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| match compared {
+        Some(compared) => compared_film::paint(compared, source, vantages, rate, threads, job, take),
+        None => film::paint(source, vantages, None, &mut renderer, &export.settings, job, take),
     };
-    let display = &export.display;
-    if let Some(rate) = export.target.film_rate {
-        let mut encoder = FilmEncoder::start(path, export.size.map(|side| side as usize), rate)?;
-        paint(&mut |_, picture| encoder.add(developed(display, picture).as_ref().unwrap_or(picture)))?;
+    // The sides of a comparison are as they are displayed.
+    let developed = |picture: &Picture| developed(&export.display, picture).filter(|_| compared.is_none());
+    if export.target.film_rate.is_some() {
+        let size = match compared {
+            Some(compared) => compared_film::size(compared, first)?,
+            None => export.size.map(|side| side as usize),
+        };
+        let mut encoder = FilmEncoder::start(path, size, rate)?;
+        paint(&mut |_, picture| encoder.add(developed(picture).as_ref().unwrap_or(picture)))?;
         encoder.finish(job)?;
     } else {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
@@ -185,7 +199,7 @@ fn write_path(
                 return write_exr(&path.join(format!("{:04}.exr", nth + 1)), picture);
             }
             let file = path.join(format!("{:04}.png", nth + 1));
-            write_png(&file, developed(display, picture).as_ref().unwrap_or(picture))
+            write_png(&file, developed(picture).as_ref().unwrap_or(picture))
         })?;
     }
     Ok((counted(vantages.len(), "picture"), renderer.notice().map(str::to_owned)))
