@@ -1,8 +1,8 @@
 //! Numbers and words beside the pictures: one whole in each panel, warnings that lead somewhere, fields that take what is typed.
 
 use super::driver::{
-    SIZE, Window, changed_capture, choose, click, open, open_store, open_view, pick, save_store, settle,
-    shows, small_demo, wait,
+    SIZE, Window, changed_capture, choose, click, measure, open, open_store, open_view, pick, save_store,
+    settle, shows, small_demo, wait,
 };
 use egui::{Event, Key};
 use egui_kittest::kittest::{NodeT, Queryable};

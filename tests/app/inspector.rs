@@ -1,8 +1,8 @@
 //! The inspector, driven as a person does: pixels are argued about, views dock, numbers can be read.
 
 use super::driver::{
-    SIZE, Window, choose, click, demo, drag, look_at, open, open_store, open_view, pick, save_store, settle,
-    shows, small_demo, wait,
+    SIZE, Window, choose, click, demo, drag, look_at, measure, open, open_store, open_view, pick, save_store,
+    settle, shows, small_demo, wait,
 };
 use egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;

@@ -2,7 +2,8 @@
 //! they show how long things take); otherwise smaller ones are drawn and checked to hold something.
 
 use super::driver::{
-    Window, choose, click, demo, drag, look_at, open, open_share, open_view, pick, save_store, settle, wait,
+    Window, choose, click, demo, drag, look_at, measure, open, open_share, open_view, pick, save_store,
+    settle, wait,
 };
 use egui_kittest::kittest::Queryable;
 use image::{GrayImage, RgbImage, RgbaImage};
