@@ -349,7 +349,7 @@ impl OverlookApp {
             _ => {}
         }
         if !self.failed_in_dialog(work, error) {
-            self.state.notify(NoticeKind::Error, work.failure(), error.to_string());
+            self.state.notify_of_failure(work.failure(), error);
         }
         self.type_again(work, error);
     }

@@ -203,6 +203,8 @@ impl Command {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HelpPage {
     Guide,
+    /// What a capture is known by.
+    Sources,
     Shortcuts,
     About,
 }

@@ -91,6 +91,8 @@ fn cut(left: &Picture, right: &Picture, split: usize) -> Result<Picture> {
             let from_line = if x < split { split - 1 - x } else { x - split };
             if from_line < 2 * half {
                 picture.color[at] = if from_line < half { [1.0; 3] } else { [0.0; 3] };
+                // Also where nothing is shown beside it.
+                picture.inverse_depth[at] = shown.inverse_depth[at].max(0.0);
             }
             if has_shares {
                 picture.coverage.push(if from_line < 2 * half { 1.0 } else { shown.alpha(at) });

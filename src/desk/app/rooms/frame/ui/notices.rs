@@ -3,7 +3,7 @@
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, ScrollArea, Stroke, Ui};
 use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_NOTES, ICON_WARNING};
 
-use crate::app::model::{Command, Commands, State};
+use crate::app::model::{Command, Commands, HelpPage, State};
 use crate::app::rooms::frame::model::{Notice, NoticeKind, NoticeLink};
 use crate::app::rooms::share::model::ShareCommand;
 use crate::app::theme::{Tokens, space};
@@ -65,6 +65,9 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                             }
                             NoticeLink::Readings => {
                                 ("Compare readings…".to_owned(), Command::CompareReadings(true))
+                            }
+                            NoticeLink::Sources => {
+                                ("What opens?".to_owned(), Command::Help(Some(HelpPage::Sources)))
                             }
                             NoticeLink::Folder(path) => (
                                 "Show in folder".to_owned(),

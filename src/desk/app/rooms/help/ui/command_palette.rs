@@ -172,7 +172,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 48] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 49] {
     [
         ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
         ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
@@ -215,6 +215,7 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 48] {
         ("Dark theme", "", Command::Dark(true)),
         ("Reset layout", "", Command::ResetLayout),
         ("Guide", "", Command::Help(Some(HelpPage::Guide))),
+        ("What opens", "", Command::Help(Some(HelpPage::Sources))),
         ("Keyboard and mouse shortcuts", "?", Command::Help(Some(HelpPage::Shortcuts))),
         ("About Overlook and its version", "", Command::Help(Some(HelpPage::About))),
         ("Interface size: larger", "Ctrl++", Command::InterfaceSize(1)),
