@@ -116,7 +116,7 @@ impl Inspector {
         self.compared = None;
         self.path = CameraPath::default();
         self.views = ViewHistory::default();
-        self.charts = Charts::default();
+        self.charts.close_scene();
         self.saved = None;
         self.compare_error = None;
         self.reported_damage.clear();

@@ -104,6 +104,12 @@ impl Default for Charts {
 }
 
 impl Charts {
+    /// Forgets what belongs to a scene; how charts look and what is chosen to be measured stays.
+    pub(crate) fn close_scene(&mut self) {
+        let Self { axes, dial_scale, hidden, choices, .. } = std::mem::take(self);
+        *self = Self { axes, dial_scale, hidden, choices, ..Self::default() };
+    }
+
     /// Adds a point of the sweep; `known` are known then, of how many.
     pub(crate) fn add(&mut self, point: Point, known: (usize, usize)) {
         self.sweep.push(point);
