@@ -10,7 +10,7 @@ use egui_material_icons::MaterialIcon;
 
 use crate::app::camera_cues;
 use crate::app::model::{Command, Commands};
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::report::model::{Table, TableForm};
 use crate::app::theme::{Tokens, space};
 use overlook_engine::capture::Camera;
@@ -203,7 +203,7 @@ pub(crate) fn table_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
 pub(crate) fn table_buttons_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
     let copies =
         TableForm::ALL.map(|(form, name, _)| (format!("Copy {name}"), Command::CopyTable(table, form)));
-    let save = ("Save table…".to_owned(), Command::AskPath(Purpose::SaveTable(table)));
+    let save = ("Save table…".to_owned(), Command::File(FileCommand::AskPath(Purpose::SaveTable(table))));
     for (name, command) in copies.into_iter().chain([save]) {
         let button = Button::new(RichText::new(&name).small()).small().wrap_mode(TextWrapMode::Extend);
         let button = ui.add(button).accessible_name(format!("{name} of the {}", table.name()));

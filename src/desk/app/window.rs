@@ -6,8 +6,8 @@ use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
 use crate::app::control::{OverlookApp, keyboard};
 use crate::app::dock::{Dock, DockPart};
 use crate::app::model::{Command, Commands, State, Stopwatch};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::{
     cameras, charts, colors, compare, edits, files, frame, help, live, path, pixel, readings, report,
     settings, share, source, timeline,
@@ -45,7 +45,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
         .exact_size(space::TOP_BAR)
         .frame(bar)
         .show(ui, |ui| frame::ui::top_bar_ui(ui, state, commands));
-    if state.scene.is_some() && !state.look.hides_totals && state.look.maximized.is_none() {
+    if state.doc.scene.is_some() && !state.look.hides_totals && state.look.maximized.is_none() {
         Panel::top("totals")
             .exact_size(space::TOTALS)
             .frame(bar)
@@ -65,7 +65,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     CentralPanel::no_frame().frame(Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO })).show(
         ui,
         |ui| {
-            if state.scene.is_none() {
+            if state.doc.scene.is_none() {
                 nothing_open_ui(ui, state, commands);
             } else {
                 let resized = dock.ui(ui, state.look.maximized, |ui, view, part| match (part, view) {
@@ -74,7 +74,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
                     (DockPart::TabBar, DockView::Live) => live::ui::go_to_camera_ui(ui, state, commands),
                     (DockPart::TabBar, _) => {}
                 });
-                commands.extend(resized.map(|view| Command::Maximize(Some(view))));
+                commands.extend(resized.map(|view| Command::Window(WindowCommand::Maximize(Some(view)))));
             }
         },
     );
@@ -123,9 +123,9 @@ fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
                 You can also drop it on this window.";
     empty_ui(ui, ICON_FOLDER_OPEN, "Nothing is open", text, |ui| {
         for (name, command) in [
-            ("Open folder…", Command::AskPath(Purpose::OpenFolder)),
-            ("Open file…", Command::AskPath(Purpose::OpenFile)),
-            ("Open the demo", Command::OpenRoom),
+            ("Open folder…", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
+            ("Open file…", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
+            ("Open the demo", Command::File(FileCommand::Open(Opening::Room))),
         ] {
             if ui.button(name).clicked() {
                 commands.push(command);

@@ -6,12 +6,17 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 use overlook_engine::edits::Action;
 
-use crate::app::model::{Command, CommandPalette, Commands, HelpPage, State};
+use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::edits::model::{EditCommand, EditTool};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::frame::model::{Area, Workspace};
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
+use crate::app::rooms::help::model::{CommandPalette, HelpPage};
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
+use crate::app::rooms::source::model::SourceCommand;
+use crate::app::rooms::timeline::model::TimeCommand;
 
 /// A heading, and keys or mouse actions with what they do.
 pub(crate) type Shortcuts = (&'static str, &'static [(&'static str, &'static str)]);
@@ -114,7 +119,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let inspector = &state.inspector;
     let typing = state.typed_path.is_some()
         || state.share.is_open
-        || inspector.charts.question.is_some()
+        || state.doc.charts.question.is_some()
         || inspector.palette.is_some()
         || inspector.naming.is_some();
     let edits = edits_text(ctx);
@@ -135,24 +140,19 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         ctx.data_mut(|data| data.insert_temp(given_up_id(), frame));
     }
     // What is typed is undone by the field it is typed into.
-    if state.scene.is_some() && !typing && !edits {
-        if pressed(ctx, Modifiers::COMMAND, Key::Y)
-            || pressed(ctx, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-        {
-            commands.push(Command::Redo);
-        } else if pressed(ctx, Modifiers::COMMAND, Key::Z) {
-            commands.push(Command::Undo);
-        }
+    if state.doc.scene.is_some() && !typing && !edits {
+        commands.extend(undo_keys(ctx));
     }
     let held = held_keys(ctx);
-    if typing || edits || state.scene.is_none() {
+    if typing || edits || state.doc.scene.is_none() {
         return;
     }
     // A focused button takes plain letters, Space and Enter, and nothing else.
     window_keys(ctx, state, commands);
     let numbers: Vec<Command> = ctx.input(|input| input.events.iter().filter_map(number_key).collect());
-    let (workspaces, others): (Vec<_>, Vec<_>) =
-        numbers.into_iter().partition(|command| matches!(command, Command::Workspace(_)));
+    let (workspaces, others): (Vec<_>, Vec<_>) = numbers
+        .into_iter()
+        .partition(|command| matches!(command, Command::Window(WindowCommand::Workspace(_))));
     commands.extend(workspaces);
     if ctx.egui_wants_keyboard_input() {
         return;
@@ -164,20 +164,20 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
         commands.extend(edit_keys(input, state));
         // With fewer modifiers a key is consumed whatever else is held: this one goes first.
         if input.consume_key(Modifiers::SHIFT, Key::Space) {
-            commands.push(Command::Maximize(None));
+            commands.push(Command::Window(WindowCommand::Maximize(None)));
         }
         for (key, command) in [
-            (Key::Space, Command::TogglePlay),
-            (Key::Comma, Command::Step(-1)),
-            (Key::Period, Command::Step(1)),
-            (Key::P, Command::Pin(!state.inspector.probe.pinned)),
-            (Key::F, Command::FramePoint),
-            (Key::H, Command::Holes(state.holes_shown().other())),
-            (Key::K, Command::AddKey),
+            (Key::Space, Command::Time(TimeCommand::TogglePlay)),
+            (Key::Comma, Command::Time(TimeCommand::Step(-1))),
+            (Key::Period, Command::Time(TimeCommand::Step(1))),
+            (Key::P, Command::Pixel(PixelCommand::Pin(!state.doc.probe.pinned))),
+            (Key::F, Command::View(ViewCommand::FramePoint)),
+            (Key::H, Command::View(ViewCommand::Holes(state.holes_shown().other()))),
+            (Key::K, Command::Path(PathCommand::AddKey)),
             (Key::M, Command::View(ViewCommand::Measure(!state.live.ruler.active))),
             (Key::OpenBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed / FASTER))),
             (Key::CloseBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed * FASTER))),
-            (Key::Home, Command::Home),
+            (Key::Home, Command::View(ViewCommand::Home)),
         ] {
             if input.consume_key(Modifiers::NONE, key) {
                 commands.push(command);
@@ -187,26 +187,34 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
             || input.consume_key(Modifiers::SHIFT, Key::Questionmark)
         {
             let page = state.inspector.help.is_none().then_some(HelpPage::Shortcuts);
-            commands.push(Command::Help(page));
+            commands.push(Command::Window(WindowCommand::Help(page)));
         }
         commands.extend(input.events.iter().filter_map(clipboard));
     });
     if let Some(steps) = ctx.input(|input| flight(input, &held)) {
-        commands.push(Command::Fly(steps * state.live.fly_speed));
+        commands.push(Command::View(ViewCommand::Fly(steps * state.live.fly_speed)));
         ctx.request_repaint();
     }
+}
+
+fn undo_keys(ctx: &egui::Context) -> Option<Command> {
+    let again = [(Modifiers::COMMAND, Key::Y), (Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)];
+    if again.into_iter().any(|(modifiers, key)| pressed(ctx, modifiers, key)) {
+        return Some(Command::Redo);
+    }
+    pressed(ctx, Modifiers::COMMAND, Key::Z).then_some(Command::Undo)
 }
 
 /// Keys that work while text is typed as well.
 fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
     let palette = state.inspector.palette.is_none().then(CommandPalette::default);
     let keys = [
-        (Modifiers::COMMAND, Key::O, Command::AskPath(Purpose::OpenFile)),
+        (Modifiers::COMMAND, Key::O, Command::File(FileCommand::AskPath(Purpose::OpenFile))),
         (Modifiers::COMMAND, Key::E, Command::Share(ShareCommand::Open(None))),
         (Modifiers::COMMAND, Key::S, Command::Share(ShareCommand::Open(Some(ShareWay::Store)))),
         (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
-        (Modifiers::COMMAND, Key::P, Command::Palette(palette)),
-        (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::CopyExplanation),
+        (Modifiers::COMMAND, Key::P, Command::Window(WindowCommand::Palette(palette))),
+        (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::Pixel(PixelCommand::CopyExplanation)),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure)),
     ];
     let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));
@@ -225,7 +233,7 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 /// Keys that hide and show what surrounds the views.
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     if pressed(ctx, Modifiers::NONE, Key::F11) {
-        commands.push(Command::FullScreen);
+        commands.push(Command::Window(WindowCommand::FullScreen));
     }
     for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
         if pressed(ctx, Modifiers::ALT, key) {
@@ -234,7 +242,7 @@ fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     }
     for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
         if pressed(ctx, Modifiers::COMMAND, key) {
-            commands.push(Command::ShowArea(area, !state.look.shows(area)));
+            commands.push(Command::Window(WindowCommand::ShowArea(area, !state.look.shows(area))));
         }
     }
 }
@@ -244,19 +252,20 @@ fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
     let (timeline, frames) = (&state.timeline, state.frame_count());
     let last = frames.saturating_sub(1);
     let here = timeline.frame;
-    let range = |first, end| Command::LoopRange(Some(timeline.range_from(first, end, frames)));
+    let range =
+        |first, end| Command::Time(TimeCommand::LoopRange(Some(timeline.range_from(first, end, frames))));
     // With fewer modifiers a key is consumed whatever else is held: those with more go first.
     let keys = [
-        (Modifiers::COMMAND, Key::Home, Command::Frame(0)),
-        (Modifiers::COMMAND, Key::End, Command::Frame(last)),
-        (Modifiers::SHIFT, Key::M, Command::ToggleMarker),
-        (Modifiers::COMMAND, Key::ArrowLeft, Command::ToMarker(false)),
-        (Modifiers::COMMAND, Key::ArrowRight, Command::ToMarker(true)),
-        (Modifiers::SHIFT, Key::ArrowLeft, Command::Frame(here.saturating_sub(TEN))),
-        (Modifiers::SHIFT, Key::ArrowRight, Command::Frame((here + TEN).min(last))),
-        (Modifiers::NONE, Key::ArrowLeft, Command::Step(-1)),
-        (Modifiers::NONE, Key::ArrowRight, Command::Step(1)),
-        (Modifiers::SHIFT, Key::I, Command::LoopRange(None)),
+        (Modifiers::COMMAND, Key::Home, Command::Time(TimeCommand::Frame(0))),
+        (Modifiers::COMMAND, Key::End, Command::Time(TimeCommand::Frame(last))),
+        (Modifiers::SHIFT, Key::M, Command::Time(TimeCommand::ToggleMarker)),
+        (Modifiers::COMMAND, Key::ArrowLeft, Command::Time(TimeCommand::ToMarker(false))),
+        (Modifiers::COMMAND, Key::ArrowRight, Command::Time(TimeCommand::ToMarker(true))),
+        (Modifiers::SHIFT, Key::ArrowLeft, Command::Time(TimeCommand::Frame(here.saturating_sub(TEN)))),
+        (Modifiers::SHIFT, Key::ArrowRight, Command::Time(TimeCommand::Frame((here + TEN).min(last)))),
+        (Modifiers::NONE, Key::ArrowLeft, Command::Time(TimeCommand::Step(-1))),
+        (Modifiers::NONE, Key::ArrowRight, Command::Time(TimeCommand::Step(1))),
+        (Modifiers::SHIFT, Key::I, Command::Time(TimeCommand::LoopRange(None))),
         (Modifiers::NONE, Key::I, range(Some(here), None)),
         (Modifiers::NONE, Key::O, range(None, Some(here))),
     ];
@@ -266,7 +275,7 @@ fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
 
 /// Keys that select and delete. While there is a brush, brackets change it.
 fn edit_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
-    let edits = &state.edits;
+    let edits = &state.doc.edits;
     let tool = |tool: EditTool| EditCommand::Tool((edits.tool != Some(tool)).then_some(tool));
     // With fewer modifiers a key is consumed whatever else is held: those with more go first.
     let mut keys = vec![
@@ -347,11 +356,11 @@ fn number_key(event: &egui::Event) -> Option<Command> {
     let place = physical_key.unwrap_or(*key);
     let index = NUMBERS.iter().position(|number| *number == place)?;
     if modifiers.is_none() {
-        Some(Command::SourceCamera(index))
+        Some(Command::Source(SourceCommand::Camera(index)))
     } else if modifiers.shift_only() {
-        Some(Command::JumpTo(index))
+        Some(Command::View(ViewCommand::JumpTo(index)))
     } else if modifiers.command_only() {
-        Workspace::ALL.get(index).map(|(workspace, ..)| Command::Workspace(*workspace))
+        Workspace::ALL.get(index).map(|(workspace, ..)| Command::Window(WindowCommand::Workspace(*workspace)))
     } else {
         None
     }

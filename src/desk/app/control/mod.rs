@@ -1,6 +1,5 @@
 //! Carries out commands and takes in answers: the only place where the state changes.
 
-pub(crate) mod inspect;
 pub(crate) mod keyboard;
 pub(crate) mod observed;
 pub(crate) mod overlook_app;

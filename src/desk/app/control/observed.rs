@@ -46,7 +46,7 @@ impl OverlookApp {
     #[must_use]
     pub fn observed(&self) -> Observed<'_> {
         let state = &self.state;
-        let scene = state.scene.as_deref();
+        let scene = state.doc.scene.as_deref();
         let cameras = scene.map_or(&[][..], |scene| &scene.cameras);
         let size = state.live.size;
         let vantage = state.seen_camera(size);
@@ -55,7 +55,7 @@ impl OverlookApp {
             let share = egui::vec2(pixel.x as f32 / size[0] as f32, pixel.y as f32 / size[1] as f32);
             (share.min_elem() > 0.0 && share.max_elem() < 1.0).then_some((index, share))
         };
-        let live = state.live_shown.as_ref();
+        let live = state.doc.live_shown.as_ref();
         let coverage = live.map(|shown| {
             let [width, height] = shown.picture.size;
             ([width, height], 1.0 - shown.picture.stats.holes as f64 / (width * height).max(1) as f64)
@@ -76,12 +76,7 @@ impl OverlookApp {
                 .as_ref()
                 .map(|orbit| orbit.world_from_camera.translation.to_array()),
             source_camera: state.source.camera,
-            probed_pixel: state
-                .inspector
-                .probe
-                .shown
-                .as_ref()
-                .map(|probed| (probed.camera, probed.x, probed.y)),
+            probed_pixel: state.doc.probe.shown.as_ref().map(|probed| (probed.camera, probed.x, probed.y)),
             notices: state
                 .notices
                 .iter()

@@ -12,8 +12,9 @@ use crate::app::dock::Dock;
 use crate::app::model::{Busy, Command, Message, State, StoppableWork, Stopwatch};
 use crate::app::pace::LeastPeriod;
 use crate::app::rooms::files::control::remembered::Memory;
-use crate::app::rooms::files::model::TypedPath;
-use crate::app::rooms::frame::model::{DockView, NoticeKind, Workspace};
+use crate::app::rooms::files::model::{FileCommand, Opening, TypedPath};
+use crate::app::rooms::frame::model::{DockView, NoticeKind, WindowCommand, Workspace};
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::theme;
 use crate::app::work::{Outbox, Scheduler, Workers};
 use overlook_engine::demo::DemoSpec;
@@ -126,7 +127,7 @@ impl OverlookApp {
         match start {
             Start::Demo(spec) => app.open_demo(spec),
             Start::Welcome => {
-                app.apply(Command::Workspace(Workspace::Explore));
+                app.apply(Command::Window(WindowCommand::Workspace(Workspace::Explore)));
                 app.state.timeline.plays_once_open = true;
                 app.open_room();
             }
@@ -163,7 +164,7 @@ impl OverlookApp {
         if self.commands.is_empty() {
             return;
         }
-        if self.state.live_shown.is_none() || !self.commands.iter().all(Command::moves_view) {
+        if self.state.doc.live_shown.is_none() || !self.commands.iter().all(Command::moves_view) {
             self.ctx.request_repaint();
             return;
         }
@@ -210,19 +211,21 @@ impl OverlookApp {
         let wait = (period - timeline.elapsed_secs).max(0.0);
         let before = timeline.frame;
         if frames > 0 {
-            timeline
-                .advance(frames as usize, self.state.scene.as_ref().map_or(1, |scene| scene.frame_count()));
+            timeline.advance(
+                frames as usize,
+                self.state.doc.scene.as_ref().map_or(1, |scene| scene.frame_count()),
+            );
         }
         let frame = std::mem::replace(&mut self.state.timeline.frame, before);
         if frame != before {
-            self.apply(Command::Frame(frame));
+            self.apply(Command::Time(TimeCommand::Frame(frame)));
         }
         self.ctx.request_repaint_after(Duration::from_secs_f32(wait));
     }
 
     /// Moves along the camera path, at the frame rate of the timeline.
     fn advance_path(&mut self) {
-        let path = &mut self.state.inspector.path;
+        let path = &mut self.state.doc.path;
         let Some(picture) = path.playing else { return };
         let Some(key) = path.at(picture) else { return };
         let next = picture
@@ -252,7 +255,7 @@ impl OverlookApp {
         let dropped =
             self.ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
         if let Some(path) = dropped {
-            self.apply(Command::OpenPath(path));
+            self.apply(Command::File(FileCommand::Open(Opening::Path(path))));
         }
     }
 

@@ -12,16 +12,18 @@ pub(crate) mod inspector;
 pub(crate) mod message;
 pub(crate) mod results;
 pub(crate) mod scene;
+pub(crate) mod state;
 pub(crate) mod text;
 pub(crate) mod texture;
 pub(crate) mod work_kind;
 
-pub(crate) use command::{Command, CommandPalette, Commands, HelpPage};
-pub(crate) use document::{Busy, SIDES, ShownPicture, SourceLook, State, StoppableWork};
+pub(crate) use command::{Command, Commands};
+pub(crate) use document::{Document, ShownPicture};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use message::Message;
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth};
+pub(crate) use state::{Busy, SIDES, State, StoppableWork};
 pub(crate) use text::{
     account_parts, bytes, count, count_of, percent, sentence, significant, time_left, words,
 };

@@ -19,11 +19,11 @@ pub(crate) fn small_capture() -> PathBuf {
 }
 
 pub(crate) fn open(app: &mut OverlookApp, path: &Path, is_capture: bool) {
-    let before = app.state.scene.as_ref().map(|scene| scene.id);
-    app.state.edits.saved = app.state.edits.list.clone();
+    let before = app.state.doc.scene.as_ref().map(|scene| scene.id);
+    app.state.doc.edits.saved = app.state.doc.edits.list.clone();
     app.open_path(path);
     wait(app, "the scene", |app| {
-        app.state.scene.as_ref().is_some_and(|scene| Some(scene.id) != before)
+        app.state.doc.scene.as_ref().is_some_and(|scene| Some(scene.id) != before)
             && app.state.has_capture() == is_capture
     });
     settle(app);
@@ -41,7 +41,7 @@ pub(crate) fn delete(app: &mut OverlookApp, region: Region) {
 }
 
 fn picture(app: &OverlookApp) -> Picture {
-    Picture::clone(app.state.live_shown.as_ref().unwrap().picture.rendered().unwrap())
+    Picture::clone(app.state.doc.live_shown.as_ref().unwrap().picture.rendered().unwrap())
 }
 
 fn shows_same(a: &Picture, b: &Picture) -> bool {
@@ -49,7 +49,7 @@ fn shows_same(a: &Picture, b: &Picture) -> bool {
 }
 
 fn middle(app: &OverlookApp, radius: f64) -> Region {
-    let center = app.state.scene.as_ref().unwrap().pivot_in_world.to_array();
+    let center = app.state.doc.scene.as_ref().unwrap().pivot_in_world.to_array();
     Region::Sphere { center, radius: radius * app.state.live.orbit.as_ref().unwrap().pivot_distance }
 }
 
@@ -84,7 +84,7 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     assert_eq!(app.state.unsaved_work(), None);
 
     let edits = EditList::load(&list).unwrap();
-    assert_eq!(edits, app.state.edits.list);
+    assert_eq!(edits, app.state.doc.edits.list);
     let settings = app.state.settings.clone();
     let capture = capture::open(&small_capture(), &settings.capture).unwrap();
     let (report, _) =
@@ -95,9 +95,9 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     assert_eq!(report.pixel_account().sum(), report.pixel_account().pixels);
 
     open(&mut app, &small_capture(), true);
-    assert!(app.state.edits.list.edits.is_empty());
+    assert!(app.state.doc.edits.list.edits.is_empty());
     app.take_path(Purpose::LoadEdits, list);
-    wait(&mut app, "the list", |app| app.state.edits.list.edits.len() == 3);
+    wait(&mut app, "the list", |app| app.state.doc.edits.list.edits.len() == 3);
     settle(&mut app);
     app.take_path(Purpose::SaveStore, again.clone());
     settle(&mut app);
@@ -121,7 +121,7 @@ fn a_store_is_cleaned_and_shows_the_same_once_it_is_opened_again() {
     let edited = picture(&app);
     app.take_path(Purpose::SaveStore, clean.clone());
     settle(&mut app);
-    let edits = app.state.edits.list.clone();
+    let edits = app.state.doc.edits.list.clone();
     let store = Store::open(&all).unwrap();
     let (_, deleted) = write_edited_store(&beside, &store, &edits, None, &Job::new()).unwrap();
     assert!(deleted > 0 && std::fs::read(&clean).unwrap() == std::fs::read(&beside).unwrap());
@@ -129,7 +129,7 @@ fn a_store_is_cleaned_and_shows_the_same_once_it_is_opened_again() {
     assert!(shows_same(&picture(&app), &edited));
     // A store does not hold who confirms its samples.
     edit(&mut app, EditCommand::Select(Region::Contradicted));
-    assert!(app.state.edits.trouble.as_ref().is_some_and(|trouble| trouble.contains("store")));
+    assert!(app.state.doc.edits.trouble.as_ref().is_some_and(|trouble| trouble.contains("store")));
 }
 
 /// A surface point that the first camera saw.
@@ -157,7 +157,7 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
         ["edits.toml", "clean.ovl", "beside.ovl"].map(|name| folder.path().join(name));
     let mut app = ready(2, 1);
     open(&mut app, &small_capture(), true);
-    let camera = app.state.scene.as_ref().unwrap().cameras[0].clone();
+    let camera = app.state.doc.scene.as_ref().unwrap().cameras[0].clone();
     let [width, height] = [camera.intrinsics.width, camera.intrinsics.height].map(f64::from);
     let frame = app.state.frame_number();
     let stroke = Stroke {
@@ -188,7 +188,7 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
     assert!(app.state.edited().unwrap().selected < of_surface);
     edit(&mut app, EditCommand::Act(Action::Delete));
     let before = app.state.edited().unwrap().deleted;
-    let name = app.state.scene.as_ref().unwrap().cameras[1].name.clone();
+    let name = app.state.doc.scene.as_ref().unwrap().cameras[1].name.clone();
     edit(&mut app, EditCommand::Mask { camera: name, stroke });
     assert!(app.state.edited().unwrap().deleted > before, "a mask takes effect as it is painted");
     app.take_path(Purpose::SaveEdits, list.clone());
@@ -196,7 +196,7 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
     settle(&mut app);
 
     let edits = EditList::load(&list).unwrap();
-    assert_eq!(edits, app.state.edits.list);
+    assert_eq!(edits, app.state.doc.edits.list);
     let settings = app.state.settings.clone();
     let capture = capture::open(&small_capture(), &settings.capture).unwrap();
     pruned_store::prune_into_store(&capture, &settings, &edits, &beside, &Job::new()).unwrap();

@@ -4,20 +4,21 @@ use super::*;
 use crate::app::model::{Content, SceneSource};
 use crate::app::rooms::frame::model::Workspace;
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::timeline::model::TimeCommand;
 
 #[test]
 fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_what_it_is_in_figures() {
     let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
     app.state.live.size = [200, 150];
-    wait(&mut app, "the room", |app| app.state.scene.is_some());
-    let scene = app.state.scene.clone().unwrap();
+    wait(&mut app, "the room", |app| app.state.doc.scene.is_some());
+    let scene = app.state.doc.scene.clone().unwrap();
     assert_eq!((scene.origin.clone(), app.state.look.workspace), (SceneSource::Room, Workspace::Explore));
     assert!(app.state.timeline.playing && scene.frame_count() > 1);
     assert!(scene.cameras.len() == 9 && app.state.report().is_some_and(|report| report.samples_kept > 0));
     let before = app.state.timeline.frame;
     wait(&mut app, "time to pass", |app| app.state.timeline.frame != before);
-    wait(&mut app, "a picture", |app| app.state.live_shown.is_some());
-    let stats = app.state.live_shown.as_ref().unwrap().picture.stats;
+    wait(&mut app, "a picture", |app| app.state.doc.live_shown.is_some());
+    let stats = app.state.doc.live_shown.as_ref().unwrap().picture.stats;
     assert!(stats.holes * 10 < 200 * 150, "{} of the first view's pixels are invented", stats.holes);
     let bytes = match app.state.content() {
         Some(Content::Store { bytes, .. }) => *bytes,
@@ -26,8 +27,8 @@ fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_
     assert!(bytes <= 4_000_000, "{bytes}");
     // Who takes over before is not set in motion.
     let mut other = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
-    other.apply(Command::Step(1));
-    wait(&mut other, "the room", |app| app.state.scene.is_some());
+    other.apply(Command::Time(TimeCommand::Step(1)));
+    wait(&mut other, "the room", |app| app.state.doc.scene.is_some());
     assert!(!other.state.timeline.playing);
     // What has no path is named by none.
     app.apply(Command::View(ViewCommand::CopyAddress));

@@ -15,12 +15,15 @@ use std::time::{Duration, Instant};
 
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::{Command, Message, WorkKind};
-use crate::app::rooms::charts::model::Study;
-use crate::app::rooms::compare::model::CompareSide;
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::charts::model::{ChartCommand, Study};
+use crate::app::rooms::compare::model::{CompareCommand, CompareSide};
+use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
-use crate::app::rooms::path::model::Exported;
-use crate::app::rooms::pixel::model::Spot;
+use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::path::model::{Exported, PathCommand};
+use crate::app::rooms::pixel::model::{PixelCommand, Spot};
+use crate::app::rooms::settings::model::SettingsCommand;
+use crate::app::rooms::timeline::model::TimeCommand;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Error;
 use overlook_engine::render::NO_IMAGE;
@@ -80,7 +83,10 @@ fn settle(app: &mut OverlookApp) {
 }
 
 fn set_method(app: &mut OverlookApp, method: PruningMethod) {
-    app.apply(Command::Set { path: "pruning.method", value: method.to_string().into() });
+    app.apply(Command::Settings(SettingsCommand::Set {
+        path: "pruning.method",
+        value: method.to_string().into(),
+    }));
 }
 
 #[test]
@@ -91,7 +97,7 @@ fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() 
     step(&mut app);
     set_method(&mut app, PruningMethod::HighestRate);
     settle(&mut app);
-    assert!(app.state.whole.is_some() && !app.state.is_stale());
+    assert!(app.state.doc.whole.is_some() && !app.state.is_stale());
 }
 
 #[test]
@@ -99,7 +105,7 @@ fn a_store_records_how_it_was_painted_when_it_was_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
     let mut app = ready(2, 2);
-    app.apply(Command::Set { path: "render.kernel", value: "surfel".into() });
+    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "surfel".into() }));
     app.take_path(Purpose::SaveStore, path.clone());
     settle(&mut app);
     let settings = Store::open(&path).unwrap().info().settings.clone();
@@ -109,62 +115,62 @@ fn a_store_records_how_it_was_painted_when_it_was_saved() {
 #[test]
 fn a_kernel_changed_while_time_passes_leaves_no_accuracy_of_the_one_before() {
     let mut app = start(2, 4);
-    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
-    let gathered = app.state.accuracy.unwrap();
-    app.apply(Command::TogglePlay);
-    app.apply(Command::Set { path: "render.kernel", value: "point".into() });
+    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
+    let gathered = app.state.doc.accuracy.unwrap();
+    app.apply(Command::Time(TimeCommand::TogglePlay));
+    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "point".into() }));
     step(&mut app);
-    assert!(app.state.accuracy.is_none());
+    assert!(app.state.doc.accuracy.is_none());
     // Back again, still in motion: what was asked for before is asked for again.
-    app.apply(Command::Reset("render.kernel"));
+    app.apply(Command::Settings(SettingsCommand::Reset("render.kernel")));
     step(&mut app);
-    app.apply(Command::TogglePlay);
-    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
-    assert_eq!(app.state.accuracy.unwrap(), gathered);
+    app.apply(Command::Time(TimeCommand::TogglePlay));
+    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
+    assert_eq!(app.state.doc.accuracy.unwrap(), gathered);
 }
 
 #[test]
 fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
     let mut app = start(2, 4);
-    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
-    let gathered = app.state.accuracy.unwrap();
-    app.apply(Command::Set { path: "render.kernel", value: "point".into() });
+    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
+    let gathered = app.state.doc.accuracy.unwrap();
+    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "point".into() }));
     step(&mut app);
     app.apply(Command::Cancel);
     wait(&mut app, "the measuring to stop", |app| app.workers.measure.is_idle());
-    assert_ne!(app.state.accuracy, Some(gathered), "shown with another kernel");
-    app.apply(Command::Reset("render.kernel"));
-    wait(&mut app, "the accuracy", |app| app.state.accuracy.is_some());
+    assert_ne!(app.state.doc.accuracy, Some(gathered), "shown with another kernel");
+    app.apply(Command::Settings(SettingsCommand::Reset("render.kernel")));
+    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
     // Measuring gives the same numbers each time.
-    assert_eq!(app.state.accuracy, Some(gathered));
+    assert_eq!(app.state.doc.accuracy, Some(gathered));
 }
 
 #[test]
 fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
     let mut app = ready(2, 2);
-    app.apply(Command::Study(Study::Sweep));
-    wait(&mut app, "the first point", |app| !app.state.inspector.charts.sweep.is_empty());
-    app.apply(Command::Study(Study::Sweep));
+    app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
+    wait(&mut app, "the first point", |app| !app.state.doc.charts.sweep.is_empty());
+    app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
     step(&mut app);
-    assert!(app.state.inspector.charts.studying && app.notices()[0].starts_with("Already measuring"));
+    assert!(app.state.doc.charts.studying && app.notices()[0].starts_with("Already measuring"));
     app.open_demo(orrery(2, 3));
     wait(&mut app, "the other capture", |app| app.state.frame_count() == 3);
     wait(&mut app, "the sweep to stop", |app| app.workers.study.is_idle());
     step(&mut app);
-    assert!(!app.state.inspector.charts.studying && app.state.inspector.charts.sweep.is_empty());
+    assert!(!app.state.doc.charts.studying && app.state.doc.charts.sweep.is_empty());
 }
 
 #[test]
 fn what_gave_way_to_newer_work_says_nothing_of_that() {
     let mut app = ready(2, 2);
-    app.apply(Command::Study(Study::Sweep));
+    app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
     app.open_demo(orrery(2, 3));
     let cancelled = |work| Message::Failed { work, error: Error::Cancelled };
     app.receive(cancelled(WorkKind::Open));
     app.receive(cancelled(WorkKind::Study));
-    assert!(app.state.opening.is_some() && app.state.inspector.charts.studying);
+    assert!(app.state.opening.is_some() && app.state.doc.charts.studying);
     app.workers.study.cancel();
-    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+    wait(&mut app, "the sweep to stop", |app| !app.state.doc.charts.studying);
 }
 
 #[test]
@@ -172,7 +178,7 @@ fn of_two_captures_opened_at_once_the_latter_appears() {
     let mut app = start(2, 2);
     app.open_demo(orrery(2, 3));
     app.open_demo(orrery(2, 5));
-    wait(&mut app, "a capture", |app| app.state.scene.is_some() && app.state.opening.is_none());
+    wait(&mut app, "a capture", |app| app.state.doc.scene.is_some() && app.state.opening.is_none());
     assert_eq!(app.state.frame_count(), 5);
     app.open_demo(orrery(2, 3));
     app.watch_work();
@@ -186,7 +192,7 @@ fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
     let mut app = ready(2, 2);
     let before = app.state.settings.clone();
     set_method(&mut app, PruningMethod::Off);
-    let scene = app.state.scene.as_ref().unwrap().id;
+    let scene = app.state.doc.scene.as_ref().unwrap().id;
     let saved = |scene, settings| Message::Saved {
         path: "capture.ovl".into(),
         bytes: Some(1),
@@ -208,10 +214,10 @@ fn thresholds_that_were_taken_back_need_not_be_saved() {
     assert!(app.state.is_unsaved());
     app.apply(Command::Undo);
     assert!(!app.state.is_unsaved());
-    app.apply(Command::SwitchSettings);
+    app.apply(Command::Settings(SettingsCommand::Switch));
     set_method(&mut app, PruningMethod::FirstCamera);
     assert!(app.state.is_unsaved());
-    app.apply(Command::SwitchSettings);
+    app.apply(Command::Settings(SettingsCommand::Switch));
     assert!(!app.state.is_unsaved());
 }
 
@@ -220,11 +226,11 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 2);
     for _ in 0..2 {
-        app.apply(Command::AddKey);
+        app.apply(Command::Path(PathCommand::AddKey));
     }
     set_method(&mut app, PruningMethod::Off);
     for purpose in [Purpose::SaveStore, Purpose::ExportPictures, Purpose::ExportFilm] {
-        app.apply(Command::TypePath(purpose));
+        app.apply(Command::File(FileCommand::TypePath(purpose)));
         assert!(app.state.typed_path.is_none(), "no path is asked for in vain");
         app.take_path(purpose, folder.path().join("out"));
         let told = app.state.notices.pop().unwrap();
@@ -232,7 +238,7 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
     }
     assert!(app.workers.file.is_idle() && app.workers.export.is_idle());
     settle(&mut app);
-    app.apply(Command::TypePath(Purpose::SaveStore));
+    app.apply(Command::File(FileCommand::TypePath(Purpose::SaveStore)));
     assert!(app.state.typed_path.is_some());
 }
 
@@ -251,7 +257,7 @@ fn open_damaged(folder: &std::path::Path) -> OverlookApp {
     }
     std::fs::write(&path, bytes).unwrap();
     app.open_path(&path);
-    wait(&mut app, "the store", |app| app.state.scene.is_some() && !app.state.has_capture());
+    wait(&mut app, "the store", |app| app.state.doc.scene.is_some() && !app.state.has_capture());
     settle(&mut app);
     app
 }
@@ -266,12 +272,12 @@ fn damage_that_is_met_while_a_store_plays_is_told_once() {
         app.notices().into_iter().filter(|notice| notice.starts_with("The store is damaged")).count()
     };
     assert_eq!(about_damage(&app), 0, "what is shown first is whole");
-    app.apply(Command::Frame(FRAMES - 1));
+    app.apply(Command::Time(TimeCommand::Frame(FRAMES - 1)));
     settle(&mut app);
     wait(&mut app, "the warning", |app| about_damage(app) > 0);
     app.state.notices.clear();
     for frame in [0, FRAMES - 1] {
-        app.apply(Command::Frame(frame));
+        app.apply(Command::Time(TimeCommand::Frame(frame)));
         settle(&mut app);
     }
     assert_eq!(about_damage(&app), 0);
@@ -282,7 +288,7 @@ fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = open_damaged(folder.path());
     app.state.notices.clear();
-    app.apply(Command::Frame(FRAMES - 1));
+    app.apply(Command::Time(TimeCommand::Frame(FRAMES - 1)));
     wait(&mut app, "the warning", |app| !app.state.notices.is_empty());
     let exported = Exported { said: "2 pictures".into(), notice: None, damage: vec!["frame 8".into()] };
     app.receive(Message::Exported { path: "pictures".into(), exported });
@@ -296,45 +302,45 @@ fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
 #[test]
 fn a_hole_that_is_clicked_is_not_kept() {
     let mut app = ready(2, 2);
-    app.apply(Command::Dolly(4.0));
-    app.apply(Command::Orbit(glam::DVec2::new(2.0, 0.0)));
+    app.apply(Command::View(ViewCommand::Dolly(4.0)));
+    app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(2.0, 0.0))));
     settle(&mut app);
-    let picture = app.state.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();
+    let picture = app.state.doc.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();
     let width = picture.image.width();
     let hole = picture.image.as_slice().iter().position(|image| *image == NO_IMAGE).expect("a hole");
     let size = picture.image.size().into();
     let spot = Spot::Live { x: hole % width, y: hole / width, size };
     // With and without having been pointed at before.
     for before in [false, true] {
-        app.apply(Command::Probe(Some(spot)));
+        app.apply(Command::Pixel(PixelCommand::Probe(Some(spot))));
         if before {
             settle(&mut app);
             step(&mut app);
         }
-        app.apply(Command::Pin(true));
+        app.apply(Command::Pixel(PixelCommand::Pin(true)));
         settle(&mut app);
         // What the worker sent last is taken in.
         step(&mut app);
-        let probe = &app.state.inspector.probe;
+        let probe = &app.state.doc.probe;
         assert!(!probe.pinned && probe.spot.is_none() && probe.shown.is_none(), "before: {before}");
     }
-    app.apply(Command::Home);
+    app.apply(Command::View(ViewCommand::Home));
     settle(&mut app);
-    assert!(app.state.inspector.probe.shown.is_none());
+    assert!(app.state.doc.probe.shown.is_none());
 }
 
 #[test]
 fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_there() {
     let mut app = start(2, 2);
     app.dock.open(DockView::Compare);
-    wait(&mut app, "the comparison", |app| app.state.inspector.compared.is_some());
-    let sides = |app: &OverlookApp| app.state.inspector.compared.as_ref().map(|compared| compared.sides);
+    wait(&mut app, "the comparison", |app| app.state.doc.compared.is_some());
+    let sides = |app: &OverlookApp| app.state.doc.compared.as_ref().map(|compared| compared.sides);
     let before = app.state.inspector.compare.clone();
     let mut look = before.clone();
     look.choice.sides = [CompareSide::Point, CompareSide::Kept];
-    app.state.inspector.compare_error = Some("of those before".into());
-    app.apply(Command::Compare(Box::new(look.clone())));
-    assert_eq!((sides(&app), &app.state.inspector.compare_error), (Some(before.choice.sides), &None));
+    app.state.doc.compare_error = Some("of those before".into());
+    app.apply(Command::Compare(CompareCommand::Look(Box::new(look.clone()))));
+    assert_eq!((sides(&app), &app.state.doc.compare_error), (Some(before.choice.sides), &None));
     wait(&mut app, "the other comparison", |app| sides(app) == Some(look.choice.sides));
 }
 
@@ -343,10 +349,10 @@ fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = open_damaged(folder.path());
     let pictures = folder.path().join("pictures");
-    app.apply(Command::PicturesPerLeg(1));
+    app.apply(Command::Path(PathCommand::PicturesPerLeg(1)));
     for frame in [0, FRAMES - 1] {
-        app.apply(Command::Frame(frame));
-        app.apply(Command::AddKey);
+        app.apply(Command::Time(TimeCommand::Frame(frame)));
+        app.apply(Command::Path(PathCommand::AddKey));
     }
     app.take_path(Purpose::ExportPictures, pictures.clone());
     let warns = |app: &OverlookApp| {

@@ -4,20 +4,20 @@ use glam::DVec2;
 
 use crate::app::control::OverlookApp;
 use crate::app::model::{Command, Message};
-use crate::app::rooms::live::model::{CarriedLook, CarryKey, LiveKey, PixelSource};
+use crate::app::rooms::live::model::{CarriedLook, CarryKey, LiveKey, PixelSource, ViewCommand};
 use crate::app::tests::{ready, settle};
 use overlook_engine::capture::Camera;
 
 const SIZE: [u32; 2] = [48, 36];
 
 fn turn(app: &mut OverlookApp) -> Camera {
-    app.apply(Command::Orbit(DVec2::new(0.1, 0.02)));
+    app.apply(Command::View(ViewCommand::Orbit(DVec2::new(0.1, 0.02))));
     app.state.live_camera(SIZE).unwrap()
 }
 
 /// The answer that the picture is carried to a camera: any picture will do.
 fn carried(app: &OverlookApp, to: &Camera) -> Message {
-    let shown = app.state.live_shown.as_ref().unwrap();
+    let shown = app.state.doc.live_shown.as_ref().unwrap();
     let PixelSource::InMemory { image, rendered } = &shown.picture.pixels else { panic!("on a card") };
     let carried = CarriedLook { image: image.clone(), inverse_depth: rendered.inverse_depth.clone() };
     let (picture, from) = (shown.picture.clone(), shown.key.vantage.camera.clone());
@@ -27,7 +27,7 @@ fn carried(app: &OverlookApp, to: &Camera) -> Message {
 
 /// The answer that a picture like the one shown is painted.
 fn painted(app: &OverlookApp, change: impl FnOnce(&mut LiveKey)) -> Message {
-    let shown = app.state.live_shown.as_ref().unwrap();
+    let shown = app.state.doc.live_shown.as_ref().unwrap();
     let mut key = shown.key.clone();
     change(&mut key);
     Message::LivePainted { key, picture: shown.picture.clone() }
@@ -47,7 +47,7 @@ fn what_is_drawn_over_a_picture_lies_where_that_picture_shows_it_until_it_is_car
     app.receive(message);
     let seen = app.state.live_seen().unwrap();
     assert_eq!(seen.camera, &here);
-    assert_ne!(seen.texture, app.state.live_shown.as_ref().unwrap().texture.id());
+    assert_ne!(seen.texture, app.state.doc.live_shown.as_ref().unwrap().texture.id());
 }
 
 #[test]
@@ -61,17 +61,17 @@ fn a_picture_that_the_view_has_left_does_not_take_it_back() {
     app.receive(late);
     assert_eq!(app.state.live_seen().unwrap().camera, &here);
     assert_eq!(
-        app.state.live_shown.as_ref().unwrap().key.vantage.camera,
+        app.state.doc.live_shown.as_ref().unwrap().key.vantage.camera,
         before,
         "it is carried from now on"
     );
     let current = painted(&app, |key| key.vantage.camera = here.clone());
     app.receive(current);
-    assert!(app.state.live_carried.is_none());
+    assert!(app.state.doc.live_carried.is_none());
     // What was carried in the meantime is of no use any more.
     let message = carried(&app, &here);
     app.receive(message);
-    assert!(app.state.live_carried.is_none());
+    assert!(app.state.doc.live_carried.is_none());
 }
 
 #[test]
@@ -80,10 +80,10 @@ fn at_rest_the_picture_is_exact_and_of_full_size_and_nothing_is_carried() {
     for _ in 0..3 {
         let here = turn(&mut app);
         settle(&mut app);
-        let shown = app.state.live_shown.as_ref().unwrap();
+        let shown = app.state.doc.live_shown.as_ref().unwrap();
         assert_eq!((&shown.key.vantage.camera, shown.key.quality.is_none()), (&here, true));
         assert_eq!(shown.key.settings, app.state.settings.render);
         assert_eq!(shown.picture.size, SIZE.map(|side| side as usize));
-        assert!(app.state.live_carried.is_none());
+        assert!(app.state.doc.live_carried.is_none());
     }
 }

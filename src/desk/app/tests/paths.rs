@@ -5,19 +5,20 @@ use std::time::{Duration, Instant};
 
 use crate::app::control::OverlookApp;
 use crate::app::model::{Command, Message};
-use crate::app::rooms::charts::model::Study;
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::charts::model::{ChartCommand, Study};
+use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
 use crate::app::rooms::frame::model::DockView;
-use crate::app::rooms::live::model::ColorBy;
-use crate::app::rooms::pixel::model::Spot;
+use crate::app::rooms::live::model::{ColorBy, ViewCommand};
+use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::pixel::model::{PixelCommand, Spot};
 use crate::app::rooms::report::model::Table;
 use crate::app::tests::{ready, set_method, settle, start, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {
-    app.apply(Command::TypePath(purpose));
-    app.apply(Command::TypedPath(path.display().to_string()));
-    app.apply(Command::TakeTypedPath);
+    app.apply(Command::File(FileCommand::TypePath(purpose)));
+    app.apply(Command::File(FileCommand::TypedPath(path.display().to_string())));
+    app.apply(Command::File(FileCommand::TakeTypedPath));
 }
 
 fn asks_to_replace(app: &OverlookApp) -> bool {
@@ -26,9 +27,9 @@ fn asks_to_replace(app: &OverlookApp) -> bool {
 
 /// A path of two pictures.
 fn add_path(app: &mut OverlookApp) {
-    app.apply(Command::PicturesPerLeg(1));
+    app.apply(Command::Path(PathCommand::PicturesPerLeg(1)));
     for _ in 0..2 {
-        app.apply(Command::AddKey);
+        app.apply(Command::Path(PathCommand::AddKey));
     }
     app.state.notices.clear();
 }
@@ -57,13 +58,13 @@ fn a_file_that_stands_at_a_typed_path_is_replaced_only_after_a_question() {
     let mut app = ready(2, 2);
     type_path(&mut app, Purpose::SaveSettings, &path);
     wait(&mut app, "the question", asks_to_replace);
-    app.apply(Command::TypedPath("other.toml".into()));
+    app.apply(Command::File(FileCommand::TypedPath("other.toml".into())));
     assert!(!asks_to_replace(&app), "it was about another path");
-    app.apply(Command::TypedPath(path.display().to_string()));
-    app.apply(Command::TakeTypedPath);
+    app.apply(Command::File(FileCommand::TypedPath(path.display().to_string())));
+    app.apply(Command::File(FileCommand::TakeTypedPath));
     wait(&mut app, "the question", asks_to_replace);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
-    app.apply(Command::TakeTypedPath);
+    app.apply(Command::File(FileCommand::TakeTypedPath));
     settle(&mut app);
     assert!(app.state.typed_path.is_none());
     assert_eq!(std::fs::read_to_string(&path).unwrap(), app.state.settings.to_toml());
@@ -83,7 +84,7 @@ fn pictures_are_put_beside_other_files_only_after_a_question() {
     add_path(&mut app);
     type_path(&mut app, Purpose::ExportPictures, &used);
     wait(&mut app, "the question", asks_to_replace);
-    app.apply(Command::CloseTypedPath);
+    app.apply(Command::File(FileCommand::CloseTypedPath));
     app.receive(Message::PathChosen { purpose: Purpose::ExportPictures, path: Some(used.clone()) });
     wait(&mut app, "the question after the dialog", asks_to_replace);
     app.apply(Command::Escape);
@@ -110,9 +111,9 @@ fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
 #[test]
 fn no_path_is_asked_for_where_there_is_no_camera_path_to_export() {
     let mut app = ready(2, 2);
-    app.apply(Command::AddKey);
+    app.apply(Command::Path(PathCommand::AddKey));
     for purpose in [Purpose::ExportPictures, Purpose::ExportFilm] {
-        app.apply(Command::TypePath(purpose));
+        app.apply(Command::File(FileCommand::TypePath(purpose)));
         assert!(app.state.typed_path.is_none());
         let told = app.state.notices.pop().unwrap();
         assert!(told.text.contains("two keys at least") && told.text.contains("Camera path view"));
@@ -128,7 +129,7 @@ fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
     add_path(&mut app);
     for (chosen, expected) in [(None, (48, 36)), (Some([65, 30]), (64, 30))] {
         if let Some(size) = chosen {
-            app.apply(Command::PictureSize(size));
+            app.apply(Command::Path(PathCommand::PictureSize(size)));
         }
         let pictures = folder.path().join(format!("{expected:?}"));
         app.take_path(Purpose::ExportPictures, pictures.clone());
@@ -141,60 +142,60 @@ fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
 #[test]
 fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
     let mut app = ready(2, 2);
-    app.apply(Command::AddKey);
+    app.apply(Command::Path(PathCommand::AddKey));
     assert!(app.notices()[0].starts_with("Key 1 added") && app.notices()[0].contains("Camera path"));
     app.state.notices.clear();
     app.dock.open(DockView::Path);
-    app.apply(Command::AddKey);
+    app.apply(Command::Path(PathCommand::AddKey));
     assert!(app.notices().is_empty());
 }
 
 #[test]
 fn the_pixel_that_is_looked_at_is_framed_and_without_one_nothing_moves() {
     let mut app = ready(2, 2);
-    app.apply(Command::Orbit(glam::DVec2::new(0.3, 0.1)));
+    app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(0.3, 0.1))));
     let before = app.state.live.orbit.clone();
-    app.apply(Command::FramePoint);
+    app.apply(Command::View(ViewCommand::FramePoint));
     assert_eq!(app.state.live.orbit, before);
     assert!(app.notices()[0].starts_with("Point at a pixel first"));
-    app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 20, y: 22 })));
-    wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
-    assert!(!app.state.inspector.probe.pinned);
-    app.apply(Command::FramePoint);
+    app.apply(Command::Pixel(PixelCommand::Probe(Some(Spot::Source { camera: 0, x: 20, y: 22 }))));
+    wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
+    assert!(!app.state.doc.probe.pinned);
+    app.apply(Command::View(ViewCommand::FramePoint));
     assert_ne!(app.state.live.orbit, before);
 }
 
 #[test]
 fn escape_stops_work_before_it_lets_go_of_a_pixel() {
     let mut app = ready(2, 2);
-    app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 })));
-    app.apply(Command::Pin(true));
-    app.apply(Command::Study(Study::Sweep));
+    app.apply(Command::Pixel(PixelCommand::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 }))));
+    app.apply(Command::Pixel(PixelCommand::Pin(true)));
+    app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
     step(&mut app);
     app.apply(Command::Escape);
-    assert!(app.state.inspector.probe.pinned);
-    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+    assert!(app.state.doc.probe.pinned);
+    wait(&mut app, "the sweep to stop", |app| !app.state.doc.charts.studying);
     step(&mut app);
     // Messages close before anything else.
     app.state.notices.clear();
     app.apply(Command::Escape);
-    assert!(!app.state.inspector.probe.pinned);
+    assert!(!app.state.doc.probe.pinned);
 }
 
 #[test]
 fn a_stress_test_keeps_the_points_of_the_one_before_until_it_has_its_own() {
     let mut app = ready(2, 2);
-    app.apply(Command::Study(Study::Stress));
-    wait(&mut app, "three points", |app| app.state.inspector.charts.stress.len() > 2);
+    app.apply(Command::Chart(ChartCommand::Study(Study::Stress)));
+    wait(&mut app, "three points", |app| app.state.doc.charts.stress.len() > 2);
     app.apply(Command::Escape);
-    wait(&mut app, "the test to stop", |app| !app.state.inspector.charts.studying);
-    let before = app.state.inspector.charts.stress.len();
+    wait(&mut app, "the test to stop", |app| !app.state.doc.charts.studying);
+    let before = app.state.doc.charts.stress.len();
     // With the same settings it would go on.
     set_method(&mut app, PruningMethod::FirstCamera);
     settle(&mut app);
-    app.apply(Command::Study(Study::Stress));
-    assert_eq!(app.state.inspector.charts.stress.len(), before);
-    wait(&mut app, "the first new point", |app| app.state.inspector.charts.stress.len() < before);
+    app.apply(Command::Chart(ChartCommand::Study(Study::Stress)));
+    assert_eq!(app.state.doc.charts.stress.len(), before);
+    wait(&mut app, "the first new point", |app| app.state.doc.charts.stress.len() < before);
 }
 
 #[test]
@@ -220,30 +221,31 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
 #[test]
 fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
     let mut app = ready(2, 2);
-    app.apply(Command::OpenPath("/no/such/capture".into()));
+    app.apply(Command::File(FileCommand::Open(Opening::Path("/no/such/capture".into()))));
     assert!(app.state.open_after_question.is_none() && app.state.opening.is_some());
     settle(&mut app);
-    app.apply(Command::AddKey);
-    let demo = Command::OpenDemo("orrery".into());
+    app.apply(Command::Path(PathCommand::AddKey));
+    let opening = Opening::Demo("orrery".into());
+    let demo = Command::File(FileCommand::Open(opening.clone()));
     app.apply(demo.clone());
-    assert!(app.state.open_after_question.as_ref() == Some(&demo) && app.state.opening.is_none());
-    app.apply(Command::Stay);
-    app.apply(Command::GoOnAnyway);
+    assert!(app.state.open_after_question.as_ref() == Some(&opening) && app.state.opening.is_none());
+    app.apply(Command::File(FileCommand::Stay));
+    app.apply(Command::File(FileCommand::GoOnAnyway));
     assert!(app.state.opening.is_none(), "nothing is asked any more");
     app.apply(demo);
-    app.apply(Command::GoOnAnyway);
+    app.apply(Command::File(FileCommand::GoOnAnyway));
     assert!(app.state.opening.is_some());
 }
 
 #[test]
 fn a_path_that_does_not_exist_asks_for_nothing_to_be_given_up() {
     let mut app = ready(2, 2);
-    app.apply(Command::AddKey);
+    app.apply(Command::Path(PathCommand::AddKey));
     app.state.notices.clear();
-    app.apply(Command::OpenPath("/no/such/capture".into()));
+    app.apply(Command::File(FileCommand::Open(Opening::Path("/no/such/capture".into()))));
     wait(&mut app, "the error", |app| app.notices().iter().any(|told| told.contains("/no/such/capture")));
     assert!(app.state.open_after_question.is_none());
-    assert_eq!(app.state.inspector.path.keys.len(), 1);
+    assert_eq!(app.state.doc.path.keys.len(), 1);
 }
 
 #[test]
@@ -251,7 +253,7 @@ fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [bare, png, jpg] = ["view", "view.png", "view.jpg"].map(|name| folder.path().join(name));
     let mut app = ready(2, 2);
-    app.apply(Command::ColorBy(ColorBy::Camera));
+    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Camera)));
     settle(&mut app);
     for chosen in [false, true] {
         if chosen {
@@ -279,10 +281,10 @@ fn a_sweep_is_saved_as_csv_once_it_has_a_point() {
     let file = folder.path().join("points.csv");
     let mut app = ready(2, 2);
     let save = Purpose::SaveTable(Table::Sweep);
-    app.apply(Command::TypePath(save));
+    app.apply(Command::File(FileCommand::TypePath(save)));
     assert!(app.state.typed_path.is_none() && app.notices()[0].starts_with("Nothing to save yet"));
-    app.apply(Command::Study(Study::Sweep));
-    wait(&mut app, "a point", |app| !app.state.inspector.charts.sweep.is_empty());
+    app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
+    wait(&mut app, "a point", |app| !app.state.doc.charts.sweep.is_empty());
     app.workers.study.cancel();
     type_path(&mut app, save, &file);
     wait(&mut app, "the file", |_| file.is_file());

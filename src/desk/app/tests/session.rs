@@ -2,9 +2,11 @@
 
 use super::*;
 use crate::app::model::SceneSource;
-use crate::app::rooms::frame::model::Workspace;
+use crate::app::rooms::files::model::{FileCommand, Opening};
+use crate::app::rooms::frame::model::{WindowCommand, Workspace};
 use crate::app::rooms::live::model::ViewCommand;
-use crate::app::rooms::path::model::SavedPathKey;
+use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::tests::edits::{delete, open};
 use overlook_engine::edits::Region;
 
@@ -14,9 +16,9 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
     // Files have the poses of keys as matrices, whose last bits are rounded.
     let rounded = |number: f64| (number * 1e9).round() as i64;
     let pose = |key: &SavedPathKey| key.orbit.world_from_camera.to_cols_array().map(rounded);
-    let keys: Vec<_> = state.inspector.path.keys.iter().map(|key| (pose(key), key.frame)).collect();
+    let keys: Vec<_> = state.doc.path.keys.iter().map(|key| (pose(key), key.frame)).collect();
     (
-        (state.settings.clone(), state.edits.list.clone(), state.inspector.path.pictures_per_leg, keys),
+        (state.settings.clone(), state.doc.edits.list.clone(), state.doc.path.pictures_per_leg, keys),
         (
             state.live.orbit.clone(),
             state.live.up,
@@ -24,7 +26,7 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
             state.look.workspace,
             app.dock.to_json(),
         ),
-        state.scene.as_ref().map(|scene| scene.origin.clone()),
+        state.doc.scene.as_ref().map(|scene| scene.origin.clone()),
     )
 }
 
@@ -33,8 +35,8 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     let folder = tempfile::tempdir().unwrap();
     let [session, store, again] = ["a.overlook", "a.ovl", "again.ovl"].map(|name| folder.path().join(name));
     let mut app = ready(2, 1);
-    assert!(app.state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_))));
-    app.apply(Command::TypePath(Purpose::SaveSession));
+    assert!(app.state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_))));
+    app.apply(Command::File(FileCommand::TypePath(Purpose::SaveSession)));
     assert!(
         app.notices().iter().any(|notice| notice.starts_with("No session to save")),
         "{:?}",
@@ -47,12 +49,12 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     settle(&mut app);
     delete(&mut app, Region::ConfirmedByFewerThan(1));
     for (frame, angle) in [(0, 0.1), (2, -0.2)] {
-        app.apply(Command::Frame(frame));
-        app.apply(Command::Orbit(glam::DVec2::new(angle, 0.05)));
-        app.apply(Command::AddKey);
+        app.apply(Command::Time(TimeCommand::Frame(frame)));
+        app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(angle, 0.05))));
+        app.apply(Command::Path(PathCommand::AddKey));
     }
     app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
-    app.apply(Command::Workspace(Workspace::Compare));
+    app.apply(Command::Window(WindowCommand::Workspace(Workspace::Compare)));
     // The address of a view rounds it; who saved it and who opens it see the same.
     app.apply(Command::View(ViewCommand::CopyAddress));
     settle(&mut app);
@@ -77,19 +79,19 @@ fn a_session_whose_capture_is_gone_or_that_is_damaged_says_so_and_leaves_what_is
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.overlook");
     let mut app = ready(2, 1);
-    let id = app.state.scene.as_ref().unwrap().id;
+    let id = app.state.doc.scene.as_ref().unwrap().id;
     for (text, words) in
         [("version = 1\nopens = \"gone\"\nup = [0, 0, 1]\n", "gone"), ("nonsense", "line 1: ")]
     {
         std::fs::write(&path, text).unwrap();
-        app.apply(Command::OpenPath(path.clone()));
+        app.apply(Command::File(FileCommand::Open(Opening::Path(path.clone()))));
         settle(&mut app);
         let notices = app.notices();
         assert!(
             notices.iter().any(|notice| notice.starts_with("Could not open") && notice.contains(words)),
             "{notices:?}"
         );
-        assert_eq!(app.state.scene.as_ref().unwrap().id, id);
+        assert_eq!(app.state.doc.scene.as_ref().unwrap().id, id);
         app.state.notices.clear();
     }
 }

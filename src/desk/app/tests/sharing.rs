@@ -4,9 +4,10 @@ use glam::DVec2;
 
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::Command;
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
 use crate::app::rooms::live::model::ViewCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareOptions, ShareOutcome, ShareWay};
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::tests::{ready, settle, wait};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::splats::SplatFormat;
@@ -99,22 +100,24 @@ fn an_address_gives_back_the_viewpoint_and_the_frame_to_the_last_bit() {
     for (nth, angles) in
         [DVec2::new(0.3, 0.1), DVec2::new(-2.1, -0.4), DVec2::new(1e-7, 0.0)].into_iter().enumerate()
     {
-        app.apply(Command::Orbit(angles));
+        app.apply(Command::View(ViewCommand::Orbit(angles)));
         app.apply(Command::View(ViewCommand::AngleOfView(0.5 + nth as f64 / 7.0)));
-        app.apply(Command::Frame(nth + 1));
+        app.apply(Command::Time(TimeCommand::Frame(nth + 1)));
         let before = app.state.live.orbit.clone().unwrap();
         let address = copied_address(&mut app);
         let (_, view) = address.split_once('#').unwrap();
         let shown = app.state.live.orbit.clone().unwrap();
         let moved = shown.world_from_camera.translation - before.world_from_camera.translation;
         assert!(moved.length() < 1e-9, "copying moves nothing that anybody sees");
-        app.apply(Command::Home);
-        app.apply(Command::Frame(0));
+        app.apply(Command::View(ViewCommand::Home));
+        app.apply(Command::Time(TimeCommand::Frame(0)));
         app.apply(Command::View(ViewCommand::GoToAddress(address.clone())));
         assert_eq!((app.state.live.orbit.as_ref(), app.state.timeline.frame), (Some(&shown), nth + 1));
         // The same view of the store, which is another scene.
-        app.apply(Command::OpenPath(format!("{}#{view}", path.display()).into()));
-        wait(&mut app, "the store", |app| app.state.scene.is_some() && app.state.opening.is_none());
+        app.apply(Command::File(FileCommand::Open(Opening::Path(
+            format!("{}#{view}", path.display()).into(),
+        ))));
+        wait(&mut app, "the store", |app| app.state.doc.scene.is_some() && app.state.opening.is_none());
         settle(&mut app);
         assert_eq!((app.state.live.orbit.as_ref(), app.state.timeline.frame), (Some(&shown), nth + 1));
     }

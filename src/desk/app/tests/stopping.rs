@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::{Command, StoppableWork};
-use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::charts::model::{ChartCommand, Study};
 use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::pixel::model::Spot;
+use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::pixel::model::{PixelCommand, Spot};
+use crate::app::rooms::settings::model::SettingsCommand;
 use crate::app::tests::{orrery, ready, set_method, settle, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
 
@@ -33,40 +35,40 @@ fn of_files_asked_for_one_after_the_other_each_is_written() {
 fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 4);
-    app.apply(Command::Study(Study::Sweep));
-    app.apply(Command::PicturesPerLeg(2000));
+    app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
+    app.apply(Command::Path(PathCommand::PicturesPerLeg(2000)));
     for _ in 0..2 {
-        app.apply(Command::AddKey);
+        app.apply(Command::Path(PathCommand::AddKey));
     }
     app.take_path(Purpose::ExportPictures, folder.path().join("pictures"));
     app.watch_work();
     assert_eq!(app.state.busy[0].work, StoppableWork::Export);
     app.apply(Command::Cancel);
-    assert!(app.state.inspector.charts.studying, "the sweep stands behind it in the line");
+    assert!(app.state.doc.charts.studying, "the sweep stands behind it in the line");
     wait(&mut app, "a word about the export", |app| has_notice(app, "Export stopped: Only the pictures"));
     assert!(app.workers.export.is_idle() && !app.workers.study.is_idle());
     app.state.notices.clear();
     app.watch_work();
     app.apply(Command::Escape);
-    wait(&mut app, "the sweep to stop", |app| !app.state.inspector.charts.studying);
+    wait(&mut app, "the sweep to stop", |app| !app.state.doc.charts.studying);
 }
 
 #[test]
 fn a_change_taken_back_while_the_capture_is_pruned_leaves_what_was_there() {
     let mut app = ready(4, 60);
-    let before = app.state.whole.as_ref().unwrap().samples.clone();
+    let before = app.state.doc.whole.as_ref().unwrap().samples.clone();
     set_method(&mut app, PruningMethod::Off);
     wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
     app.apply(Command::Undo);
     step(&mut app);
     app.apply(Command::Cancel);
-    assert!(!app.state.stopped, "what is there was made with these settings");
+    assert!(!app.state.doc.stopped, "what is there was made with these settings");
     wait(&mut app, "the abandoned work to stop", |app| app.workers.whole.is_idle());
     settle(&mut app);
-    assert!(Arc::ptr_eq(&before, &app.state.whole.as_ref().unwrap().samples));
+    assert!(Arc::ptr_eq(&before, &app.state.doc.whole.as_ref().unwrap().samples));
     set_method(&mut app, PruningMethod::Off);
     settle(&mut app);
-    assert!(!app.state.is_stale() && !Arc::ptr_eq(&before, &app.state.whole.as_ref().unwrap().samples));
+    assert!(!app.state.is_stale() && !Arc::ptr_eq(&before, &app.state.doc.whole.as_ref().unwrap().samples));
 }
 
 #[test]
@@ -75,7 +77,7 @@ fn numbers_that_are_out_of_date_say_whether_they_will_be_brought_up_to_date() {
     assert_eq!(app.state.stale_note(), None);
     set_method(&mut app, PruningMethod::Off);
     assert!(app.state.stale_note().unwrap().contains("being brought up to date"));
-    app.state.stopped = true;
+    app.state.doc.stopped = true;
     assert!(app.state.stale_note().unwrap().contains("Recompute"));
 }
 
@@ -106,13 +108,13 @@ fn a_first_frame_that_cannot_be_read_says_so_and_is_tried_again_on_demand() {
     let whole = std::fs::read(&picture).unwrap();
     std::fs::write(&picture, &whole[..whole.len() / 2]).unwrap();
     let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Path(capture)).unwrap();
-    wait(&mut app, "the failure", |app| app.state.stopped);
+    wait(&mut app, "the failure", |app| app.state.doc.stopped);
     assert!(has_notice(&app, "Could not read this frame") && app.state.is_frame_failed());
     std::fs::write(&picture, &whole).unwrap();
     app.apply(Command::Recompute);
     assert!(!app.state.is_frame_failed());
     settle(&mut app);
-    assert!(app.state.is_whole_ready() && app.state.live_shown.is_some());
+    assert!(app.state.is_whole_ready() && app.state.doc.live_shown.is_some());
 }
 
 #[test]
@@ -120,18 +122,18 @@ fn the_live_view_is_painted_for_others_while_it_lies_behind_them() {
     let ctx = egui::Context::default();
     let mut app = OverlookApp::new(&ctx, None, None, Start::Demo(orrery(2, 2))).unwrap();
     settle(&mut app);
-    assert!(app.state.live_shown.is_some());
+    assert!(app.state.doc.live_shown.is_some());
 }
 
 #[test]
 fn of_a_pixel_that_is_let_go_of_nothing_more_is_said() {
     let mut app = ready(2, 2);
-    app.apply(Command::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 })));
-    app.apply(Command::Pin(true));
-    wait(&mut app, "the pixel", |app| app.state.inspector.probe.shown.is_some());
+    app.apply(Command::Pixel(PixelCommand::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 }))));
+    app.apply(Command::Pixel(PixelCommand::Pin(true)));
+    wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
     app.apply(Command::Escape);
     settle(&mut app);
-    assert!(app.state.inspector.probe.shown.is_none());
+    assert!(app.state.doc.probe.shown.is_none());
 }
 
 #[test]
@@ -155,7 +157,7 @@ fn settings_kept_beside_a_store_are_those_that_it_shows() {
     set_method(&mut app, PruningMethod::Off);
     app.open_path(&path);
     wait(&mut app, "the store", |app| !app.state.has_capture());
-    app.apply(Command::SavePreset("mine".into()));
+    app.apply(Command::Settings(SettingsCommand::SavePreset("mine".into())));
     let (_, kept) = &app.state.inspector.presets[0];
     assert_eq!(kept.pruning, Settings::default().pruning);
 }

@@ -8,13 +8,14 @@ use egui_kittest::kittest::Queryable;
 use crate::app::control::OverlookApp;
 use crate::app::control::overlook_app::secs_left;
 use crate::app::dock::Dock;
-use crate::app::model;
 use crate::app::model::{Busy, Command, State, StoppableWork};
 use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::files::model::FileCommand;
 use crate::app::rooms::frame::model::{DockView, NoticeLink};
 use crate::app::rooms::pixel::model::verdict_text;
+use crate::app::rooms::settings::model::SettingsCommand;
 use crate::app::tests::{ready, start, wait};
-use crate::app::{theme, window};
+use crate::app::{model, theme, window};
 use overlook_engine::job::Progress;
 use overlook_engine::settings::{Kernel, Settings};
 
@@ -59,7 +60,7 @@ fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() 
         [(Study::Sweep, "Sweep: 3 of 60, 2 min left"), (Study::Stress, "Stress test: 3 of 60, 2 min left")]
     {
         let mut state = State::default();
-        state.inspector.charts.begin(study, &Settings::default());
+        state.doc.charts.begin(study, &Settings::default());
         state.busy = vec![Busy {
             work: StoppableWork::Study,
             progress: scoring(),
@@ -79,7 +80,7 @@ fn a_chart_whose_first_point_is_on_its_way_does_not_say_that_there_is_none() {
     ] {
         let mut state = State::default();
         assert!(view_says(&state, view, none));
-        state.inspector.charts.begin(study, &Settings::default());
+        state.doc.charts.begin(study, &Settings::default());
         assert!(view_says(&state, view, "Measuring the first setting") && !view_says(&state, view, none));
     }
 }
@@ -89,12 +90,12 @@ fn settings_put_on_from_a_chart_are_named_as_in_the_panel() {
     let mut app = start(2, 2);
     let mut settings = Settings::default();
     settings.render.kernel = Kernel::Point;
-    app.apply(Command::TakeSettings(Box::new(settings.clone())));
+    app.apply(Command::Settings(SettingsCommand::Take(Box::new(settings.clone()))));
     let notices = app.notices();
     let told = "Settings applied: Kernel: Gather (interpolate cameras) » Point (Ctrl+Z undoes)";
     assert_eq!(notices, [told]);
     assert!(view_says(&app.state, DockView::Thresholds, "1 setting differs from its default"));
-    app.apply(Command::TakeSettings(Box::new(settings)));
+    app.apply(Command::Settings(SettingsCommand::Take(Box::new(settings))));
     assert!(app.notices()[1].starts_with("Already applied"), "{:?}", app.notices());
     app.apply(Command::Undo);
     assert!(view_says(&app.state, DockView::Thresholds, "Every setting has its default"));
@@ -104,7 +105,7 @@ fn settings_put_on_from_a_chart_are_named_as_in_the_panel() {
 fn histograms_of_another_frame_than_the_one_shown_say_so() {
     let mut app = start(2, 2);
     let are_of = |app: &OverlookApp, frame| {
-        app.state.inspector.histograms.first().is_some_and(|histogram| histogram.frame == Some(frame))
+        app.state.doc.histograms.first().is_some_and(|histogram| histogram.frame == Some(frame))
     };
     wait(&mut app, "the histograms", |app| are_of(app, 0));
     assert!(!view_says(&app.state, DockView::Thresholds, "at frame"));
@@ -136,7 +137,7 @@ fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
 fn a_folder_without_a_capture_is_told_in_one_line_with_what_opens() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 1);
-    app.apply(Command::OpenPath(folder.path().to_path_buf()));
+    app.apply(Command::File(FileCommand::OpenPath(folder.path().to_path_buf())));
     wait(&mut app, "a word about it", |app| app.state.notices.iter().any(|of| of.link.is_some()));
     let notice = app.state.notices.iter().find(|notice| notice.link == Some(NoticeLink::Sources)).unwrap();
     assert!(notice.text.starts_with("No capture in ") && notice.text.lines().count() == 1, "{}", notice.text);

@@ -2,24 +2,25 @@
 
 use super::*;
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::timeline::model::TimeCommand;
 
 #[test]
 fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
     let mut app = ready(2, 4);
-    let keys =
-        |app: &OverlookApp| app.state.inspector.path.keys.iter().map(|key| key.frame).collect::<Vec<_>>();
+    let keys = |app: &OverlookApp| app.state.doc.path.keys.iter().map(|key| key.frame).collect::<Vec<_>>();
     for frame in [0, 3] {
-        app.apply(Command::Frame(frame));
-        app.apply(Command::AddKey);
+        app.apply(Command::Time(TimeCommand::Frame(frame)));
+        app.apply(Command::Path(PathCommand::AddKey));
     }
     // A key that is dragged passes many frames, and is taken back at once.
     for frame in [2, 1] {
-        app.apply(Command::MoveKey { index: 1, frame });
+        app.apply(Command::Path(PathCommand::MoveKey { index: 1, frame }));
     }
     set_method(&mut app, PruningMethod::Off);
     app.apply(Command::Undo);
     assert_eq!(keys(&app), [0, 1], "the setting was changed last");
-    app.apply(Command::RemoveKey(0));
+    app.apply(Command::Path(PathCommand::RemoveKey(0)));
     app.apply(Command::Undo);
     assert_eq!(keys(&app), [0, 1]);
     app.apply(Command::Undo);
@@ -31,7 +32,7 @@ fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
         app.apply(Command::Redo);
     }
     assert_eq!(keys(&app), [0, 1]);
-    app.apply(Command::ClearPath);
+    app.apply(Command::Path(PathCommand::Clear));
     app.apply(Command::Undo);
     assert_eq!(keys(&app), [0, 1]);
 }
@@ -41,14 +42,14 @@ fn a_view_that_was_left_by_a_jump_is_gone_back_to_and_left_again() {
     let mut app = ready(3, 1);
     let view = |app: &OverlookApp| app.state.live.orbit.clone().unwrap();
     let go = |app: &mut OverlookApp, command| app.apply(Command::View(command));
-    app.apply(Command::Orbit(glam::DVec2::new(0.3, 0.1)));
+    app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(0.3, 0.1))));
     let turned = view(&app);
-    app.apply(Command::JumpTo(1));
-    app.apply(Command::Dolly(0.5));
+    app.apply(Command::View(ViewCommand::JumpTo(1)));
+    app.apply(Command::View(ViewCommand::Dolly(0.5)));
     let near = view(&app);
-    app.apply(Command::Home);
+    app.apply(Command::View(ViewCommand::Home));
     let home = view(&app);
-    app.apply(Command::Home);
+    app.apply(Command::View(ViewCommand::Home));
     go(&mut app, ViewCommand::Back);
     assert_eq!(view(&app), near, "a jump to where the view is leaves nothing");
     go(&mut app, ViewCommand::Back);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::app::rooms::colors::model::{Display, ValueLook};
-use crate::app::rooms::live::model::ColorBy;
+use crate::app::rooms::live::model::{ColorBy, ViewCommand};
 use overlook_engine::capture;
 use overlook_engine::render::{MISSING_COLOR, output};
 use overlook_engine::settings::Settings;
@@ -54,21 +54,21 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     let mut app = ready(2, 1);
     edits::open(&mut app, folder.path(), true);
     assert_eq!(app.state.value_channels().len(), 1);
-    app.apply(Command::JumpTo(0));
+    app.apply(Command::View(ViewCommand::JumpTo(0)));
     settle(&mut app);
     let picture = shown(&app);
-    app.apply(Command::ColorBy(ColorBy::Value));
+    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Value)));
     settle(&mut app);
     let colored = shown(&app);
     assert!(colored != picture);
-    let whole = app.state.whole.as_ref().unwrap().samples.clone();
+    let whole = app.state.doc.whole.as_ref().unwrap().samples.clone();
 
     let look =
         ValueLook { range: Some([100.0, 140.0]), isolated: Some([100.0, 120.0]), ..ValueLook::default() };
     app.apply(Command::Display(Display { values: look, ..app.state.display }));
     settle(&mut app);
     let isolated = shown(&app);
-    let live = app.state.live_shown.as_ref().unwrap();
+    let live = app.state.doc.live_shown.as_ref().unwrap();
     let rendered = live.picture.rendered().unwrap();
     let values = output::PictureValues::of(&live.key.samples, &live.key.vantage, rendered);
     let colors = look.colors(&values.channels[0]).unwrap();
@@ -86,7 +86,7 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     }
     assert!(seen > 100 && gray > 100, "{seen} {gray}");
     assert!(
-        std::sync::Arc::ptr_eq(&whole, &app.state.whole.as_ref().unwrap().samples),
+        std::sync::Arc::ptr_eq(&whole, &app.state.doc.whole.as_ref().unwrap().samples),
         "nothing is pruned anew"
     );
 }

@@ -46,7 +46,7 @@ fn submit_new<K: Clone + PartialEq + Send + 'static>(worker: &Worker<K>, last: &
 fn prune_request(state: &State, scene: &Arc<OpenScene>) -> PruneRequest {
     PruneRequest {
         scene: scene.clone(),
-        scan: state.scan.clone(),
+        scan: state.doc.scan.clone(),
         settings: state.settings.clone(),
         frame: state.timeline.frame,
     }
@@ -81,20 +81,21 @@ pub(crate) struct Scheduler {
 impl Scheduler {
     /// Whether everything that the state needs came back, except for whole-capture work that was stopped.
     pub(crate) fn is_up_to_date(&self, state: &State) -> bool {
-        let whole = !state.has_capture() || state.stopped || (state.whole.is_some() && !state.is_stale());
+        let whole =
+            !state.has_capture() || state.doc.stopped || (state.doc.whole.is_some() && !state.is_stale());
         let source = !state.has_capture()
-            || state.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
+            || state.doc.source_shown.as_ref().map(|shown| &shown.key) == self.source.as_ref();
         let live = self.live.is_up_to_date(state);
-        let edits = !state.edits.are_in_use()
+        let edits = !state.doc.edits.are_in_use()
             || state.samples_to_edit().is_none()
-            || state.edits.trouble.is_some()
-            || state.edits.edited.as_ref().map(|(key, _)| key) == self.edits.as_ref();
+            || state.doc.edits.trouble.is_some()
+            || state.doc.edits.edited.as_ref().map(|(key, _)| key) == self.edits.as_ref();
         whole && source && live && edits && (self.is_inspected(state) || !state.has_capture())
     }
 
     /// Whether the last inspection that was requested came back.
     fn is_inspected(&self, state: &State) -> bool {
-        state.inspected.as_ref().is_some_and(|inspected| {
+        state.doc.inspected.as_ref().is_some_and(|inspected| {
             self.inspect.as_ref().is_some_and(|key| {
                 key.frame == inspected.inspection.frame && key.method == method_of(&inspected.settings)
             })
@@ -125,7 +126,7 @@ impl Scheduler {
     }
 
     fn request_inspection(&mut self, state: &State, workers: &Workers) {
-        let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+        let Some(scene) = state.doc.scene.as_ref().filter(|_| state.has_capture()) else { return };
         if state.skips_verdicts() {
             return;
         }
@@ -133,7 +134,7 @@ impl Scheduler {
             scene: scene.id,
             frame: state.timeline.frame,
             method: method_of(&state.settings),
-            scan_serves: state.scan.as_ref().map(|scan| scan.serves(&state.settings)),
+            scan_serves: state.doc.scan.as_ref().map(|scan| scan.serves(&state.settings)),
         };
         if self.inspect.as_ref() != Some(&key) {
             workers.inspect.submit(prune_request(state, scene));
@@ -144,8 +145,8 @@ impl Scheduler {
 
     /// Prepares the shown frame for interactive thresholds, once everything rests. Returns the time to wait for that, if any.
     fn request_preparation(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
-        let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
-        let with_scan = state.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
+        let scene = state.doc.scene.as_ref().filter(|_| state.has_capture())?;
+        let with_scan = state.doc.inspected.as_ref().is_some_and(|inspected| inspected.with_scan);
         if state.timeline.playing || !with_scan || self.prepare == self.inspect || !self.is_inspected(state) {
             return None;
         }
@@ -160,22 +161,23 @@ impl Scheduler {
 
     /// Applies edits to the samples, and shows what is selected of them.
     fn request_edits(&mut self, state: &State, workers: &Workers) {
-        let samples = state.samples_to_edit().filter(|_| state.edits.are_in_use());
-        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        let samples = state.samples_to_edit().filter(|_| state.doc.edits.are_in_use());
+        let (Some(scene), Some(samples)) = (&state.doc.scene, samples) else { return };
         let key = EditKey {
             scene: scene.clone(),
             samples: samples.clone(),
-            scan: state.scan.clone(),
-            list: state.edits.list.clone(),
-            selection: state.edits.shown_selection(),
+            scan: state.doc.scan.clone(),
+            list: state.doc.edits.list.clone(),
+            selection: state.doc.edits.shown_selection(),
         };
         submit_new(&workers.edits, &mut self.edits, key);
     }
 
     fn request_source(&mut self, state: &State, workers: &Workers) {
-        let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+        let Some(scene) = state.doc.scene.as_ref().filter(|_| state.has_capture()) else { return };
         // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
         let inspection = state
+            .doc
             .inspected
             .as_ref()
             .filter(|_| state.source.overlay.needs_verdicts())
@@ -186,7 +188,7 @@ impl Scheduler {
             frame: inspection.as_ref().map_or(state.timeline.frame, |inspection| inspection.frame),
             overlay: state.source.overlay,
             against: state.source.against,
-            isolated: state.inspector.isolated.filter(|_| state.source.overlay.names_cameras()),
+            isolated: state.doc.isolated.filter(|_| state.source.overlay.names_cameras()),
             display: state.display,
             dark: state.dark,
             inspection,
@@ -198,7 +200,7 @@ impl Scheduler {
     }
 
     fn request_whole(&mut self, state: &State, workers: &Workers) -> Option<Duration> {
-        let scene = state.scene.as_ref().filter(|_| state.has_capture())?;
+        let scene = state.doc.scene.as_ref().filter(|_| state.has_capture())?;
         let key = (scene.id, method_of(&state.settings));
         if state.is_whole_ready() {
             if self.whole.as_ref().is_some_and(|asked| *asked != key) {
@@ -209,7 +211,7 @@ impl Scheduler {
             return None;
         }
         // The first look at the first frame goes before everything else.
-        if state.stopped || state.inspected.is_none() || self.whole.as_ref() == Some(&key) {
+        if state.doc.stopped || state.doc.inspected.is_none() || self.whole.as_ref() == Some(&key) {
             return None;
         }
         let rested = self.changed_at.map_or(DEBOUNCE, |at| at.elapsed());
@@ -225,7 +227,7 @@ impl Scheduler {
     }
 
     fn request_accuracy(&mut self, state: &State, workers: &Workers) {
-        let (Some(scene), Some(whole)) = (&state.scene, &state.whole) else { return };
+        let (Some(scene), Some(whole)) = (&state.doc.scene, &state.doc.whole) else { return };
         if state.is_stale() || state.timeline.playing {
             return;
         }
@@ -236,7 +238,7 @@ impl Scheduler {
             workers.measure.submit(MeasureRequest {
                 scene: scene.clone(),
                 samples: whole.samples.clone(),
-                scan: state.scan.clone(),
+                scan: state.doc.scan.clone(),
                 settings: state.settings.clone(),
             });
             self.measure = Some((whole.samples.clone(), state.settings.clone()));
@@ -254,12 +256,12 @@ impl Scheduler {
 
     /// Once the first frame is shown: whether the capture's files are read as they are meant. A built-in scene is.
     fn request_readings(&mut self, state: &State, workers: &Workers) {
-        let Some(scene) = state.scene.as_ref().filter(|_| state.inspected.is_some()) else { return };
+        let Some(scene) = state.doc.scene.as_ref().filter(|_| state.doc.inspected.is_some()) else { return };
         let is_read = state.has_capture() && matches!(scene.origin, SceneSource::Path(_));
         if !is_read {
             return;
         }
-        let readings = &state.inspector.readings;
+        let readings = &state.doc.readings;
         if !scene.is_reread && self.checked != Some(scene.id) {
             workers.readings.submit(ReadingRequest::Check(scene.clone()));
             self.checked = Some(scene.id);
@@ -276,10 +278,10 @@ impl Scheduler {
     /// Measures what sizes follow from, while the dialog that shows them is open.
     fn request_sizes(&mut self, state: &State, workers: &Workers) {
         let samples = state.samples_here().filter(|_| state.share.is_open);
-        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        let (Some(scene), Some(samples)) = (&state.doc.scene, samples) else { return };
         // Until the whole capture is pruned only pictures have a size.
         let samples = state.whole_samples().unwrap_or(samples);
-        let shown = state.live_shown.as_ref().filter(|shown| shown.key.quality.is_none());
+        let shown = state.doc.live_shown.as_ref().filter(|shown| shown.key.quality.is_none());
         let key = ShareKey {
             scene: scene.clone(),
             samples: samples.clone(),
@@ -294,18 +296,18 @@ impl Scheduler {
 
     fn request_histograms(&mut self, state: &State, visible: &[DockView], workers: &Workers) {
         let wanted = visible.contains(&DockView::Thresholds) && !state.timeline.playing;
-        let Some(inspected) = state.inspected.as_ref().filter(|_| wanted) else { return };
+        let Some(inspected) = state.doc.inspected.as_ref().filter(|_| wanted) else { return };
         let asked = self.histograms.as_ref().is_some_and(|(inspection, with_scan)| {
-            Arc::ptr_eq(inspection, &inspected.inspection) && *with_scan == state.scan.is_some()
+            Arc::ptr_eq(inspection, &inspected.inspection) && *with_scan == state.doc.scan.is_some()
         });
-        if let (false, Some(scene)) = (asked, &state.scene) {
+        if let (false, Some(scene)) = (asked, &state.doc.scene) {
             workers.histograms.submit(HistogramRequest {
                 scene: scene.id,
                 inspection: inspected.inspection.clone(),
-                scan: state.scan.clone(),
+                scan: state.doc.scan.clone(),
                 settings: inspected.settings.clone(),
             });
-            self.histograms = Some((inspected.inspection.clone(), state.scan.is_some()));
+            self.histograms = Some((inspected.inspection.clone(), state.doc.scan.is_some()));
         }
     }
 
@@ -313,7 +315,7 @@ impl Scheduler {
         // A store plays from disk: its sample set is an outline.
         let wanted = visible.contains(&DockView::Memory) && state.has_capture();
         let samples = state.whole_samples().filter(|_| wanted);
-        let (Some(scene), Some(samples)) = (&state.scene, samples) else { return };
+        let (Some(scene), Some(samples)) = (&state.doc.scene, samples) else { return };
         if !self.memory.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, samples)) {
             workers.memory.submit((scene.id, samples.clone()));
             self.memory = Some(samples.clone());
@@ -321,18 +323,20 @@ impl Scheduler {
     }
 
     fn request_probe(&mut self, state: &State, workers: &Workers) {
-        let moves = state.live_shown.as_ref().is_some_and(|shown| shown.key.quality.is_some());
-        if moves && matches!(state.inspector.probe.spot, Some(Spot::Live { .. })) {
+        let moves = state.doc.live_shown.as_ref().is_some_and(|shown| shown.key.quality.is_some());
+        if moves && matches!(state.doc.probe.spot, Some(Spot::Live { .. })) {
             // The mark stays at its place in the scene; the picture at rest is asked again.
             return;
         }
-        let key = state.scene.as_ref().zip(state.inspector.probe.spot).map(|(scene, spot)| ProbeKey {
+        let key = state.doc.scene.as_ref().zip(state.doc.probe.spot).map(|(scene, spot)| ProbeKey {
             scene: scene.clone(),
             spot,
             inspection: state.inspection_here().cloned(),
             whole: state.current_whole().cloned(),
             live: matches!(spot, Spot::Live { .. })
-                .then(|| state.live_shown.as_ref().map(|shown| (shown.key.clone(), shown.picture.clone())))
+                .then(|| {
+                    state.doc.live_shown.as_ref().map(|shown| (shown.key.clone(), shown.picture.clone()))
+                })
                 .flatten(),
         });
         match key {
@@ -348,7 +352,7 @@ impl Scheduler {
         let wanted = visible.contains(&DockView::Cameras) || (guides && !state.timeline.playing);
         let Some(inspection) = state.inspection_here().filter(|_| wanted) else { return };
         let asked = self.thumbs.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, inspection));
-        if let (false, Some(scene)) = (asked, &state.scene) {
+        if let (false, Some(scene)) = (asked, &state.doc.scene) {
             workers.thumbs.submit((scene.id, inspection.clone()));
             self.thumbs = Some(inspection.clone());
         }

@@ -3,14 +3,19 @@
 use super::model::{ChartCommand, Study, StudyQuestion, to_measure};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::rooms::settings::model::setting_names;
 use crate::app::work::StudyRequest;
+use overlook_engine::settings::Settings;
 use overlook_lab::stress::StressPlan;
 use overlook_lab::sweep::SweepPlan;
+
+/// Changes of settings that a message lists one by one.
+const CHANGES: usize = 5;
 
 impl OverlookApp {
     /// Carries out what concerns charts.
     pub(crate) fn apply_to_charts(&mut self, command: ChartCommand) {
-        let charts = &mut self.state.inspector.charts;
+        let charts = &mut self.state.doc.charts;
         match command {
             ChartCommand::Ask(study) => {
                 charts.question = None;
@@ -22,6 +27,9 @@ impl OverlookApp {
                 charts.choose(study, *choice);
                 self.ask_what_to_measure(study);
             }
+            ChartCommand::Study(study) => self.study(study),
+            ChartCommand::Axes(axes) => charts.set_axes(axes),
+            ChartCommand::Disturbance(name) => charts.disturbance = name,
             ChartCommand::Toggle(study, series) => charts.toggle(study, series),
             ChartCommand::DialScale(scale) => charts.dial_scale = scale,
         }
@@ -29,8 +37,8 @@ impl OverlookApp {
 
     /// Asks what to measure, and says how much that is.
     fn ask_what_to_measure(&mut self, study: Study) {
-        let Some(scene) = self.state.scene.clone() else { return };
-        let (charts, settings) = (&self.state.inspector.charts, &self.state.settings);
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        let (charts, settings) = (&self.state.doc.charts, &self.state.settings);
         let choice = charts.choice(study);
         let (capture, truth) = match to_measure(&scene) {
             Ok(measured) => measured,
@@ -46,19 +54,19 @@ impl OverlookApp {
             }
         };
         let groups = study.groups(settings, capture);
-        self.state.inspector.charts.question = Some(StudyQuestion { study, groups, measurements });
+        self.state.doc.charts.question = Some(StudyQuestion { study, groups, measurements });
     }
 
     /// Measures what is chosen with the settings on the sliders; goes on from what is known.
-    pub(crate) fn study(&mut self, study: Study) {
-        let Some(scene) = self.state.scene.clone() else { return };
-        if self.state.inspector.charts.studying {
+    fn study(&mut self, study: Study) {
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        if self.state.doc.charts.studying {
             let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
             self.state.warn_of_scene("Already measuring", text);
             return;
         }
         let settings = self.state.settings.clone();
-        let charts = &mut self.state.inspector.charts;
+        let charts = &mut self.state.doc.charts;
         if !charts.begin(study, &settings) {
             let text =
                 "Everything that is chosen is measured around these settings; choose more, or change one.";
@@ -70,10 +78,24 @@ impl OverlookApp {
         self.workers.study.submit(StudyRequest { scene, study, settings, choice, known, known_stress });
     }
 
+    /// Applies the settings of a chart's point, and lists what changes.
+    pub(crate) fn take_point(&mut self, settings: Settings) {
+        let changes = setting_names::changes(&self.state.settings, &settings);
+        if changes.is_empty() {
+            self.state.notify(NoticeKind::Done, "Already applied", "These are the current settings.");
+            return;
+        }
+        let (told, others) = changes.split_at(changes.len().min(CHANGES));
+        let more = if others.is_empty() { String::new() } else { format!("; and {} more", others.len()) };
+        let text = format!("{}{more} (Ctrl+Z undoes)", told.join("; "));
+        self.change_settings(settings);
+        self.state.notify(NoticeKind::Done, "Settings applied", text);
+    }
+
     /// Takes in that a sweep or a stress test is done, or that its time is over with so many measurements left.
     pub(crate) fn studied(&mut self, left: usize) {
         if left == 0 {
-            self.state.inspector.charts.complete();
+            self.state.doc.charts.complete();
         }
         self.refresh_busy();
         if left > 0 {
@@ -83,7 +105,7 @@ impl OverlookApp {
 
     /// Reports how far a stopped sweep or stress test came.
     pub(crate) fn notify_stopped_study(&mut self) {
-        if let Some((title, text)) = self.state.inspector.charts.stopped() {
+        if let Some((title, text)) = self.state.doc.charts.stopped() {
             self.state.notify(NoticeKind::Done, title, text);
         }
     }

@@ -3,26 +3,42 @@
 use egui::TextureOptions;
 
 use super::model::{
-    CompareChoice, CompareKey, CompareSide, CompareVantage, PictureDifference, ShownComparison,
+    CompareChoice, CompareCommand, CompareKey, CompareSide, CompareVantage, PictureDifference,
+    ShownComparison,
 };
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::files::model::PictureFolder;
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 
 impl OverlookApp {
+    /// Carries out what concerns the comparison of two pictures.
+    pub(crate) fn apply_to_comparison(&mut self, command: CompareCommand) {
+        let state = &mut self.state;
+        match command {
+            CompareCommand::Look(look) => {
+                let before = &state.inspector.compare.choice;
+                if (look.choice.sides, look.choice.from) != (before.sides, before.from) {
+                    state.doc.compare_error = None;
+                }
+                state.inspector.compare = *look;
+            }
+            CompareCommand::ClosePictures(id) => state.close_pictures(|folder| folder.id == id),
+        }
+    }
+
     pub(crate) fn compared(&mut self, key: &CompareKey, outcome: Result<PictureDifference, String>) {
-        let inspector = &mut self.state.inspector;
+        let state = &mut self.state;
         match outcome {
             Ok(comparison) => {
                 let [left, right] = comparison.images.clone();
                 let textures = [left, right, comparison.difference.clone()]
                     .map(|image| self.ctx.load_texture("comparison", image, TextureOptions::NEAREST));
                 let CompareChoice { sides, from, .. } = key.choice;
-                let names = sides.map(|side| inspector.side_name(side));
-                inspector.compared = Some(ShownComparison { sides, names, from, comparison, textures });
-                inspector.compare_error = None;
+                let names = sides.map(|side| state.side_name(side));
+                state.doc.compared = Some(ShownComparison { sides, names, from, comparison, textures });
+                state.doc.compare_error = None;
             }
-            Err(trouble) => inspector.compare_error = Some(trouble),
+            Err(trouble) => state.doc.compare_error = Some(trouble),
         }
     }
 
@@ -30,21 +46,21 @@ impl OverlookApp {
     /// its earlier pictures.
     pub(crate) fn pictures_opened(&mut self, folder: PictureFolder) {
         let frame = self.state.timeline.frame;
-        let inspector = &mut self.state.inspector;
+        let state = &mut self.state;
         let path = |folder: &PictureFolder| folder.known().next().map(|pictures| pictures.folder.clone());
-        inspector.close_pictures(|known| path(known) == path(&folder));
-        let choice = &mut inspector.compare.choice;
+        state.close_pictures(|known| path(known) == path(&folder));
+        let choice = &mut state.inspector.compare.choice;
         choice.sides = [CompareSide::Kept, CompareSide::Pictures(folder.id)];
         let shows_here = choice.from != CompareVantage::Live && folder.picture(choice.from, frame).is_ok();
         if let (false, Some(first)) = (shows_here, folder.first(frame)) {
             choice.from = first;
         }
-        inspector.compare_error = None;
+        state.doc.compare_error = None;
         // What shows none of the viewpoints may be a camera's.
         let is_one_kind = folder.known().count() == 1;
         let left_over = folder.known().next().filter(|_| is_one_kind).and_then(|pictures| pictures.warning());
         let words = folder.words();
-        inspector.pictures.push(folder);
+        state.doc.pictures.push(folder);
         self.dock.open(DockView::Compare);
         if let Some(warning) = left_over {
             self.state.warn_of_scene("Pictures without a viewpoint", warning);

@@ -7,16 +7,16 @@ use super::model::{
     CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage, PictureDifference, ShownComparison,
 };
 use crate::app::colormap::{diverging, sequential};
-use crate::app::model;
 use crate::app::model::{Command, Commands, Content, State};
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::compare::model::CompareCommand;
+use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::source::model::PictureZoom;
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets;
 use crate::app::widgets::{
     choice_ui, empty_ui, icon_button, least_width_of_segments, one_line, scrolled, segments_ui, waiting,
 };
+use crate::app::{model, widgets};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -35,19 +35,19 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
     header_ui(ui, state, &mut look, commands);
     let area = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(area.min, area.max - vec2(0.0, FOOTER));
-    if let Some(trouble) = &state.inspector.compare_error {
+    if let Some(trouble) = &state.doc.compare_error {
         ui.scope_builder(egui::UiBuilder::new().max_rect(canvas), |ui| {
             empty_ui(ui, ICON_COMPARE, "These two cannot be compared here", trouble, |_| {});
         });
     }
-    let pointed = match &state.inspector.compare_error {
+    let pointed = match &state.doc.compare_error {
         Some(_) => None,
         None => canvas_ui(ui, canvas, state, &mut look),
     };
     ui.allocate_rect(canvas, Sense::hover());
     footer_ui(ui, state, &mut look, pointed);
     if look != *before {
-        commands.push(Command::Compare(Box::new(look)));
+        commands.push(Command::Compare(CompareCommand::Look(Box::new(look))));
     }
 }
 
@@ -106,7 +106,7 @@ fn measure_ui(ui: &mut Ui, look: &mut CompareLook) {
 /// Every side: what is always there, and the pictures of other programs.
 fn sides(state: &State) -> Vec<(CompareSide, String, String)> {
     let always = CompareSide::ALL.map(|(side, name, help)| (side, name.to_owned(), help.to_owned()));
-    let opened = state.inspector.pictures.iter();
+    let opened = state.doc.pictures.iter();
     let opened = opened.map(|folder| (CompareSide::Pictures(folder.id), folder.name(), folder.words()));
     always.into_iter().chain(opened).collect()
 }
@@ -116,16 +116,16 @@ fn pictures_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let button = egui::Button::new(ICON_ADD_PHOTO_ALTERNATE.rich_text().size(16.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         for (name, command) in [
-            ("Open folder of pictures…", Command::AskPath(Purpose::OpenPictures)),
-            ("Open pictures from path…", Command::TypePath(Purpose::OpenPictures)),
+            ("Open folder of pictures…", Command::File(FileCommand::AskPath(Purpose::OpenPictures))),
+            ("Open pictures from path…", Command::File(FileCommand::TypePath(Purpose::OpenPictures))),
         ] {
             if ui.button(name).on_hover_text(PICTURES).clicked() {
                 commands.push(command);
             }
         }
-        for folder in &state.inspector.pictures {
+        for folder in &state.doc.pictures {
             if ui.button(format!("Close {}", folder.name())).on_hover_text(folder.words()).clicked() {
-                commands.push(Command::ClosePictures(folder.id));
+                commands.push(Command::Compare(CompareCommand::ClosePictures(folder.id)));
             }
         }
     });
@@ -138,7 +138,7 @@ const PICTURES: &str = "Compare with pictures that another program made of the s
 fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
     let mut places =
         vec![(CompareVantage::Live, "Live view".to_owned(), "The viewpoint of the live view.".to_owned())];
-    let Some(scene) = &state.scene else { return places };
+    let Some(scene) = &state.doc.scene else { return places };
     if let Content::Capture { truth, .. } = &scene.content {
         places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
             let help = "Viewed from this camera, rendered from the samples of all others.".to_owned();
@@ -162,7 +162,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     let tokens = Tokens::in_ui(ui);
     let (response, painter) = widgets::canvas_ui(ui, canvas, "comparison", "Comparison");
     widgets::empty_canvas(ui, &painter, canvas);
-    let Some(compared) = &state.inspector.compared else {
+    let Some(compared) = &state.doc.compared else {
         waiting(ui, canvas, 28.0);
         return None;
     };
@@ -278,7 +278,7 @@ fn move_ui(ui: &Ui, response: &Response, canvas: Rect, picture: Rect, look: &mut
 
 fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option<[usize; 2]>) {
     let tokens = Tokens::in_ui(ui);
-    let compared = state.inspector.compared.as_ref().filter(|_| state.inspector.compare_error.is_none());
+    let compared = state.doc.compared.as_ref().filter(|_| state.doc.compare_error.is_none());
     let Some(compared) = compared else { return };
     let comparison = &compared.comparison;
     ui.horizontal(|ui| {

@@ -4,26 +4,15 @@ use std::path::PathBuf;
 
 use super::model::{BRUSH_RADII, EditCommand, EditKey, EditedScene};
 use crate::app::control::overlook_app::OverlookApp;
-use crate::app::model::Command;
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::work::FileRequest;
 use overlook_engine::edits::{Action, Edit, EditList, Region};
 
 impl OverlookApp {
-    /// Carries out what concerns edits, and undo where the last change was one; gives back what does not.
-    pub(crate) fn apply_to_edits(&mut self, command: Command) -> Option<Command> {
-        match command {
-            Command::Edit(command) => self.edit(command),
-            Command::Undo if self.state.edits.step(true) => {}
-            Command::Redo if self.state.edits.step(false) => {}
-            other => return Some(other),
-        }
-        None
-    }
-
-    fn edit(&mut self, command: EditCommand) {
+    /// Carries out what concerns edits.
+    pub(crate) fn apply_to_edits(&mut self, command: EditCommand) {
         let frame_number = self.state.frame_number();
-        let edits = &mut self.state.edits;
+        let edits = &mut self.state.doc.edits;
         match command {
             EditCommand::Select(region) => edits.selection = Some(edits.combined(region, edits.combine)),
             EditCommand::Draw { region, combine, is_done: false } => edits.draft = Some((region, combine)),
@@ -58,7 +47,7 @@ impl OverlookApp {
                 }
             }
             EditCommand::LeaveOut(camera) => {
-                let Some(scene) = &self.state.scene else { return };
+                let Some(scene) = &self.state.doc.scene else { return };
                 let Some(camera) = scene.cameras.get(camera) else { return };
                 let region = Region::Cameras(vec![camera.name.clone()]);
                 let edit = Edit::new(format!("Leave out {}", camera.name), Action::LeaveOut, region);
@@ -95,7 +84,7 @@ impl OverlookApp {
 
     /// Takes in what edits leave, or why they cannot be applied.
     pub(crate) fn edited(&mut self, key: EditKey, edited: Result<Box<EditedScene>, String>) {
-        let edits = &mut self.state.edits;
+        let edits = &mut self.state.doc.edits;
         match edited {
             Ok(edited) => (edits.edited, edits.trouble) = (Some((key, *edited)), None),
             Err(trouble) => edits.trouble = Some(trouble),
@@ -103,24 +92,24 @@ impl OverlookApp {
     }
 
     pub(crate) fn save_edits(&mut self, path: PathBuf) {
-        let list = self.state.edits.list.clone();
+        let list = self.state.doc.edits.list.clone();
         self.workers.file.submit(FileRequest::SaveEdits { path, list });
     }
 
     pub(crate) fn edits_saved(&mut self, path: &std::path::Path, list: EditList) {
-        self.state.edits.saved = list;
+        self.state.doc.edits.saved = list;
         self.state.notify(NoticeKind::Done, "Saved", path.display().to_string());
     }
 
     /// Takes in a list that was read: it is put in the place of the one that is there, which undo brings back.
     pub(crate) fn edits_loaded(&mut self, path: &std::path::Path, list: EditList) {
-        let cameras = self.state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+        let cameras = self.state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
         let cut = self.state.report().map_or(&[][..], |report| &report.cut);
         let gone: Vec<String> = cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
         if let Err(error) = list.check(cameras, &gone, &path.display().to_string()) {
             return self.state.notify(NoticeKind::Error, "Edits not opened", error.to_string());
         }
-        let edits = &mut self.state.edits;
+        let edits = &mut self.state.doc.edits;
         edits.saved = list.clone();
         edits.change(true, |known| *known = list);
         self.state.notify(NoticeKind::Done, "Edits opened", path.display().to_string());

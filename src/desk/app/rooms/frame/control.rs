@@ -1,38 +1,56 @@
 //! Carries out commands about the window: workspaces, the maximized view, and hidden areas.
 
-use super::model::{Area, DockView};
+use super::model::{Area, DockView, WindowCommand};
 use crate::app::control::overlook_app::OverlookApp;
-use crate::app::model::Command;
+use crate::app::rooms::help::model::HelpPage;
 
 impl OverlookApp {
-    /// Carries out what concerns the window; gives back what does not.
-    pub(crate) fn apply_to_window(&mut self, command: Command) -> Option<Command> {
+    /// Carries out what concerns the window.
+    pub(crate) fn apply_to_window(&mut self, command: WindowCommand) {
         let look = &mut self.state.look;
         match command {
-            Command::OpenView(view) => self.open_view(view),
-            Command::ResetLayout => {
+            WindowCommand::OpenView(view) => self.open_view(view),
+            WindowCommand::ResetLayout => {
                 self.dock.reset();
                 (look.maximized, look.hides_totals) = (None, false);
                 self.show_areas_that_fit();
             }
-            Command::Workspace(workspace) => {
+            WindowCommand::Workspace(workspace) => {
                 self.dock.show_workspace(workspace);
                 (look.workspace, look.maximized) = (workspace, None);
                 self.show_areas_that_fit();
             }
-            Command::Maximize(view) => {
+            WindowCommand::Maximize(view) => {
                 let view = view.or_else(|| self.dock.pointed_at()).unwrap_or(DockView::Live);
                 look.maximized = (look.maximized != Some(view)).then_some(view);
             }
-            Command::ShowArea(area, show) => self.show_area(area, show),
-            Command::ShowTotals(show) => look.hides_totals = !show,
-            Command::FullScreen => {
+            WindowCommand::ShowArea(area, show) => self.show_area(area, show),
+            WindowCommand::ShowTotals(show) => look.hides_totals = !show,
+            WindowCommand::FullScreen => {
                 let is_full = self.ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
                 self.ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!is_full));
             }
-            other => return Some(other),
+            WindowCommand::InterfaceSize(step) => match step {
+                0 => self.ctx.set_zoom_factor(1.0),
+                step if step > 0 => egui::gui_zoom::zoom_in(&self.ctx),
+                _ => egui::gui_zoom::zoom_out(&self.ctx),
+            },
+            WindowCommand::Dark(dark) => self.state.dark = dark,
+            WindowCommand::Dismiss(id) => self.state.notices.retain(|notice| notice.id != id),
+            WindowCommand::Palette(palette) => self.state.inspector.palette = palette,
+            WindowCommand::Help(page) => self.show_help(page),
         }
-        None
+    }
+
+    fn show_help(&mut self, page: Option<HelpPage>) {
+        let state = &mut self.state;
+        state.inspector.help = page;
+        if page == Some(HelpPage::About) {
+            state.inspector.held_memory = state.held_memory();
+            let window = self.window.as_ref();
+            let memory = window.and_then(|window| window.device.generate_allocator_report());
+            state.inspector.graphics_memory = memory.map(|memory| memory.total_allocated_bytes);
+        }
     }
 
     /// Brings a view to the front: out of an area that was hidden, and from behind one that fills the window.
@@ -66,7 +84,7 @@ impl OverlookApp {
     /// Shows every area of the workspace that has something to show: a store holds no pictures of cameras.
     pub(crate) fn show_areas_that_fit(&mut self) {
         let maximized = self.state.look.maximized;
-        let has_source = self.state.scene.is_none() || self.state.has_capture();
+        let has_source = self.state.doc.scene.is_none() || self.state.has_capture();
         for (area, ..) in Area::ALL {
             self.show_area(area, area != Area::Source || has_source);
         }

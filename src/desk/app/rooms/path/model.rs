@@ -211,6 +211,28 @@ pub(crate) struct Exported {
     pub damage: Vec<String>,
 }
 
+/// What concerns the camera path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PathCommand {
+    AddKey,
+    RemoveKey(usize),
+    /// Set a key of the camera path to the current view.
+    ReplaceKey(usize),
+    GoToKey(usize),
+    /// Moves a key of the path to another frame, no farther than its neighbors.
+    MoveKey {
+        index: usize,
+        frame: usize,
+    },
+    /// Pictures from one key of the camera path to the next.
+    PicturesPerLeg(usize),
+    PictureSize([u32; 2]),
+    /// Play the camera path from its beginning, or stop.
+    Play(bool),
+    /// Take every key out of the camera path.
+    Clear,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

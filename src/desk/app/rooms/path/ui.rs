@@ -4,7 +4,8 @@ use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
 use crate::app::model::{Command, Commands, SIDES, State, significant};
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::widgets::{empty_ui, icon_button, weak};
 use overlook_engine::plural::counted;
@@ -19,20 +20,20 @@ pub(crate) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
         ui.label(separator);
     }
     if chosen != size {
-        commands.push(Command::PictureSize(chosen));
+        commands.push(Command::Path(PathCommand::PictureSize(chosen)));
     }
 }
 
 const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
 pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let path = &state.inspector.path;
+    let path = &state.doc.path;
     if path.keys.is_empty() {
         let text = "Fly to where the path should begin and add a key; fly on and add the next. The path runs smoothly \
                     through all of them, in space and in time.";
         empty_ui(ui, ICON_MOVIE, "No camera path yet", text, |ui| {
             if ui.button("Add key here (K)").clicked() {
-                commands.push(Command::AddKey);
+                commands.push(Command::Path(PathCommand::AddKey));
             }
             path_file_ui(ui, false, commands);
         });
@@ -71,18 +72,18 @@ const ONE_ROW: f32 = 735.0;
 const TWO_ROWS: f32 = 430.0;
 
 fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
-    let path = &state.inspector.path;
+    let path = &state.doc.path;
     let ready = path.pictures() > 0;
     match part {
         PathControls::Keys => {
             if ui.button("Add key here (K)").clicked() {
-                commands.push(Command::AddKey);
+                commands.push(Command::Path(PathCommand::AddKey));
             }
             let is_playing = path.playing.is_some();
             let (icon, name) =
                 if is_playing { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
             if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
-                commands.push(Command::PlayPath(!is_playing));
+                commands.push(Command::Path(PathCommand::Play(!is_playing)));
             }
             let seconds = path.pictures() as f64 / f64::from(state.timeline.frames_per_second);
             let length = if ready { format!(", {} s", significant(seconds)) } else { String::new() };
@@ -93,7 +94,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             let mut pictures = path.pictures_per_leg;
             let drag = DragValue::new(&mut pictures).range(1..=2000);
             if ui.add(drag).accessible_name("Frames per segment").changed() {
-                commands.push(Command::PicturesPerLeg(pictures));
+                commands.push(Command::Path(PathCommand::PicturesPerLeg(pictures)));
             }
         }
         PathControls::Size => {
@@ -113,11 +114,11 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
 fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
     ui.menu_button("Path file…", |ui| {
         for (name, needs_path, command) in [
-            ("Save camera path…", true, Command::AskPath(Purpose::SavePath)),
-            ("Save camera path to path…", true, Command::TypePath(Purpose::SavePath)),
-            ("Open camera path…", false, Command::AskPath(Purpose::LoadPath)),
-            ("Open camera path from path…", false, Command::TypePath(Purpose::LoadPath)),
-            ("Remove all keys", true, Command::ClearPath),
+            ("Save camera path…", true, Command::File(FileCommand::AskPath(Purpose::SavePath))),
+            ("Save camera path to path…", true, Command::File(FileCommand::TypePath(Purpose::SavePath))),
+            ("Open camera path…", false, Command::File(FileCommand::AskPath(Purpose::LoadPath))),
+            ("Open camera path from path…", false, Command::File(FileCommand::TypePath(Purpose::LoadPath))),
+            ("Remove all keys", true, Command::Path(PathCommand::Clear)),
         ] {
             let button = ui.add_enabled(ready || !needs_path, egui::Button::new(name));
             if button.on_hover_text(PATH_FILE).clicked() {
@@ -135,7 +136,7 @@ const PATH_FILE: &str = "A transforms.json of every picture of the path with its
 const ROOMY: f32 = 390.0;
 
 fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let keys = &state.inspector.path.keys;
+    let keys = &state.doc.path.keys;
     let is_roomy = ui.available_width() > ROOMY;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
@@ -145,7 +146,7 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 let place = format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z);
                 let help = format!("Go to this key, at {place}");
                 if ui.button(format!("Key {number}")).on_hover_text(help).clicked() {
-                    commands.push(Command::GoToKey(index));
+                    commands.push(Command::Path(PathCommand::GoToKey(index)));
                 }
                 if is_roomy {
                     ui.label(RichText::new(place).monospace());
@@ -154,11 +155,11 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 ui.horizontal(|ui| {
                     let here = format!("Set key {number} to the current view");
                     if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
-                        commands.push(Command::ReplaceKey(index));
+                        commands.push(Command::Path(PathCommand::ReplaceKey(index)));
                     }
                     let remove = format!("Remove key {number}");
                     if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
-                        commands.push(Command::RemoveKey(index));
+                        commands.push(Command::Path(PathCommand::RemoveKey(index)));
                     }
                 });
                 ui.end_row();

@@ -6,11 +6,12 @@ use egui_material_icons::icons::{
     ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING, ICON_TABLE_VIEW,
 };
 
-use super::model::Probed;
-use super::model::verdict_text as words;
+use super::model::{Probed, verdict_text as words};
 use crate::app::camera_chips::chips;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::cameras::model::CameraText;
+use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::report::model::{Table, TableForm};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
@@ -55,9 +56,9 @@ const COLUMNS: [(&str, f32, &str); 9] = [
 ];
 
 pub(crate) fn pixel_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let shown = state.scene.as_ref().zip(state.inspector.probe.shown.as_ref());
+    let shown = state.doc.scene.as_ref().zip(state.doc.probe.shown.as_ref());
     let Some((scene, probed)) = shown else {
-        let text = if state.inspector.probe.spot.is_some() {
+        let text = if state.doc.probe.spot.is_some() {
             "No verdict here: the spot is a hole, filled or not, or its verdict is still being computed."
         } else {
             "Point at a pixel in the source or the live view. Click to pin it; every camera then says what it \
@@ -103,7 +104,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         }
     } else {
         let text = if state.has_capture() {
-            words::pending_verdict(state, state.inspector.probe.pinned)
+            words::pending_verdict(state, state.doc.probe.pinned)
         } else {
             "A kept sample. The store does not record its witnesses; open its capture for them."
         };
@@ -130,7 +131,7 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     let name = scene.cameras.get(probed.camera).map_or("", |camera| &camera.name);
     // Buttons first: the name gets what is left.
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let pinned = state.inspector.probe.pinned;
+        let pinned = state.doc.probe.pinned;
         let (pin, pin_name) = if pinned { (ICON_KEEP_OFF, "Unpin pixel") } else { (ICON_KEEP, "Pin pixel") };
         let pin_help = "A pinned pixel stays selected while the pointer moves on (click a pixel, or P)";
         for (icon, name, help, command) in [
@@ -138,7 +139,7 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
                 ICON_CONTENT_COPY,
                 "Copy explanation",
                 "Copy all of this as text (Ctrl+Shift+C)",
-                Command::CopyExplanation,
+                Command::Pixel(PixelCommand::CopyExplanation),
             ),
             (
                 ICON_TABLE_VIEW,
@@ -146,7 +147,7 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
                 "Copy the table as CSV",
                 Command::CopyTable(Table::Pixel, TableForm::Csv),
             ),
-            (pin, pin_name, pin_help, Command::Pin(!pinned)),
+            (pin, pin_name, pin_help, Command::Pixel(PixelCommand::Pin(!pinned))),
         ] {
             if icon_button(ui, icon, name, help).clicked() {
                 commands.push(command);
@@ -323,9 +324,9 @@ fn name_ui(ui: &mut Ui, scene: &OpenScene, row: &CameraEvidence, wins: bool, com
     let response = ui.add(button).on_hover_text(help).accessible_name(format!("Go to the point in {name}"));
     if response.clicked() {
         if ui.input(|input| input.modifiers.shift) {
-            commands.push(Command::JumpTo(row.camera));
+            commands.push(Command::View(ViewCommand::JumpTo(row.camera)));
         } else {
-            commands.push(Command::ShowPointIn(row.camera));
+            commands.push(Command::Pixel(PixelCommand::ShowPointIn(row.camera)));
         }
     }
 }

@@ -5,37 +5,35 @@ use std::sync::Arc;
 
 use egui::TextureOptions;
 
-use super::model::{ReadingImages, ShownReadings};
+use super::model::{ReadingCommand, ReadingImages, ShownReadings};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model;
-use crate::app::model::{Command, SceneSource};
+use crate::app::model::SceneSource;
 use crate::app::rooms::frame::model::{NoticeKind, NoticeLink};
 use crate::app::work::OpenRequest;
 use overlook_engine::capture::conventions::Finding;
 
 impl OverlookApp {
-    /// Carries out what concerns readings; gives back what does not.
-    pub(crate) fn apply_to_readings(&mut self, command: Command) -> Option<Command> {
+    /// Carries out what concerns readings.
+    pub(crate) fn apply_to_readings(&mut self, command: ReadingCommand) {
         match command {
-            Command::CompareReadings(open) => {
+            ReadingCommand::Compare(open) => {
                 let is_possible = self.state.why_no_readings().is_none();
-                self.state.inspector.readings.is_open = open && is_possible;
+                self.state.doc.readings.is_open = open && is_possible;
             }
-            Command::CopyKeys => {
-                self.ctx.copy_text(self.state.inspector.readings.keys());
+            ReadingCommand::CopyKeys => {
+                self.ctx.copy_text(self.state.doc.readings.keys());
                 let text = "Paste them into the manifest, before \"frames\".";
                 self.state.notify(NoticeKind::Done, "Keys copied", text);
             }
-            other => return Some(other),
         }
-        None
     }
 
     /// Opens the scene again, under the other reading or under the one of its files.
     pub(crate) fn open_reading(&mut self, otherwise: bool) {
-        let Some(scene) = &self.state.scene else { return };
+        let Some(scene) = &self.state.doc.scene else { return };
         let SceneSource::Path(path) = &scene.origin else { return };
-        let readings = &mut self.state.inspector.readings;
+        let readings = &mut self.state.doc.readings;
         let keys = match readings.alternative() {
             Some(other) if otherwise => other.keys.clone(),
             _ => Vec::new(),
@@ -53,9 +51,9 @@ impl OverlookApp {
 
     /// Takes in the finding about the agreement between views. It changes no reading.
     pub(crate) fn readings_checked(&mut self, finding: Result<Arc<Finding>, String>) {
-        let readings = &mut self.state.inspector.readings;
+        let readings = &mut self.state.doc.readings;
         // A capture opened under the other reading keeps the keys of its files.
-        let is_reread = self.state.scene.as_ref().is_some_and(|scene| scene.is_reread);
+        let is_reread = self.state.doc.scene.as_ref().is_some_and(|scene| scene.is_reread);
         if readings.alternative().is_some() || is_reread {
             return;
         }
@@ -72,7 +70,7 @@ impl OverlookApp {
 
     /// Takes in the pictures of both readings.
     pub(crate) fn readings_shown(&mut self, images: Result<ReadingImages, String>) {
-        let readings = &mut self.state.inspector.readings;
+        let readings = &mut self.state.doc.readings;
         match images {
             Ok(ReadingImages { camera, images, votes }) => {
                 let texture = |image| self.ctx.load_texture("reading", image, TextureOptions::LINEAR);

@@ -4,6 +4,8 @@ use egui::{Button, Id, Label, Modal, RichText, Ui, Vec2};
 
 use super::model::{ReadingCheck, ShownReadings};
 use crate::app::model::{Command, Commands, OpenScene, State};
+use crate::app::rooms::files::model::{FileCommand, Opening};
+use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, picture, waiting, weak};
 use overlook_engine::capture::conventions::{Alternative, Finding, LensReading, Reading};
@@ -20,8 +22,9 @@ const EXPLAINED: &str = "Every pixel of depth is reprojected from each camera in
 
 /// The dialog, while it is open.
 pub(crate) fn readings_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    let readings = &state.inspector.readings;
-    let (Some(finding), Some(other), Some(scene)) = (&readings.finding, readings.alternative(), &state.scene)
+    let readings = &state.doc.readings;
+    let (Some(finding), Some(other), Some(scene)) =
+        (&readings.finding, readings.alternative(), &state.doc.scene)
     else {
         return;
     };
@@ -41,7 +44,7 @@ pub(crate) fn readings_ui(ctx: &egui::Context, state: &State, commands: &mut Com
         buttons_ui(ui, scene, other.can_be_written(&finding.claimed), commands);
     });
     if modal.should_close() {
-        commands.push(Command::CompareReadings(false));
+        commands.push(Command::Reading(ReadingCommand::Compare(false)));
     }
 }
 
@@ -160,13 +163,13 @@ fn buttons_ui(ui: &mut Ui, scene: &OpenScene, can_be_written: bool, commands: &m
         let help = "Opens the capture again; its files stay as they are.";
         let open = ui.add_enabled(can_be_written, Button::new(name)).on_hover_text(help);
         if open.on_disabled_hover_text("No key of a manifest can express this reading.").clicked() {
-            commands.push(Command::OpenReading(otherwise));
+            commands.push(Command::File(FileCommand::Open(Opening::Reading(otherwise))));
         }
         if ui.add_enabled(can_be_written, Button::new("Copy keys")).clicked() {
-            commands.push(Command::CopyKeys);
+            commands.push(Command::Reading(ReadingCommand::CopyKeys));
         }
         if ui.button("Close").accessible_name("Close readings").clicked() {
-            commands.push(Command::CompareReadings(false));
+            commands.push(Command::Reading(ReadingCommand::Compare(false)));
         }
     });
 }

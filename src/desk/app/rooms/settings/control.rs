@@ -1,72 +1,74 @@
 //! Carries out what concerns settings: changes, presets, and settings as they were.
 
+use std::path::Path;
 use std::time::Instant;
 
-use super::model::PRESETS;
+use super::model::{PRESETS, SettingsCommand};
 use crate::app::control::overlook_app::OverlookApp;
 
-use crate::app::model::{Command, method_of};
-use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::model::method_of;
+use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::settings::model::keep;
 use overlook_engine::settings::Settings;
 
 impl OverlookApp {
-    /// Carries out what concerns settings; gives back what does not.
-    pub(crate) fn apply_to_settings(&mut self, command: Command) -> Option<Command> {
-        // The last change is taken back first, whatever it was.
-        match command {
-            Command::Undo if self.state.inspector.path.step(true) => return None,
-            Command::Redo if self.state.inspector.path.step(false) => return None,
-            _ => {}
-        }
-        let now = &self.state.settings;
-        let history = &mut self.state.inspector.history;
+    /// Carries out what concerns settings.
+    pub(crate) fn apply_to_settings(&mut self, command: SettingsCommand) {
         let own = &mut self.state.inspector.presets;
         match command {
-            Command::Set { path, value } => self.set(path, value),
-            Command::Reset(path) => {
+            SettingsCommand::Set { path, value } => self.set(path, value),
+            SettingsCommand::Reset(path) => {
                 if let Some(value) = Settings::default().get(path) {
                     self.set(path, value);
                 }
             }
-            Command::ResetAll => self.change_settings(Settings::default()),
-            Command::Undo => {
-                let settings = history.undo(now)?;
+            SettingsCommand::ResetAll => self.change_settings(Settings::default()),
+            SettingsCommand::Switch => {
+                let settings = self.state.inspector.history.switch(&self.state.settings);
                 self.put_settings(settings);
             }
-            Command::Redo => {
-                let settings = history.redo(now)?;
-                self.put_settings(settings);
+            SettingsCommand::Preset(index) => {
+                if let Some((_, _, change)) = PRESETS.get(index) {
+                    let mut settings = Settings::default();
+                    change(&mut settings);
+                    self.take_preset(settings);
+                }
             }
-            Command::SwitchSettings => {
-                let settings = history.switch(now);
-                self.put_settings(settings);
-            }
-            Command::Preset(index) => {
-                let mut settings = Settings::default();
-                let (_, _, change) = PRESETS.get(index)?;
-                change(&mut settings);
-                self.take_preset(settings);
-            }
-            Command::OwnPreset(index) => {
+            SettingsCommand::OwnPreset(index) => {
                 if let Some((_, settings)) = own.get(index).cloned() {
                     self.take_preset(settings);
                 }
             }
-            Command::NamePreset(name) => self.state.inspector.naming = name,
-            Command::SavePreset(name) => {
+            SettingsCommand::NamePreset(name) => self.state.inspector.naming = name,
+            SettingsCommand::SavePreset(name) => {
                 self.state.inspector.naming = None;
                 let shown = self.state.shown_settings();
                 keep(&mut self.state.inspector.presets, name.trim(), &shown);
             }
-            Command::RemovePreset(index) => {
+            SettingsCommand::RemovePreset(index) => {
                 if index < own.len() {
                     own.remove(index);
                 }
             }
-            other => return Some(other),
+            SettingsCommand::Take(settings) => self.take_point(*settings),
+            SettingsCommand::Find(path) => {
+                self.state.inspector.find_setting = Some(path);
+                self.dock.open(DockView::Thresholds);
+            }
+            SettingsCommand::Found => self.state.inspector.find_setting = None,
         }
-        None
+    }
+
+    /// Takes back the last change of edits, of the camera path or of settings, whichever it was; or makes it again.
+    pub(crate) fn undo_or_redo(&mut self, undo: bool) {
+        let state = &mut self.state;
+        if state.doc.edits.step(undo) || state.doc.path.step(undo) {
+            return;
+        }
+        let (history, now) = (&mut state.inspector.history, &state.settings);
+        if let Some(settings) = if undo { history.undo(now) } else { history.redo(now) } {
+            self.put_settings(settings);
+        }
     }
 
     fn set(&mut self, path: &'static str, value: toml::Value) {
@@ -87,8 +89,8 @@ impl OverlookApp {
     fn change_settings_by(&mut self, number: Option<&'static str>, settings: Settings) {
         if settings != self.state.settings {
             self.state.inspector.history.record(&self.state.settings, number, Instant::now());
-            self.state.edits.is_latest = false;
-            self.state.inspector.path.changes.is_latest = false;
+            self.state.doc.edits.is_latest = false;
+            self.state.doc.path.changes.is_latest = false;
             self.put_settings(settings);
         }
     }
@@ -96,14 +98,14 @@ impl OverlookApp {
     pub(crate) fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
             self.scheduler.changed_at = Some(Instant::now());
-            self.state.stopped = false;
-            self.state.failed_frame = None;
+            self.state.doc.stopped = false;
+            self.state.doc.failed_frame = None;
         }
         if settings.render != self.state.settings.render {
             // It was that of pictures painted otherwise.
-            self.state.accuracy = None;
+            self.state.doc.accuracy = None;
         }
-        if self.state.accuracy.is_none() {
+        if self.state.doc.accuracy.is_none() {
             self.scheduler.measure = None;
         }
         self.state.settings = settings;
@@ -115,5 +117,16 @@ impl OverlookApp {
         let mut settings = Settings { capture: now.capture.clone(), ..preset };
         settings.render.backend = now.render.backend;
         self.change_settings(settings);
+    }
+
+    /// Takes in settings that were read.
+    pub(crate) fn settings_loaded(&mut self, path: &Path, settings: Settings) {
+        self.change_settings(settings);
+        let text = if self.state.has_thresholds() {
+            path.display().to_string()
+        } else {
+            "Rendering settings were applied; the others apply to captures opened from now on.".to_owned()
+        };
+        self.state.notify(NoticeKind::Done, "Settings loaded", text);
     }
 }

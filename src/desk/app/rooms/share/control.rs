@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::model::{FigureOf, FigureOptions, ShareCommand, ShareOutcome};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model;
-use crate::app::model::{Command, StoppableWork, WorkKind};
+use crate::app::model::{StoppableWork, WorkKind};
 use crate::app::rooms::files::control::{no_figure, no_scene};
 use crate::app::rooms::files::model::Purpose;
 use crate::app::rooms::frame::model::{DockView, NoticeKind, and_others};
@@ -19,13 +19,12 @@ use overlook_engine::render::film::FilmSource;
 use overlook_engine::splats::{SplatAmount, SplatOptions};
 
 impl OverlookApp {
-    /// Carries out what concerns the dialog; gives back what does not.
-    pub(crate) fn apply_to_share(&mut self, command: Command) -> Option<Command> {
-        let Command::Share(command) = command else { return Some(command) };
+    /// Carries out what concerns the dialog.
+    pub(crate) fn apply_to_share(&mut self, command: ShareCommand) {
         let share = &mut self.state.share;
         match command {
             ShareCommand::Open(way) => {
-                share.is_open = self.state.scene.is_some();
+                share.is_open = self.state.doc.scene.is_some();
                 share.options.way = way.unwrap_or(share.options.way);
                 share.outcome = None;
                 // Of what lies below nothing keeps the keyboard.
@@ -33,8 +32,8 @@ impl OverlookApp {
                 self.ctx.memory_mut(|memory| below.into_iter().for_each(|id| memory.surrender_focus(id)));
                 // Sizes are those of the frame that is shown.
                 self.state.timeline.playing = false;
-                self.state.inspector.path.playing = None;
-                if self.state.scene.is_none() {
+                self.state.doc.path.playing = None;
+                if self.state.doc.scene.is_none() {
                     self.state.warn_of_scene("Nothing to share yet", "Open a capture or a store first.");
                 }
             }
@@ -56,7 +55,6 @@ impl OverlookApp {
             }
             ShareCommand::ShowInFolder(path) => self.workers.show_in_folder.submit(path),
         }
-        None
     }
 
     /// Notes where something is written that the dialog was asked for.
@@ -72,7 +70,7 @@ impl OverlookApp {
         let Some(samples) = self.state.whole_samples().cloned() else { return };
         let Some(what) = self.exported_as(purpose) else { return };
         let edited = self.state.edited_samples().cloned();
-        let playback = self.state.scene.as_ref().and_then(|scene| scene.playback().cloned());
+        let playback = self.state.doc.scene.as_ref().and_then(|scene| scene.playback().cloned());
         let playback = playback.filter(|_| edited.is_none());
         let samples = edited.unwrap_or(samples);
         let source = playback.map_or_else(
@@ -122,11 +120,11 @@ impl OverlookApp {
     fn figure(&self, of: FigureOf) -> Option<(FigureExport, FilmSource)> {
         let state = &self.state;
         let options = FigureOptions { unit: state.live.unit, ..state.share.options.figure.clone() };
-        let scene = state.scene.as_ref()?;
+        let scene = state.doc.scene.as_ref()?;
         let figure = match of {
             FigureOf::Live => {
                 let [shown, size] = [state.live.size, state.figure_size()];
-                let key = &state.live_shown.as_ref()?.key;
+                let key = &state.doc.live_shown.as_ref()?.key;
                 let key = LiveKey {
                     vantage: Vantage { camera: state.live_camera(size)?, frame: state.timeline.frame },
                     settings: state.settings.render.clone(),
@@ -139,7 +137,7 @@ impl OverlookApp {
                 FigureExport::Live { key: Box::new(key), options }
             }
             FigureOf::Source => {
-                let key = state.source_shown.as_ref()?.key.clone();
+                let key = state.doc.source_shown.as_ref()?.key.clone();
                 FigureExport::Source { scene: scene.clone(), key, options }
             }
         };
@@ -190,7 +188,7 @@ impl OverlookApp {
 
     /// The camera path as a page follows it: a pose for each frame.
     fn page_path(&self) -> Option<PagePath> {
-        let path = &self.state.inspector.path;
+        let path = &self.state.doc.path;
         let vantages = path.vantage_of_each_frame(self.state.export_size(), self.state.frame_count());
         let first = vantages.first()?;
         Some(PagePath {

@@ -58,6 +58,16 @@ impl ShownRate {
 }
 
 impl Timeline {
+    /// At the start of another scene, passing as before.
+    pub(crate) fn at_start(&self) -> Self {
+        Self {
+            plays_once_open: self.plays_once_open,
+            frames_per_second: self.frames_per_second,
+            ping_pong: self.ping_pong,
+            ..Self::default()
+        }
+    }
+
     /// First and last frame of what is played, of `frames` frames, one at least.
     pub(crate) fn played(&self, frames: usize) -> [usize; 2] {
         let last = frames.saturating_sub(1);
@@ -110,6 +120,24 @@ impl Timeline {
             (None, None) => [now_first, now_last],
         }
     }
+}
+
+/// What concerns time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum TimeCommand {
+    Frame(usize),
+    /// Step forward or back, around the ends.
+    Step(i64),
+    TogglePlay,
+    FramesPerSecond(f32),
+    /// First and last frame of what is played; all frames by `None`.
+    LoopRange(Option<[usize; 2]>),
+    /// Whether playback turns back at either end.
+    PingPong(bool),
+    /// Mark this frame, or take its marker away.
+    ToggleMarker,
+    /// Go to the next marker (true), or to the one before.
+    ToMarker(bool),
 }
 
 #[cfg(test)]

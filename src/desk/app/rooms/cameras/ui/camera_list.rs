@@ -5,6 +5,7 @@ use egui_material_icons::icons::{ICON_VISIBILITY, ICON_VISIBILITY_OFF};
 
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::source::model::SourceCommand;
 use crate::app::widgets::{dot, icon_button, note};
 
 /// Height of an entry, points.
@@ -15,7 +16,7 @@ const MANY: usize = 8;
 
 /// The list, with a field that filters it.
 pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(scene) = &state.scene else { return };
+    let Some(scene) = &state.doc.scene else { return };
     let cameras = &state.live.cameras;
     ui.horizontal(|ui| {
         for (name, on) in [("All on", true), ("All off", false)] {
@@ -65,8 +66,8 @@ fn row_ui(ui: &mut Ui, state: &State, index: usize, name: &str, commands: &mut C
     let label = ui.selectable_label(chosen, name).accessible_name(format!("Camera {name}"));
     let label = label.on_hover_text("Click: show its picture. Double-click: view from it.");
     if label.double_clicked() {
-        commands.push(Command::JumpTo(index));
+        commands.push(Command::View(ViewCommand::JumpTo(index)));
     } else if label.clicked() {
-        commands.push(Command::SourceCamera(index));
+        commands.push(Command::Source(SourceCommand::Camera(index)));
     }
 }

@@ -10,6 +10,7 @@ use super::overlays::frustum;
 use crate::app::camera_cues;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::source::model::SourceCommand;
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
 
@@ -182,7 +183,7 @@ pub(crate) fn draw(
 fn draw_camera(painter: &Painter, state: &State, camera: &ProjectedCamera<'_>, is_pointed_at: bool) {
     let is_on = state.live.cameras.shows(camera.index);
     let strength = camera.presence * if is_on || is_pointed_at { 1.0 } else { 0.3 };
-    let texture = state.inspector.thumbs.get(camera.index).filter(|_| state.live.guides.pictures && is_on);
+    let texture = state.doc.thumbs.get(camera.index).filter(|_| state.live.guides.pictures && is_on);
     if let (Some(texture), Some(picture)) = (texture, &camera.picture) {
         let tint = Color32::WHITE.gamma_multiply(strength);
         painter.add(Shape::mesh(patches(picture, texture.id(), tint)));
@@ -228,15 +229,16 @@ pub(crate) fn answer(
     menu(ui, response, state, pointed_at, commands);
     let Some(camera) = pointed_at.filter(|_| !response.dragged()) else { return false };
     ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
-    let name = state.scene.as_ref().and_then(|scene| scene.cameras.get(camera)).map(|camera| &camera.name);
+    let name =
+        state.doc.scene.as_ref().and_then(|scene| scene.cameras.get(camera)).map(|camera| &camera.name);
     if let Some(name) = name {
         let help = format!("{name}\nClick: show its picture. Double-click: view from it. Right-click: more.");
         response.clone().on_hover_text_at_pointer(help);
     }
     if response.double_clicked() {
-        commands.push(Command::JumpTo(camera));
+        commands.push(Command::View(ViewCommand::JumpTo(camera)));
     } else if response.clicked() {
-        commands.push(Command::SourceCamera(camera));
+        commands.push(Command::Source(SourceCommand::Camera(camera)));
     }
     true
 }
@@ -259,8 +261,8 @@ pub(crate) fn menu(
         let is_solo = cameras.solo == Some(camera);
         let shows = cameras.shows(camera);
         for (name, command) in [
-            ("View from it", Command::JumpTo(camera)),
-            ("Show its picture", Command::SourceCamera(camera)),
+            ("View from it", Command::View(ViewCommand::JumpTo(camera))),
+            ("Show its picture", Command::Source(SourceCommand::Camera(camera))),
             (
                 if is_solo { "All cameras again" } else { "Its samples alone" },
                 Command::View(ViewCommand::Solo((!is_solo).then_some(camera))),

@@ -4,20 +4,20 @@ use egui::text::{LayoutJob, TextWrapping};
 use egui::{Painter, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
-use crate::app::camera_cues;
-use crate::app::model;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::cameras::ui::{overlay as cameras_overlay, overlays};
+use crate::app::rooms::live::model::ViewCommand;
 use crate::app::rooms::pixel::model::verdict_text as words;
+use crate::app::rooms::source::model::SourceCommand;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets;
 use crate::app::widgets::{empty_ui, waiting};
+use crate::app::{camera_cues, model, widgets};
 
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
 
 pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(scene) = &state.scene else { return };
+    let Some(scene) = &state.doc.scene else { return };
     if !state.has_capture() {
         let text = "A store keeps only what was not redundant; there are no source pictures in it.";
         empty_ui(ui, ICON_PHOTO_LIBRARY, "No pictures to show", text, |_| {});
@@ -52,7 +52,7 @@ pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
 /// Cameras in the order of the capture; while a pixel is selected, those that see its point come first.
 fn order(state: &State, scene: &OpenScene) -> Vec<usize> {
     let mut order: Vec<usize> = (0..scene.cameras.len()).collect();
-    let probed = state.inspector.probe.shown.as_ref().filter(|_| state.inspector.probe.pinned);
+    let probed = state.doc.probe.shown.as_ref().filter(|_| state.doc.probe.pinned);
     if let Some(explanation) = probed.and_then(|probed| probed.explanation.as_ref()) {
         let places = words::ordered(&explanation.evidence, explanation.winner);
         let rank = |camera: &usize| {
@@ -98,10 +98,10 @@ fn card_ui(
         egui::WidgetInfo::selected(egui::Role::Button, true, selected, format!("Camera {}", camera.name))
     });
     if response.clicked() {
-        commands.push(Command::SourceCamera(index));
+        commands.push(Command::Source(SourceCommand::Camera(index)));
     }
     if response.double_clicked() {
-        commands.push(Command::JumpTo(index));
+        commands.push(Command::View(ViewCommand::JumpTo(index)));
     }
     cameras_overlay::menu(ui, &response, state, Some(index), commands);
     response.on_hover_ui(|ui| {
@@ -115,7 +115,7 @@ fn card_ui(
 
 fn thumbnail_ui(ui: &Ui, painter: &Painter, picture: Rect, state: &State, index: usize) {
     painter.rect_filled(picture, 4.0, Tokens::in_ui(ui).canvas);
-    if let Some(texture) = state.inspector.thumbs.get(index) {
+    if let Some(texture) = state.doc.thumbs.get(index) {
         widgets::picture(painter, texture.id(), picture);
     } else {
         waiting(ui, picture, 18.0);
@@ -124,7 +124,7 @@ fn thumbnail_ui(ui: &Ui, painter: &Painter, picture: Rect, state: &State, index:
 
 /// Marks the selected point in a camera's thumbnail.
 fn mark_probe(ui: &Ui, painter: &Painter, picture: Rect, state: &State, scene: &OpenScene, index: usize) {
-    let probe = &state.inspector.probe;
+    let probe = &state.doc.probe;
     let probed = probe.shown.as_ref();
     let Some((at, sees)) = probed.and_then(|probed| probed.in_camera(&scene.cameras, index)) else { return };
     let (columns, rows) = scene.cameras[index].intrinsics.size();
@@ -152,7 +152,7 @@ fn caption_ui(ui: &Ui, painter: &Painter, picture: Rect, index: usize, lines: [S
 
 /// What a camera sees of the selected point; `None` while no point is explained.
 fn probed_words(state: &State, index: usize) -> Option<&'static str> {
-    let explanation = state.inspector.probe.shown.as_ref()?.explanation.as_ref()?;
+    let explanation = state.doc.probe.shown.as_ref()?.explanation.as_ref()?;
     let row = explanation.evidence.iter().find(|row| row.camera == index)?;
     Some(words::sees(row).0)
 }
@@ -162,7 +162,7 @@ fn name_words(name: &str, sees: Option<&str>) -> String {
 }
 
 fn kept_words(state: &State, index: usize) -> String {
-    let inspected = state.inspected.as_ref().filter(|_| state.inspection_here().is_some());
+    let inspected = state.doc.inspected.as_ref().filter(|_| state.inspection_here().is_some());
     let Some(inspected) = inspected else { return "…".to_owned() };
     let pixels = inspected.inspection.cameras[index].verdict.len() as u64;
     format!("{} kept", model::percent(inspected.kept[index], pixels))

@@ -12,19 +12,6 @@ use overlook_lab::chart::Scale;
 use overlook_lab::stress::{Disturbance, StressPoint};
 use overlook_lab::sweep::{self, Point, Series};
 
-/// What can be done with charts beside measuring.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum ChartCommand {
-    /// Ask what to measure and for how long; close the question by `None`.
-    Ask(Option<Study>),
-    /// Choose what to measure.
-    Choose(Study, Box<StudyChoice>),
-    /// Leave a series of a chart out, by its name, or show it again.
-    Toggle(Study, String),
-    /// How the sizes of disturbances are spread.
-    DialScale(Scale),
-}
-
 /// The question what to measure.
 pub(crate) struct StudyQuestion {
     pub study: Study,
@@ -104,10 +91,10 @@ impl Default for Charts {
 }
 
 impl Charts {
-    /// Forgets what belongs to a scene; how charts look and what is chosen to be measured stays.
-    pub(crate) fn close_scene(&mut self) {
-        let Self { axes, dial_scale, hidden, choices, .. } = std::mem::take(self);
-        *self = Self { axes, dial_scale, hidden, choices, ..Self::default() };
+    /// Those of another scene: how they look and what is chosen to be measured stays.
+    pub(crate) fn at_scene(self) -> Self {
+        let Self { axes, dial_scale, hidden, choices, .. } = self;
+        Self { axes, dial_scale, hidden, choices, ..Self::default() }
     }
 
     /// Adds a point of the sweep; `known` are known then, of how many.

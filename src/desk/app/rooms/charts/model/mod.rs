@@ -2,10 +2,10 @@
 
 pub(crate) mod axis;
 pub(crate) mod charts;
+pub(crate) mod command;
 pub(crate) mod study;
 
 pub(crate) use axis::{Quantity, ShownAxis, TICKS, coordinate, place};
-pub(crate) use charts::{
-    ChartCommand, Charts, StudyQuestion, method_name, point_name, series_name, settings_alone,
-};
+pub(crate) use charts::{Charts, StudyQuestion, method_name, point_name, series_name, settings_alone};
+pub(crate) use command::ChartCommand;
 pub(crate) use study::{Study, StudyChoice, to_measure};

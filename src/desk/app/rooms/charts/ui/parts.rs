@@ -139,7 +139,7 @@ pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2
 
 /// The button that asks what to measure, and the one that resumes a stopped run.
 pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Commands) {
-    let charts = &state.inspector.charts;
+    let charts = &state.doc.charts;
     let ask = Command::Chart(ChartCommand::Ask(Some(study)));
     let (name, help) = match study {
         Study::Sweep => ("Run a sweep…", "Measures around the settings on the sliders."),
@@ -147,7 +147,14 @@ pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &
     };
     let mut buttons = vec![(name, help, ask)];
     if charts.goes_on(study, &state.settings) {
-        buttons.insert(0, ("Resume", "Measures what is left, as long as was chosen.", Command::Study(study)));
+        buttons.insert(
+            0,
+            (
+                "Resume",
+                "Measures what is left, as long as was chosen.",
+                Command::Chart(ChartCommand::Study(study)),
+            ),
+        );
     }
     for (name, help, command) in buttons {
         let button = egui::Button::new(name).wrap_mode(TextWrapMode::Extend);
@@ -168,7 +175,7 @@ pub(crate) fn no_points_ui(
     text: &str,
     commands: &mut Commands,
 ) {
-    if state.inspector.charts.under_way() == Some(study) {
+    if state.doc.charts.under_way() == Some(study) {
         let text = "Points appear one by one, as they are measured.";
         empty_ui(ui, icon, "Measuring the first setting…", text, |ui| {
             ui.add(egui::Spinner::new().size(22.0));

@@ -37,7 +37,7 @@ const MINUTES: [(u64, &str, &str); 5] = [
 
 /// The dialog, while it is open.
 pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    let charts = &state.inspector.charts;
+    let charts = &state.doc.charts;
     let Some(question) = &charts.question else { return };
     let study = question.study;
     let mut choice = charts.choice(study).clone();
@@ -61,7 +61,7 @@ pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Com
             let measure = Button::new(words).fill(Tokens::in_ui(ui).accent);
             let measure = ui.add_enabled(question.measurements > 0, measure).accessible_name("Measure");
             if measure.clicked() {
-                commands.push(Command::Study(study));
+                commands.push(Command::Chart(ChartCommand::Study(study)));
             }
             if ui.button("Cancel").accessible_name("Measure nothing").clicked() {
                 commands.push(Command::Chart(ChartCommand::Ask(None)));

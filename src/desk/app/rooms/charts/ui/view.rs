@@ -18,7 +18,7 @@ use crate::app::rooms::charts::model::{
     series_name, settings_alone,
 };
 use crate::app::rooms::report::model::Table;
-use crate::app::rooms::settings::model::setting_names;
+use crate::app::rooms::settings::model::{SettingsCommand, setting_names};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{choice_ui, one_line, table_buttons_ui, weak};
 use overlook_engine::plural::{counted, either};
@@ -32,7 +32,7 @@ const FRONT: &str = "Pareto front";
 const CURRENT: &str = "current";
 
 pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let charts = &state.inspector.charts;
+    let charts = &state.doc.charts;
     if charts.sweep.is_empty() {
         let text = "A sweep tries many settings and other methods on this capture, and draws what each costs and how close \
                     it comes to the truth. Points appear one by one; a click on one applies its settings.";
@@ -86,7 +86,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     plot.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
     if let Some((point, _)) = plot.inner.and_then(|index| placed.get(index)) {
         if let Some(settings) = settings_alone(point).filter(|_| plot.response.clicked()) {
-            commands.push(Command::TakeSettings(Box::new(settings.clone())));
+            commands.push(Command::Settings(SettingsCommand::Take(Box::new(settings.clone()))));
         }
         plot.response.on_hover_text_at_pointer(words(point, axes.map(|axis| axis.quantity)));
     }
@@ -102,7 +102,7 @@ fn kernel_name(kernel: Kernel) -> String {
 
 /// What is along and up, and the button that measures.
 fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let axes = state.inspector.charts.axes();
+    let axes = state.doc.charts.axes();
     ui.horizontal_wrapped(|ui| {
         let quantities = Quantity::ALL.map(|(of, name, _)| (of, name, ""));
         for (index, caption, name) in [(0, "X axis:", "X axis"), (1, "Y axis:", "Y axis")] {
@@ -113,7 +113,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if let Some(axis) = other.or(switched.map(|scale| ShownAxis { quantity, scale })) {
                 let mut axes = axes;
                 axes[index] = axis;
-                commands.push(Command::ChartAxes(axes));
+                commands.push(Command::Chart(ChartCommand::Axes(axes)));
             }
         }
         study_button(ui, state, Study::Sweep, commands);
@@ -178,7 +178,7 @@ fn around(values: impl Iterator<Item = f64>, scale: Scale) -> Option<[f64; 2]> {
 }
 
 pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let charts = &state.inspector.charts;
+    let charts = &state.doc.charts;
     let names = distinct(charts.stress.iter().map(|point| point.disturbance.as_str()));
     let Some(first) = names.first() else {
         let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \
@@ -196,7 +196,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
             .collect();
         let now = names.iter().position(|name| *name == chosen).unwrap_or(0);
         if let Some(index) = choice_ui(ui, "Disturbance", now, &choices, 150.0) {
-            commands.push(Command::Disturbance(names[index].to_owned()));
+            commands.push(Command::Chart(ChartCommand::Disturbance(names[index].to_owned())));
         }
         if let Some(scale) = scale_ui(ui, "Disturbance axis", charts.dial_scale) {
             commands.push(Command::Chart(ChartCommand::DialScale(scale)));

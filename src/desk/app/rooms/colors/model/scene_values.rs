@@ -1,7 +1,7 @@
 //! The scalar values of what is open.
 
-use crate::app::model::document::State;
 use crate::app::model::scene::Content;
+use crate::app::model::state::State;
 use overlook_engine::capture::ValueChannel;
 
 impl State {

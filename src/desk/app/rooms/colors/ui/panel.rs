@@ -18,8 +18,8 @@ const HEIGHT: f32 = 72.0;
 pub(crate) fn color_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let mut display = state.display;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        let live = state.live_shown.as_ref().and_then(|shown| shown.picture.histogram.as_ref());
-        let source = state.source_shown.as_ref().and_then(|shown| shown.picture.histogram.as_ref());
+        let live = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.histogram.as_ref());
+        let source = state.doc.source_shown.as_ref().and_then(|shown| shown.picture.histogram.as_ref());
         histogram_ui(ui, "Live view", live, "It is counted once the view rests and shows its picture.");
         if state.has_capture() {
             histogram_ui(ui, "Source", source, "It is counted where the source shows its picture.");

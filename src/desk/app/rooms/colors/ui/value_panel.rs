@@ -5,7 +5,7 @@ use egui::{DragValue, RichText, Ui};
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::colors::model::{ValueLook, titled_value};
-use crate::app::rooms::live::model::ColorBy;
+use crate::app::rooms::live::model::{ColorBy, ViewCommand};
 use crate::app::theme::Tokens;
 use crate::app::widgets::{choice_ui, note, segments_ui};
 use overlook_engine::capture::ValueChannel;
@@ -34,7 +34,7 @@ pub(crate) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
         }
         let shown = state.live.color_by == ColorBy::Value;
         if !shown && ui.button("Show").on_hover_text("Color the live view by it.").clicked() {
-            commands.push(Command::ColorBy(ColorBy::Value));
+            commands.push(Command::View(ViewCommand::ColorBy(ColorBy::Value)));
         }
     });
     let maps: Vec<_> =

@@ -1,9 +1,12 @@
 //! What is known: plain data.
 
+pub(crate) mod command;
 pub(crate) mod comparison;
 pub(crate) mod key;
+pub(crate) mod sides;
 pub(crate) mod vantage;
 
+pub(crate) use command::CompareCommand;
 pub(crate) use comparison::{
     CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareMode, CompareSide, DisplayColors,
     PictureDifference, ShownComparison,

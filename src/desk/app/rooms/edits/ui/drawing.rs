@@ -51,7 +51,7 @@ fn combine_now(ui: &Ui, state: &State) -> Combine {
         (true, false) => Combine::Add,
         (false, true) => Combine::Subtract,
         (true, true) => Combine::Intersect,
-        (false, false) => state.edits.combine,
+        (false, false) => state.doc.edits.combine,
     }
 }
 
@@ -102,8 +102,8 @@ pub(crate) fn drawing_ui(
     place: &PicturePlace,
     state: &State,
 ) -> Option<Drawn> {
-    let tool = state.edits.tool?;
-    let radius = state.edits.radius;
+    let tool = state.doc.edits.tool?;
+    let radius = state.doc.edits.radius;
     if response.hovered() {
         ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
     }
@@ -197,14 +197,14 @@ pub(crate) fn drawn_areas(painter: &Painter, place: &PicturePlace, camera: &str,
     let painter = painter.with_clip_rect(place.shown);
     let mark = Tokens::of(state.dark).mark;
     let number = state.frame_number();
-    for edit in state.edits.list.acting().filter(|edit| edit.action == Action::Delete) {
+    for edit in state.doc.edits.list.acting().filter(|edit| edit.action == Action::Delete) {
         let is_now =
             edit.frames.is_none_or(|[first, last]| number.is_some_and(|at| (first..=last).contains(&at)));
         if is_now && matches!(edit.region, Region::Pixels { frame: None, .. }) {
             area_shapes(&painter, place, camera, &edit.region, Color32::from_black_alpha(150));
         }
     }
-    if let Some(selection) = &state.edits.selection {
+    if let Some(selection) = &state.doc.edits.selection {
         area_shapes(&painter, place, camera, selection, mark.gamma_multiply(0.35));
     }
 }

@@ -9,7 +9,7 @@ use super::tools::{cameras_ui, mask_ui, range_ui, select_ui};
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::edits::model::{EditCommand, EditTime, last_shape, words as region_words};
-use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::live::ui::view_panel::heading_ui;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, segments_ui, weak};
@@ -22,7 +22,7 @@ const ASKS_WHOLE: &str = "Edits act on all frames: they are shown once the whole
 
 /// The panel.
 pub(crate) fn edits_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    if state.scene.is_none() {
+    if state.doc.scene.is_none() {
         return;
     }
     let mut sent = Vec::new();
@@ -39,7 +39,7 @@ pub(crate) fn edits_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 /// What is selected, its numbers, and what can be done with it.
 fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
-    let edits = &state.edits;
+    let edits = &state.doc.edits;
     let Some(selection) = &edits.selection else {
         weak(ui, "Nothing is selected.");
         return;
@@ -157,7 +157,7 @@ fn shape_ui(ui: &mut Ui, shape: &mut Region, state: &State) -> bool {
 }
 
 fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &mut Commands) {
-    let edits = &state.edits;
+    let edits = &state.doc.edits;
     heading_ui(ui, "List of edits");
     if edits.list.edits.is_empty() {
         weak(ui, "No edits yet. What is deleted stays in the list, to be switched off or saved.");
@@ -210,7 +210,7 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
         note(ui, ASKS_WHOLE);
     }
     ui.horizontal_wrapped(|ui| {
-        let scene = state.scene.as_ref();
+        let scene = state.doc.scene.as_ref();
         let leave_out = |name: &str| {
             let index = scene.and_then(|scene| scene.cameras.iter().position(|camera| camera.name == name));
             EditCommand::LeaveOut(index.unwrap_or(usize::MAX))
@@ -242,11 +242,11 @@ fn files_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ("Save cleaned store…", SAVES, Purpose::SaveStore),
         ] {
             if ui.button(name).on_hover_text(help).clicked() {
-                commands.push(Command::AskPath(command));
+                commands.push(Command::File(FileCommand::AskPath(command)));
             }
         }
     });
-    if state.has_capture() && !state.edits.list.is_idle() {
+    if state.has_capture() && !state.doc.edits.list.is_idle() {
         weak(
             ui,
             "Saving prunes the capture again: cameras that are left out take no part, and nothing brings deleted things back.",

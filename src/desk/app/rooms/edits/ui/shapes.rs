@@ -80,7 +80,7 @@ pub(crate) fn shape_ui(
     state: &State,
     commands: &mut Commands,
 ) -> bool {
-    let Some(mut selection) = state.edits.selection.clone() else { return false };
+    let Some(mut selection) = state.doc.edits.selection.clone() else { return false };
     let Some(shape) = last_shape(&mut selection) else { return false };
     let size = [canvas.width() as u32, canvas.height() as u32];
     let (Some(frame), Some(vantage)) = (ShapeFrame::of(shape), state.seen_camera(size)) else { return false };

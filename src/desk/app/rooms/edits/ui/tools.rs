@@ -14,9 +14,9 @@ const NEW_SIZE: f64 = 0.15;
 
 /// Where a new shape is put, and how large: at the pinned pixel, else at what the view turns about.
 fn new_place(state: &State) -> ([f64; 3], f64) {
-    let pinned = state.inspector.probe.pinned.then_some(state.inspector.probe.shown.as_ref()).flatten();
+    let pinned = state.doc.probe.pinned.then_some(state.doc.probe.shown.as_ref()).flatten();
     let pinned = pinned.and_then(|probed| probed.point_in_world);
-    let pivot = state.scene.as_ref().map_or(DVec3::ZERO, |scene| scene.pivot_in_world);
+    let pivot = state.doc.scene.as_ref().map_or(DVec3::ZERO, |scene| scene.pivot_in_world);
     let distance = state.live.orbit.as_ref().map_or(1.0, |orbit| orbit.pivot_distance);
     (pinned.unwrap_or(pivot).to_array(), NEW_SIZE * distance)
 }
@@ -24,7 +24,7 @@ fn new_place(state: &State) -> ([f64; 3], f64) {
 pub(crate) fn select_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
     heading_ui(ui, "Select");
     let (center, size) = new_place(state);
-    let edits = &state.edits;
+    let edits = &state.doc.edits;
     ui.horizontal_wrapped(|ui| {
         let shapes = [
             (
@@ -99,7 +99,7 @@ fn evidence_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
         let drag = ui.add(DragValue::new(&mut least).range(1..=64)).accessible_name("Least cameras");
         if drag.changed() {
             ui.data_mut(|data| data.insert_temp(id, least));
-            if matches!(state.edits.selection, Some(Region::ConfirmedByFewerThan(_))) {
+            if matches!(state.doc.edits.selection, Some(Region::ConfirmedByFewerThan(_))) {
                 sent.push(EditCommand::Reshape(Region::ConfirmedByFewerThan(least)));
             }
         }
@@ -121,7 +121,7 @@ fn tool_ui(
     does: &str,
     sent: &mut Vec<EditCommand>,
 ) {
-    let is_on = state.edits.tool == Some(tool);
+    let is_on = state.doc.edits.tool == Some(tool);
     let button = ui.selectable_label(is_on, name).accessible_name(format!("{does} {name}"));
     if button.on_hover_text(format!("{help} ({key})")).clicked() {
         sent.push(EditCommand::Tool((!is_on).then_some(tool)));
@@ -130,12 +130,12 @@ fn tool_ui(
 
 /// How wide the brush is, while there is one.
 fn brush_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
-    if !state.edits.tool.is_some_and(EditTool::has_radius) {
+    if !state.doc.edits.tool.is_some_and(EditTool::has_radius) {
         return;
     }
     ui.horizontal(|ui| {
         ui.label("Radius");
-        let mut radius = state.edits.radius;
+        let mut radius = state.doc.edits.radius;
         let slider = Slider::new(&mut radius, BRUSH_RADII).logarithmic(true).fixed_decimals(0).suffix(" px");
         let slider = ui.add(slider).on_hover_text("Radius of the brush on the screen ([ and ]).");
         if slider.changed() {
@@ -162,9 +162,9 @@ pub(crate) fn mask_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
 
 /// The first and the last frame of a range.
 pub(crate) fn range_ui(ui: &mut Ui, state: &State, what: &str, sent: &mut Vec<EditCommand>) {
-    let numbers = state.scene.as_ref().map_or(&[][..], |scene| &scene.frame_numbers);
+    let numbers = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.frame_numbers);
     let Some((first, last)) = numbers.first().zip(numbers.last()) else { return };
-    let mut range = state.edits.range.unwrap_or([*first, *last]);
+    let mut range = state.doc.edits.range.unwrap_or([*first, *last]);
     let mut changed = false;
     for (at, (before, name)) in range.iter_mut().zip([("frames", "first frame"), ("to", "last frame")]) {
         ui.label(before);
@@ -184,7 +184,7 @@ pub(crate) fn cameras_ui(
     command: impl Fn(&str) -> EditCommand,
     sent: &mut Vec<EditCommand>,
 ) {
-    let Some(scene) = &state.scene else { return };
+    let Some(scene) = &state.doc.scene else { return };
     ui.menu_button(name, |ui| {
         ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
             for camera in &scene.cameras {

@@ -6,6 +6,7 @@ use super::path_names::lasting;
 use crate::address::{self, ViewAddress};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::{Command, OpenScene, SceneSource};
+use crate::app::rooms::files::model::{FileCommand, Opening};
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::live::model::OrbitCamera;
 use overlook_engine::capture::Camera;
@@ -14,7 +15,7 @@ impl OverlookApp {
     /// Copies the address of the view. The view becomes the one that the address says, a trillionth from where it was: whoever opens it
     /// sees the same to the last bit.
     pub(crate) fn copy_address(&mut self) {
-        let (Some(scene), Some(view)) = (self.state.scene.clone(), self.view_address()) else { return };
+        let (Some(scene), Some(view)) = (self.state.doc.scene.clone(), self.view_address()) else { return };
         let place = match &scene.origin {
             SceneSource::Path(path) => path.display().to_string(),
             SceneSource::Demo(_) | SceneSource::Room => String::new(),
@@ -29,7 +30,7 @@ impl OverlookApp {
     /// The address of the view, without the scene's; `None` while nothing is shown.
     pub(crate) fn view_address(&self) -> Option<ViewAddress> {
         let state = &self.state;
-        let (scene, orbit) = (state.scene.as_ref()?, state.live.orbit.as_ref()?);
+        let (scene, orbit) = (state.doc.scene.as_ref()?, state.live.orbit.as_ref()?);
         let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
         let lenses = [orbit.lens, scene.cameras.first()?.intrinsics];
         Some(ViewAddress::of(&orbit.world_from_camera, orbit.pivot_distance, lenses, frame_number))
@@ -43,11 +44,13 @@ impl OverlookApp {
         };
         let path = lasting(PathBuf::from(&place));
         let names_scene = !place.is_empty() && !address::is_page(&place);
-        match self.state.scene.clone() {
+        match self.state.doc.scene.clone() {
             Some(scene) if !names_scene || scene.origin == SceneSource::Path(path) => {
                 self.go_to_view(&scene, &view);
             }
-            _ if names_scene => self.apply(Command::OpenPath(format!("{place}{view}").into())),
+            _ if names_scene => {
+                self.apply(Command::File(FileCommand::Open(Opening::Path(format!("{place}{view}").into()))));
+            }
             _ => {}
         }
     }

@@ -34,7 +34,7 @@ fn endings(purpose: Purpose) -> Option<&'static [&'static str]> {
 
 /// A likely name of a file to write; empty for a path that must exist already.
 pub(crate) fn suggested_name(state: &State, purpose: Purpose) -> String {
-    let name = state.scene.as_ref().map_or("capture", |scene| &scene.name);
+    let name = state.doc.scene.as_ref().map_or("capture", |scene| &scene.name);
     match purpose {
         Purpose::SaveStore => format!("{name}.ovl"),
         Purpose::ExportPage => format!("{name}.html"),

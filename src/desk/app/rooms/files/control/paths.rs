@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::path_names::{lasting, named, other_ending, place, suggested_name, typed_destination};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::{Command, Content, SceneSource, State, WorkKind};
-use crate::app::rooms::files::model::{Destination, Purpose, TypedPath};
+use crate::app::rooms::files::model::{Destination, FileCommand, Opening, Purpose, TypedPath};
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::path::model::NO_KEYS;
 use crate::app::rooms::report::model::{TableForm, table_text};
@@ -21,26 +21,36 @@ const NO_DIALOG: Duration = Duration::from_secs(2);
 const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
 
 impl OverlookApp {
-    /// Carries out commands about a path that is chosen or typed; gives back any other.
-    pub(crate) fn apply_to_typed_path(&mut self, command: Command) -> Option<Command> {
+    /// Carries out what concerns files.
+    pub(crate) fn apply_to_files(&mut self, command: FileCommand) {
         match command {
+            FileCommand::Open(opening) => self.ask_to_open(opening),
             // Before a path is chosen for nothing.
-            Command::AskPath(purpose) | Command::TypePath(purpose) if self.refuses(purpose) => {}
-            Command::AskPath(purpose) => {
+            FileCommand::AskPath(purpose) | FileCommand::TypePath(purpose) if self.refuses(purpose) => {}
+            FileCommand::AskPath(purpose) => {
                 self.asked_at = Some(Instant::now());
                 self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
             }
-            Command::TypePath(purpose) => self.type_path(purpose, None),
-            Command::TypedPath(text) => {
+            FileCommand::TypePath(purpose) => self.type_path(purpose, None),
+            FileCommand::TypedPath(text) => {
                 if let Some(typed) = &mut self.state.typed_path {
                     (typed.text, typed.replaces) = (text, false);
                 }
             }
-            Command::TakeTypedPath => self.take_typed_path(),
-            Command::CloseTypedPath => self.state.typed_path = None,
-            other => return Some(other),
+            FileCommand::TakeTypedPath => self.take_typed_path(),
+            FileCommand::CloseTypedPath => self.state.typed_path = None,
+            FileCommand::ForgetRecent => {
+                self.state.recent.clear();
+                self.state.recent_pictures.clear();
+            }
+            FileCommand::Introduced => self.state.inspector.introduced = true,
+            FileCommand::RoomExplained => self.state.inspector.room_explained = true,
+            FileCommand::Stay => {
+                self.state.inspector.closing.asks = false;
+                self.state.open_after_question = None;
+            }
+            FileCommand::GoOnAnyway => self.go_on_anyway(),
         }
-        None
     }
 
     fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
@@ -69,12 +79,12 @@ impl OverlookApp {
     pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
         let Destination { purpose, path } = destination;
         if !purpose.writes() {
-            let command = Command::OpenPath(path.clone());
+            let opening = Opening::Path(path.clone());
             if taken && self.state.unsaved_work().is_some() {
-                self.state.open_after_question = Some(command);
+                self.state.open_after_question = Some(opening);
             } else {
                 // A path that does not exist fails to open like any other, and the open scene stays.
-                self.open(command);
+                self.open(opening);
             }
             return;
         }
@@ -102,7 +112,7 @@ impl OverlookApp {
                     && path.to_str().is_some() =>
             {
                 self.type_path(purpose, None);
-                self.apply(Command::TypedPath(path.display().to_string()));
+                self.apply(Command::File(FileCommand::TypedPath(path.display().to_string())));
                 self.take_typed_path();
             }
             Some(path) => self.take_path(purpose, path),
@@ -138,7 +148,9 @@ impl OverlookApp {
         }
         self.begin_sharing(purpose, &path);
         match purpose {
-            Purpose::OpenFile | Purpose::OpenFolder => self.apply(Command::OpenPath(path)),
+            Purpose::OpenFile | Purpose::OpenFolder => {
+                self.apply(Command::File(FileCommand::Open(Opening::Path(path))));
+            }
             Purpose::SaveStore => self.save_store(path),
             Purpose::SaveSettings => {
                 let settings = self.state.shown_settings();
@@ -154,19 +166,19 @@ impl OverlookApp {
             Purpose::SaveShot => self.save_shot(path),
             Purpose::SavePath => self.save_path(path),
             Purpose::LoadPath => {
-                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
                     self.workers.file.submit(FileRequest::LoadPath { path, scene });
                 }
             }
             Purpose::SaveEdits => self.save_edits(path),
             Purpose::SaveSession => self.save_session(&path),
             Purpose::LoadEdits => {
-                if let Some(scene) = self.state.scene.as_ref().map(|scene| scene.id) {
+                if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
                     self.workers.file.submit(FileRequest::LoadEdits { path, scene });
                 }
             }
             Purpose::OpenPictures => {
-                if let Some(scene) = self.state.scene.clone() {
+                if let Some(scene) = self.state.doc.scene.clone() {
                     self.workers.file.submit(FileRequest::OpenPictures { path, scene });
                 }
             }
@@ -182,7 +194,7 @@ impl OverlookApp {
     }
 
     fn save_picture(&mut self, path: PathBuf) {
-        let shown = self.state.live_shown.as_ref();
+        let shown = self.state.doc.live_shown.as_ref();
         let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
         let picture = self.state.shown_picture().cloned();
         if let Some((picture, rendered)) = picture.zip(rendered) {
@@ -227,22 +239,22 @@ impl OverlookApp {
     }
 
     fn save_path(&mut self, path: PathBuf) {
-        let Some(scene) = self.state.scene.clone() else { return };
-        let (camera_path, size) = (self.state.inspector.path.clone(), self.state.export_size());
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        let (camera_path, size) = (self.state.doc.path.clone(), self.state.export_size());
         let up_in_world = self.state.up_in_world();
         self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size, up_in_world });
     }
 
     fn save_store(&mut self, path: PathBuf) {
-        let Some(scene) = &self.state.scene else { return };
-        let edits = self.state.edits.list.clone();
+        let Some(scene) = &self.state.doc.scene else { return };
+        let edits = self.state.doc.edits.list.clone();
         if let Content::Store { playback, .. } = &scene.content {
             let playback = playback.clone();
             self.workers.file.submit(FileRequest::SaveAgain { path, playback, edits });
         } else if !edits.is_idle() {
             let (scene, settings) = (scene.clone(), self.state.settings.clone());
             self.workers.file.submit(FileRequest::SaveEdited { path, scene, settings, edits });
-        } else if let Some(whole) = &self.state.whole {
+        } else if let Some(whole) = &self.state.doc.whole {
             // The store records the rendering settings of now, so that it looks the same when it is opened.
             let mut samples = (*whole.samples).clone();
             samples.settings.render = self.state.settings.render.clone();
@@ -264,7 +276,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
     let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
     let no_scene = || no_scene(state);
     let no_capture = |text| where_not(state.has_capture(), text);
-    let no_keys = || where_not(state.inspector.path.pictures() > 0, NO_KEYS);
+    let no_keys = || where_not(state.doc.path.pictures() > 0, NO_KEYS);
     let no_samples = || no_scene().or_else(|| where_not(state.is_whole_ready(), not_pruned(state)));
     let (title, text) = match purpose {
         Purpose::SaveTable(table) => {
@@ -288,7 +300,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::SaveSession => {
             let has_path =
-                state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
+                state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
             let text =
                 "A session names the file or folder that is open; what comes with the program has none.";
             ("No session to save", where_not(has_path, text))
@@ -310,23 +322,23 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
 
 /// Why nothing can be written while nothing is open.
 pub(crate) fn no_scene(state: &State) -> Option<&'static str> {
-    state.scene.is_none().then_some("Open a capture or a store first.")
+    state.doc.scene.is_none().then_some("Open a capture or a store first.")
 }
 
 /// Why there is no picture for a figure.
 pub(crate) fn no_figure(state: &State, of: FigureOf) -> Option<&'static str> {
     match of {
-        FigureOf::Source if state.source_shown.is_none() => {
+        FigureOf::Source if state.doc.source_shown.is_none() => {
             Some("There is no source picture: a store holds none, and a capture shows it once it is read.")
         }
-        FigureOf::Live if state.live_shown.is_none() => Some("The live view has no picture yet."),
+        FigureOf::Live if state.doc.live_shown.is_none() => Some("The live view has no picture yet."),
         _ => None,
     }
 }
 
 /// Why the whole capture is not pruned with the settings on the sliders.
 fn not_pruned(state: &State) -> &'static str {
-    if state.stopped {
+    if state.doc.stopped {
         "The whole capture is not pruned with these settings; recompute it (below), then try again."
     } else {
         "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."

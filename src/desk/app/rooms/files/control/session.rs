@@ -25,9 +25,9 @@ impl OverlookApp {
     /// The session of a scene that has a path.
     fn session(&self) -> Option<Session> {
         let state = &self.state;
-        let scene = state.scene.as_ref()?;
+        let scene = state.doc.scene.as_ref()?;
         let SceneSource::Path(opens) = &scene.origin else { return None };
-        let path = &state.inspector.path;
+        let path = &state.doc.path;
         let path = if path.pictures() > 0 {
             path.views(state.export_size(), &scene.frame_numbers)
         } else {
@@ -36,7 +36,7 @@ impl OverlookApp {
         Some(Session {
             opens: opens.clone(),
             settings: state.settings.clone(),
-            edits: state.edits.list.clone(),
+            edits: state.doc.edits.list.clone(),
             path,
             up_in_world: state.up_in_world(),
             view: self.view_address()?.to_string(),
@@ -54,10 +54,10 @@ impl OverlookApp {
         self.show_areas_that_fit();
         let up = session.up_in_world;
         self.state.live.up = (up != scene.up_in_world).then_some(up);
-        self.state.inspector.path = CameraPath::default();
+        self.state.doc.path = CameraPath::default();
         self.take_path_views(scene, &session.path);
-        self.state.edits.saved = session.edits.clone();
-        self.state.edits.change(true, |list| *list = session.edits.clone());
+        self.state.doc.edits.saved = session.edits.clone();
+        self.state.doc.edits.change(true, |list| *list = session.edits.clone());
         if let Some(view) = ViewAddress::read(session.view.trim_start_matches('#')) {
             self.go_to_view(scene, &view);
         }

@@ -3,7 +3,7 @@
 use egui::{Id, Modal, RichText};
 
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::files::model::{Purpose, TypedPath};
+use crate::app::rooms::files::model::{FileCommand, Purpose, TypedPath};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, text_field_ui, weak};
 
@@ -68,10 +68,10 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         let mut text = typed.text.clone();
         let (changed, entered) = text_field_ui(ui, &mut text, hint, "Path");
         if changed {
-            commands.push(Command::TypedPath(text));
+            commands.push(Command::File(FileCommand::TypedPath(text)));
         }
         if entered {
-            commands.push(Command::TakeTypedPath);
+            commands.push(Command::File(FileCommand::TakeTypedPath));
         }
         if typed.replaces {
             ui.label(RichText::new(replaced_words(typed)).color(Tokens::in_ui(ui).warning));
@@ -81,14 +81,14 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
             let action = if typed.replaces { "Replace" } else { action };
             let take = ui.add_enabled(!typed.text.trim().is_empty(), egui::Button::new(action));
             if take.accessible_name(format!("{action} this path")).clicked() {
-                commands.push(Command::TakeTypedPath);
+                commands.push(Command::File(FileCommand::TakeTypedPath));
             }
             if ui.button("Cancel").accessible_name("Cancel this path").clicked() {
-                commands.push(Command::CloseTypedPath);
+                commands.push(Command::File(FileCommand::CloseTypedPath));
             }
         });
     });
     if modal.should_close() {
-        commands.push(Command::CloseTypedPath);
+        commands.push(Command::File(FileCommand::CloseTypedPath));
     }
 }

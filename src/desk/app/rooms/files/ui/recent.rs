@@ -9,7 +9,7 @@ use egui::{
 use egui_material_icons::icons::ICON_FOLDER_OPEN;
 
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::files::model::{RECENT_SIDES, RecentPicture};
+use crate::app::rooms::files::model::{FileCommand, Opening, RECENT_SIDES, RecentPicture};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::note;
 
@@ -67,7 +67,7 @@ fn card_ui(ui: &mut Ui, path: &Path, state: &State, commands: &mut Commands) {
         egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{kind} {name}"))
     });
     if response.on_hover_text(path.display().to_string()).clicked() || is_label_clicked {
-        commands.push(Command::OpenPath(path.to_path_buf()));
+        commands.push(Command::File(FileCommand::Open(Opening::Path(path.to_path_buf()))));
     }
 }
 

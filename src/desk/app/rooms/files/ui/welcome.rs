@@ -4,8 +4,8 @@ use egui::{Frame, Id, Label, Margin, Modal, Panel, RichText, Ui};
 
 use crate::app::model;
 use crate::app::model::{Command, Commands, SceneSource, State};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::frame::model::{DockView, Workspace};
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::frame::model::{DockView, WindowCommand, Workspace};
 use crate::app::rooms::report::model::Table;
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::theme::{Tokens, space};
@@ -41,7 +41,7 @@ const ROOM_HELP: &str =
 
 /// What the room that comes with the program is, until it is read.
 fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some((scene, report)) = state.scene.as_ref().zip(state.report()) else { return };
+    let Some((scene, report)) = state.doc.scene.as_ref().zip(state.report()) else { return };
     let tokens = Tokens::in_ui(ui);
     let band = Frame::new().fill(tokens.accent_faint).inner_margin(Margin::symmetric(space::PANEL, 8));
     let account = report.pixel_account();
@@ -60,15 +60,15 @@ fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 ui.add(Label::new(RichText::new(ROOM_HELP).color(tokens.text)).wrap());
             });
             if ui.button("See why").on_hover_text("What was dropped, and by which rule.").clicked() {
-                commands.push(Command::OpenView(DockView::Report));
+                commands.push(Command::Window(WindowCommand::OpenView(DockView::Report)));
             }
             let own =
                 ui.button("Open your own…").on_hover_text("A capture folder; or drop it on the window.");
             if own.clicked() {
-                commands.push(Command::AskPath(Purpose::OpenFolder));
+                commands.push(Command::File(FileCommand::AskPath(Purpose::OpenFolder)));
             }
             if ui.button("Got it").clicked() {
-                commands.push(Command::RoomExplained);
+                commands.push(Command::File(FileCommand::RoomExplained));
             }
         });
     });
@@ -76,7 +76,7 @@ fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 /// The introduction, until it is dismissed: a band of its own, so that it covers nothing of what it explains.
 pub(crate) fn introduction_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let is_room = state.scene.as_ref().is_some_and(|scene| scene.origin == SceneSource::Room);
+    let is_room = state.doc.scene.as_ref().is_some_and(|scene| scene.origin == SceneSource::Room);
     if is_room && !state.inspector.room_explained && state.look.maximized.is_none() {
         return room_ui(ui, state, commands);
     }
@@ -100,7 +100,7 @@ pub(crate) fn introduction_ui(ui: &mut Ui, state: &State, commands: &mut Command
                 });
             }
             if ui.button("Got it").clicked() {
-                commands.push(Command::Introduced);
+                commands.push(Command::File(FileCommand::Introduced));
             }
         });
     });
@@ -139,7 +139,7 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
         ui.horizontal(|ui| closing_buttons_ui(ui, state, closes, commands));
     });
     if modal.should_close() {
-        commands.push(Command::Stay);
+        commands.push(Command::File(FileCommand::Stay));
     }
 }
 
@@ -148,27 +148,27 @@ fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut C
     let inspector = &state.inspector;
     let saves = closes && state.is_unsaved() && !inspector.closing.writing;
     if saves && ui.button("Share the store…").accessible_name("Save before closing").clicked() {
-        commands.push(Command::Stay);
+        commands.push(Command::File(FileCommand::Stay));
         commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Store))));
     }
-    let path = &inspector.path;
+    let path = &state.doc.path;
     if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {
-        commands.push(Command::Stay);
-        commands.push(Command::AskPath(Purpose::SavePath));
+        commands.push(Command::File(FileCommand::Stay));
+        commands.push(Command::File(FileCommand::AskPath(Purpose::SavePath)));
     }
     for (table, is_lost) in [
-        (Table::Sweep, !inspector.charts.sweep.is_empty()),
-        (Table::StressTest, !inspector.charts.stress.is_empty()),
+        (Table::Sweep, !state.doc.charts.sweep.is_empty()),
+        (Table::StressTest, !state.doc.charts.stress.is_empty()),
     ] {
         let name = format!("Save {}…", table.name());
         if is_lost && ui.button(name).clicked() {
-            commands.push(Command::Stay);
-            commands.push(Command::AskPath(Purpose::SaveTable(table)));
+            commands.push(Command::File(FileCommand::Stay));
+            commands.push(Command::File(FileCommand::AskPath(Purpose::SaveTable(table))));
         }
     }
     let discard = ui.button(if closes { "Discard and close" } else { "Discard and open" });
     if discard.clicked() {
-        commands.push(Command::GoOnAnyway);
+        commands.push(Command::File(FileCommand::GoOnAnyway));
     }
     // Nothing is lost by Enter.
     let cancel = ui.button("Cancel").accessible_name("Cancel closing");
@@ -176,6 +176,6 @@ fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut C
         cancel.request_focus();
     }
     if cancel.clicked() {
-        commands.push(Command::Stay);
+        commands.push(Command::File(FileCommand::Stay));
     }
 }

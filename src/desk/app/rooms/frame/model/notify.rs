@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::notice::{Notice, NoticeKind, NoticeLink, and_others};
 use super::view::DockView;
-use crate::app::model::document::State;
+use crate::app::model::state::State;
 use overlook_engine::capture::NO_CAPTURE;
 use overlook_engine::error::Error;
 
@@ -23,7 +23,7 @@ impl State {
 
     /// Adds a warning about what is open.
     pub(crate) fn warn_of_scene(&mut self, title: impl Into<String>, text: impl Into<String>) {
-        let scene = self.scene.as_ref().map(|scene| scene.id);
+        let scene = self.doc.scene.as_ref().map(|scene| scene.id);
         self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, None);
     }
 
@@ -34,7 +34,7 @@ impl State {
         text: impl Into<String>,
         view: DockView,
     ) {
-        let scene = self.scene.as_ref().map(|scene| scene.id);
+        let scene = self.doc.scene.as_ref().map(|scene| scene.id);
         self.add_notice(NoticeKind::Done, title.into(), text.into(), scene, Some(NoticeLink::View(view)));
     }
 
@@ -45,7 +45,7 @@ impl State {
         text: impl Into<String>,
         link: NoticeLink,
     ) {
-        let scene = self.scene.as_ref().map(|scene| scene.id);
+        let scene = self.doc.scene.as_ref().map(|scene| scene.id);
         self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, Some(link));
     }
 
@@ -76,7 +76,7 @@ impl State {
 
     /// Reports once the parts of the open store that could not be read: the first line as a message, all lines in the log.
     pub(crate) fn report_damage(&mut self, lines: &[String]) {
-        let told = &mut self.inspector.reported_damage;
+        let told = &mut self.doc.reported_damage;
         let new: Vec<&String> = lines.iter().filter(|line| told.insert((*line).clone())).collect();
         let Some((first, others)) = new.split_first() else { return };
         for line in others {

@@ -3,8 +3,10 @@
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, ScrollArea, Stroke, Ui};
 use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON_NOTES, ICON_WARNING};
 
-use crate::app::model::{Command, Commands, HelpPage, State};
-use crate::app::rooms::frame::model::{Notice, NoticeKind, NoticeLink};
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::frame::model::{Notice, NoticeKind, NoticeLink, WindowCommand};
+use crate::app::rooms::help::model::HelpPage;
+use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::rooms::share::model::ShareCommand;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, icon_button};
@@ -19,7 +21,7 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
         return;
     }
     let left = space::LARGE + 8.0;
-    let (align, offset) = if state.scene.is_some() {
+    let (align, offset) = if state.doc.scene.is_some() {
         // Over the lower edge of the pictures: what is written below them stays readable.
         let below = space::STATUS + space::TIMELINE + 2.0 * space::LARGE;
         (Align2::LEFT_BOTTOM, egui::vec2(left, -below))
@@ -60,15 +62,18 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                     );
                     if let Some(link) = &notice.link {
                         let (name, command) = match link {
-                            NoticeLink::View(view) => {
-                                (format!("Show in {}", view.name_and_help().0), Command::OpenView(*view))
-                            }
-                            NoticeLink::Readings => {
-                                ("Compare readings…".to_owned(), Command::CompareReadings(true))
-                            }
-                            NoticeLink::Sources => {
-                                ("What opens?".to_owned(), Command::Help(Some(HelpPage::Sources)))
-                            }
+                            NoticeLink::View(view) => (
+                                format!("Show in {}", view.name_and_help().0),
+                                Command::Window(WindowCommand::OpenView(*view)),
+                            ),
+                            NoticeLink::Readings => (
+                                "Compare readings…".to_owned(),
+                                Command::Reading(ReadingCommand::Compare(true)),
+                            ),
+                            NoticeLink::Sources => (
+                                "What opens?".to_owned(),
+                                Command::Window(WindowCommand::Help(Some(HelpPage::Sources))),
+                            ),
                             NoticeLink::Folder(path) => (
                                 "Show in folder".to_owned(),
                                 Command::Share(ShareCommand::ShowInFolder(path.clone())),
@@ -76,12 +81,12 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                         };
                         if ui.button(name).clicked() {
                             commands.push(command);
-                            commands.push(Command::Dismiss(notice.id));
+                            commands.push(Command::Window(WindowCommand::Dismiss(notice.id)));
                         }
                     }
                 });
                 if icon_button(ui, ICON_CLOSE, "Dismiss", "Dismiss (Esc)").clicked() {
-                    commands.push(Command::Dismiss(notice.id));
+                    commands.push(Command::Window(WindowCommand::Dismiss(notice.id)));
                 }
             });
         });

@@ -20,7 +20,7 @@ pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 }
             }
             busy_ui(ui, state, busy);
-        } else if state.stopped {
+        } else if state.doc.stopped {
             ui.label(
                 RichText::new("The whole capture is not computed with these settings.").color(tokens.warning),
             );
@@ -40,7 +40,8 @@ pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 /// A stage in the words of somebody who watches it: a built-in scene is traced as it is read, and nobody moves its cameras.
 fn stage_words<'a>(state: &State, stage: &'a str) -> &'a str {
-    let is_traced = state.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_)));
+    let is_traced =
+        state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_)));
     match stage {
         "" => "Starting",
         "Reading frames" if is_traced => "Tracing the built-in scene",
@@ -54,7 +55,7 @@ fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
     let tokens = Tokens::in_ui(ui);
     let progress = &busy.progress;
     let stage = stage_words(state, &progress.stage);
-    let study = state.inspector.charts.under_way().filter(|_| busy.work == StoppableWork::Study);
+    let study = state.doc.charts.under_way().filter(|_| busy.work == StoppableWork::Study);
     let whole = match study {
         Some(study) if progress.context.is_empty() => study.name().to_owned(),
         Some(study) => format!("{}: {}", study.name(), progress.context),
@@ -83,7 +84,7 @@ fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
 }
 
 fn frame_facts_ui(ui: &mut Ui, state: &State) {
-    let Some(inspected) = state.inspected.as_ref().filter(|_| state.inspection_here().is_some()) else {
+    let Some(inspected) = state.doc.inspected.as_ref().filter(|_| state.inspection_here().is_some()) else {
         return;
     };
     let samples = inspected.inspection.samples.sample_count();

@@ -8,10 +8,12 @@ use egui_material_icons::icons::{
 
 use super::workspaces::{shown_parts_ui, workspaces_ui};
 use crate::app::model;
-use crate::app::model::{Command, CommandPalette, Commands, HelpPage, SceneSource, State};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::frame::model::DockView;
+use crate::app::model::{Command, Commands, SceneSource, State};
+use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
+use crate::app::rooms::help::model::{CommandPalette, HelpPage};
 use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::rooms::share::model::ShareCommand;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note};
@@ -34,10 +36,10 @@ pub(crate) fn top_bar_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             let (icon, name) =
                 if state.dark { (ICON_LIGHT_MODE, "Light theme") } else { (ICON_DARK_MODE, "Dark theme") };
             if icon_button(ui, icon, name, name).clicked() {
-                commands.push(Command::Dark(!state.dark));
+                commands.push(Command::Window(WindowCommand::Dark(!state.dark)));
             }
             if icon_button(ui, ICON_TERMINAL, "Commands", "Find any command by name (Ctrl+P)").clicked() {
-                commands.push(Command::Palette(Some(CommandPalette::default())));
+                commands.push(Command::Window(WindowCommand::Palette(Some(CommandPalette::default()))));
             }
             workspaces_ui(ui, state, width_of(ui, title.as_ref()), commands);
             // What is open gives way: all else is pressed.
@@ -63,12 +65,12 @@ fn menu_ui(ui: &mut Ui, icon: egui_material_icons::MaterialIcon, name: &str, con
 fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_FOLDER_OPEN, "Open", |ui| {
         for (name, keys, command) in [
-            ("Open folder…", "", Command::AskPath(Purpose::OpenFolder)),
-            ("Open file…", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
-            ("Open path…", "", Command::TypePath(Purpose::OpenFile)),
-            ("Load settings…", "", Command::AskPath(Purpose::LoadSettings)),
-            ("Load settings from path…", "", Command::TypePath(Purpose::LoadSettings)),
-            ("Open edits from path…", "", Command::TypePath(Purpose::LoadEdits)),
+            ("Open folder…", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
+            ("Open file…", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
+            ("Open path…", "", Command::File(FileCommand::TypePath(Purpose::OpenFile))),
+            ("Load settings…", "", Command::File(FileCommand::AskPath(Purpose::LoadSettings))),
+            ("Load settings from path…", "", Command::File(FileCommand::TypePath(Purpose::LoadSettings))),
+            ("Open edits from path…", "", Command::File(FileCommand::TypePath(Purpose::LoadEdits))),
         ] {
             if ui.add(item(name, keys)).accessible_name(name).clicked() {
                 commands.push(command);
@@ -78,7 +80,7 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let compare = ui.add_enabled(why_not.is_none(), Button::new("Compare readings…"));
         let help = "Show how poses and depth are read, and how they would fit better.";
         if compare.on_hover_text(help).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
-            commands.push(Command::CompareReadings(true));
+            commands.push(Command::Reading(ReadingCommand::Compare(true)));
         }
         if state.recent.is_empty() {
             return;
@@ -88,26 +90,26 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         for path in &state.recent {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                commands.push(Command::OpenPath(path.clone()));
+                commands.push(Command::File(FileCommand::Open(Opening::Path(path.clone()))));
             }
         }
         if ui.button("Forget recent files").clicked() {
-            commands.push(Command::ForgetRecent);
+            commands.push(Command::File(FileCommand::ForgetRecent));
         }
     });
 }
 
 fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_SAVE, "Save", |ui| {
-        let (opened, shown) = (state.scene.is_some(), state.live_shown.is_some());
+        let (opened, shown) = (state.doc.scene.is_some(), state.doc.live_shown.is_some());
         for (name, keys, enabled, command) in [
             ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
-            ("Copy picture", "", shown, Command::CopyPicture),
+            ("Copy picture", "", shown, Command::View(ViewCommand::CopyPicture)),
             ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
-            ("Save session…", "", opened, Command::AskPath(Purpose::SaveSession)),
-            ("Save settings…", "", true, Command::AskPath(Purpose::SaveSettings)),
-            ("Save settings to path…", "", true, Command::TypePath(Purpose::SaveSettings)),
-            ("Save edits to path…", "", opened, Command::TypePath(Purpose::SaveEdits)),
+            ("Save session…", "", opened, Command::File(FileCommand::AskPath(Purpose::SaveSession))),
+            ("Save settings…", "", true, Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
+            ("Save settings to path…", "", true, Command::File(FileCommand::TypePath(Purpose::SaveSettings))),
+            ("Save edits to path…", "", opened, Command::File(FileCommand::TypePath(Purpose::SaveEdits))),
         ] {
             let button = ui
                 .add_enabled(enabled, item(name, keys))
@@ -125,11 +127,11 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Commands) {
         let room =
             ui.button("Room, pruned").on_hover_text("The room that the program comes with: opens at once.");
         if room.clicked() {
-            commands.push(Command::OpenRoom);
+            commands.push(Command::File(FileCommand::Open(Opening::Room)));
         }
         for (name, help) in SCENES {
             if ui.button(model::words(name)).on_hover_text(*help).clicked() {
-                commands.push(Command::OpenDemo((*name).to_owned()));
+                commands.push(Command::File(FileCommand::Open(Opening::Demo((*name).to_owned()))));
             }
         }
     });
@@ -142,7 +144,7 @@ fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             for (nth, (view, name, help)) in DockView::ALL.into_iter().enumerate() {
                 let button = ui.button(name).on_hover_text(help);
                 if button.accessible_name(format!("Open view {name}")).clicked() {
-                    commands.push(Command::OpenView(view));
+                    commands.push(Command::Window(WindowCommand::OpenView(view)));
                 }
                 if nth % 2 == 1 {
                     ui.end_row();
@@ -153,7 +155,7 @@ fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         shown_parts_ui(ui, state, commands);
         ui.separator();
         if ui.button("Reset layout").on_hover_text("Put all views where they were at first").clicked() {
-            commands.push(Command::ResetLayout);
+            commands.push(Command::Window(WindowCommand::ResetLayout));
         }
     });
 }
@@ -166,7 +168,7 @@ fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
             ("About Overlook", "", HelpPage::About),
         ] {
             if ui.add(item(name, keys)).accessible_name(name).clicked() {
-                commands.push(Command::Help(Some(page)));
+                commands.push(Command::Window(WindowCommand::Help(Some(page))));
             }
         }
     });
@@ -174,7 +176,7 @@ fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
 
 /// The name of what is open, and how large it is.
 fn title_of(state: &State) -> Option<[RichText; 2]> {
-    let scene = state.scene.as_ref()?;
+    let scene = state.doc.scene.as_ref()?;
     let kind = match (&scene.origin, scene.capture().is_some()) {
         (SceneSource::Demo(_), _) => "built-in capture, traced here",
         (SceneSource::Room, _) => "built-in store",
@@ -201,7 +203,7 @@ fn width_of(ui: &Ui, title: Option<&[RichText; 2]>) -> f32 {
 }
 
 fn title_ui(ui: &mut Ui, state: &State, title: Option<[RichText; 2]>) {
-    let (Some([name, facts]), Some(scene)) = (title, &state.scene) else { return };
+    let (Some([name, facts]), Some(scene)) = (title, &state.doc.scene) else { return };
     ui.add(Label::new(name).truncate());
     let response = ui.add(Label::new(facts.color(Tokens::in_ui(ui).text_weak)).truncate());
     if let SceneSource::Path(path) = &scene.origin {

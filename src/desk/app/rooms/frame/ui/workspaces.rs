@@ -3,7 +3,7 @@
 use egui::Ui;
 
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::frame::model::{Area, Workspace};
+use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
 use crate::app::theme::space;
 use crate::app::widgets::{choice_ui, segments_ui, width_of_segments};
 
@@ -18,7 +18,7 @@ pub(crate) fn workspaces_ui(ui: &mut Ui, state: &State, rest: f32, commands: &mu
         let area = egui::vec2(width, space::CONTROL);
         ui.allocate_ui_with_layout(area, layout, |ui| segments_ui(ui, "Workspace", now, Workspace::ALL)).inner
     };
-    commands.extend(chosen.map(Command::Workspace));
+    commands.extend(chosen.map(|it| Command::Window(WindowCommand::Workspace(it))));
 }
 
 /// What of the window can be hidden, for the menu of views.
@@ -27,12 +27,12 @@ pub(crate) fn shown_parts_ui(ui: &mut Ui, state: &State, commands: &mut Commands
         let mut shown = state.look.shows(area);
         let text = if keys.is_empty() { name.to_owned() } else { format!("{name}  ({keys})") };
         if ui.checkbox(&mut shown, text).accessible_name(format!("Show {name}")).changed() {
-            commands.push(Command::ShowArea(area, shown));
+            commands.push(Command::Window(WindowCommand::ShowArea(area, shown)));
         }
     }
     let mut totals = !state.look.hides_totals;
     if ui.checkbox(&mut totals, "Figures above the views").accessible_name("Show figures").changed() {
-        commands.push(Command::ShowTotals(totals));
+        commands.push(Command::Window(WindowCommand::ShowTotals(totals)));
     }
     ui.horizontal(|ui| {
         ui.label("Interface size");
@@ -43,12 +43,12 @@ pub(crate) fn shown_parts_ui(ui: &mut Ui, state: &State, commands: &mut Commands
             ("+", "Larger interface", "Everything larger (Ctrl++)", 1),
         ] {
             if ui.button(text).on_hover_text(help).accessible_name(name).clicked() {
-                commands.push(Command::InterfaceSize(step));
+                commands.push(Command::Window(WindowCommand::InterfaceSize(step)));
             }
         }
     });
     if ui.add(egui::Button::new("Full screen").shortcut_text("F11")).accessible_name("Full screen").clicked()
     {
-        commands.push(Command::FullScreen);
+        commands.push(Command::Window(WindowCommand::FullScreen));
     }
 }

@@ -4,14 +4,19 @@ use egui::{Id, Key, Modal, ScrollArea, TextEdit, Ui};
 
 use super::palette_words::asks_for;
 use crate::address;
-use crate::app::model::{Command, CommandPalette, Commands, HelpPage, State};
+use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::model::{ChartCommand, Study};
 use crate::app::rooms::edits::model::{EditCommand, EditTool};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
+use crate::app::rooms::help::model::{CommandPalette, HelpPage};
 use crate::app::rooms::live::model::{ColorBy, HoleDisplay, ViewCommand};
-use crate::app::rooms::settings::model::{PRESETS, setting_names};
-use crate::app::rooms::source::model::Overlay;
+use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::pixel::model::PixelCommand;
+use crate::app::rooms::readings::model::ReadingCommand;
+use crate::app::rooms::settings::model::{PRESETS, SettingsCommand, setting_names};
+use crate::app::rooms::source::model::{Overlay, SourceCommand};
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::theme::space;
 use crate::app::widgets::{note, weak};
 use overlook_engine::demo::SCENES;
@@ -77,7 +82,7 @@ pub(crate) fn palette_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
         next = None;
     }
     if next.as_ref() != Some(palette) {
-        commands.push(Command::Palette(next));
+        commands.push(Command::Window(WindowCommand::Palette(next)));
     }
 }
 
@@ -156,15 +161,23 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
         entries.push(PaletteEntry::new(name, keys, command));
     };
     for (name, keys, command) in fixed_commands() {
-        let changes_thresholds =
-            matches!(command, Command::Undo | Command::Redo | Command::ResetAll | Command::SwitchSettings);
+        let changes_thresholds = matches!(
+            command,
+            Command::Undo
+                | Command::Redo
+                | Command::Settings(SettingsCommand::ResetAll | SettingsCommand::Switch)
+        );
         if turns || !changes_thresholds {
             add(name.to_owned(), keys, command);
         }
     }
     entries.push(PaletteEntry {
         why_not: state.why_no_readings(),
-        ..PaletteEntry::new("Compare readings".to_owned(), "", Command::CompareReadings(true))
+        ..PaletteEntry::new(
+            "Compare readings".to_owned(),
+            "",
+            Command::Reading(ReadingCommand::Compare(true)),
+        )
     });
     entries.extend(choices(state));
     entries.extend(settings(turns));
@@ -174,14 +187,14 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 /// Entries that are there whatever is open.
 fn fixed_commands() -> [(&'static str, &'static str, Command); 49] {
     [
-        ("Open folder", "", Command::AskPath(Purpose::OpenFolder)),
-        ("Open file", "Ctrl+O", Command::AskPath(Purpose::OpenFile)),
-        ("Open path", "", Command::TypePath(Purpose::OpenFile)),
-        ("Save settings", "", Command::AskPath(Purpose::SaveSettings)),
-        ("Load settings", "", Command::AskPath(Purpose::LoadSettings)),
-        ("Save edits", "", Command::AskPath(Purpose::SaveEdits)),
-        ("Save session", "", Command::AskPath(Purpose::SaveSession)),
-        ("Open edits", "", Command::AskPath(Purpose::LoadEdits)),
+        ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
+        ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
+        ("Open path", "", Command::File(FileCommand::TypePath(Purpose::OpenFile))),
+        ("Save settings", "", Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
+        ("Load settings", "", Command::File(FileCommand::AskPath(Purpose::LoadSettings))),
+        ("Save edits", "", Command::File(FileCommand::AskPath(Purpose::SaveEdits))),
+        ("Save session", "", Command::File(FileCommand::AskPath(Purpose::SaveSession))),
+        ("Open edits", "", Command::File(FileCommand::AskPath(Purpose::LoadEdits))),
         ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
         ("Edit: keep only the selection", "", Command::Edit(EditCommand::Act(Action::KeepOnly))),
         ("Edit: select by rectangle", "R", Command::Edit(EditCommand::Tool(Some(EditTool::Rectangle)))),
@@ -193,36 +206,44 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 49] {
         ("Edit: shrink the selection", "Shift+G", Command::Edit(EditCommand::Grow(false))),
         ("Edit: invert the selection", "Ctrl+I", Command::Edit(EditCommand::Invert)),
         ("Edit: select nothing", "", Command::Edit(EditCommand::SelectNothing)),
-        ("Save settings as a preset", "", Command::NamePreset(Some(String::new()))),
-        ("Copy picture", "", Command::CopyPicture),
-        ("Copy explanation", "Ctrl+Shift+C", Command::CopyExplanation),
+        (
+            "Save settings as a preset",
+            "",
+            Command::Settings(SettingsCommand::NamePreset(Some(String::new()))),
+        ),
+        ("Copy picture", "", Command::View(ViewCommand::CopyPicture)),
+        ("Copy explanation", "Ctrl+Shift+C", Command::Pixel(PixelCommand::CopyExplanation)),
         ("Undo", "Ctrl+Z", Command::Undo),
         ("Redo", "Ctrl+Y", Command::Redo),
-        ("Reset all settings", "", Command::ResetAll),
-        ("Switch between settings A and B", "", Command::SwitchSettings),
-        ("Play or pause", "Space", Command::TogglePlay),
-        ("Reset view to start", "Home", Command::Home),
+        ("Reset all settings", "", Command::Settings(SettingsCommand::ResetAll)),
+        ("Switch between settings A and B", "", Command::Settings(SettingsCommand::Switch)),
+        ("Play or pause", "Space", Command::Time(TimeCommand::TogglePlay)),
+        ("Reset view to start", "Home", Command::View(ViewCommand::Home)),
         ("Back to the view before", "Alt+Left", Command::View(ViewCommand::Back)),
         ("Forward to the next view", "Alt+Right", Command::View(ViewCommand::Forward)),
-        ("Center view on selected pixel", "F", Command::FramePoint),
-        ("Add key to the camera path", "K", Command::AddKey),
+        ("Center view on selected pixel", "F", Command::View(ViewCommand::FramePoint)),
+        ("Add key to the camera path", "K", Command::Path(PathCommand::AddKey)),
         ("Recompute the whole capture", "", Command::Recompute),
         ("Run a sweep", "", Command::Chart(ChartCommand::Ask(Some(Study::Sweep)))),
         ("Run a stress test", "", Command::Chart(ChartCommand::Ask(Some(Study::Stress)))),
         ("Frame times: write to the log and reset", "", Command::LogFrameTimes),
         ("Cancel", "Esc", Command::Cancel),
-        ("Light theme", "", Command::Dark(false)),
-        ("Dark theme", "", Command::Dark(true)),
-        ("Reset layout", "", Command::ResetLayout),
-        ("Guide", "", Command::Help(Some(HelpPage::Guide))),
-        ("What opens", "", Command::Help(Some(HelpPage::Sources))),
-        ("Keyboard and mouse shortcuts", "?", Command::Help(Some(HelpPage::Shortcuts))),
-        ("About Overlook and its version", "", Command::Help(Some(HelpPage::About))),
-        ("Interface size: larger", "Ctrl++", Command::InterfaceSize(1)),
-        ("Interface size: smaller", "Ctrl+−", Command::InterfaceSize(-1)),
-        ("Interface size: normal", "Ctrl+0", Command::InterfaceSize(0)),
-        ("Forget recent files", "", Command::ForgetRecent),
-        ("Close the introduction", "", Command::Introduced),
+        ("Light theme", "", Command::Window(WindowCommand::Dark(false))),
+        ("Dark theme", "", Command::Window(WindowCommand::Dark(true))),
+        ("Reset layout", "", Command::Window(WindowCommand::ResetLayout)),
+        ("Guide", "", Command::Window(WindowCommand::Help(Some(HelpPage::Guide)))),
+        ("What opens", "", Command::Window(WindowCommand::Help(Some(HelpPage::Sources)))),
+        (
+            "Keyboard and mouse shortcuts",
+            "?",
+            Command::Window(WindowCommand::Help(Some(HelpPage::Shortcuts))),
+        ),
+        ("About Overlook and its version", "", Command::Window(WindowCommand::Help(Some(HelpPage::About)))),
+        ("Interface size: larger", "Ctrl++", Command::Window(WindowCommand::InterfaceSize(1))),
+        ("Interface size: smaller", "Ctrl+−", Command::Window(WindowCommand::InterfaceSize(-1))),
+        ("Interface size: normal", "Ctrl+0", Command::Window(WindowCommand::InterfaceSize(0))),
+        ("Forget recent files", "", Command::File(FileCommand::ForgetRecent)),
+        ("Close the introduction", "", Command::File(FileCommand::Introduced)),
     ]
 }
 
@@ -234,35 +255,39 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
         entries.push(PaletteEntry::new(name, keys, command));
     };
     for (view, name, _) in DockView::ALL {
-        add(format!("Open view: {name}"), "", Command::OpenView(view));
+        add(format!("Open view: {name}"), "", Command::Window(WindowCommand::OpenView(view)));
     }
     for (overlay, name, _) in Overlay::ALL {
-        add(format!("Source shows: {name}"), "", Command::Overlay(overlay));
+        add(format!("Source shows: {name}"), "", Command::Source(SourceCommand::Overlay(overlay)));
     }
     for (color_by, name, _) in ColorBy::ALL {
-        add(format!("Live view shows: {name}"), "", Command::ColorBy(color_by));
+        add(format!("Live view shows: {name}"), "", Command::View(ViewCommand::ColorBy(color_by)));
     }
     for (holes, name, _) in HoleDisplay::ALL {
-        add(format!("Holes: {name}"), "H", Command::Holes(holes));
+        add(format!("Holes: {name}"), "H", Command::View(ViewCommand::Holes(holes)));
     }
     for (index, (name, ..)) in PRESETS.iter().enumerate().filter(|_| turns) {
-        add(format!("Preset: {name}"), "", Command::Preset(index));
+        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::Preset(index)));
     }
     for (index, (name, _)) in state.inspector.presets.iter().enumerate().filter(|_| turns) {
-        add(format!("Preset: {name}"), "", Command::OwnPreset(index));
+        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::OwnPreset(index)));
     }
     for path in &state.recent {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        add(format!("Open recent: {name}"), "", Command::OpenPath(path.clone()));
+        add(
+            format!("Open recent: {name}"),
+            "",
+            Command::File(FileCommand::Open(Opening::Path(path.clone()))),
+        );
     }
-    add("Demo: room, pruned".to_owned(), "", Command::OpenRoom);
+    add("Demo: room, pruned".to_owned(), "", Command::File(FileCommand::Open(Opening::Room)));
     for (name, _) in SCENES {
-        add(format!("Demo: {name}"), "", Command::OpenDemo((*name).to_owned()));
+        add(format!("Demo: {name}"), "", Command::File(FileCommand::Open(Opening::Demo((*name).to_owned()))));
     }
-    for (index, camera) in state.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
+    for (index, camera) in state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
         let [show, view] = CAMERA_KEYS.get(index).copied().unwrap_or_default();
-        add(format!("Show camera '{}'", camera.name), show, Command::SourceCamera(index));
-        add(format!("View from camera '{}'", camera.name), view, Command::JumpTo(index));
+        add(format!("Show camera '{}'", camera.name), show, Command::Source(SourceCommand::Camera(index)));
+        add(format!("View from camera '{}'", camera.name), view, Command::View(ViewCommand::JumpTo(index)));
     }
     entries
 }
@@ -275,7 +300,7 @@ fn settings(turns: bool) -> Vec<PaletteEntry> {
     };
     for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
         let setting = setting_names::name(field.path);
-        add(format!("Setting: {setting}"), "", Command::FindSetting(field.path));
+        add(format!("Setting: {setting}"), "", Command::Settings(SettingsCommand::Find(field.path)));
         let values: Vec<(String, toml::Value)> = match field.kind {
             ValueKind::Choice(names) => names
                 .iter()
@@ -286,7 +311,11 @@ fn settings(turns: bool) -> Vec<PaletteEntry> {
             ValueKind::Number { .. } | ValueKind::Integer { .. } => Vec::new(),
         };
         for (name, value) in values {
-            add(format!("{setting}: {name}"), "", Command::Set { path: field.path, value });
+            add(
+                format!("{setting}: {name}"),
+                "",
+                Command::Settings(SettingsCommand::Set { path: field.path, value }),
+            );
         }
     }
     entries
@@ -337,9 +366,12 @@ mod tests {
         let mut state = State::default();
         for (text, on) in [("line-of-sight test: on", true), ("line-of-sight test: off", false)] {
             let entry = matching(&state, text).into_iter().next().unwrap();
-            let expected = Command::Set { path: "render.free_space", value: on.into() };
+            let expected =
+                Command::Settings(SettingsCommand::Set { path: "render.free_space", value: on.into() });
             assert_eq!(entry.command, expected);
-            let Command::Set { path, value } = entry.command else { unreachable!() };
+            let Command::Settings(SettingsCommand::Set { path, value }) = entry.command else {
+                unreachable!()
+            };
             state.settings.set(path, value).unwrap();
             assert_eq!(state.settings.render.free_space, on);
         }

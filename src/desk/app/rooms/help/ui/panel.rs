@@ -4,7 +4,9 @@ use egui::{Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
 
 use crate::app::control::keyboard;
 use crate::app::model;
-use crate::app::model::{Command, Commands, HelpPage, State};
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::frame::model::WindowCommand;
+use crate::app::rooms::help::model::HelpPage;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
 use overlook_engine::capture::known_sources;
@@ -38,7 +40,7 @@ fn guide_ui(ctx: &egui::Context, commands: &mut Commands) {
             });
         });
     if !open {
-        commands.push(Command::Help(None));
+        commands.push(Command::Window(WindowCommand::Help(None)));
     }
 }
 
@@ -136,11 +138,11 @@ fn sheet_ui(ctx: &egui::Context, commands: &mut Commands, title: &str, contents:
         ScrollArea::vertical().max_height(height).auto_shrink([true, true]).show(ui, contents);
         ui.add_space(space::MEDIUM);
         if ui.button("Close").accessible_name("Close help").clicked() {
-            commands.push(Command::Help(None));
+            commands.push(Command::Window(WindowCommand::Help(None)));
         }
     });
     if modal.should_close() {
-        commands.push(Command::Help(None));
+        commands.push(Command::Window(WindowCommand::Help(None)));
     }
 }
 
@@ -200,7 +202,7 @@ fn about_ui(ui: &mut Ui, state: &State) {
     if !held.is_empty() {
         ui.label(format!("In memory: {}", held.join(", ")));
     }
-    if let Some(shown) = &state.live_shown {
+    if let Some(shown) = &state.doc.live_shown {
         ui.label(format!("Last picture rendered by: {}", shown.picture.painter));
     }
     let instructions = overlook_engine::simd::widest();

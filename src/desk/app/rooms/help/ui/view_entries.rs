@@ -4,27 +4,36 @@ use glam::DVec3;
 
 use crate::app::model::{Command, State};
 use crate::app::rooms::colors::model::Display;
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::frame::model::{Area, Workspace};
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
 use crate::app::rooms::live::model::{FrameGuide, Guides, UP_DIRECTIONS, ViewCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
+use crate::app::rooms::timeline::model::TimeCommand;
 
 /// Names, keys and commands.
 pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)> {
     let mut entries: Vec<(String, &'static str, Command)> = Workspace::ALL
         .into_iter()
         .map(|(workspace, name, _)| {
-            (format!("Workspace: {name}"), "Ctrl+1 – 4", Command::Workspace(workspace))
+            (format!("Workspace: {name}"), "Ctrl+1 – 4", Command::Window(WindowCommand::Workspace(workspace)))
         })
         .collect();
     for (area, name, keys) in Area::ALL {
         let shown = state.look.shows(area);
         let verb = if shown { "Hide" } else { "Show" };
-        entries.push((format!("{verb} the {}", name.to_lowercase()), keys, Command::ShowArea(area, !shown)));
+        entries.push((
+            format!("{verb} the {}", name.to_lowercase()),
+            keys,
+            Command::Window(WindowCommand::ShowArea(area, !shown)),
+        ));
     }
     let hides = state.look.hides_totals;
     let verb = if hides { "Show" } else { "Hide" };
-    entries.push((format!("{verb} the figures above the views"), "", Command::ShowTotals(hides)));
+    entries.push((
+        format!("{verb} the figures above the views"),
+        "",
+        Command::Window(WindowCommand::ShowTotals(hides)),
+    ));
     entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
     let copy = Command::Share(ShareCommand::CopyFigure);
     entries.push(("Copy figure to the clipboard".to_owned(), "Ctrl+Shift+F", copy));
@@ -53,7 +62,7 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         let guides = Guides { frame: guide, ..state.live.guides };
         entries.push((format!("Frame guide: {name}"), "", Command::View(ViewCommand::Guides(guides))));
     }
-    let cameras = state.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
+    let cameras = state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
     entries.extend(cameras.map(|(index, camera)| {
         let command = Command::View(ViewCommand::Solo(Some(index)));
         (format!("Solo camera {}", camera.name), "", command)
@@ -64,22 +73,26 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
 /// Entries that are there whatever is open.
 fn view_commands() -> [(&'static str, &'static str, Command); 17] {
     [
-        ("Maximize or restore a view", "Shift+Space", Command::Maximize(None)),
-        ("Full screen", "F11", Command::FullScreen),
+        ("Maximize or restore a view", "Shift+Space", Command::Window(WindowCommand::Maximize(None))),
+        ("Full screen", "F11", Command::Window(WindowCommand::FullScreen)),
         ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
         ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
         ("Measure a distance", "M", Command::View(ViewCommand::Measure(true))),
         ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
-        ("Loop over all frames", "Shift+I", Command::LoopRange(None)),
-        ("Mark this frame, or take its marker away", "Shift+M", Command::ToggleMarker),
-        ("Next marker", "Ctrl+Right", Command::ToMarker(true)),
-        ("Previous marker", "Ctrl+Left", Command::ToMarker(false)),
-        ("Play back and forth", "", Command::PingPong(true)),
-        ("Play around the ends", "", Command::PingPong(false)),
+        ("Loop over all frames", "Shift+I", Command::Time(TimeCommand::LoopRange(None))),
+        ("Mark this frame, or take its marker away", "Shift+M", Command::Time(TimeCommand::ToggleMarker)),
+        ("Next marker", "Ctrl+Right", Command::Time(TimeCommand::ToMarker(true))),
+        ("Previous marker", "Ctrl+Left", Command::Time(TimeCommand::ToMarker(false))),
+        ("Play back and forth", "", Command::Time(TimeCommand::PingPong(true))),
+        ("Play around the ends", "", Command::Time(TimeCommand::PingPong(false))),
         ("Copy the address of this view", "Ctrl+L", Command::View(ViewCommand::CopyAddress)),
         ("Reset colors", "", Command::Display(Display::default())),
-        ("Save camera path", "", Command::AskPath(Purpose::SavePath)),
-        ("Open camera path", "", Command::AskPath(Purpose::LoadPath)),
-        ("Compare with pictures of another program", "", Command::AskPath(Purpose::OpenPictures)),
+        ("Save camera path", "", Command::File(FileCommand::AskPath(Purpose::SavePath))),
+        ("Open camera path", "", Command::File(FileCommand::AskPath(Purpose::LoadPath))),
+        (
+            "Compare with pictures of another program",
+            "",
+            Command::File(FileCommand::AskPath(Purpose::OpenPictures)),
+        ),
     ]
 }

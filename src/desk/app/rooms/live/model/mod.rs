@@ -1,5 +1,7 @@
 //! What is known: plain data.
 
+pub(crate) mod command;
+pub(crate) mod look;
 pub(crate) mod motion_budget;
 pub(crate) mod orbit_camera;
 pub(crate) mod picture;
@@ -8,6 +10,7 @@ pub(crate) mod seen_picture;
 pub(crate) mod view_history;
 pub(crate) mod view_look;
 
+pub(crate) use command::ViewCommand;
 pub(crate) use motion_budget::MotionBudget;
 pub(crate) use orbit_camera::OrbitCamera;
 pub(crate) use picture::{
@@ -15,6 +18,4 @@ pub(crate) use picture::{
 };
 pub(crate) use pose::{ANGLES_OF_VIEW, ViewAngles};
 pub(crate) use view_history::ViewHistory;
-pub(crate) use view_look::{
-    FLY_SPEEDS, FrameGuide, Guides, Ruler, ShownCameras, UP_DIRECTIONS, Unit, ViewCommand,
-};
+pub(crate) use view_look::{FLY_SPEEDS, FrameGuide, Guides, ShownCameras, UP_DIRECTIONS, Unit};

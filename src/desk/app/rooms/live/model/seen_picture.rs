@@ -2,7 +2,7 @@
 
 use egui::TextureId;
 
-use crate::app::model::document::State;
+use crate::app::model::state::State;
 use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::grid::Grid;
 
@@ -18,8 +18,8 @@ pub(crate) struct SeenPicture<'a> {
 impl State {
     /// What the live view shows; `None` before the first picture.
     pub(crate) fn live_seen(&self) -> Option<SeenPicture<'_>> {
-        let shown = self.live_shown.as_ref()?;
-        Some(match &self.live_carried {
+        let shown = self.doc.live_shown.as_ref()?;
+        Some(match &self.doc.live_carried {
             Some(carried) => SeenPicture {
                 texture: carried.texture.id(),
                 camera: &carried.camera,

@@ -1,8 +1,9 @@
 //! The views that somebody left by a jump: back to them, and forward again, as a browser does.
 
+use super::command::ViewCommand;
 use super::orbit_camera::OrbitCamera;
-use super::view_look::ViewCommand;
 use crate::app::model::command::Command;
+use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::settings::model::undo::Steps;
 
 /// Views that were left.
@@ -15,10 +16,15 @@ impl ViewHistory {
     /// Whether a command takes the view elsewhere at once. Views that are moved by hand stay under the hand.
     pub(crate) fn is_jump(command: &Command) -> bool {
         match command {
-            Command::JumpTo(_) | Command::Home | Command::GoToKey(_) | Command::FramePoint => true,
+            Command::Path(PathCommand::GoToKey(_)) => true,
             Command::View(command) => matches!(
                 command,
-                ViewCommand::LookAlong(_) | ViewCommand::GoToAddress(_) | ViewCommand::Pasted(_)
+                ViewCommand::JumpTo(_)
+                    | ViewCommand::Home
+                    | ViewCommand::FramePoint
+                    | ViewCommand::LookAlong(_)
+                    | ViewCommand::GoToAddress(_)
+                    | ViewCommand::Pasted(_)
             ),
             _ => false,
         }

@@ -4,8 +4,6 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-use super::pose::ViewAngles;
-
 /// Which picture's frame is drawn in the live view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum FrameGuide {
@@ -136,45 +134,6 @@ impl Ruler {
 
 /// Slowest and fastest flight, in the speed of a first run.
 pub(crate) const FLY_SPEEDS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
-
-/// What can be done to the live view's camera and to what surrounds its picture.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum ViewCommand {
-    /// Horizontal, radians.
-    AngleOfView(f64),
-    /// World space.
-    Position(DVec3),
-    Angles(ViewAngles),
-    /// Look at the pivot along a direction in world space.
-    LookAlong(DVec3),
-    Copy,
-    /// Copy the address of the view, which pages and windows open.
-    CopyAddress,
-    /// Go to the view of an address; opens its scene where another is open.
-    GoToAddress(String),
-    /// Back to the view before the last jump.
-    Back,
-    /// To the view that was left by going back.
-    Forward,
-    /// Ask the system for what was copied.
-    Paste,
-    /// Take what was copied.
-    Pasted(String),
-    Guides(Guides),
-    FlySpeed(f64),
-    Unit(Unit),
-    /// Let a direction of world space be up; `None` takes the one of the capture.
-    Up(Option<DVec3>),
-    /// Show or leave out the samples of a camera.
-    CameraOn(usize, bool),
-    /// Show the samples of one camera alone; of all that are on by `None`.
-    Solo(Option<usize>),
-    AllCameras(bool),
-    /// Whether clicks pick points to measure between.
-    Measure(bool),
-    /// World space.
-    PickPoint(DVec3),
-}
 
 #[cfg(test)]
 mod tests {

@@ -4,11 +4,11 @@ use egui::{Popup, PopupCloseBehavior, Rect, Response, ScrollArea, Sense, Ui, vec
 
 use egui_material_icons::icons::ICON_PLACE;
 
-use crate::app::camera_cues;
 use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::live::model::ViewCommand;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets;
 use crate::app::widgets::{text_field_ui, weak};
+use crate::app::{camera_cues, widgets};
 
 /// Height of an entry, points.
 const ROW: f32 = 42.0;
@@ -21,7 +21,7 @@ const NARROW: f32 = 180.0;
 
 /// The button and its list.
 pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(scene) = &state.scene else { return };
+    let Some(scene) = &state.doc.scene else { return };
     let text = if ui.available_width() < NARROW { ICON_PLACE.rich_text() } else { "Go to…".into() };
     let button = ui.button(text).accessible_name("Go to camera");
     let button = button.on_hover_text("View from a camera.");
@@ -51,7 +51,7 @@ pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         });
         if let Some(camera) = chosen {
-            commands.push(Command::JumpTo(camera));
+            commands.push(Command::View(ViewCommand::JumpTo(camera)));
             ui.data_mut(|data| data.remove::<String>(id));
             ui.close();
         }
@@ -60,7 +60,7 @@ pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 fn entry_ui(ui: &mut Ui, state: &State, index: usize) -> Response {
     let tokens = Tokens::in_ui(ui);
-    let camera = &state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras)[index];
+    let camera = &state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras)[index];
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let name = camera.name.as_str();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
@@ -69,7 +69,7 @@ fn entry_ui(ui: &mut Ui, state: &State, index: usize) -> Response {
     }
     let room = Rect::from_min_size(row.min + vec2(3.0, 3.0), vec2(PICTURE, ROW - 6.0));
     ui.painter().rect_filled(room, 3.0, tokens.canvas);
-    if let Some(texture) = state.inspector.thumbs.get(index) {
+    if let Some(texture) = state.doc.thumbs.get(index) {
         let [width, height] = [camera.intrinsics.width, camera.intrinsics.height].map(|side| side as f32);
         let scale = (room.width() / width).min(room.height() / height);
         let area = Rect::from_center_size(room.center(), vec2(width, height) * scale);

@@ -18,7 +18,7 @@ pub(crate) fn inverse_depth_at(state: &State, canvas: Rect, at: egui::Pos2) -> O
 
 /// The live picture that was painted last, and its column and row at a place.
 pub(crate) fn pixel_at(state: &State, canvas: Rect, at: egui::Pos2) -> Option<(&Picture, (usize, usize))> {
-    let picture = state.live_shown.as_ref()?.picture.rendered()?;
+    let picture = state.doc.live_shown.as_ref()?.picture.rendered()?;
     place_in(picture.image.size(), canvas, at).map(|place| (picture.as_ref(), place))
 }
 

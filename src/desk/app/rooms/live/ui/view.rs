@@ -5,27 +5,22 @@ use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
 use super::live_pixels::{inverse_depth_at, pixel_at};
-use crate::app::model;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::cameras::ui::overlay as cameras_overlay;
 use crate::app::rooms::cameras::ui::overlay::{camera_at, seen_cameras};
-use crate::app::rooms::cameras::ui::overlays;
+use crate::app::rooms::cameras::ui::{overlay as cameras_overlay, overlays};
 use crate::app::rooms::edits::model::{DrawnDepth, EditTool};
-use crate::app::rooms::edits::ui::drawing;
 use crate::app::rooms::edits::ui::drawing::{Drawn, PicturePlace};
-use crate::app::rooms::edits::ui::shapes as edit_shapes;
+use crate::app::rooms::edits::ui::{drawing, shapes as edit_shapes};
 use crate::app::rooms::live::model::{ColorBy, HoleDisplay, ViewCommand};
 use crate::app::rooms::live::ui::{go_to, guides};
-use crate::app::rooms::pixel::model::Spot;
-use crate::app::rooms::pixel::model::verdict_text as words;
-use crate::app::rooms::source::ui::legend;
-use crate::app::rooms::source::ui::view as source_view;
+use crate::app::rooms::pixel::model::{Spot, verdict_text as words};
 use crate::app::rooms::source::ui::view::FOOTER;
+use crate::app::rooms::source::ui::{legend, view as source_view};
 use crate::app::theme::Tokens;
-use crate::app::widgets;
 use crate::app::widgets::{
     icon_button, least_width_of_segments, one_line, picture, scrolled, segments_ui, waiting,
 };
+use crate::app::{model, widgets};
 use overlook_engine::capture::sighting::tolerances::MARKED_SURFACE;
 use overlook_engine::capture::sighting::{Sighting, compare};
 use overlook_engine::edits::{Region, Viewpoint};
@@ -43,7 +38,7 @@ const LABEL_WIDTH: f32 = 66.0;
 pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let area = ui.max_rect();
     if area != state.live.area {
-        commands.push(Command::LiveArea(area));
+        commands.push(Command::View(ViewCommand::Area(area)));
     }
     header_ui(ui, state, commands);
     let available = ui.available_rect_before_wrap();
@@ -61,7 +56,7 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let has_values = !state.value_channels().is_empty();
         let choices = ColorBy::ALL.into_iter().filter(|(of, ..)| has_values || *of != ColorBy::Value);
         if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
-            commands.push(Command::ColorBy(color_by));
+            commands.push(Command::View(ViewCommand::ColorBy(color_by)));
         }
         let needed = LABEL_WIDTH + least_width_of_segments(ui, &HoleDisplay::ALL);
         if ui.available_size_before_wrap().x < needed {
@@ -75,7 +70,7 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ui.label(RichText::new("Holes").size(12.5));
         });
         if let Some(holes) = segments_ui(ui, "Holes", state.holes_shown(), HoleDisplay::ALL) {
-            commands.push(Command::Holes(holes));
+            commands.push(Command::View(ViewCommand::Holes(holes)));
         }
     });
 }
@@ -88,10 +83,10 @@ pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Command
         (ICON_VIDEOCAM_OFF, "Show cameras")
     };
     if icon_button(ui, icon, name, name).clicked() {
-        commands.push(Command::ShowCameras(!state.live.show_cameras));
+        commands.push(Command::View(ViewCommand::ShowCameras(!state.live.show_cameras)));
     }
     if icon_button(ui, ICON_HOME, "Reset view", "Back to the start view (Home)").clicked() {
-        commands.push(Command::Home);
+        commands.push(Command::View(ViewCommand::Home));
     }
     go_to::go_to_ui(ui, state, commands);
 }
@@ -103,7 +98,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     let shrink = (LARGEST_SIDE / pixels.max_elem()).min(1.0);
     let size = [(pixels.x * shrink) as u32, (pixels.y * shrink) as u32].map(|side| side.max(1));
     if size != state.live.size {
-        commands.push(Command::LiveSize(size));
+        commands.push(Command::View(ViewCommand::Size(size)));
     }
     if let Some(seen) = state.live_seen() {
         picture(&painter, seen.texture, canvas);
@@ -114,7 +109,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
             waiting(ui, canvas, 28.0);
         }
     }
-    let seen = state.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
+    let seen = state.doc.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
     let draws = draw_ui(ui, &response, &painter, canvas, state, commands);
@@ -139,7 +134,7 @@ fn draw_ui(
     state: &State,
     commands: &mut Commands,
 ) -> bool {
-    match state.edits.tool {
+    match state.doc.edits.tool {
         None | Some(EditTool::Mask) => return false,
         Some(EditTool::Surface) => {
             drawing::select_surface(ui, response, state, commands, |at| point_under(state, canvas, at));
@@ -149,7 +144,7 @@ fn draw_ui(
             drawing::select_drawn(ui, response, painter, &place, state, commands, |drawn| {
                 let vantage = state.seen_camera([canvas.width() as u32, canvas.height() as u32])?;
                 let Drawn { outline, strokes, .. } = drawn;
-                let frame = state.frame_number().filter(|_| state.edits.depth == DrawnDepth::Seen);
+                let frame = state.frame_number().filter(|_| state.doc.edits.depth == DrawnDepth::Seen);
                 Some(Region::View {
                     viewpoint: Viewpoint::of(&vantage),
                     frame,
@@ -176,7 +171,7 @@ fn measure_ui(ui: &Ui, response: &Response, canvas: Rect, state: &State, command
 
 /// Marks the selected pixel.
 fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
-    let probe = &state.inspector.probe;
+    let probe = &state.doc.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
     let size = [canvas.width() as u32, canvas.height() as u32];
     if !probe.pinned && !widgets::points_at_picture(painter.ctx()) {
@@ -194,8 +189,8 @@ fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
 
 /// Selects the pixel under the pointer.
 fn probe_ui(response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
-    let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.live_shown) else { return };
-    if state.live_carried.is_some() {
+    let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.doc.live_shown) else { return };
+    if state.doc.live_carried.is_some() {
         // What it shows is known once it is painted.
         return;
     }
@@ -209,7 +204,7 @@ fn probe_ui(response: &Response, canvas: Rect, state: &State, commands: &mut Com
 
 /// Whether a sample in the live picture shows the surface at this place and depth, and nothing before it.
 fn shows(state: &State, canvas: Rect, at: egui::Pos2, depth: f64) -> bool {
-    let is_filled = state.live_carried.is_none()
+    let is_filled = state.doc.live_carried.is_none()
         && pixel_at(state, canvas, at).is_some_and(|(picture, place)| picture.image[place] == NO_IMAGE);
     !is_filled
         && inverse_depth_at(state, canvas, at)
@@ -237,10 +232,10 @@ fn motion(
     commands: &mut Commands,
 ) {
     if response.double_clicked() && !is_taken && !state.live.ruler.active {
-        commands.push(Command::Home);
+        commands.push(Command::View(ViewCommand::Home));
         return;
     }
-    let draws = state.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
+    let draws = state.doc.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
     let is_drawn = draws && response.dragged_by(PointerButton::Primary);
     let delta = if is_drawn { egui::Vec2::ZERO } else { response.drag_delta() };
     let delta = DVec2::new(f64::from(delta.x), f64::from(delta.y));
@@ -249,9 +244,9 @@ fn motion(
             || response.dragged_by(PointerButton::Middle)
             || ui.ctx().input(|input| input.modifiers.shift);
         commands.push(if shifts {
-            Command::Pan(delta / f64::from(canvas.height().max(1.0)))
+            Command::View(ViewCommand::Pan(delta / f64::from(canvas.height().max(1.0))))
         } else {
-            Command::Orbit(delta * ORBIT_PER_POINT)
+            Command::View(ViewCommand::Orbit(delta * ORBIT_PER_POINT))
         });
     }
     if response.hovered() {
@@ -260,8 +255,8 @@ fn motion(
             let factor = (-f64::from(scroll) * 0.003).exp();
             let under = response.hover_pos().and_then(|pointer| point_under(state, canvas, pointer));
             commands.push(match under {
-                Some(point_in_world) => Command::DollyTo { factor, point_in_world },
-                None => Command::Dolly(factor),
+                Some(point_in_world) => Command::View(ViewCommand::DollyTo { factor, point_in_world }),
+                None => Command::View(ViewCommand::Dolly(factor)),
             });
         }
     }
@@ -269,7 +264,7 @@ fn motion(
 
 fn facts_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
-    let facts = match &state.live_shown {
+    let facts = match &state.doc.live_shown {
         Some(shown) => {
             let stats = &shown.picture.stats;
             let [width, height] = shown.picture.size;
@@ -288,7 +283,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
     };
     let help = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to reset the view, click to pin \
                 the pixel.";
-    let notice = state.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
+    let notice = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
     let (facts, color) = match notice {
         Some(notice) => (notice.clone(), tokens.warning),
         None => (facts, tokens.text_weak),

@@ -40,8 +40,8 @@ pub(crate) struct LiveSchedule {
 impl LiveSchedule {
     /// Whether what was asked for last is shown.
     pub(crate) fn is_up_to_date(&self, state: &State) -> bool {
-        let is_shown = state.live_shown.as_ref().map(|shown| &shown.key) == self.asked.as_ref();
-        is_shown && !self.will_change && state.live_carried.is_none()
+        let is_shown = state.doc.live_shown.as_ref().map(|shown| &shown.key) == self.asked.as_ref();
+        is_shown && !self.will_change && state.doc.live_carried.is_none()
     }
 
     /// Whether a picture is of no use any more: one in motion, after that at rest was asked for.
@@ -87,7 +87,7 @@ impl LiveSchedule {
 
     /// What is to be painted now, and how long until that changes.
     fn key(&mut self, state: &State, changed_at: Option<Instant>) -> Option<(LiveKey, Option<Duration>)> {
-        let scene = state.scene.as_ref()?;
+        let scene = state.doc.scene.as_ref()?;
         let edited = state.edited().map(|edited| &edited.shown);
         let samples = edited.or_else(|| state.samples_here())?;
         let orbit = state.live.orbit.as_ref()?;
@@ -105,7 +105,7 @@ impl LiveSchedule {
         let (size, settings) = quality
             .map_or_else(|| (fine, at_rest.clone()), |quality| (quality.size(coarse), quality.of(at_rest)));
         let on_gpu =
-            state.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
+            state.doc.live_shown.as_ref().is_some_and(|shown| shown.picture.painter.backend == Backend::Gpu);
         // The adapter shows colors as recorded.
         let in_motion = state.live.shares_device && on_gpu && quality.is_some() && state.display.is_neutral();
         self.will_change = quality.is_some();
@@ -161,7 +161,7 @@ impl LiveSchedule {
 
 /// What is to be carried to where the view is now; `None` where the picture was taken from there, or from nowhere near.
 fn carry_key(state: &State) -> Option<CarryKey> {
-    let (shown, orbit) = (state.live_shown.as_ref()?, state.live.orbit.as_ref()?);
+    let (shown, orbit) = (state.doc.live_shown.as_ref()?, state.live.orbit.as_ref()?);
     shown.picture.rendered()?;
     let to = state.live_camera(shown.picture.size.map(|side| side as u32))?;
     let from = &shown.key.vantage.camera;

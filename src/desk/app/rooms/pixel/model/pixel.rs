@@ -12,6 +12,16 @@ use overlook_engine::preprocess::inspect::{FrameInspection, PixelExplanation};
 use overlook_engine::preprocess::registration::Outcome;
 use overlook_engine::samples::{SampleSet, Span};
 
+/// The selected pixel.
+#[derive(Default)]
+pub(crate) struct InspectedPixel {
+    /// Where somebody points.
+    pub spot: Option<Spot>,
+    /// Whether it stays when the pointer goes.
+    pub pinned: bool,
+    pub shown: Option<Arc<Probed>>,
+}
+
 /// Where somebody points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Spot {

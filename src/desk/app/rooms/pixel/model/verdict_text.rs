@@ -1,8 +1,8 @@
 //! Verdicts and evidence in words: for the read-out, the table and the clipboard.
 
 use super::pixel::Probed;
-use crate::app::model::document::State;
 use crate::app::model::scene::OpenScene;
+use crate::app::model::state::State;
 use crate::app::model::text;
 use crate::app::rooms::cameras::model::CameraText;
 use overlook_engine::capture::Camera;

@@ -1,14 +1,14 @@
 //! Whether the open capture's reading can be compared with another one.
 
-use crate::app::model::document::State;
 use crate::app::model::scene::SceneSource;
+use crate::app::model::state::State;
 use overlook_engine::capture::conventions::ConventionVerdict;
 
 impl State {
     /// Why two readings cannot be compared; `None` where they can.
     pub(crate) fn why_no_readings(&self) -> Option<String> {
-        let readings = &self.inspector.readings;
-        let Some(scene) = &self.scene else { return Some("Open a capture first.".to_owned()) };
+        let readings = &self.doc.readings;
+        let Some(scene) = &self.doc.scene else { return Some("Open a capture first.".to_owned()) };
         if scene.capture().is_none() {
             return Some("A store holds no source frames that could be read otherwise.".to_owned());
         }

@@ -1,6 +1,6 @@
 //! What the window holds in memory, by part.
 
-use crate::app::model::document::State;
+use crate::app::model::state::State;
 use crate::app::rooms::live::model::picture::PixelSource;
 
 /// Bytes of a displayed color.
@@ -14,12 +14,13 @@ impl State {
     pub(crate) fn held_memory(&self) -> Vec<(&'static str, u64)> {
         let samples = self.whole_samples().map_or(0, |samples| samples.bytes());
         let decoded =
-            self.scene.as_ref().and_then(|scene| scene.playback()).map_or(0, |it| it.cached_bytes());
-        let live = self.live_shown.as_ref().map_or(0, |shown| match &shown.picture.pixels {
+            self.doc.scene.as_ref().and_then(|scene| scene.playback()).map_or(0, |it| it.cached_bytes());
+        let live = self.doc.live_shown.as_ref().map_or(0, |shown| match &shown.picture.pixels {
             PixelSource::InMemory { rendered, .. } => rendered.image.len() * (RENDERED + COLOR),
             PixelSource::OnAdapter(_) => 0,
         });
-        let source = self.source_shown.as_ref().map_or(0, |shown| shown.picture.image.pixels.len() * COLOR);
+        let source =
+            self.doc.source_shown.as_ref().map_or(0, |shown| shown.picture.image.pixels.len() * COLOR);
         let mut parts = vec![
             ("Samples", samples),
             ("Samples decoded from the store", decoded),

@@ -2,7 +2,7 @@
 //! The latter say the version and the settings below the table, and round to what can be read.
 
 use super::table::{Table, TableForm};
-use crate::app::model::document::State;
+use crate::app::model::state::State;
 use crate::app::model::text::{account_parts, significant};
 use crate::app::rooms::pixel::model::verdict_text;
 use crate::app::rooms::settings::model::setting_names::SettingPairs;
@@ -12,7 +12,7 @@ use overlook_lab::sweep::Point;
 
 /// The table of the known values; `None` while there are none.
 pub(crate) fn table_text(table: Table, form: TableForm, state: &State) -> Option<String> {
-    let charts = &state.inspector.charts;
+    let charts = &state.doc.charts;
     let rows = match table {
         Table::Sweep => charts.sweep.iter().map(sweep_row).collect(),
         Table::StressTest => charts
@@ -51,7 +51,7 @@ fn made_with(state: &State) -> String {
     let settings: Vec<String> =
         pairs.differing().map(|(field, [value, _])| format!("{} = {value}", field.path)).collect();
     let settings = if settings.is_empty() { "default settings".to_owned() } else { settings.join(", ") };
-    let scene = state.scene.as_ref().map_or("", |scene| scene.name.as_str());
+    let scene = state.doc.scene.as_ref().map_or("", |scene| scene.name.as_str());
     format!("{scene}: Overlook {}, {settings}", env!("CARGO_PKG_VERSION"))
 }
 
@@ -229,8 +229,8 @@ fn agreement(report: &Report) -> Vec<CsvRow> {
 }
 
 fn pixel(state: &State) -> Option<Vec<CsvRow>> {
-    let scene = state.scene.as_ref()?;
-    let explanation = state.inspector.probe.shown.as_ref()?.explanation.as_ref()?;
+    let scene = state.doc.scene.as_ref()?;
+    let explanation = state.doc.probe.shown.as_ref()?.explanation.as_ref()?;
     let number = |value: f64| if value.is_nan() { String::new() } else { value.to_string() };
     let row = |row: &overlook_engine::preprocess::inspect::CameraEvidence| {
         vec![
@@ -275,7 +275,7 @@ mod tests {
         assert_eq!(table_text(Table::Sweep, TableForm::Csv, &state), None);
         let trial = Trial::new("spans.noise = 2, \"gather\"", Settings::default());
         let point = Point::new(&trial, Series::Variation, &TrialResult::default());
-        state.inspector.charts.add(point, (1, 1));
+        state.doc.charts.add(point, (1, 1));
         let text = table_text(Table::Sweep, TableForm::Csv, &state).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2);
@@ -291,7 +291,7 @@ mod tests {
         let trial = Trial::new("50 % of a_b | {c}", Settings::default());
         let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
         point.milliseconds = 12.345_678;
-        state.inspector.charts.add(point, (1, 1));
+        state.doc.charts.add(point, (1, 1));
         let markdown = table_text(Table::Sweep, TableForm::Markdown, &state).unwrap();
         let lines: Vec<&str> = markdown.lines().collect();
         assert!(lines[0].starts_with("| label | series | kernel | psnr filled db |"), "{markdown}");

@@ -6,8 +6,8 @@ use super::pair_grid::{PairCell, by_weight, pairs_ui};
 use crate::app::colormap::sequential;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::compare::model::CompareSide;
-use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::compare::model::{CompareCommand, CompareSide};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::report::model::Table;
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
@@ -28,15 +28,15 @@ pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands
     ui.heading("What was corrected");
     weak(ui, "Cameras agree better so, by samples that took no part in finding it.");
     ui.horizontal(|ui| {
-        let is_capture = state.scene.as_ref().is_some_and(|scene| scene.capture().is_some());
+        let is_capture = state.doc.scene.as_ref().is_some_and(|scene| scene.capture().is_some());
         let button = ui.add_enabled(is_capture, egui::Button::new("Compare before and after"));
         let button =
             button.on_hover_text("The kept samples as the capture claims to be, beside those as corrected.");
         if button.on_disabled_hover_text("Open the capture that the store was made from.").clicked() {
             let mut look = state.inspector.compare.clone();
             look.choice.sides = [CompareSide::AsClaimed, CompareSide::Kept];
-            commands.push(Command::Compare(Box::new(look)));
-            commands.push(Command::OpenView(DockView::Compare));
+            commands.push(Command::Compare(CompareCommand::Look(Box::new(look))));
+            commands.push(Command::Window(WindowCommand::OpenView(DockView::Compare)));
         }
         table_ui(ui, Table::Alignment, commands);
     });

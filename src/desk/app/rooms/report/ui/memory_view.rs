@@ -4,14 +4,13 @@ use egui::{ScrollArea, Ui};
 use egui_material_icons::icons::ICON_MEMORY;
 
 use super::panel::{share_ui, stale_ui};
-use crate::app::camera_cues;
-use crate::app::model;
 use crate::app::model::{CameraMemory, State};
 use crate::app::widgets::{empty_ui, note};
+use crate::app::{camera_cues, model};
 
 pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
-    let (Some(scene), Some(cameras)) = (&state.scene, &state.inspector.memory) else {
-        let (title, text) = if state.scene.is_none() || state.has_capture() {
+    let (Some(scene), Some(cameras)) = (&state.doc.scene, &state.doc.memory) else {
+        let (title, text) = if state.doc.scene.is_none() || state.has_capture() {
             ("No samples yet", "What the kept samples take is known once the whole capture is pruned.")
         } else {
             (

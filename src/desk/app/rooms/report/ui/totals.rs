@@ -5,7 +5,7 @@ use egui::{Align, Layout, RichText, Ui};
 use super::causes::causes_ui;
 use crate::app::model;
 use crate::app::model::{Accuracy, Command, Commands, Content, State};
-use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::theme::{Tokens, figure_style};
 use crate::app::widgets::one_line;
 use overlook_engine::plural::counted;
@@ -49,7 +49,7 @@ pub(crate) fn totals_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let Some(account) = account else { return };
         ui.allocate_ui_with_layout(egui::vec2(bars, FIGURE), Layout::top_down(Align::Min), |ui| {
             if causes_ui(ui, &account).is_some_and(|bars| bars.clicked()) {
-                commands.push(Command::OpenView(DockView::Report));
+                commands.push(Command::Window(WindowCommand::OpenView(DockView::Report)));
             }
         });
     });
@@ -111,7 +111,7 @@ fn figures(state: &State) -> Vec<KeyFigure> {
         _ => format!("of {}", model::bytes(report.bytes_raw)),
     };
     let seconds = report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0);
-    let render = state.live_shown.as_ref().map(|shown| {
+    let render = state.doc.live_shown.as_ref().map(|shown| {
         let stats = &shown.picture.stats;
         let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
         let covered = model::percent(pixels.saturating_sub(stats.holes), pixels);
@@ -141,8 +141,8 @@ fn figures(state: &State) -> Vec<KeyFigure> {
         ),
     ];
     // What nobody can know here has no place.
-    if state.accuracy.is_some() || state.has_truth() {
-        figures.push(accuracy_figure(state.accuracy, figure));
+    if state.doc.accuracy.is_some() || state.has_truth() {
+        figures.push(accuracy_figure(state.doc.accuracy, figure));
     }
     if state.has_capture() {
         figures.push(figure(

@@ -4,7 +4,7 @@ use egui::{Align2, Label, Painter, Rect, RichText, Sense, Stroke, Ui, pos2, vec2
 
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::settings::model::{BARS, ThresholdAxis, ThresholdHistogram};
+use crate::app::rooms::settings::model::{BARS, SettingsCommand, ThresholdAxis, ThresholdHistogram};
 use crate::app::theme::Tokens;
 use overlook_engine::settings::Field;
 
@@ -32,7 +32,7 @@ pub(crate) fn histogram_ui(
     let painter = ui.painter_at(rect);
     painter.rect_filled(plot, 3.0, tokens.background);
     // The room is kept while nothing is counted, so that nothing below jumps; the line can be dragged already.
-    let mut histograms = state.inspector.histograms.iter();
+    let mut histograms = state.doc.histograms.iter();
     let histogram = histograms.find(|histogram| histogram.path == field.path && !histogram.is_empty());
     if let Some(histogram) = histogram {
         bars(&painter, plot, axis, histogram, tokens);
@@ -60,7 +60,8 @@ pub(crate) fn histogram_ui(
     {
         let dragged = axis.value((pointer.x - plot.left()) / plot.width());
         if (dragged - value).abs() > 1e-6 * value.abs() {
-            commands.push(Command::Set { path: field.path, value: dragged.into() });
+            commands
+                .push(Command::Settings(SettingsCommand::Set { path: field.path, value: dragged.into() }));
         }
     }
     response.on_hover_text(help_words(histogram, value));

@@ -5,8 +5,9 @@ use egui_material_icons::icons::{ICON_DELETE, ICON_REDO, ICON_RESTART_ALT, ICON_
 
 use crate::app::control::gave_up_number;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::settings::model::{CUT, PRESETS, SettingsSlot};
-use crate::app::rooms::settings::model::{SECTIONS, SettingPairs, setting_names};
+use crate::app::rooms::settings::model::{
+    CUT, PRESETS, SECTIONS, SettingPairs, SettingsCommand, SettingsSlot, setting_names,
+};
 use crate::app::rooms::settings::ui::histogram;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, icon_button, note, text_field_ui, weak};
@@ -68,7 +69,7 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         }
         let reset = ui.add_enabled(settings != Settings::default() && editable, Button::new("Reset all"));
         if reset.on_hover_text("Give every setting its default").clicked() {
-            commands.push(Command::ResetAll);
+            commands.push(Command::Settings(SettingsCommand::ResetAll));
         }
         ui.add_space(space::LARGE);
     });
@@ -93,7 +94,7 @@ fn history_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             let button = ui.add(Button::selectable(history.slot == slot, name).min_size(egui::vec2(26.0, space::CONTROL)));
             let button = button.on_hover_text(help).accessible_name(format!("Settings {name}"));
             if button.clicked() && history.slot != slot {
-                commands.push(Command::SwitchSettings);
+                commands.push(Command::Settings(SettingsCommand::Switch));
             }
         }
         presets_menu_ui(ui, state, commands);
@@ -129,7 +130,7 @@ fn field_ui(
                     egui::Stroke::new(1.5, Tokens::in_ui(ui).accent),
                     egui::StrokeKind::Outside,
                 );
-                commands.push(Command::FoundSetting);
+                commands.push(Command::Settings(SettingsCommand::Found));
             }
             note(ui, field.unit).on_hover_text(field.help);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -142,7 +143,7 @@ fn field_ui(
                     _ => None,
                 };
                 if let Some(value) = changed_to {
-                    commands.push(Command::Set { path: field.path, value });
+                    commands.push(Command::Settings(SettingsCommand::Set { path: field.path, value }));
                 }
                 reset_ui(ui, field, changed, commands);
             });
@@ -150,7 +151,7 @@ fn field_ui(
         if let (Some(value), true) = (value.as_float(), cuts) {
             histogram::histogram_ui(ui, field, &name, value, state, commands);
         } else if let Some(value) = value_ui(ui, field, &name, value) {
-            commands.push(Command::Set { path: field.path, value });
+            commands.push(Command::Settings(SettingsCommand::Set { path: field.path, value }));
         }
     });
 }
@@ -198,7 +199,7 @@ fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Co
         .on_hover_text("Back to the default")
         .accessible_name(format!("Reset {}", setting_names::name(field.path)));
     if button.clicked() {
-        commands.push(Command::Reset(field.path));
+        commands.push(Command::Settings(SettingsCommand::Reset(field.path)));
     }
 }
 
@@ -254,7 +255,7 @@ fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         ui.set_min_width(220.0);
         for (index, (name, help, _)) in PRESETS.iter().enumerate() {
             if ui.button(*name).on_hover_text(*help).clicked() {
-                commands.push(Command::Preset(index));
+                commands.push(Command::Settings(SettingsCommand::Preset(index)));
             }
         }
         ui.separator();
@@ -262,17 +263,17 @@ fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
             ui.horizontal(|ui| {
                 if ui.button(name).clicked() {
-                    commands.push(Command::OwnPreset(index));
+                    commands.push(Command::Settings(SettingsCommand::OwnPreset(index)));
                     ui.close();
                 }
                 let forget = format!("Forget preset {name}");
                 if icon_button(ui, ICON_DELETE, &forget, &forget).clicked() {
-                    commands.push(Command::RemovePreset(index));
+                    commands.push(Command::Settings(SettingsCommand::RemovePreset(index)));
                 }
             });
         }
         if ui.button("Save as preset…").on_hover_text("Saves the current settings under a name").clicked() {
-            commands.push(Command::NamePreset(Some(String::new())));
+            commands.push(Command::Settings(SettingsCommand::NamePreset(Some(String::new()))));
         }
     });
     response.accessible_name("Presets");
@@ -293,21 +294,21 @@ pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Comma
         let (changed, entered) = text_field_ui(ui, &mut text, "", "Name of the preset");
         let named = !text.trim().is_empty();
         if changed {
-            commands.push(Command::NamePreset(Some(text.clone())));
+            commands.push(Command::Settings(SettingsCommand::NamePreset(Some(text.clone()))));
         }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {
             let keep = ui.add_enabled(named, Button::new("Save")).accessible_name("Save this preset");
             if (keep.clicked() || entered) && named {
-                commands.push(Command::SavePreset(text));
+                commands.push(Command::Settings(SettingsCommand::SavePreset(text)));
             }
             if ui.button("Cancel").accessible_name("Cancel this preset").clicked() {
-                commands.push(Command::NamePreset(None));
+                commands.push(Command::Settings(SettingsCommand::NamePreset(None)));
             }
         });
     });
     if modal.should_close() {
-        commands.push(Command::NamePreset(None));
+        commands.push(Command::Settings(SettingsCommand::NamePreset(None)));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which pictures a film has: those of the camera path, or of a comparison those of the played frames.
 
-use crate::app::model::document::State;
+use crate::app::model::state::State;
 use crate::app::rooms::compare::model::comparison::CompareKey;
 use crate::app::rooms::compare::model::vantage::CompareVantage;
 use overlook_engine::render::Vantage;
@@ -16,8 +16,8 @@ pub(crate) struct ComparedFilm {
 impl State {
     /// How many pictures a film of what is chosen in the dialog has.
     pub(crate) fn film_pictures(&self) -> usize {
-        let along_path = self.inspector.path.pictures();
-        if along_path > 0 || self.share.options.compares.is_none() || self.scene.is_none() {
+        let along_path = self.doc.path.pictures();
+        if along_path > 0 || self.share.options.compares.is_none() || self.doc.scene.is_none() {
             return along_path;
         }
         let [first, last] = self.timeline.played(self.frame_count());
@@ -29,17 +29,17 @@ impl State {
         let (size, frames) = (self.export_size(), self.frame_count());
         let [first, last] = self.timeline.played(frames);
         match self.live_camera(size) {
-            Some(camera) if self.inspector.path.pictures() == 0 => {
+            Some(camera) if self.doc.path.pictures() == 0 => {
                 (first..=last).map(|frame| Vantage { camera: camera.clone(), frame }).collect()
             }
-            _ => self.inspector.path.vantages(size, frames),
+            _ => self.doc.path.vantages(size, frames),
         }
     }
 
     /// The comparison that a film of what is chosen in the dialog shows, if it shows one.
     pub(crate) fn compared_film(&self) -> Option<ComparedFilm> {
         let (how, mut key) = (self.share.options.compares?, self.compare_key()?);
-        if self.inspector.path.pictures() > 0 {
+        if self.doc.path.pictures() > 0 {
             key.choice.from = CompareVantage::Live;
         }
         Some(ComparedFilm { how, key })

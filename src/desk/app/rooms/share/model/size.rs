@@ -3,7 +3,7 @@
 
 use super::figure::FigureOf;
 use super::share::{ShareFacts, ShareOptions, SharePreviewKey, ShareWay, SharedPictures};
-use crate::app::model::document::State;
+use crate::app::model::state::State;
 use crate::app::model::text::{bytes, count_of, significant};
 use overlook_engine::plural::counted;
 use overlook_engine::render::Vantage;
@@ -87,7 +87,7 @@ impl State {
         let ready = self.is_whole_ready() && self.share.is_open && share < 1.0;
         let samples = self.whole_samples().filter(|_| ready)?;
         Some(SharePreviewKey {
-            scene: self.scene.clone()?,
+            scene: self.doc.scene.clone()?,
             samples: samples.clone(),
             vantage: Vantage { camera, frame: self.timeline.frame },
             settings: self.settings.render.clone(),
@@ -97,7 +97,7 @@ impl State {
 
     /// The size of a way out, with the options of the dialog.
     pub(crate) fn share_size(&self, way: ShareWay) -> ShareSize {
-        if self.scene.is_none() {
+        if self.doc.scene.is_none() {
             return ShareSize::missing("nothing open");
         }
         let needs_picture = matches!(way, ShareWay::Film | ShareWay::Pictures | ShareWay::Figure);
@@ -163,9 +163,11 @@ impl State {
         let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
         let [width, height] = match options.figure_of {
             FigureOf::Live => self.figure_size(),
-            FigureOf::Source => {
-                self.source_shown.as_ref().map_or([0; 2], |shown| shown.picture.size.map(|side| side as u32))
-            }
+            FigureOf::Source => self
+                .doc
+                .source_shown
+                .as_ref()
+                .map_or([0; 2], |shown| shown.picture.size.map(|side| side as u32)),
         };
         let size = picture.png_bytes / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
         let millimeters = significant(options.figure.width_mm());
@@ -173,7 +175,7 @@ impl State {
     }
 
     fn points(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
-        let is_far = self.scene.as_ref().is_some_and(|scene| are_far_from_origin(&scene.cameras));
+        let is_far = self.doc.scene.as_ref().is_some_and(|scene| are_far_from_origin(&scene.cameras));
         let each = POINT[usize::from(is_far)];
         let files = if options.points_of_all_frames { self.frame_count() } else { 1 };
         let points = facts.placed_here * files as u64;

@@ -7,6 +7,7 @@ use crate::app::rooms::path::ui::size_ui;
 use crate::app::rooms::share::model::{
     DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
 };
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::widgets::{note, segments_ui, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::FilmComparison;
@@ -78,8 +79,8 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
         ShareWay::Store if !state.live.cameras.shows_all() => {
             note(ui, "Cameras that the live view leaves out are in it as well.");
         }
-        ShareWay::Page if state.inspector.path.pictures() > 0 => {
-            let keys = &state.inspector.path.keys;
+        ShareWay::Page if state.doc.path.pictures() > 0 => {
+            let keys = &state.doc.path.keys;
             let passes_time = keys.first().map(|key| key.frame) < keys.last().map(|key| key.frame);
             note(ui, if passes_time { PATH } else { NO_PATH });
         }
@@ -88,7 +89,7 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
 }
 
 fn page_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
-    let name = state.scene.as_ref().map_or("", |scene| scene.name.as_str());
+    let name = state.doc.scene.as_ref().map_or("", |scene| scene.name.as_str());
     ui.label("Title");
     ui.add(TextEdit::singleline(&mut options.title).desired_width(f32::INFINITY).hint_text(name))
         .accessible_name("Title of the page");
@@ -138,9 +139,9 @@ fn film_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mu
         let mut rate = state.timeline.frames_per_second;
         let drag = DragValue::new(&mut rate).range(1.0..=120.0).max_decimals(2).suffix(" a second");
         if ui.add(drag).accessible_name("Pictures a second").changed() {
-            commands.push(Command::FramesPerSecond(rate));
+            commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
         }
-        let keys = counted(state.inspector.path.keys.len(), "key");
+        let keys = counted(state.doc.path.keys.len(), "key");
         weak(ui, format!("{keys}, {}", counted(state.film_pictures(), "picture")));
     });
     ui.end_row();
@@ -154,8 +155,8 @@ fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
     if options.compares.is_some() {
         ui.label("");
         let sides = state.inspector.compare.choice.sides;
-        let [left, right] = sides.map(|side| state.inspector.side_name(side));
-        let along = state.inspector.path.pictures() > 0;
+        let [left, right] = sides.map(|side| state.side_name(side));
+        let along = state.doc.path.pictures() > 0;
         let place = if along { "along the camera path" } else { "over the played frames" };
         note(ui, format!("{left} and {right}, as chosen in Compare, {place}."));
         ui.end_row();
@@ -233,7 +234,7 @@ fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
 }
 
 fn store_ui(ui: &mut Ui, state: &State) {
-    let cameras = state.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+    let cameras = state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
     ui.label("Holds");
     ui.label(format!("{}, {}", counted(cameras, "camera"), counted(state.frame_count(), "frame")));
     ui.end_row();

@@ -7,6 +7,7 @@ use super::options::options_ui;
 use crate::app::model;
 use crate::app::model::{Busy, Command, Commands, State, StoppableWork};
 use crate::app::rooms::files::control::what_is_missing;
+use crate::app::rooms::files::model::FileCommand;
 use crate::app::rooms::live::model::ViewCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareOptions, ShareOutcome, ShareWay};
 use crate::app::theme::{Tokens, space};
@@ -212,11 +213,11 @@ fn make_ui(ui: &mut Ui, state: &State, options: &ShareOptions, commands: &mut Co
                 make.request_focus();
             }
             if make.clicked() {
-                commands.push(Command::AskPath(purpose));
+                commands.push(Command::File(FileCommand::AskPath(purpose)));
             }
             let help = "Type the path in place of choosing it.";
             if ui.button("To path…").on_hover_text(help).clicked() {
-                commands.push(Command::TypePath(purpose));
+                commands.push(Command::File(FileCommand::TypePath(purpose)));
             }
         });
     });

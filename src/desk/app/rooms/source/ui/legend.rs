@@ -2,17 +2,16 @@
 
 use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
-use crate::app::camera_cues;
 use crate::app::colormap::{diverging, sequential};
-use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::colors::model::titled_value;
 use crate::app::rooms::live::model::{ColorBy, HoleDisplay};
 use crate::app::rooms::source::model::{
-    Legend, Overlay, RATIO_RANGE, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
+    Legend, Overlay, RATIO_RANGE, SourceCommand, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
 };
 use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
+use crate::app::{camera_cues, model};
 use overlook_engine::grid::Grid;
 use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::preprocess::inspect::VISIBLE_STEPS;
@@ -134,7 +133,7 @@ fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
 /// Cameras with the share of pixels that each won, most first. A list holds those that the picture shows as *others* and those that
 /// have no room. While the pointer is on a name, the picture shows that camera alone.
 fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64, commands: &mut Commands) {
-    let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+    let cameras = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
     let (ranked, named) = ranked(won_by);
     let entry = |camera: usize| {
         let name = &cameras.get(camera)?.name;
@@ -154,8 +153,8 @@ fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64, commands: 
         let label = format!("others ({}) {}", others.len(), model::percent(count, total));
         hovered = others_ui(ui, &label, others).or(hovered);
     }
-    if hovered != state.inspector.isolated {
-        commands.push(Command::Isolate(hovered));
+    if hovered != state.doc.isolated {
+        commands.push(Command::Source(SourceCommand::Isolate(hovered)));
     }
 }
 
@@ -208,7 +207,7 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
         match state.live.color_by {
             ColorBy::Picture => {}
             ColorBy::Camera => {
-                let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+                let cameras = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
                 let entries: Vec<_> =
                     cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone())).collect();
                 let shown = cameras_that_fit(ui, &entries, HOLE_WIDTH);
@@ -261,7 +260,7 @@ fn value_ui(ui: &mut Ui, state: &State) {
 
 /// What pixels are that no sample reached, and their share of the picture.
 fn holes_ui(ui: &mut Ui, state: &State) {
-    let shares = state.live_shown.as_ref().map(|shown| {
+    let shares = state.doc.live_shown.as_ref().map(|shown| {
         let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
         let (holes, sky) = (shown.picture.stats.holes, shown.picture.sky_holes);
         let sky = if state.holes_shown() == HoleDisplay::Filled { sky.min(holes) } else { 0 };

@@ -5,20 +5,19 @@ use egui_material_icons::icons::ICON_HIDE_IMAGE;
 use glam::DVec2;
 
 use crate::app::camera_chips::chips;
-use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::cameras::model::CameraText;
 use crate::app::rooms::cameras::ui::overlays;
 use crate::app::rooms::edits::model::{DrawnDepth, EditCommand, EditTool};
 use crate::app::rooms::edits::ui::drawing;
 use crate::app::rooms::edits::ui::drawing::{Drawn, PicturePlace};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::pixel::model::{Spot, verdict_text as words};
-use crate::app::rooms::source::model::{Legend, Overlay, PictureZoom};
+use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::pixel::model::{PixelCommand, Spot, verdict_text as words};
+use crate::app::rooms::source::model::{Legend, Overlay, PictureZoom, SourceCommand};
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::Tokens;
-use crate::app::widgets;
 use crate::app::widgets::{camera_choices, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
+use crate::app::{model, widgets};
 use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::edits::{Region, Viewpoint};
 use overlook_engine::grid::Grid;
@@ -37,7 +36,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
                     pictures and why each pixel went.";
         empty_ui(ui, ICON_HIDE_IMAGE, "This store holds no source frames", text, |ui| {
             if ui.button("Open capture folder…").clicked() {
-                commands.push(Command::AskPath(Purpose::OpenFolder));
+                commands.push(Command::File(FileCommand::AskPath(Purpose::OpenFolder)));
             }
         });
         return;
@@ -50,7 +49,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
     let hovered = picture_ui(ui, canvas, state, commands);
     ui.allocate_rect(canvas, Sense::hover());
     ui.add_space(2.0);
-    if let Some(shown) = &state.source_shown {
+    if let Some(shown) = &state.doc.source_shown {
         legend::source_legend_ui(ui, state, &shown.key, &shown.picture.legend, commands);
     }
     readout_ui(ui, state, hovered);
@@ -58,13 +57,13 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, Overlay::ALL) {
-        commands.push(Command::Overlay(overlay));
+        commands.push(Command::Source(SourceCommand::Overlay(overlay)));
     }
 }
 
 /// Which camera, and for the sampling ratio against which; from right to left.
 pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(scene) = state.scene.as_ref().filter(|_| state.has_capture()) else { return };
+    let Some(scene) = state.doc.scene.as_ref().filter(|_| state.has_capture()) else { return };
     let cameras: Vec<_> = camera_choices(&scene.cameras).collect();
     if state.source.overlay == Overlay::SamplingRatio {
         let others = cameras.iter().filter(|(index, ..)| *index != state.source.camera);
@@ -72,12 +71,12 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let best = (None, "best other", "");
         let others: Vec<_> = std::iter::once(best).chain(others).collect();
         if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST_WIDTH) {
-            commands.push(Command::Against(against));
+            commands.push(Command::Source(SourceCommand::Against(against)));
         }
         weak(ui, "vs");
     }
     if let Some(camera) = choice_ui(ui, "Source camera", state.source.camera, &cameras, CAMERA_LIST_WIDTH) {
-        commands.push(Command::SourceCamera(camera));
+        commands.push(Command::Source(SourceCommand::Camera(camera)));
     }
 }
 
@@ -86,7 +85,7 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     let tokens = Tokens::in_ui(ui);
     let (response, painter) = widgets::canvas_ui(ui, canvas, "source picture", "Source picture");
     widgets::empty_canvas(ui, &painter, canvas);
-    let Some(shown) = &state.source_shown else {
+    let Some(shown) = &state.doc.source_shown else {
         if !state.is_frame_failed() {
             waiting(ui, canvas, 28.0);
         }
@@ -103,9 +102,9 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     let is_taken = draw_ui(ui, &response, &painter, &place, state, commands);
     zoom_and_pan(ui, &response, picture, state, is_taken, commands);
     widgets::note_picture(ui, picture.intersect(canvas), "source picture");
-    let probe = &state.inspector.probe;
+    let probe = &state.doc.probe;
     let shown_camera = shown.key.camera;
-    let probed = state.scene.as_ref().zip(probe.shown.as_ref());
+    let probed = state.doc.scene.as_ref().zip(probe.shown.as_ref());
     if let Some((at, sees)) =
         probed.and_then(|(scene, probed)| probed.in_camera(&scene.cameras, shown_camera))
     {
@@ -150,12 +149,12 @@ fn tile_tooltip(response: Response, shares: &Grid<f32>, [x, y]: [usize; 2], [wid
 
 /// Looks at the spot under the pointer; a click keeps it.
 pub(crate) fn point_at(response: &Response, spot: Spot, state: &State, commands: &mut Commands) {
-    let probe = &state.inspector.probe;
+    let probe = &state.doc.probe;
     if response.clicked() {
-        commands.push(Command::Probe(Some(spot)));
-        commands.push(Command::Pin(true));
+        commands.push(Command::Pixel(PixelCommand::Probe(Some(spot))));
+        commands.push(Command::Pixel(PixelCommand::Pin(true)));
     } else if !probe.pinned && !response.dragged() && probe.spot != Some(spot) {
-        commands.push(Command::Probe(Some(spot)));
+        commands.push(Command::Pixel(PixelCommand::Probe(Some(spot))));
     }
 }
 
@@ -168,12 +167,12 @@ fn draw_ui(
     state: &State,
     commands: &mut Commands,
 ) -> bool {
-    let shown = state.source_shown.as_ref().zip(state.scene.as_ref());
+    let shown = state.doc.source_shown.as_ref().zip(state.doc.scene.as_ref());
     let Some(camera) = shown.and_then(|(shown, scene)| scene.cameras.get(shown.key.camera)) else {
         return false;
     };
     drawing::drawn_areas(painter, place, &camera.name, state);
-    match state.edits.tool {
+    match state.doc.edits.tool {
         None => return false,
         Some(EditTool::Surface) => {
             drawing::select_surface(ui, response, state, commands, |at| {
@@ -196,7 +195,7 @@ fn draw_ui(
         }
         Some(_) => drawing::select_drawn(ui, response, painter, place, state, commands, |drawn| {
             let Drawn { outline, strokes, .. } = drawn;
-            Some(match state.edits.depth {
+            Some(match state.doc.edits.depth {
                 DrawnDepth::Seen => {
                     let frame = Some(state.frame_number()?);
                     Region::Pixels { camera: camera.name.clone(), frame, outline, strokes }
@@ -222,18 +221,19 @@ fn zoom_and_pan(
 ) {
     let part = state.source.part;
     if response.double_clicked() && !is_drawn {
-        commands.push(Command::SourceZoom(PictureZoom::default()));
+        commands.push(Command::Source(SourceCommand::Zoom(PictureZoom::default())));
         return;
     }
     let pans = response.dragged() && !(is_drawn && response.dragged_by(PointerButton::Primary));
     if pans && part.zoom > 1.0 {
-        commands.push(Command::SourceZoom(part.shifted(response.drag_delta() / picture.size())));
+        commands
+            .push(Command::Source(SourceCommand::Zoom(part.shifted(response.drag_delta() / picture.size()))));
     }
     let Some(pointer) = response.hover_pos() else { return };
     let scroll = scrolled(ui);
     if scroll != 0.0 {
         let at = (pointer - picture.min) / picture.size();
-        commands.push(Command::SourceZoom(part.scrolled(scroll, at)));
+        commands.push(Command::Source(SourceCommand::Zoom(part.scrolled(scroll, at))));
     }
 }
 
@@ -250,7 +250,7 @@ fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
         }
         None => (CameraText::new(camera_facts(state)), MOUSE.to_owned(), tokens.text_weak),
     };
-    let cameras = state.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
+    let cameras = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
     let line = chips(ui, &line, cameras, &egui::TextStyle::Small, color);
     ui.add(egui::Label::new(line).truncate()).on_hover_text(&more);
 }
@@ -259,7 +259,8 @@ fn readout_ui(ui: &mut Ui, state: &State, pixel: Option<(usize, usize)>) {
 fn camera_facts(state: &State) -> String {
     // In motion verdicts come a few frames late, and so do the pictures that show them.
     let in_motion = state.timeline.playing && !state.skips_verdicts();
-    let Some(inspected) = state.inspected.as_ref().filter(|_| in_motion || state.inspection_here().is_some())
+    let Some(inspected) =
+        state.doc.inspected.as_ref().filter(|_| in_motion || state.inspection_here().is_some())
     else {
         let text = if state.is_frame_failed() {
             words::FAILED_FRAME
@@ -272,8 +273,10 @@ fn camera_facts(state: &State) -> String {
     };
     let pixels = inspected.inspection.cameras[state.source.camera].verdict.len() as u64;
     let kept = inspected.kept[state.source.camera];
-    if matches!(state.source_shown.as_ref().map(|shown| &shown.picture.legend), Some(Legend::Winners { .. }))
-    {
+    if matches!(
+        state.doc.source_shown.as_ref().map(|shown| &shown.picture.legend),
+        Some(Legend::Winners { .. })
+    ) {
         // The legend above has the share.
         return format!(
             "{}. Point at one to see why it was kept or dropped.",
@@ -290,7 +293,7 @@ fn camera_facts(state: &State) -> String {
 }
 
 fn about_pixel(state: &State, x: usize, y: usize) -> (CameraText, String) {
-    let (Some(scene), Some(inspection)) = (&state.scene, state.inspection_here()) else {
+    let (Some(scene), Some(inspection)) = (&state.doc.scene, state.inspection_here()) else {
         return (CameraText::new(words::pending_verdict(state, false)), format!("Pixel {x}, {y}"));
     };
     let camera = &inspection.cameras[state.source.camera];

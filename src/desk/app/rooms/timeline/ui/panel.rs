@@ -9,7 +9,7 @@ use egui_material_icons::icons::{
 use super::timeline_keys::keys_ui;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::timeline::model::Timeline;
+use crate::app::rooms::timeline::model::{TimeCommand, Timeline};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, weak};
 
@@ -17,7 +17,7 @@ use crate::app::widgets::{icon_button, weak};
 const FALLS_SHORT: f32 = 0.9;
 
 pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    ui.add_enabled_ui(state.scene.is_some(), |ui| {
+    ui.add_enabled_ui(state.doc.scene.is_some(), |ui| {
         ui.horizontal(|ui| controls_ui(ui, state, commands));
         strip_ui(ui, state, commands);
     });
@@ -26,17 +26,17 @@ pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let timeline = &state.timeline;
     if icon_button(ui, ICON_SKIP_PREVIOUS, "Step back", "Step back (,)").clicked() {
-        commands.push(Command::Step(-1));
+        commands.push(Command::Time(TimeCommand::Step(-1)));
     }
     let (icon, name) = if timeline.playing { (ICON_PAUSE, "Pause") } else { (ICON_PLAY_ARROW, "Play") };
     if icon_button(ui, icon, name, &format!("{name} (Space)")).clicked() {
-        commands.push(Command::TogglePlay);
+        commands.push(Command::Time(TimeCommand::TogglePlay));
     }
     if icon_button(ui, ICON_SKIP_NEXT, "Step forward", "Step forward (.)").clicked() {
-        commands.push(Command::Step(1));
+        commands.push(Command::Time(TimeCommand::Step(1)));
     }
     ui.add_space(space::SMALL);
-    let number = state.scene.as_ref().and_then(|scene| scene.frame_numbers.get(timeline.frame));
+    let number = state.doc.scene.as_ref().and_then(|scene| scene.frame_numbers.get(timeline.frame));
     let frame = format!("Frame {} of {}", timeline.frame + 1, state.frame_count().max(1));
     let label = ui.label(RichText::new(frame).strong());
     if let Some(number) = number {
@@ -49,7 +49,7 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let drag =
         ui.add(drag).on_hover_text("Frames per second of playback").accessible_name("Frames per second");
     if drag.changed() {
-        commands.push(Command::FramesPerSecond(rate));
+        commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
     }
     loop_ui(ui, state, commands);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -82,14 +82,14 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         (ICON_LAST_PAGE, "Loop to here", "Loop to here (O)", timeline.range_from(None, Some(here), frames)),
     ] {
         if icon_button(ui, icon, name, help).clicked() {
-            commands.push(Command::LoopRange(Some(range)));
+            commands.push(Command::Time(TimeCommand::LoopRange(Some(range))));
         }
     }
     if let Some([first, last]) = timeline.range {
         let text = format!("{} – {}", first + 1, last + 1);
         let clear = ui.button(text).accessible_name("Loop over all frames");
         if clear.on_hover_text("Loop over all frames again (Shift+I)").clicked() {
-            commands.push(Command::LoopRange(None));
+            commands.push(Command::Time(TimeCommand::LoopRange(None)));
         }
     }
     let (icon, name) = if timeline.markers.contains(&here) {
@@ -105,7 +105,7 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     )
     .clicked()
     {
-        commands.push(Command::ToggleMarker);
+        commands.push(Command::Time(TimeCommand::ToggleMarker));
     }
     let (icon, name) = if timeline.ping_pong {
         (ICON_SWAP_HORIZ, "Play around the ends")
@@ -113,7 +113,7 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         (ICON_REPEAT, "Play back and forth")
     };
     if icon_button(ui, icon, name, name).clicked() {
-        commands.push(Command::PingPong(!timeline.ping_pong));
+        commands.push(Command::Time(TimeCommand::PingPong(!timeline.ping_pong)));
     }
 }
 
@@ -142,7 +142,7 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     let frames = state.frame_count().max(1);
     response.widget_info(|| {
-        egui::WidgetInfo::slider(state.scene.is_some(), state.timeline.frame as f64, "Timeline")
+        egui::WidgetInfo::slider(state.doc.scene.is_some(), state.timeline.frame as f64, "Timeline")
     });
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, f32::from(space::RADIUS), tokens.background);
@@ -151,7 +151,7 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let left = rect.left() + frame as f32 * step;
         Rect::from_min_max(pos2(left, rect.top()), pos2(left + step, rect.bottom()))
     };
-    if state.scene.is_none() {
+    if state.doc.scene.is_none() {
         return;
     }
     if state.timeline.range.is_some() {
@@ -178,7 +178,7 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
         let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
         if frame != state.timeline.frame {
-            commands.push(Command::Frame(frame));
+            commands.push(Command::Time(TimeCommand::Frame(frame)));
         }
     }
     // What is on top is taken hold of first.

@@ -6,6 +6,7 @@ use egui_material_icons::icons::ICON_TIMELINE;
 use crate::app::colormap::sequential;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{empty_ui, note};
 use overlook_engine::plural::counted;
@@ -54,7 +55,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if let Some(at) = response.interact_pointer_pos().filter(|at| at.x >= left) {
         let frame = (((at.x - left) / step) as usize).min(frames - 1);
         if frame != state.timeline.frame {
-            commands.push(Command::Frame(frame));
+            commands.push(Command::Time(TimeCommand::Frame(frame)));
         }
     }
     if let Some(SpanReport { span, samples }) = hovered {

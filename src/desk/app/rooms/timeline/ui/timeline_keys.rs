@@ -3,6 +3,7 @@
 use egui::{CursorIcon, Id, Painter, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::path::model::PathCommand;
 use crate::app::theme::Tokens;
 
 /// Half the width of a key, and how far around its middle it is taken hold of, points.
@@ -19,7 +20,7 @@ pub(crate) fn keys_ui(
 ) {
     let tokens = Tokens::in_ui(ui);
     let last = state.frame_count().saturating_sub(1);
-    let keys = &state.inspector.path.keys;
+    let keys = &state.doc.path.keys;
     for (index, key) in keys.iter().enumerate() {
         // Of keys at one frame the last lies above and is taken first.
         if keys[index + 1..].iter().any(|later| later.frame.min(last) == key.frame.min(last)) {
@@ -37,11 +38,11 @@ pub(crate) fn keys_ui(
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             let frame = ((pointer.x - bar.left()) / step).clamp(0.0, last as f32) as usize;
             if frame != key.frame {
-                commands.push(Command::MoveKey { index, frame });
+                commands.push(Command::Path(PathCommand::MoveKey { index, frame }));
             }
         }
         if response.clicked() {
-            commands.push(Command::GoToKey(index));
+            commands.push(Command::Path(PathCommand::GoToKey(index)));
         }
         let help = format!(
             "Key {} at frame {}. Drag it to another frame; a click goes there.",

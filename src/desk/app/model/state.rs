@@ -1,0 +1,305 @@
+//! What the window knows. Panels borrow it and only read.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::app::model::document::Document;
+use crate::app::model::inspector::Inspector;
+use crate::app::model::results::method_of;
+use crate::app::model::scene::{Content, SceneSource};
+use crate::app::rooms::colors::model::display::Display;
+use crate::app::rooms::files::model::command::Opening;
+use crate::app::rooms::files::model::purpose::TypedPath;
+use crate::app::rooms::files::model::recent::RecentPicture;
+use crate::app::rooms::frame::model::notice::Notice;
+use crate::app::rooms::frame::model::workspace::WindowLook;
+use crate::app::rooms::help::model::HelpPage;
+use crate::app::rooms::live::model::look::{FIRST_SIZE, LiveLook};
+use crate::app::rooms::live::model::picture::{ColorBy, HoleDisplay, PixelSource};
+use crate::app::rooms::live::model::view_look::FrameGuide;
+use crate::app::rooms::share::model::share::ShareDialog;
+use crate::app::rooms::source::model::look::SourceLook;
+use crate::app::rooms::timeline::model::Timeline;
+use overlook_engine::capture::Camera;
+use overlook_engine::job::Progress;
+use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::preprocess::inspect::FrameInspection;
+use overlook_engine::samples::SampleSet;
+use overlook_engine::settings::{Fill, Settings};
+
+/// Columns or rows that exported pictures can have.
+pub(crate) const SIDES: std::ops::RangeInclusive<u32> = 2..=16_384;
+
+/// Work that can be stopped, by the worker that does it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StoppableWork {
+    Open,
+    Whole,
+    File,
+    Export,
+    Study,
+    Compare,
+    Measure,
+}
+
+/// Work that takes long enough to be watched.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Busy {
+    pub work: StoppableWork,
+    pub progress: Progress,
+    /// Whether cancelling it leaves something to be rerun.
+    pub cancellable: bool,
+    /// How long the rest takes at the pace so far; `None` while too little is done to estimate it.
+    pub secs_left: Option<f32>,
+}
+
+/// What the window knows.
+pub(crate) struct State {
+    /// What is open, and what is known of it.
+    pub doc: Document,
+    /// What is being opened, in words.
+    pub opening: Option<String>,
+    /// The settings on the sliders.
+    pub settings: Settings,
+    pub timeline: Timeline,
+    pub source: SourceLook,
+    pub live: LiveLook,
+    pub notices: Vec<Notice>,
+    pub inspector: Inspector,
+    pub typed_path: Option<TypedPath>,
+    /// The dialog of all ways out.
+    pub share: ShareDialog,
+    /// What is to be opened, while the question is whether what is lost by it may be.
+    pub open_after_question: Option<Opening>,
+    pub dark: bool,
+    pub look: WindowLook,
+    /// How both views show color.
+    pub display: Display,
+    /// What was open lately, the latest first.
+    pub recent: Vec<PathBuf>,
+    /// What the live view showed of some of them.
+    pub recent_pictures: Vec<RecentPicture>,
+    /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
+    pub busy: Vec<Busy>,
+}
+
+impl State {
+    /// Frames of what is open.
+    pub(crate) fn frame_count(&self) -> usize {
+        self.doc.scene.as_ref().map_or(0, |scene| scene.frame_count())
+    }
+
+    /// Whether there is time to move in.
+    pub(crate) fn has_time(&self) -> bool {
+        self.doc.scene.is_none() || self.frame_count() > 1
+    }
+
+    /// Frames or samples of what is open.
+    pub(crate) fn content(&self) -> Option<&Content> {
+        self.doc.scene.as_ref().map(|scene| &scene.content)
+    }
+
+    /// Whether a capture (not a store) is open.
+    pub(crate) fn has_capture(&self) -> bool {
+        self.doc.scene.as_ref().is_some_and(|scene| scene.capture().is_some())
+    }
+
+    /// Whether the whole-capture numbers were made with other settings than those on the sliders.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.doc.whole.as_ref().is_some_and(|whole| method_of(&whole.settings) != method_of(&self.settings))
+    }
+
+    /// The whole capture's samples, if they were made with the settings on the sliders.
+    pub(crate) fn current_whole(&self) -> Option<&Arc<SampleSet>> {
+        self.doc.whole.as_ref().filter(|_| !self.is_stale()).map(|whole| &whole.samples)
+    }
+
+    /// Note for numbers of the whole capture that were made with other settings; `None` for current numbers.
+    pub(crate) fn stale_note(&self) -> Option<&'static str> {
+        self.is_stale().then_some(if self.doc.stopped {
+            "Made with other settings; Recompute (below) brings it up to date."
+        } else {
+            "Made with other settings; being brought up to date."
+        })
+    }
+
+    /// Whether there are thresholds to be turned: a store keeps those that it was made with.
+    pub(crate) fn has_thresholds(&self) -> bool {
+        self.doc.scene.is_none() || self.has_capture()
+    }
+
+    /// Whether playback needs no verdicts: the live view shows the whole capture's samples, and the source view the bare picture.
+    pub(crate) fn skips_verdicts(&self) -> bool {
+        let needed = self.source.overlay.needs_verdicts() || self.live.color_by == ColorBy::Agreement;
+        self.timeline.playing && self.current_whole().is_some() && !needed
+    }
+
+    /// How the live view shows holes: where the settings do not fill them, there is nothing but hatching.
+    pub(crate) fn holes_shown(&self) -> HoleDisplay {
+        if self.settings.render.fill == Fill::None { HoleDisplay::Hatched } else { self.live.holes }
+    }
+
+    /// The account of the open capture or store.
+    pub(crate) fn report(&self) -> Option<&Report> {
+        match self.content() {
+            Some(Content::Store { report, .. }) => Some(report),
+            _ => self.doc.whole.as_ref().map(|whole| whole.report.as_ref()),
+        }
+    }
+
+    /// Whether the true picture of some viewpoint is known.
+    pub(crate) fn has_truth(&self) -> bool {
+        matches!(self.content(), Some(Content::Capture { truth, .. }) if !truth.is_empty())
+    }
+
+    /// Whether thresholds differ from those of the last saved store; before one is saved, from those at opening.
+    pub(crate) fn is_unsaved(&self) -> bool {
+        let saved = self.doc.saved.as_ref().filter(|_| self.has_capture());
+        saved.is_some_and(|saved| method_of(saved) != method_of(&self.settings))
+    }
+
+    /// The settings that the panel shows: a store's own where one is open, with the painting that is on now.
+    pub(crate) fn shown_settings(&self) -> Settings {
+        match self.content() {
+            Some(Content::Store { samples, .. }) => {
+                Settings { render: self.settings.render.clone(), ..samples.settings.clone() }
+            }
+            _ => self.settings.clone(),
+        }
+    }
+
+    /// The verdicts at the frame shown, under any settings.
+    pub(crate) fn inspection_here(&self) -> Option<&Arc<FrameInspection>> {
+        let inspected = self.doc.inspected.as_ref()?;
+        (inspected.inspection.frame == self.timeline.frame).then_some(&inspected.inspection)
+    }
+
+    /// Whether there are no verdicts at the frame shown, nor will be, as they could not be worked out.
+    pub(crate) fn is_frame_failed(&self) -> bool {
+        self.doc.failed_frame == Some(self.timeline.frame) && self.inspection_here().is_none()
+    }
+
+    /// Up in world space, unit length: as chosen, or as in the capture.
+    pub(crate) fn up_in_world(&self) -> DVec3 {
+        let recorded = self.doc.scene.as_ref().map_or(DVec3::Z, |scene| scene.up_in_world);
+        self.live.up.unwrap_or(recorded)
+    }
+
+    /// The best account of the frame shown: the whole capture's samples, or while those are stale this frame's.
+    pub(crate) fn samples_here(&self) -> Option<&Arc<SampleSet>> {
+        if let Some(Content::Store { samples, .. }) = self.content() {
+            return Some(samples);
+        }
+        let own = || self.inspection_here().map(|inspection| &inspection.samples);
+        self.current_whole().or_else(own).or(self.doc.whole.as_ref().map(|whole| &whole.samples))
+    }
+
+    /// The picture of the live view as it is shown; `None` while it stays on the graphics card.
+    pub(crate) fn shown_picture(&self) -> Option<&Arc<egui::ColorImage>> {
+        match &self.doc.live_shown.as_ref()?.picture.pixels {
+            PixelSource::InMemory { image, .. } => Some(image),
+            PixelSource::OnAdapter(_) => None,
+        }
+    }
+
+    /// Keeps a small picture of what is open, and those of other files that were open lately.
+    pub(crate) fn remember_picture(&mut self) {
+        let Some(SceneSource::Path(path)) = self.doc.scene.as_ref().map(|scene| &scene.origin) else {
+            return;
+        };
+        let Some(picture) = self.shown_picture() else { return };
+        let picture = RecentPicture::new(path, picture);
+        let recent = &self.recent;
+        self.recent_pictures.retain(|known| known.path != picture.path && recent.contains(&known.path));
+        self.recent_pictures.push(picture);
+    }
+
+    /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
+    pub(crate) fn is_whole_ready(&self) -> bool {
+        match self.content() {
+            Some(Content::Store { .. }) => true,
+            Some(Content::Capture { .. }) => self.current_whole().is_some(),
+            None => false,
+        }
+    }
+
+    /// The samples of the whole capture or store, perhaps by older settings.
+    pub(crate) fn whole_samples(&self) -> Option<&Arc<SampleSet>> {
+        match self.content() {
+            Some(Content::Store { samples, .. }) => Some(samples),
+            _ => self.doc.whole.as_ref().map(|whole| &whole.samples),
+        }
+    }
+
+    /// Columns and rows of exported pictures: as chosen, else those of the largest camera; even, as films want them.
+    pub(crate) fn export_size(&self) -> [u32; 2] {
+        let cameras = self.doc.scene.iter().flat_map(|scene| &scene.cameras);
+        let sizes = cameras.map(|camera| [camera.intrinsics.width, camera.intrinsics.height]);
+        let largest = sizes.max_by_key(|[width, height]| u64::from(*width) * u64::from(*height));
+        let size = self.doc.path.size.or(largest).unwrap_or(FIRST_SIZE);
+        size.map(|side| (side & !1).clamp(*SIDES.start(), *SIDES.end()))
+    }
+
+    /// Columns and rows of the live view's picture in a figure.
+    pub(crate) fn figure_size(&self) -> [u32; 2] {
+        let columns = self.share.options.figure.columns;
+        let [width, height] = self.live.size.map(f64::from);
+        [columns, (f64::from(columns) * height / width.max(1.0)).round().max(1.0) as u32]
+    }
+
+    /// Columns and rows of the picture whose frame the live view shows; of the camera's where none is.
+    pub(crate) fn framed_size(&self) -> Option<[u32; 2]> {
+        match self.live.guides.frame {
+            FrameGuide::Off | FrameGuide::Camera => {
+                self.live.orbit.as_ref().map(|orbit| [orbit.lens.width, orbit.lens.height])
+            }
+            FrameGuide::Export => Some(self.export_size()),
+        }
+    }
+
+    /// The camera of a live view of `width × height` pixels: all of the frame that is shown lies within.
+    pub(crate) fn live_camera(&self, [width, height]: [u32; 2]) -> Option<Camera> {
+        let orbit = self.live.orbit.as_ref()?.framed(self.framed_size()?);
+        Some(orbit.camera(width, height))
+    }
+
+    /// Whether a dialog is open over the window.
+    pub(crate) fn is_asking(&self) -> bool {
+        let inspector = &self.inspector;
+        self.typed_path.is_some()
+            || self.share.is_open
+            || self.open_after_question.is_some()
+            || inspector.palette.is_some()
+            || inspector.naming.is_some()
+            || inspector.closing.asks
+            || self.doc.readings.is_open
+            || self.doc.charts.question.is_some()
+            || inspector.help.is_some_and(|page| page != HelpPage::Guide)
+    }
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            doc: Document::default(),
+            opening: None,
+            settings: Settings::default(),
+            timeline: Timeline { frames_per_second: 24.0, ..Timeline::default() },
+            source: SourceLook::default(),
+            live: LiveLook::default(),
+            notices: Vec::new(),
+            inspector: Inspector::default(),
+            typed_path: None,
+            share: ShareDialog::default(),
+            open_after_question: None,
+            dark: true,
+            look: WindowLook::default(),
+            display: Display::default(),
+            recent: Vec::new(),
+            recent_pictures: Vec::new(),
+            busy: Vec::new(),
+        }
+    }
+}

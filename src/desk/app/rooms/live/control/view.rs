@@ -1,0 +1,192 @@
+//! Carries out what concerns the live view's camera and what surrounds its picture.
+
+use std::path::Path;
+
+use crate::address;
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::rooms::live::model::{FLY_SPEEDS, HoleDisplay, OrbitCamera, ViewCommand};
+use crate::app::rooms::path::control::key_of;
+use crate::app::rooms::source::model::PictureZoom;
+use overlook_engine::capture::transforms::{PathView, path_from_json, path_to_json};
+use overlook_engine::settings::{Fill, RenderSettings};
+
+/// Bytes of a copied view that are read at most: thousands of times what one takes.
+const MOST_PASTED: usize = 1 << 20;
+
+impl OverlookApp {
+    /// Carries out what concerns the live view's camera and what surrounds its picture.
+    pub(crate) fn apply_to_view(&mut self, command: ViewCommand) {
+        let live = &mut self.state.live;
+        match command {
+            ViewCommand::Copy => self.copy_view(),
+            ViewCommand::CopyAddress => self.copy_address(),
+            ViewCommand::GoToAddress(text) => self.go_to_address(&text),
+            ViewCommand::Back => self.step_view(true),
+            ViewCommand::Forward => self.step_view(false),
+            ViewCommand::Paste => self.ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
+            ViewCommand::Pasted(text) => self.paste_view(&text),
+            ViewCommand::Guides(guides) => live.guides = guides,
+            ViewCommand::FlySpeed(speed) => {
+                live.fly_speed = speed.clamp(*FLY_SPEEDS.start(), *FLY_SPEEDS.end());
+            }
+            ViewCommand::Unit(unit) => live.unit = unit,
+            ViewCommand::Up(up) => {
+                live.up = up;
+                let up = self.state.up_in_world();
+                if let Some(orbit) = &mut self.state.live.orbit {
+                    orbit.set_up(up);
+                    orbit.level();
+                }
+            }
+            ViewCommand::CameraOn(camera, true) => {
+                live.cameras.off.remove(&camera);
+            }
+            ViewCommand::CameraOn(camera, false) => {
+                live.cameras.off.insert(camera);
+            }
+            ViewCommand::Solo(camera) => live.cameras.solo = camera,
+            ViewCommand::AllCameras(on) => {
+                let count = self.state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+                live.cameras.solo = None;
+                live.cameras.off = if on { 0..0 } else { 0..count }.collect();
+            }
+            ViewCommand::Measure(active) => {
+                live.ruler.active = active;
+                live.ruler.points.clear();
+            }
+            ViewCommand::PickPoint(point) => live.ruler.pick(point),
+            ViewCommand::ColorBy(color_by) => live.color_by = color_by,
+            ViewCommand::ShowCameras(show) => live.show_cameras = show,
+            ViewCommand::Size(size) => live.size = size,
+            ViewCommand::Area(area) => live.area = area,
+            ViewCommand::Holes(holes) => self.show_holes(holes),
+            ViewCommand::Home => {
+                let up = self.state.up_in_world();
+                self.state.live.orbit =
+                    self.state.doc.scene.as_ref().and_then(|scene| OrbitCamera::home(scene, up));
+                self.state.source.part = PictureZoom::default();
+            }
+            ViewCommand::JumpTo(index) => {
+                let scene = self.state.doc.scene.as_ref();
+                if let Some((scene, camera)) =
+                    scene.and_then(|scene| Some((scene, scene.cameras.get(index)?)))
+                {
+                    live.orbit = Some(OrbitCamera::at_camera(scene, camera));
+                }
+            }
+            ViewCommand::CopyPicture => self.copy_picture(),
+            ViewCommand::FramePoint => self.frame_point(),
+            ViewCommand::AngleOfView(angle) => self.turn(|orbit| orbit.set_angle_of_view(angle)),
+            ViewCommand::Position(at) => self.turn(|orbit| orbit.world_from_camera.translation = at),
+            ViewCommand::Angles(angles) => self.turn(|orbit| orbit.set_angles(angles)),
+            ViewCommand::LookAlong(direction) => self.turn(|orbit| orbit.look_along(direction)),
+            ViewCommand::Orbit(angles) => self.turn(|orbit| orbit.orbit(angles)),
+            ViewCommand::Pan(share) => self.turn(|orbit| orbit.pan(share)),
+            ViewCommand::Dolly(factor) => self.turn(|orbit| orbit.dolly(factor)),
+            ViewCommand::DollyTo { factor, point_in_world } => {
+                self.turn(|orbit| orbit.dolly_to(factor, point_in_world));
+            }
+            ViewCommand::Fly(steps) => self.turn(|orbit| orbit.fly(steps)),
+        }
+    }
+
+    /// Changes the camera of the live view, where there is one.
+    fn turn(&mut self, change: impl FnOnce(&mut OrbitCamera)) {
+        if let Some(orbit) = &mut self.state.live.orbit {
+            change(orbit);
+        }
+    }
+
+    fn step_view(&mut self, back: bool) {
+        let Some(now) = self.state.live.orbit.clone() else { return };
+        if let Some(view) = self.state.doc.views.step(back, now) {
+            self.state.live.orbit = Some(view);
+        }
+    }
+
+    /// Copies the pose of the live view as a manifest of one view, which the window pastes and `render --views` takes.
+    fn copy_view(&mut self) {
+        let (Some(scene), Some(orbit)) = (&self.state.doc.scene, &self.state.live.orbit) else { return };
+        let camera = orbit.camera(orbit.lens.width, orbit.lens.height);
+        let frame_number = scene.frame_numbers.get(self.state.timeline.frame).copied().unwrap_or_default();
+        let view = PathView { camera, frame_number, is_key: true };
+        match path_to_json(self.state.up_in_world(), &[view]) {
+            Ok(text) => {
+                self.ctx.copy_text(text);
+                self.state.notify(
+                    NoticeKind::Done,
+                    "View copied",
+                    "Ctrl+V moves the view here again, in any window.",
+                );
+            }
+            Err(error) => self.state.notify(NoticeKind::Error, "View not copied", error.to_string()),
+        }
+    }
+
+    fn paste_view(&mut self, text: &str) {
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        if text.len() <= MOST_PASTED && address::split(text).is_some() {
+            return self.go_to_address(text);
+        }
+        let bytes = text.as_bytes();
+        let views = if bytes.len() > MOST_PASTED {
+            Err("it is too long for a view".to_owned())
+        } else {
+            path_from_json(bytes, Path::new("clipboard")).map_err(|error| error.to_string())
+        };
+        match views.map(|views| views.into_iter().next()) {
+            Ok(Some(view)) => {
+                let key = key_of(&scene, &view);
+                self.go_to_key(key);
+            }
+            Ok(None) => {}
+            Err(why) => {
+                let text = format!(
+                    "What was copied is no view and no address of one: {why}. Copy one in the View panel (Ctrl+C)."
+                );
+                self.state.warn_of_scene("Nothing to paste", text);
+            }
+        }
+    }
+
+    /// Shows holes filled or hatched; to be shown filled, they must be filled by the settings too.
+    fn show_holes(&mut self, holes: HoleDisplay) {
+        self.state.live.holes = holes;
+        let mut settings = self.state.settings.clone();
+        if holes == HoleDisplay::Filled && settings.render.fill == Fill::None {
+            settings.render.fill = RenderSettings::default().fill;
+            self.change_settings(settings);
+        }
+    }
+
+    fn copy_picture(&mut self) {
+        if self.state.doc.live_shown.is_none() {
+            return;
+        }
+        let Some(image) = self.state.shown_picture() else { return self.notify_in_motion() };
+        self.ctx.copy_image(image.as_ref().clone());
+        self.state.notify(NoticeKind::Done, "Copied", "The picture of the live view is on the clipboard.");
+    }
+
+    /// Pictures in motion may stay on the graphics card, out of reach.
+    pub(crate) fn notify_in_motion(&mut self) {
+        let text = "The live view is playing; pause it first, and try again.";
+        self.state.warn_of_scene("No picture yet", text);
+    }
+
+    /// Centers the live view on the selected point.
+    fn frame_point(&mut self) {
+        let probed = self.state.doc.probe.shown.clone();
+        let point = probed.as_ref().and_then(|probed| probed.point_in_world);
+        if let (Some(point), Some(orbit)) = (point, &mut self.state.live.orbit) {
+            orbit.look_at(point);
+            return;
+        }
+        let (title, text) = match probed {
+            Some(_) => ("No point here", "This pixel is infinitely far away; point at another one."),
+            None => ("Point at a pixel first", "F then centers the live view on it."),
+        };
+        self.state.warn_of_scene(title, text);
+    }
+}

@@ -1,0 +1,121 @@
+//! Carries out what concerns the camera path.
+
+use std::path::Path;
+
+use super::model::{CameraPath, PathCommand, SavedPathKey};
+use crate::app::control::overlook_app::OverlookApp;
+use crate::app::model::OpenScene;
+use crate::app::rooms::frame::model::{DockView, NoticeKind};
+use crate::app::rooms::live::model::OrbitCamera;
+use overlook_engine::capture::transforms::PathView;
+use overlook_engine::plural::counted;
+
+impl OverlookApp {
+    /// Carries out what concerns the camera path.
+    pub(crate) fn apply_to_path(&mut self, command: PathCommand) {
+        let frame = self.state.timeline.frame;
+        let here = self.state.live.orbit.clone().map(|orbit| SavedPathKey { orbit, frame });
+        let path = &mut self.state.doc.path;
+        let before = path.keys.clone();
+        let mut moved = None;
+        match command {
+            PathCommand::AddKey => {
+                if let Some(key) = here {
+                    self.add_key(key);
+                }
+            }
+            PathCommand::RemoveKey(index) => {
+                if index < path.keys.len() {
+                    path.keys.remove(index);
+                    path.playing = None;
+                }
+            }
+            PathCommand::ReplaceKey(index) => {
+                if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
+                    *key = here;
+                }
+            }
+            PathCommand::MoveKey { index, frame } => {
+                path.move_key(index, frame);
+                moved = Some(index);
+            }
+            PathCommand::Clear => {
+                path.keys.clear();
+                path.playing = None;
+            }
+            PathCommand::GoToKey(index) => {
+                if let Some(key) = path.keys.get(index).cloned() {
+                    self.go_to_key(key);
+                }
+            }
+            PathCommand::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
+            PathCommand::PictureSize(size) => path.size = Some(size),
+            PathCommand::Play(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
+        }
+        self.keys_changed(before, moved);
+    }
+
+    fn add_key(&mut self, key: SavedPathKey) {
+        let keys = &mut self.state.doc.path.keys;
+        keys.push(key);
+        let added = format!("Key {} added", keys.len());
+        if !self.visible_views().contains(&DockView::Path) {
+            self.state.notify(NoticeKind::Done, added, "The Camera path view plays and exports the path.");
+        }
+    }
+
+    /// Notes what the keys of the path were, so that the change can be taken back.
+    pub(crate) fn keys_changed(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
+        let path = &mut self.state.doc.path;
+        let changes = path.keys != before;
+        path.note_change(before, moved);
+        self.state.doc.edits.is_latest &= !changes;
+    }
+
+    /// Moves the view to a key of the path.
+    pub(crate) fn go_to_key(&mut self, key: SavedPathKey) {
+        self.state.live.orbit = Some(key.orbit);
+        self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
+    }
+
+    /// Takes in the keys of a path that was read: after those that are there.
+    pub(crate) fn path_loaded(&mut self, place: &Path, views: &[PathView]) {
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        let count = self.take_path_views(&scene, views);
+        let text = format!("{} from {}", counted(count, "key"), place.display());
+        self.state.notify(NoticeKind::Done, "Camera path opened", text);
+    }
+
+    /// Takes the keys among some views after those that are there; gives how many.
+    pub(crate) fn take_path_views(&mut self, scene: &OpenScene, views: &[PathView]) -> usize {
+        let path = &mut self.state.doc.path;
+        let (is_new, before) = (path.keys.is_empty(), path.keys.clone());
+        let keys: Vec<SavedPathKey> =
+            views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)).collect();
+        let count = keys.len();
+        path.keys.extend(keys);
+        path.playing = None;
+        if is_new {
+            path.take_pace_of(views);
+            path.saved = path.keys.clone();
+        }
+        self.keys_changed(before, None);
+        count
+    }
+
+    /// Takes in that a path was written.
+    pub(crate) fn path_saved(&mut self, place: &Path, saved: CameraPath) {
+        self.state.doc.path.saved = saved.keys;
+        self.state.notify(NoticeKind::Done, "Saved", place.display().to_string());
+    }
+}
+
+/// The key of a view: at the frame of its number, or at the nearest one.
+pub(crate) fn key_of(scene: &OpenScene, view: &PathView) -> SavedPathKey {
+    let numbers = scene.frame_numbers.iter().enumerate();
+    let nearest = numbers.min_by_key(|(_, number)| number.abs_diff(view.frame_number));
+    SavedPathKey {
+        orbit: OrbitCamera::at_camera(scene, &view.camera),
+        frame: nearest.map_or(0, |(index, _)| index),
+    }
+}

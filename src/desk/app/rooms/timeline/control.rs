@@ -1,0 +1,34 @@
+//! Carries out what concerns time.
+
+use super::model::{ShownRate, TimeCommand};
+use crate::app::control::overlook_app::OverlookApp;
+
+impl OverlookApp {
+    /// Carries out what concerns time.
+    pub(crate) fn apply_to_time(&mut self, command: TimeCommand) {
+        let frames = self.state.frame_count();
+        let timeline = &mut self.state.timeline;
+        match command {
+            TimeCommand::Frame(frame) => timeline.frame = frame.min(frames.saturating_sub(1)),
+            TimeCommand::Step(by) => {
+                timeline.frame = (timeline.frame as i64 + by).rem_euclid(frames.max(1) as i64) as usize;
+            }
+            TimeCommand::TogglePlay => {
+                timeline.playing = frames > 1 && !timeline.playing;
+                timeline.elapsed_secs = 0.0;
+                timeline.shown = ShownRate::default();
+            }
+            TimeCommand::LoopRange(range) => timeline.range = range,
+            TimeCommand::ToggleMarker => {
+                if frames > 0 {
+                    timeline.toggle_marker();
+                }
+            }
+            TimeCommand::ToMarker(forward) => {
+                timeline.frame = timeline.marker(forward).unwrap_or(timeline.frame);
+            }
+            TimeCommand::PingPong(on) => (timeline.ping_pong, timeline.backward) = (on, false),
+            TimeCommand::FramesPerSecond(rate) => timeline.frames_per_second = rate.clamp(1.0, 120.0),
+        }
+    }
+}
