@@ -30,6 +30,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("?", "keyboard and mouse shortcuts"),
             ("Ctrl + O", "open a file"),
             ("Ctrl + S, Ctrl + E", "share the store, or in another way"),
+            ("Ctrl + Shift + F", "copy a figure of the view under the pointer"),
             ("Ctrl + Z, Ctrl + Y", "undo, redo"),
             ("Shift + Space", "maximize the view under the pointer, or restore it"),
             ("F11", "full screen"),
@@ -120,6 +121,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let inspector = &state.inspector;
     let typing = state.typed_path.is_some()
         || state.share.is_open
+        || state.doc.charts.question.is_some()
         || inspector.palette.is_some()
         || inspector.naming.is_some();
     let edits = edits_text(ctx);
@@ -215,6 +217,7 @@ fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
         (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
         (Modifiers::COMMAND, Key::P, Command::Window(WindowCommand::Palette(palette))),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::Pixel(PixelCommand::CopyExplanation)),
+        (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure)),
     ];
     let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));
     pressed.map(|(_, _, command)| command).collect()

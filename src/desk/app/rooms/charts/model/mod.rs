@@ -3,7 +3,9 @@
 pub(crate) mod axis;
 pub(crate) mod charts;
 pub(crate) mod command;
+pub(crate) mod study;
 
-pub(crate) use axis::Quantity;
-pub(crate) use charts::{Study, method_name, point_name, series_name, settings_alone};
+pub(crate) use axis::{Quantity, ShownAxis, TICKS, coordinate, place};
+pub(crate) use charts::{Charts, StudyQuestion, method_name, point_name, series_name, settings_alone};
 pub(crate) use command::ChartCommand;
+pub(crate) use study::{Study, StudyChoice, to_measure};
