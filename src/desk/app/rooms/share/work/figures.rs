@@ -10,7 +10,7 @@ use crate::app::model::median_depth;
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::{LiveKey, PixelSource, Unit};
 use crate::app::rooms::live::work::image as live_image;
-use crate::app::rooms::live::work::image::CameraFilter;
+use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::share::model::FigureOptions;
 use crate::app::rooms::source::model::{Overlay, SourceKey};
 use crate::app::rooms::source::work::image::source_picture;
