@@ -18,7 +18,8 @@ class Error(Exception):
 
 @final
 class Lens:
-    """Size and projection of a pinhole camera, in pixels. The principal point is measured from the top left corner."""
+    """Size and projection of a camera, in pixels. The principal point is measured from the top left corner. `fx` and `fy` of an orthographic
+    camera are pixels per world unit."""
 
     def __new__(
         cls,
@@ -28,6 +29,7 @@ class Lens:
         fy: float | None = None,
         cx: float | None = None,
         cy: float | None = None,
+        orthographic: bool = False,
     ) -> Lens:
         """`fy` is `fx` if it is not given, the principal point the middle of the picture."""
 
@@ -43,6 +45,8 @@ class Lens:
     def cx(self) -> float: ...
     @property
     def cy(self) -> float: ...
+    @property
+    def orthographic(self) -> bool: ...
 
 @final
 class Camera:

@@ -77,13 +77,15 @@ class CaptureError(ValueError):
 
 @dataclass
 class Viewpoint:
-    """A perspective camera; positions in the scene's units, `view_angle` from top to bottom in degrees, as in VTK."""
+    """A camera; positions in the scene's units, `view_angle` from top to bottom in degrees, as in VTK; where lines of sight are parallel,
+    `parallel_scale` is half of the scene's units from top to bottom."""
 
     name: str
     position: tuple
     focal_point: tuple
     up: tuple = (0.0, 0.0, 1.0)
     view_angle: float = 30.0
+    parallel_scale: float | None = None
 
     def pose(self):
         """Camera to world, (4, 4): x right, y up, looking along -z."""
@@ -103,8 +105,11 @@ class Viewpoint:
         if not 0 < self.view_angle < 180:
             raise CaptureError(f"camera '{self.name}' has a view angle of {self.view_angle} degrees; it must be between 0 and 180")
         width, height = size
-        focal = height / (2 * math.tan(math.radians(self.view_angle) / 2))
-        return {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": width / 2, "cy": height / 2}
+        if self.parallel_scale is not None and not 0 < self.parallel_scale < math.inf:
+            raise CaptureError(f"camera '{self.name}' has a parallel scale of {self.parallel_scale}; it must be above 0")
+        focal = height / (2 * (self.parallel_scale or math.tan(math.radians(self.view_angle) / 2)))
+        model = {"camera_model": "ORTHOGRAPHIC"} if self.parallel_scale else {}
+        return {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": width / 2, "cy": height / 2, **model}
 
 
 def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, turned=0.0):
@@ -144,21 +149,22 @@ def viewpoints_of_manifest(manifest):
         if pose.shape != (3, 4) or abs(across / down - 1) > 1e-3 or not is_centered:
             raise CaptureError(f"camera '{name}' of the manifest has a shifted lens, or pixels that are not square")
         eye, angle = pose[:, 3], math.degrees(2 * math.atan(height / (2 * down)))
-        found.setdefault(name, Viewpoint(name, tuple(eye), tuple(eye - pose[:, 2]), tuple(pose[:, 1]), angle))
+        is_parallel = entry.get("camera_model", manifest.get("camera_model")) == "ORTHOGRAPHIC"
+        lens = (30.0, height / (2 * down)) if is_parallel else (angle,)
+        found.setdefault(name, Viewpoint(name, tuple(eye), tuple(eye - pose[:, 2]), tuple(pose[:, 1]), *lens))
     return list(found.values())
 
 
 def viewpoint(name, camera, size, up, view_angle):
     """One camera in any of the forms of `viewpoints`."""
     if hasattr(camera, "GetViewAngle"):
-        if camera.GetParallelProjection():
-            raise CaptureError(f"camera '{name}' has a parallel projection; only perspective ones can be recorded")
         if camera.GetUseOffAxisProjection() or camera.GetUseExplicitProjectionTransformMatrix() or any(camera.GetWindowCenter()):
             raise CaptureError(f"camera '{name}' is shifted off its axis")
         angle = camera.GetViewAngle()
         if camera.GetUseHorizontalViewAngle():
             angle = math.degrees(2 * math.atan(math.tan(math.radians(angle) / 2) * size[1] / size[0]))
-        return Viewpoint(name, camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), angle)
+        scale = camera.GetParallelScale() if camera.GetParallelProjection() else None
+        return Viewpoint(name, camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), angle, scale)
     if isinstance(camera, dict):
         camera = [camera.get(key) for key in ("position", "focal_point", "up", "view_angle")]
     try:
@@ -475,6 +481,9 @@ class Stage:
         camera.SetFocalPoint(*view.focal_point)
         camera.SetViewUp(*view.up)
         camera.SetViewAngle(view.view_angle)
+        if view.parallel_scale is not None:
+            camera.ParallelProjectionOn()
+            camera.SetParallelScale(view.parallel_scale)
         self.renderer.SetActiveCamera(camera)
         around = bounds_of(self.renderer)
         if around[0] <= around[1]:
@@ -504,10 +513,14 @@ class Stage:
         from vtkmodules.vtkCommonCore import vtkFloatArray
 
         near, far = self.look(view)
+        if view.parallel_scale is not None and near <= 0:
+            raise CaptureError(f"camera '{view.name}' stands within the scene; move it back, where parallel lines of sight show the same")
         array, (width, height) = vtkFloatArray(), self.size
         self.window.GetZbufferData(0, 0, width - 1, height - 1, array)
         level = vtk_to_numpy(array).astype(np.float64).reshape(height, width)[::-1]
-        return np.where(level < 1.0, near * far / (far - level * (far - near)), MISS).astype(np.float32)
+        # Levels of a parallel projection are even in depth.
+        depth = near * far / (far - level * (far - near)) if view.parallel_scale is None else near + level * (far - near)
+        return np.where(level < 1.0, depth, MISS).astype(np.float32)
 
     def normal(self, view, depth):
         """World-space unit vectors toward the camera, zero where nothing is, of the picture that `depth` has just drawn."""
@@ -523,6 +536,8 @@ def normals_of(picture, view, size, is_hit):
     unit[..., :2] -= np.where(place >= 0, fold, -fold)
     lens = view.lens(size)
     x, y = np.meshgrid((np.arange(size[0]) + 0.5 - lens["cx"]) / lens["fl_x"], (lens["cy"] - np.arange(size[1]) - 0.5) / lens["fl_y"])
+    if view.parallel_scale is not None:
+        x, y = 0 * x, 0 * y
     unit[unit[..., 0] * x + unit[..., 1] * y - unit[..., 2] > 0] *= -1
     length = np.linalg.norm(unit, axis=-1, keepdims=True)
     is_known = is_hit & picture.any(axis=-1)
@@ -584,7 +599,7 @@ class Part:
         look = actor.GetProperty()
         look.DeepCopy(self.prop.GetProperty())
         look.RemoveAllTextures()
-        settings = {"Lighting": False, "Ambient": 1, "Diffuse": 0, "Interpolation": 0, "EdgeVisibility": False, "VertexVisibility": False}
+        settings = {"Lighting": False, "Ambient": 1, "Diffuse": 0, "Interpolation": 0, "EdgeVisibility": False, "VertexVisibility": False, "Opacity": 1}
         for name, value in settings.items():
             getattr(look, f"Set{name}")(value)
         return actor
@@ -594,7 +609,8 @@ class Part:
         of its corners. Names that it lacks are missing."""
         from vtkmodules.util.numpy_support import vtk_to_numpy
 
-        found = {name: (is_of_points, vtk_to_numpy(array)) for name, (is_of_points, array) in self.arrays().items() if name in names}
+        asked = {name: it for name, it in self.arrays().items() if name in names and it[1].GetNumberOfComponents() == 1}
+        found = {name: (is_of_points, vtk_to_numpy(array)) for name, (is_of_points, array) in asked.items()}
         if self.is_of_points or not any(is_of_points for is_of_points, _ in found.values()):
             return {name: array[index] for name, (_, array) in found.items()}
         corners = self.corners[index]
@@ -705,7 +721,8 @@ def parts_of(renderer):
 
 def checked_values(values):
     """What is asked for, as a list of {"name", "unit", "range"}: names, such objects, or an object of units by name."""
-    asked = [{"name": name, "unit": unit} for name, unit in values.items()] if isinstance(values, dict) else list(values or ())
+    values = [values] if isinstance(values, str) else values or ()
+    asked = [{"name": name, "unit": unit} for name, unit in values.items()] if isinstance(values, dict) else list(values)
     asked = [dict(it) if isinstance(it, dict) else {"name": str(it)} for it in asked]
     if any(not it.get("name") or set(it) - {"name", "unit", "range", "tolerance", "exact"} for it in asked):
         raise CaptureError("each value needs a name, and may have a unit, a range, a tolerance and exact")
@@ -718,8 +735,10 @@ def planned_values(asked, stage):
     """The values as the manifest lists them: their ranges are those of what the first frame draws, if nobody gave one."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
+    if not asked:
+        return []
     with stage.ready():
-        arrays = [part.arrays() for part in parts_of(stage.renderer)] if asked else []
+        arrays = [part.arrays() for part in parts_of(stage.renderer)]
     planned = []
     for one in asked:
         name, found = one["name"], [it[one["name"]][1] for it in arrays if one["name"] in it]

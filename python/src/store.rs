@@ -322,9 +322,11 @@ impl SampleRows {
         let inverse_depths = image.inverse_depths();
         for sample in image.samples() {
             let inverse_depth = inverse_depths[sample.index];
-            let ray =
-                camera.intrinsics.ray_in_camera(DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5));
-            let point = if inverse_depth == 0.0 {
+            let pixel = DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5);
+            let ray = camera.intrinsics.ray_in_camera(pixel);
+            let point = if camera.intrinsics.is_orthographic() && inverse_depth != 0.0 {
+                camera.unproject(pixel, f64::from(inverse_depth).recip())
+            } else if inverse_depth == 0.0 {
                 // Of a sample at infinity nothing but the direction is known.
                 camera.world_from_camera.transform_vector3(ray) * f64::INFINITY
             } else {

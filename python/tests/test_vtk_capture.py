@@ -130,9 +130,10 @@ def test_a_manifest_of_poses_gives_its_cameras_back(recorded, tmp_path):
 
 def test_values_are_asked_for_by_names_units_or_what_the_manifest_says(recorded):
     _, views, _, _ = recorded
+    assert script.checked_values("p") == [{"name": "p"}] and script.checked_values(None) == []
     assert script.checked_values({"p": "Pa", "grain": None}) == [{"name": "p", "unit": "Pa"}, {"name": "grain"}]
     assert script.checked_values(["p", {"name": "q", "range": [0, 1]}]) == [{"name": "p"}, {"name": "q", "range": [0, 1]}]
-    for wrong, said in (("abcde", "up to 4"), (["p", "p"], "each once"), ([{"unit": "m"}], "needs a name"), ([{"name": "p", "min": 0}], "may have")):
+    for wrong, said in ((list("abcde"), "up to 4"), (["p", "p"], "each once"), ([{"unit": "m"}], "needs a name"), ([{"name": "p", "min": 0}], "may have")):
         with pytest.raises(script.CaptureError, match=said):
             script.checked_values(wrong)
     stage = SimpleNamespace(size=SIZE, up=(0, 0, 1), is_antialiased=True)

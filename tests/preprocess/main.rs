@@ -14,6 +14,7 @@ mod small_capture;
 
 mod agreement;
 mod edits;
+mod orthographic;
 mod paper_levels;
 mod pixel_account;
 mod pixel_argument;

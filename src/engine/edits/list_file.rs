@@ -147,6 +147,7 @@ mod tests {
             focal_length: [30.0, 31.0],
             principal_point: [20.0, 15.0],
             world_from_camera: glam::DAffine3::IDENTITY.to_cols_array_2d(),
+            orthographic: true,
         };
         let view = Region::View { viewpoint, frame: Some(2), outline, strokes: vec![stroke], depth: None };
         let surface = Region::same_surface([0.5, 0.25, -1.0], 7);

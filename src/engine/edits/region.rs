@@ -3,7 +3,7 @@
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
 
-use crate::capture::{Camera, Intrinsics};
+use crate::capture::{Camera, Intrinsics, Projection};
 
 /// A closed outline in a picture: its corners in pixels, `[x, y]` from the upper left corner, in order. At least three.
 pub type Outline = Vec<[f64; 2]>;
@@ -186,6 +186,9 @@ pub struct Viewpoint {
     pub principal_point: [f64; 2],
     /// World from camera: the camera's right, down and forward axes and its position in world space.
     pub world_from_camera: [[f64; 3]; 4],
+    /// Whether lines of sight are parallel: focal lengths are then pixels per world unit.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub orthographic: bool,
 }
 
 impl Viewpoint {
@@ -198,12 +201,14 @@ impl Viewpoint {
             focal_length: [lens.fx, lens.fy],
             principal_point: [lens.cx, lens.cy],
             world_from_camera: camera.world_from_camera.to_cols_array_2d(),
+            orthographic: lens.is_orthographic(),
         }
     }
 
     pub(super) fn lens(&self) -> Intrinsics {
         let ([width, height], [fx, fy], [cx, cy]) = (self.size, self.focal_length, self.principal_point);
-        Intrinsics { width, height, fx, fy, cx, cy }
+        let projection = if self.orthographic { Projection::Orthographic } else { Projection::Perspective };
+        Intrinsics { width, height, fx, fy, cx, cy, projection }
     }
 
     pub(super) fn camera_from_world(&self) -> DAffine3 {

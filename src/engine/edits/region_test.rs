@@ -87,6 +87,12 @@ impl RegionTest {
                 Self::HalfSpace { point: DVec3::from(*point), normal: DVec3::from(*normal) }
             }
             Region::Depth { from, to } => Self::Depth { from: *from, to: *to },
+            Region::Footprint { from, to } if camera.intrinsics.is_orthographic() => {
+                // The same at any depth, but for what is at infinity.
+                let width = camera.intrinsics.pixel_width(1.0, PixelSide::Longer);
+                let is_within = (*from..=*to).contains(&width);
+                if is_within { Self::Depth { from: 0.0, to: f64::MAX } } else { Self::Constant(false) }
+            }
             Region::Footprint { from, to } => {
                 let width = camera.intrinsics.pixel_width(1.0, PixelSide::Longer);
                 Self::Depth { from: from / width, to: to / width }

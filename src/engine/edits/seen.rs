@@ -77,7 +77,11 @@ impl PixelRays {
             pixel,
             direction_in_world,
             depth,
-            point_in_world: self.world_from_camera.translation + direction_in_world * depth,
+            point_in_world: if self.lens.is_orthographic() {
+                self.world_from_camera.transform_point3(self.lens.point_in_camera(pixel, depth))
+            } else {
+                self.world_from_camera.translation + direction_in_world * depth
+            },
             is_doubtful: false,
             normal_in_world: DVec3::ZERO,
             votes: Votes::default(),

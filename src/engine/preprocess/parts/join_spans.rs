@@ -34,6 +34,7 @@ pub fn join_spans<'a>(
     job.start("Joining spans", capture.cameras.len());
     for (camera, preview) in capture.cameras.iter().zip(&measured.cameras) {
         let test = StaticTest::new(&settings.spans, &preview.noise, preview.depth_step_relative, frames)
+            .with_lens(&camera.intrinsics)
             .with_values(capture.value_channels());
         let mut split = Split::new(camera.intrinsics.pixel_count(), frames, test);
         let mut invalid = 0;

@@ -103,5 +103,6 @@ fn read_scan<'a>(
         cameras.push(CameraScan::of_parts(preview, shares, invalid));
         job.advance(1);
     }
-    Ok(TemporalScan::of_parts(frames, cameras, store, settings))
+    let lenses = aligned.capture.cameras.iter().map(|camera| camera.intrinsics).collect();
+    Ok(TemporalScan::of_parts(frames, lenses, cameras, store, settings))
 }

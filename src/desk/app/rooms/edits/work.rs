@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use super::model::{EditKey, EditedScene};
-use crate::app::model::Message;
 use crate::app::model::scene::Content;
+use crate::app::model::{Message, State};
+use crate::app::rooms::frame::model::DockView;
 use crate::app::theme::Tokens;
+use crate::app::work::slot::Wanted;
 use overlook_engine::color::linear_from_srgb;
 use overlook_engine::edits::{
     Action, CutByHand, Edit, EditList, Region, SampleVotes, edit_samples, selected,
@@ -13,6 +15,20 @@ use overlook_engine::edits::{
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::samples::{ImageBuffer, SampleSet};
+
+impl Wanted for EditKey {
+    /// Edits applied to the samples, with what is selected of them.
+    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+        let samples = state.samples_to_edit().filter(|_| state.doc.edits.are_in_use())?;
+        Some(Self {
+            scene: state.doc.scene.clone()?,
+            samples: samples.clone(),
+            scan: state.doc.scan.clone(),
+            list: state.doc.edits.list.clone(),
+            selection: state.doc.edits.shown_selection(),
+        })
+    }
+}
 
 /// What is kept between edits: what was read, asked and cut last.
 #[derive(Default)]

@@ -146,7 +146,7 @@ impl FigureArgs {
 
     fn of_capture(&self, place: &Path, options: &FigureOptions) -> Result<Figure, CommandError> {
         if self.orthographic.is_some() {
-            let what = "an orthographic view is one of a store; a recorded picture is in perspective";
+            let what = "an orthographic view is one of a store; a recorded picture is as its camera saw it";
             return Err(Error::invalid("--orthographic", what).into());
         }
         if self.values != ValueArgs::default() {
@@ -254,6 +254,7 @@ fn of_columns(camera: &Camera, columns: u32) -> Camera {
         fy: lens.fy * down,
         cx: lens.cx * factor,
         cy: lens.cy * down,
+        projection: lens.projection,
     };
     Camera { intrinsics, ..camera.clone() }
 }

@@ -248,6 +248,9 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
         return -(focal.log2() as f32);
     }
     let point = vantage.unproject(pixel, 1.0 / inverse_depth);
+    if source.intrinsics.is_orthographic() {
+        return (inverse_depth / focal).log2() as f32;
+    }
     let source_depth = (point - source.position_in_world()).dot(source.forward_in_world()).max(1e-9);
     (source_depth * inverse_depth / focal).log2() as f32
 }

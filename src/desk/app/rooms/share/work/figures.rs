@@ -5,7 +5,6 @@ use std::path::Path;
 use egui::{Color32, ColorImage};
 use image::RgbaImage;
 
-use super::figure_meaning::{Meaning, of_live, of_source};
 use crate::app::model::median_depth;
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::{LiveKey, PixelSource, Unit};
@@ -13,6 +12,7 @@ use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::share::model::FigureOptions;
 use crate::app::rooms::source::model::{Overlay, SourceKey};
+use crate::app::rooms::source::work::figure_meaning::{Meaning, of_live, of_source};
 use crate::app::rooms::source::work::image::source_picture;
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::color::srgb8_from_linear;
@@ -170,6 +170,10 @@ fn put_together(
 
 /// The length of a unit at the distance of what the middle of a picture shows.
 fn scale_bar(lens: &Intrinsics, inverse_depth: &Grid<f32>, unit: Unit) -> ScaleBar {
+    if lens.is_orthographic() {
+        let unit_share = lens.fx / f64::from(lens.width);
+        return ScaleBar { unit_share, unit: unit.name().to_owned(), distance: None };
+    }
     let (width, height) = inverse_depth.size();
     let middle = |side: usize| side / AROUND_MIDDLE..(side - side / AROUND_MIDDLE).max(1);
     let depths = middle(height).flat_map(|y| middle(width).map(move |x| inverse_depth[(x, y)]));

@@ -1,7 +1,6 @@
 //! What is computed, on threads of its own.
 
 pub(crate) mod facts;
-pub(crate) mod figure_meaning;
 pub(crate) mod figures;
 pub(crate) mod preview;
 pub(crate) mod sharing;
