@@ -74,10 +74,8 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("[ and ]", "fly slower, faster"),
             ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
             ("M", "measure a distance between two points"),
-            ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
+            ("Ctrl + C, V, D", "copy the view as text, go to a copied view, keep the view"),
             ("Home, double-click", "reset to the start view"),
-            ("Ctrl + D", "keep the view in the View panel"),
-            ("Alt + left, Alt + right", "back to the view before a jump, forward again"),
             ("H", "hatch holes, or fill them"),
         ],
     ),
@@ -234,16 +232,13 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 
 /// Keys that hide and show what surrounds the views.
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    if pressed(ctx, Modifiers::NONE, Key::F11) {
-        commands.push(Command::Window(WindowCommand::FullScreen));
-    }
+    let full_screen = Command::Window(WindowCommand::FullScreen);
+    commands.extend(pressed(ctx, Modifiers::NONE, Key::F11).then_some(full_screen));
+    commands.extend(pressed(ctx, Modifiers::COMMAND, Key::D).then_some(Command::View(ViewCommand::Keep)));
     for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
         if pressed(ctx, Modifiers::ALT, key) {
             commands.push(Command::View(command));
         }
-    }
-    if pressed(ctx, Modifiers::COMMAND, Key::D) {
-        commands.push(Command::View(ViewCommand::Keep));
     }
     for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
         if pressed(ctx, Modifiers::COMMAND, key) {
