@@ -30,7 +30,6 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("?", "keyboard and mouse shortcuts"),
             ("Ctrl + O", "open a file"),
             ("Ctrl + S, Ctrl + E", "share the store, or in another way"),
-            ("Ctrl + Shift + F", "copy a figure of the view under the pointer"),
             ("Ctrl + Z, Ctrl + Y", "undo, redo"),
             ("Shift + Space", "maximize the view under the pointer, or restore it"),
             ("F11", "full screen"),
@@ -61,7 +60,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Click", "pin the pixel under the pointer"),
             ("P", "pin or unpin the pixel"),
             ("F", "center view on the selected pixel"),
-            ("Ctrl + Shift + C", "copy the explanation"),
+            ("Ctrl + Shift + C, F", "copy the explanation, or a figure of the view"),
         ],
     ),
     (
@@ -216,6 +215,7 @@ fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
         (Modifiers::COMMAND, Key::P, Command::Window(WindowCommand::Palette(palette))),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::Pixel(PixelCommand::CopyExplanation)),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure)),
+        (Modifiers::NONE, Key::F11, Command::Window(WindowCommand::FullScreen)),
     ];
     let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));
     pressed.map(|(_, _, command)| command).collect()
@@ -232,8 +232,6 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 
 /// Keys that hide and show what surrounds the views.
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    let full_screen = Command::Window(WindowCommand::FullScreen);
-    commands.extend(pressed(ctx, Modifiers::NONE, Key::F11).then_some(full_screen));
     commands.extend(pressed(ctx, Modifiers::COMMAND, Key::D).then_some(Command::View(ViewCommand::Keep)));
     for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
         if pressed(ctx, Modifiers::ALT, key) {

@@ -7,11 +7,11 @@ use egui::{Color32, ColorImage};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::shown_samples::CameraFilter;
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::colors::work::{background_at, displayed, histogram_of};
-use super::shown_samples::CameraFilter;
 use crate::app::rooms::live::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
 use crate::app::rooms::source::model::RATIO_RANGE;
 use crate::app::theme::Tokens;
