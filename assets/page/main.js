@@ -82,11 +82,30 @@ class Player {
     scene.cameras.forEach((camera, nth) => choice.add(new Option(camera.name, String(nth))));
     choice.addEventListener("change", () => choice.value !== "" && this.goToCamera(Number(choice.value)));
     for (const text of scene.paragraphs) element("text").append(Object.assign(document.createElement("p"), { textContent: text }));
+    if (scene.scalar_bar) this.fillScalarBar(scene.scalar_bar);
     element("story").hidden = scene.paragraphs.length === 0;
     element("story").open = innerWidth > 720 && innerHeight > 560;
     this.canvas.setAttribute("aria-label", scene.title);
     if (!root.requestFullscreen) element("full").hidden = true;
     this.showTime();
+  }
+
+  /** What the colors mean, where they are those of a value. */
+  fillScalarBar({ title, colors, ticks }) {
+    const [caption, bar, marks] = element("scale").children;
+    caption.textContent = title;
+    bar.style.background = `linear-gradient(to right, ${colors.map((color) => `rgb(${color.join(" ")})`).join()})`;
+    element("scale").hidden = false;
+    let free = -Infinity;
+    for (const [share, text] of ticks) {
+      const mark = Object.assign(document.createElement("span"), { textContent: text });
+      mark.style.left = `${100 * share}%`;
+      mark.style.translate = `${-100 * share}%`;
+      marks.append(mark);
+      const { left, right } = mark.getBoundingClientRect();
+      if (left < free) mark.remove();
+      else free = right + 8;
+    }
   }
 
   showTime() {

@@ -18,7 +18,8 @@ class Error(Exception):
 
 @final
 class Lens:
-    """Size and projection of a pinhole camera, in pixels. The principal point is measured from the top left corner."""
+    """Size and projection of a camera, in pixels. The principal point is measured from the top left corner. `fx` and `fy` of an orthographic
+    camera are pixels per world unit."""
 
     def __new__(
         cls,
@@ -28,6 +29,7 @@ class Lens:
         fy: float | None = None,
         cx: float | None = None,
         cy: float | None = None,
+        orthographic: bool = False,
     ) -> Lens:
         """`fy` is `fx` if it is not given, the principal point the middle of the picture."""
 
@@ -43,6 +45,8 @@ class Lens:
     def cx(self) -> float: ...
     @property
     def cy(self) -> float: ...
+    @property
+    def orthographic(self) -> bool: ...
 
 @final
 class Camera:
@@ -119,10 +123,13 @@ class Capture:
 
         Raises Error with the name of an unreadable file; KeyError or IndexError for an unknown camera or frame."""
 
-    def preprocess(self, settings: Settings | None = None, progress: Progress | None = None) -> Store:
+    def preprocess(
+        self, settings: Settings | None = None, progress: Progress | None = None, *, edits: Path | None = None
+    ) -> Store:
         """Removes each sample that another one shows better. The kept samples stay in memory.
 
-        Raises Error, also for an unknown setting or one out of range."""
+        `edits` is an edit list, by its path or as its text, as `overlook preprocess --edits` takes it.
+        Raises Error, also for an unknown setting or one out of range, and for a list that is wrong."""
 
 @final
 class Samples:
@@ -347,8 +354,11 @@ def place(
 
     Raises Error where nothing can be placed."""
 
-def open_store(path: Path) -> Store:
-    """Opens a store; samples are read from the file when they are used."""
+def open_store(path: Path, *, edits: Path | None = None) -> Store:
+    """Opens a store; samples are read from the file when they are used.
+
+    With `edits`, an edit list by its path or as its text, it is what the list leaves: pictures, pages and files that are made of it are
+    those of the command line with `--edits`. Raises Error for a list that is wrong, or that asks which cameras confirm samples."""
 
 def evaluate(
     capture: Capture,
@@ -384,6 +394,7 @@ def record_pyvista(
     lights: Literal["fixed", "as_set"] = "fixed",
     antialias: int | None = None,
     normals: bool = True,
+    values: Iterable[str | Mapping[str, Any]] | Mapping[str, str | None] | None = None,
     step_jumps: bool = False,
     overwrite: bool = False,
 ) -> None:
@@ -393,6 +404,7 @@ def record_pyvista(
     `cameras` and true views, `truth`, are given, or placed around the scene: a number or "ring:6", "sphere:12", "inside:6"; or they are
     the content of a manifest, as `place` writes it. `frames` is a
     number of frames, or their numbers; `step(frame)` changes the scene before each. `size` is columns and rows, that of the window if it
-    is not given. `overlook.vtk_capture.record` is the same function, and says the rest.
+    is not given. `values` are up to four arrays of points or cells whose numbers are recorded beside the colors: their names, units by
+    names as in {"pressure": "Pa"}, or what the manifest says of each. `overlook.vtk_capture.record` is the same function, and says the rest.
 
     Raises overlook.vtk_capture.CaptureError, a ValueError, with one line on what is wrong."""

@@ -4,7 +4,7 @@
     import overlook
     overlook.record_pyvista(plotter, "FOLDER", cameras="ring:6", frames=20, size=(640, 480), step=lambda frame: move(frame))
 
-    python -m overlook.vtk_capture SCENE.pvd --out FOLDER --cameras 6 --color-by pressure
+    python -m overlook.vtk_capture SCENE.pvd --out FOLDER --cameras 6 --color-by pressure --values pressure=Pa
 
 The first takes a `pyvista.Plotter`, a `vtkRenderWindow` or a `vtkRenderer`; `step(frame)` changes it before each frame. The second takes
 what PyVista reads; several files are time steps. Neither needs a display. This file also works alone, without the rest of the package: it
@@ -14,7 +14,7 @@ is `from vtk_capture import record`, and `python vtk_capture.py`, there. Written
     FOLDER/novel/transforms.json, FOLDER/novel/CAMERA/...    the same of true views (`truth`), which Overlook measures its accuracy against
 
 Color is linear, with the window's own multisampling. Depth and normals are drawn in a pass of their own without it: they are those at
-each pixel's center. Lights that follow the camera would color a surface otherwise from each camera: while recording, lights that stand in
+each pixel's center. So are `values`, the numbers of arrays of what is drawn. Lights that follow the camera would color a surface otherwise from each camera: while recording, lights that stand in
 the scene take their place (`lights="as_set"` keeps them). Left out is what turns with the camera or lies on the picture: texts, scalar
 bars, axes. What is translucent and volumes have no depth of their own: their color counts as that of what is behind them.
 
@@ -52,6 +52,11 @@ NORMAL_AS_COLOR = """//VTK::Picking::Impl
     gl_FragData[0] = vec4(floor(level.x / 16.0), mixed, mod(level.y, 256.0), 255.0) / 255.0;
   }
 """
+MOST_VALUES = 4
+"""Overlook takes so many values a pixel."""
+MOST_PARTS = (1 << 24) - 1
+"""As many numbers as colors of three bytes tell apart; black is none."""
+RADIUS, COLOR = "radius of spheres", "color of spheres"
 BLACK = "//VTK::Picking::Impl\n  gl_FragData[0] = vec4(0.0, 0.0, 0.0, 1.0);\n"
 
 
@@ -72,13 +77,15 @@ class CaptureError(ValueError):
 
 @dataclass
 class Viewpoint:
-    """A perspective camera; positions in the scene's units, `view_angle` from top to bottom in degrees, as in VTK."""
+    """A camera; positions in the scene's units, `view_angle` from top to bottom in degrees, as in VTK; where lines of sight are parallel,
+    `parallel_scale` is half of the scene's units from top to bottom."""
 
     name: str
     position: tuple
     focal_point: tuple
     up: tuple = (0.0, 0.0, 1.0)
     view_angle: float = 30.0
+    parallel_scale: float | None = None
 
     def pose(self):
         """Camera to world, (4, 4): x right, y up, looking along -z."""
@@ -98,8 +105,11 @@ class Viewpoint:
         if not 0 < self.view_angle < 180:
             raise CaptureError(f"camera '{self.name}' has a view angle of {self.view_angle} degrees; it must be between 0 and 180")
         width, height = size
-        focal = height / (2 * math.tan(math.radians(self.view_angle) / 2))
-        return {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": width / 2, "cy": height / 2}
+        if self.parallel_scale is not None and not 0 < self.parallel_scale < math.inf:
+            raise CaptureError(f"camera '{self.name}' has a parallel scale of {self.parallel_scale}; it must be above 0")
+        focal = height / (2 * (self.parallel_scale or math.tan(math.radians(self.view_angle) / 2)))
+        model = {"camera_model": "ORTHOGRAPHIC"} if self.parallel_scale else {}
+        return {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": width / 2, "cy": height / 2, **model}
 
 
 def viewpoints(cameras, size, bounds, up=(0, 0, 1), view_angle=30.0, turned=0.0):
@@ -139,21 +149,22 @@ def viewpoints_of_manifest(manifest):
         if pose.shape != (3, 4) or abs(across / down - 1) > 1e-3 or not is_centered:
             raise CaptureError(f"camera '{name}' of the manifest has a shifted lens, or pixels that are not square")
         eye, angle = pose[:, 3], math.degrees(2 * math.atan(height / (2 * down)))
-        found.setdefault(name, Viewpoint(name, tuple(eye), tuple(eye - pose[:, 2]), tuple(pose[:, 1]), angle))
+        is_parallel = entry.get("camera_model", manifest.get("camera_model")) == "ORTHOGRAPHIC"
+        lens = (30.0, height / (2 * down)) if is_parallel else (angle,)
+        found.setdefault(name, Viewpoint(name, tuple(eye), tuple(eye - pose[:, 2]), tuple(pose[:, 1]), *lens))
     return list(found.values())
 
 
 def viewpoint(name, camera, size, up, view_angle):
     """One camera in any of the forms of `viewpoints`."""
     if hasattr(camera, "GetViewAngle"):
-        if camera.GetParallelProjection():
-            raise CaptureError(f"camera '{name}' has a parallel projection; only perspective ones can be recorded")
         if camera.GetUseOffAxisProjection() or camera.GetUseExplicitProjectionTransformMatrix() or any(camera.GetWindowCenter()):
             raise CaptureError(f"camera '{name}' is shifted off its axis")
         angle = camera.GetViewAngle()
         if camera.GetUseHorizontalViewAngle():
             angle = math.degrees(2 * math.atan(math.tan(math.radians(angle) / 2) * size[1] / size[0]))
-        return Viewpoint(name, camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), angle)
+        scale = camera.GetParallelScale() if camera.GetParallelProjection() else None
+        return Viewpoint(name, camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp(), angle, scale)
     if isinstance(camera, dict):
         camera = [camera.get(key) for key in ("position", "focal_point", "up", "view_angle")]
     try:
@@ -213,9 +224,10 @@ def upright(up):
     return first, np.cross(up, first), up
 
 
-def spheres(centers, radii, colors):
+def spheres(centers, radii, colors, values=None):
     """A vtkActor of exact spheres, drawn ray by ray: rounder than glyphs, and for thousands of them much faster. `colors` are (n, 3), bytes
-    or from 0 to 1; radii and colors may also be one for all. With PyVista: `plotter.add_actor(spheres(...), name="atoms")`."""
+    or from 0 to 1; radii and colors may also be one for all. `values` are arrays of n numbers by name, which `record` takes. With PyVista:
+    `plotter.add_actor(spheres(...), name="atoms")`."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonCore import vtkPoints
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
@@ -226,23 +238,25 @@ def spheres(centers, radii, colors):
     if colors.dtype != np.uint8:
         colors = np.uint8(np.clip(colors, 0, 1) * 255 + 0.5)
     radii, colors = np.broadcast_to(radii, len(centers)), np.broadcast_to(colors, centers.shape)
+    values = {name: np.asarray(it) for name, it in (values or {}).items()}
     if len(centers):
         # The mapper's bounds are those of centers: two more spheres without size lie at the corners of what all fill.
         corners = [(centers - radii[:, None]).min(axis=0), (centers + radii[:, None]).max(axis=0)]
         centers, radii, colors = np.vstack([centers, corners]), np.append(radii, [0, 0]), np.vstack([colors, colors[:1], colors[:1]])
+        values = {name: np.append(it, it[[0, 0]]) for name, it in values.items()}
     points, cells, data, mapper, actor = vtkPoints(), vtkCellArray(), vtkPolyData(), vtkOpenGLSphereMapper(), vtkActor()
     points.SetData(numpy_to_vtk(centers, deep=True))
     cells.SetData(1, numpy_to_vtk(np.arange(len(centers), dtype=np.int64), deep=True))
     data.SetPoints(points)
     data.SetVerts(cells)
     # The mapper reads radii of 32 bits only.
-    for array, name in ((np.float32(radii), "radius"), (colors, "color")):
+    for array, name in ((np.float32(radii), RADIUS), (colors, COLOR), *((it, name) for name, it in values.items())):
         made = numpy_to_vtk(np.ascontiguousarray(array), deep=True)
         made.SetName(name)
         data.GetPointData().AddArray(made)
-    data.GetPointData().SetActiveScalars("color")
+    data.GetPointData().SetActiveScalars(COLOR)
     mapper.SetInputData(data)
-    mapper.SetScaleArray("radius")
+    mapper.SetScaleArray(RADIUS)
     actor.SetMapper(mapper)
     return actor
 
@@ -271,16 +285,8 @@ def has_normals(actor):
     look, mapper = actor.GetProperty(), actor.GetMapper()
     if mapper is None or any(part in mapper.GetClassName() for part in ("Sphere", "Stick", "Glyph")):
         return True
-    data = mapper.GetInputDataObject(0, 0)
-    if data is not None and data.IsA("vtkCompositeDataSet"):
-        walk, parts = data.NewIterator(), []
-        while not walk.IsDoneWithTraversal():
-            parts.append(walk.GetCurrentDataObject())
-            walk.GoToNextItem()
-    else:
-        parts = [data]
-    for part in parts:
-        if part is None or part.GetPointData().GetNormals() is not None and look.GetInterpolation() > 0:
+    for part in blocks_of(mapper.GetInputDataObject(0, 0)):
+        if part.GetPointData().GetNormals() is not None and look.GetInterpolation() > 0:
             continue
         # The numbers are those of VTK's cells with one point, some points, one line, some lines.
         kinds = vtkCellTypes()
@@ -433,6 +439,39 @@ class Stage:
                 stack.callback(shader.ClearFragmentShaderReplacement, "//VTK::Picking::Impl", True)
             yield
 
+    @contextlib.contextmanager
+    def numbered(self, parts):
+        """In place of the scene, draws what its `parts` have numbers, each in the color of its own, before black."""
+        from vtkmodules.vtkRenderingCore import vtkRenderer
+
+        with self.geometry(False), contextlib.ExitStack() as stack:
+            self.changed(stack, self.renderer, "Background", 0.0, 0.0, 0.0)
+            props = self.renderer.GetViewProps()
+            for prop in [props.GetItemAsObject(index) for index in range(props.GetNumberOfItems())]:
+                self.changed(stack, prop, "Visibility", False)
+            for part in parts:
+                actor = part.actor(self, stack)
+                vtkRenderer.AddActor(self.renderer, actor)
+                stack.callback(vtkRenderer.RemoveActor, self.renderer, actor)
+            yield
+
+    def values(self, view, depth, parts, names):
+        """The values of these names at each pixel, (height, width) each; NaN where nothing is, and where it has no value."""
+        self.look(view)
+        high, middle, low = np.moveaxis(self.bytes_of_picture().astype(np.int64), -1, 0)
+        number, lens = (high << 16 | middle << 8 | low).ravel(), view.lens(self.size)
+        number[depth.ravel() >= MISS] = 0
+        x, y = np.meshgrid((np.arange(self.size[0]) + 0.5 - lens["cx"]) / lens["fl_x"], (lens["cy"] - np.arange(self.size[1]) - 0.5) / lens["fl_y"])
+        place = (np.stack([x, y, -np.ones_like(x)], -1) * np.float64(depth)[..., None]).reshape(-1, 3)
+        found = {name: np.full(len(number), np.nan, np.float32) for name in names}
+        for part in parts:
+            seen = np.flatnonzero((number >= part.first) & (number < part.first + part.count))
+            if len(seen):
+                in_world = place[seen] @ view.pose()[:3, :3].T + view.pose()[:3, 3]
+                for name, values in part.values_at(number[seen] - part.first, in_world, names).items():
+                    found[name][seen] = values
+        return {name: values.reshape(depth.shape) for name, values in found.items()}
+
     def look(self, view):
         """Renders from a viewpoint; planes of depth lie close around the scene."""
         from vtkmodules.vtkRenderingCore import vtkCamera
@@ -442,6 +481,9 @@ class Stage:
         camera.SetFocalPoint(*view.focal_point)
         camera.SetViewUp(*view.up)
         camera.SetViewAngle(view.view_angle)
+        if view.parallel_scale is not None:
+            camera.ParallelProjectionOn()
+            camera.SetParallelScale(view.parallel_scale)
         self.renderer.SetActiveCamera(camera)
         around = bounds_of(self.renderer)
         if around[0] <= around[1]:
@@ -471,10 +513,14 @@ class Stage:
         from vtkmodules.vtkCommonCore import vtkFloatArray
 
         near, far = self.look(view)
+        if view.parallel_scale is not None and near <= 0:
+            raise CaptureError(f"camera '{view.name}' stands within the scene; move it back, where parallel lines of sight show the same")
         array, (width, height) = vtkFloatArray(), self.size
         self.window.GetZbufferData(0, 0, width - 1, height - 1, array)
         level = vtk_to_numpy(array).astype(np.float64).reshape(height, width)[::-1]
-        return np.where(level < 1.0, near * far / (far - level * (far - near)), MISS).astype(np.float32)
+        # Levels of a parallel projection are even in depth.
+        depth = near * far / (far - level * (far - near)) if view.parallel_scale is None else near + level * (far - near)
+        return np.where(level < 1.0, depth, MISS).astype(np.float32)
 
     def normal(self, view, depth):
         """World-space unit vectors toward the camera, zero where nothing is, of the picture that `depth` has just drawn."""
@@ -490,11 +536,225 @@ def normals_of(picture, view, size, is_hit):
     unit[..., :2] -= np.where(place >= 0, fold, -fold)
     lens = view.lens(size)
     x, y = np.meshgrid((np.arange(size[0]) + 0.5 - lens["cx"]) / lens["fl_x"], (lens["cy"] - np.arange(size[1]) - 0.5) / lens["fl_y"])
+    if view.parallel_scale is not None:
+        x, y = 0 * x, 0 * y
     unit[unit[..., 0] * x + unit[..., 1] * y - unit[..., 2] > 0] *= -1
     length = np.linalg.norm(unit, axis=-1, keepdims=True)
     is_known = is_hit & picture.any(axis=-1)
     unit = np.where(is_known[..., None] & (length > 0), unit / np.maximum(length, 1e-9), 0)
     return (unit @ view.pose()[:3, :3].T).astype(np.float32)
+
+
+class Part:
+    """What an actor draws, cut into triangles, lines and points, or its spheres and glyphs. Each of them has a number, drawn as a color of
+    its own: so the picture says where a pixel's value comes from, behind what it is hidden, and nothing is blended."""
+
+    def __init__(self, prop, matrix, data, first):
+        self.prop, self.mapper, self.first, self.matrix = prop, prop.GetMapper(), first, matrix
+        self.is_of_points = is_drawn_as_points(self.mapper)
+        if self.is_of_points:
+            self.data, self.count = data, data.GetNumberOfPoints()
+        else:
+            self.data = triangles_of(data, prop.GetProperty().GetRepresentation() == 1)
+            # A point and a line have corners more than once.
+            self.corners = np.concatenate([it[:, np.arange(3) % it.shape[1]] for it in cells_of(self.data)])
+            self.count = len(self.corners)
+
+    def arrays(self):
+        """Its arrays by name: whether each is of points, and the array."""
+        of_cells, of_points, found = self.data.GetCellData(), self.data.GetPointData(), {}
+        for data in [of_points] if self.is_of_points else [of_cells, of_points]:
+            arrays = [data.GetArray(index) for index in range(data.GetNumberOfArrays())]
+            found.update({it.GetName(): (data is of_points, it) for it in arrays if it is not None and it.GetName()})
+        return found
+
+    def actor(self, stage, stack):
+        """What draws the numbers."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+        number, mapper, actor = np.arange(self.first, self.first + self.count), self.mapper, vtkActor()
+        if self.is_of_points:
+            # What the mapper knows of radii and directions stays.
+            before = mapper.GetInputConnection(0, 0)
+            producer, port = before.GetProducer(), before.GetIndex()
+            stack.callback(lambda: mapper.SetInputConnection(producer.GetOutputPort(port)))
+            drawn = self.data.NewInstance()
+            drawn.ShallowCopy(self.data)
+        else:
+            drawn, number = apart(self.data, number)
+            mapper = vtkPolyDataMapper()
+            if self.mapper.GetClippingPlanes() is not None:
+                mapper.SetClippingPlanes(self.mapper.GetClippingPlanes())
+        colors = numpy_to_vtk(np.stack([number >> 16, number >> 8 & 255, number & 255], -1).astype(np.uint8), deep=True)
+        colors.SetName("number as color")
+        drawn.GetPointData().SetScalars(colors)
+        mapper.SetInputData(drawn)
+        # Colors of points are 1 of VTK's modes, and bytes as they are 2 of its modes of color.
+        for name, value in (("ScalarVisibility", True), ("ScalarMode", 1), ("ColorMode", 2)):
+            stage.changed(stack, mapper, name, value)
+        actor.SetMapper(mapper)
+        actor.SetUserMatrix(self.matrix)
+        # Points, lines and what is wide are drawn as before; no light, texture or edge changes a color.
+        look = actor.GetProperty()
+        look.DeepCopy(self.prop.GetProperty())
+        look.RemoveAllTextures()
+        settings = {"Lighting": False, "Ambient": 1, "Diffuse": 0, "Interpolation": 0, "EdgeVisibility": False, "VertexVisibility": False, "Opacity": 1}
+        for name, value in settings.items():
+            getattr(look, f"Set{name}")(value)
+        return actor
+
+    def values_at(self, index, in_world, names):
+        """Values by name where its pieces of these numbers are seen at places in the world: those of the piece or, interpolated linearly,
+        of its corners. Names that it lacks are missing."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+
+        asked = {name: it for name, it in self.arrays().items() if name in names and it[1].GetNumberOfComponents() == 1}
+        found = {name: (is_of_points, vtk_to_numpy(array)) for name, (is_of_points, array) in asked.items()}
+        if self.is_of_points or not any(is_of_points for is_of_points, _ in found.values()):
+            return {name: array[index] for name, (_, array) in found.items()}
+        corners = self.corners[index]
+        world = np.array([[self.matrix.GetElement(y, x) for x in range(4)] for y in range(3)])
+        places = vtk_to_numpy(self.data.GetPoints().GetData())[corners] @ world[:, :3].T + world[:, 3]
+        share = shares(places, in_world)
+        # A corner that has no share has no say, even where it is NaN.
+        of_corners = lambda array: np.where(share > 0, share * array[corners].astype(np.float64), 0).sum(-1)
+        return {name: of_corners(array) if is_of_points else array[index] for name, (is_of_points, array) in found.items()}
+
+
+def shares(corners, places):
+    """How much each of three corners, (n, 3, 3), counts at places near their triangle, (n, 3): from 0 to 1, and 1 in sum. Where two or all
+    three corners are one, it is a line or a point."""
+    first, second, away = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], places - corners[:, 0]
+    dot = lambda a, b: np.sum(a * b, -1)
+    a, b, c, p, q = dot(first, first), dot(first, second), dot(second, second), dot(first, away), dot(second, away)
+    area, tiny = a * c - b * b, np.finfo(np.float64).tiny
+    is_flat = area <= 1e-20 * a * c
+    u = np.where(is_flat, p / np.maximum(a, tiny), (c * p - b * q) / np.where(is_flat, 1, area))
+    v = np.where(is_flat, 0, (a * q - b * p) / np.where(is_flat, 1, area))
+    found = np.clip(np.stack([1 - u - v, u, v], -1), 0, 1)
+    return found / found.sum(-1, keepdims=True)
+
+
+def cells_of(data):
+    """The points of each cell of a vtkPolyData of points, lines and triangles, in its order: three arrays, (n, 1), (n, 2) and (n, 3)."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    cells = ((data.GetVerts(), 1), (data.GetLines(), 2), (data.GetPolys(), 3))
+    return [vtk_to_numpy(it.GetConnectivityArray()).reshape(-1, many) for it, many in cells]
+
+
+def apart(data, number):
+    """The same points, lines and triangles, none of which shares a corner, and the number of the cell of each corner."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+
+    cells, made, points = cells_of(data), vtkPolyData(), vtkPoints()
+    corners = np.concatenate([it.ravel() for it in cells])
+    points.SetData(numpy_to_vtk(vtk_to_numpy(data.GetPoints().GetData())[corners], deep=True))
+    made.SetPoints(points)
+    first = 0
+    for it, put in zip(cells, (made.SetVerts, made.SetLines, made.SetPolys)):
+        kept = vtkCellArray()
+        kept.SetData(it.shape[1], numpy_to_vtk(np.arange(first, first + it.size, dtype=np.int64), deep=True))
+        put(kept)
+        first += it.size
+    return made, np.repeat(number, np.concatenate([np.full(len(it), it.shape[1]) for it in cells]))
+
+
+def is_drawn_as_points(mapper):
+    """Whether points alone are the data of a mapper: of spheres, sticks, glyphs."""
+    return any(part in mapper.GetClassName() for part in ("Sphere", "Stick", "Glyph", "Gaussian"))
+
+
+def triangles_of(data, is_wireframe):
+    """The surface of a dataset as a vtkPolyData of points, lines and triangles, with its arrays; of a wireframe the lines alone."""
+    from vtkmodules.vtkFiltersCore import vtkExtractEdges, vtkTriangleFilter
+    from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
+
+    surface, pieces = vtkGeometryFilter(), vtkExtractEdges() if is_wireframe else vtkTriangleFilter()
+    surface.SetInputData(data)
+    pieces.SetInputConnection(surface.GetOutputPort())
+    pieces.Update()
+    return pieces.GetOutput()
+
+
+def blocks_of(data):
+    """The datasets of a composite one, or the only one."""
+    if data is None or not data.IsA("vtkCompositeDataSet"):
+        return [] if data is None else [data]
+    walk, found = data.NewIterator(), []
+    while not walk.IsDoneWithTraversal():
+        found.append(walk.GetCurrentDataObject())
+        walk.GoToNextItem()
+    return found
+
+
+def parts_of(renderer):
+    """All that the renderer draws and that has depth, as a list of Part."""
+    from vtkmodules.vtkCommonMath import vtkMatrix4x4
+
+    parts, first, props = [], 1, renderer.GetViewProps()
+    for prop in [props.GetItemAsObject(index) for index in range(props.GetNumberOfItems())]:
+        if not prop.GetVisibility() or not prop.IsA("vtkProp3D") or turns_with_the_camera(prop):
+            continue
+        prop.InitPathTraversal()
+        while (path := prop.GetNextPath()) is not None:
+            actor, matrix = path.GetLastNode().GetViewProp(), vtkMatrix4x4()
+            is_drawn = actor.IsA("vtkActor") and not actor.IsA("vtkSkybox") and actor.GetMapper() is not None and actor.GetVisibility()
+            if not is_drawn or actor.HasTranslucentPolygonalGeometry():
+                continue
+            if path.GetLastNode().GetMatrix() is not None:
+                matrix.DeepCopy(path.GetLastNode().GetMatrix())
+            actor.GetMapper().Update()
+            for block in blocks_of(actor.GetMapper().GetInputDataObject(0, 0)):
+                part = Part(actor, matrix, block, first)
+                if part.is_of_points and any(it.mapper is part.mapper for it in parts):
+                    raise CaptureError("spheres or glyphs of several blocks or actors share a mapper, which values cannot be recorded of")
+                first += part.count
+                parts += [part] if part.count else []
+    if first > MOST_PARTS:
+        raise CaptureError(f"the scene has {first} triangles, more than the {MOST_PARTS} whose values can be recorded")
+    return parts
+
+
+def checked_values(values):
+    """What is asked for, as a list of {"name", "unit", "range"}: names, such objects, or an object of units by name."""
+    values = [values] if isinstance(values, str) else values or ()
+    asked = [{"name": name, "unit": unit} for name, unit in values.items()] if isinstance(values, dict) else list(values)
+    asked = [dict(it) if isinstance(it, dict) else {"name": str(it)} for it in asked]
+    if any(not it.get("name") or set(it) - {"name", "unit", "range", "tolerance", "exact"} for it in asked):
+        raise CaptureError("each value needs a name, and may have a unit, a range, a tolerance and exact")
+    if len(asked) > MOST_VALUES or len({it["name"] for it in asked}) != len(asked):
+        raise CaptureError(f"{len(asked)} values are asked for: there may be up to {MOST_VALUES}, each once")
+    return [{key: it for key, it in one.items() if it is not None} for one in asked]
+
+
+def planned_values(asked, stage):
+    """The values as the manifest lists them: their ranges are those of what the first frame draws, if nobody gave one."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    if not asked:
+        return []
+    with stage.ready():
+        arrays = [part.arrays() for part in parts_of(stage.renderer)]
+    planned = []
+    for one in asked:
+        name, found = one["name"], [it[one["name"]][1] for it in arrays if one["name"] in it]
+        if not found:
+            single = {name for it in arrays for name, (_, array) in it.items() if array.GetNumberOfComponents() == 1}
+            raise CaptureError(f"there is no array '{name}' in what is drawn; there are: {', '.join(sorted(single)) or 'none'}")
+        if any(it.GetNumberOfComponents() != 1 for it in found):
+            raise CaptureError(f"array '{name}' has {found[0].GetNumberOfComponents()} components; give one of them, or its length, an array of its own")
+        numbers = np.concatenate([vtk_to_numpy(it).astype(np.float64) for it in found])
+        numbers = numbers[np.isfinite(numbers)]
+        if "range" not in one and len(numbers) and numbers.min() < numbers.max():
+            one = {**one, "range": [float(numbers.min()), float(numbers.max())]}
+        if np.any(np.float32(numbers) != numbers) and all(it.GetDataTypeAsString() not in ("float", "double") for it in found):
+            stage.tell(f"'{name}' has whole numbers that are too large for 32-bit floats: they are rounded")
+        planned.append({**one, "channel": f"value.{name}"})
+    return planned
 
 
 LINEAR = np.float32([it / 12.92 if it <= 0.04045 else ((it + 0.055) / 1.055) ** 2.4 for it in np.arange(256) / 255])
@@ -559,6 +819,7 @@ def record(
     lights="fixed",
     antialias=None,
     normals=True,
+    values=None,
     step_jumps=False,
     overwrite=False,
 ):
@@ -567,18 +828,22 @@ def record(
     `cameras` and `truth` are as in `viewpoints`; those that are placed stand around `bounds`, or else around what the first frame shows.
     `frames` is a number of frames, or their numbers; `times` are their times. `step(frame)` is called before each, also before those that
     are there already, unless `step_jumps` says that it needs no earlier one. `size` is columns and rows, `antialias` the samples per pixel
-    of color (both the window's). `overwrite` records anew what is there."""
+    of color (both the window's). `values` are up to four arrays of points or cells whose numbers are recorded beside the colors: their
+    names, units by names as in {"pressure": "Pa"}, or objects of what the manifest says of each ("name", "unit", "range", "tolerance",
+    "exact"). What is drawn without such an array has no value. `overwrite` records anew what is there."""
     frames = list(range(frames)) if isinstance(frames, int) else [int(it) for it in frames]
     times = [None] * len(frames) if times is None else [float(it) for it in times]
     if not frames or len(times) != len(frames) or len(set(frames)) != len(frames):
         raise CaptureError(f"{len(frames)} frames and {len(times)} times: there must be a time for each frame, and no frame twice")
     out, progress = os.path.abspath(out), Progress()
+    asked = checked_values(values)
     stage = Stage(plotter, size, lights, antialias, up, progress.note)
     if step is not None:
         step(frames[0])
     views = plan(cameras, truth, stage, bounds, view_angle)
+    asked = planned_values(asked, stage)
     roots = [(root, found) for root, found in zip((out, os.path.join(out, "novel")), views) if found]
-    jobs = [it for root, found in roots for it in begin(root, manifest(found, frames, times, stage), found, overwrite)]
+    jobs = [it for root, found in roots for it in begin(root, manifest(found, frames, times, stage, asked), found, overwrite)]
     jobs.sort(key=lambda job: frames.index(job[0]))
     progress.start(len(jobs), len(frames) * sum(len(found) for found in views))
     for index, frame in enumerate(frames):
@@ -586,7 +851,7 @@ def record(
         if step is not None and index > 0 and (now or not step_jumps):
             step(frame)
         if now:
-            normals = record_frame(stage, now, normals, progress)
+            normals = record_frame(stage, now, normals, asked, progress)
         if not jobs or frame == jobs[-1][0]:
             break
     for root, _ in roots:
@@ -611,7 +876,7 @@ def plan(cameras, truth, stage, bounds, view_angle):
     return recorded, true
 
 
-def manifest(views, frames, times, stage):
+def manifest(views, frames, times, stage, values=()):
     """What transforms.json will say."""
     entries = []
     for frame, when in zip(frames, times):
@@ -627,6 +892,7 @@ def manifest(views, frames, times, stage):
         "antialiased_color": stage.is_antialiased,
         "noise_free": True,
         "up": [float(it) for it in stage.up],
+        **({"values": list(values)} if values else {}),
         "frames": entries,
     }
 
@@ -654,7 +920,7 @@ def refuse_another(root, there, planned):
         raise CaptureError(f"{root} holds pictures of other cameras or settings: choose another folder, or overwrite them")
 
 
-def record_frame(stage, jobs, normals, progress):
+def record_frame(stage, jobs, normals, values, progress):
     """Records the pictures of one frame; returns whether normals could be drawn."""
     with stage.ready():
         colors = [stage.color(view) for _, view, _ in jobs]
@@ -663,16 +929,24 @@ def record_frame(stage, jobs, normals, progress):
                 raise CaptureError(f"frame {jobs[0][0]} shows something that cannot be drawn with its normals: record without normals")
             progress.note("something in the scene cannot be drawn with its normals: they are left out")
             normals = False
+        pictures = []
         with stage.geometry(normals):
-            for (frame, view, path), color in zip(jobs, colors):
+            for (frame, view, _), color in zip(jobs, colors):
                 depth = stage.depth(view)
                 if np.all(depth == MISS):
                     progress.note(f"camera '{view.name}' shows nothing that has depth, at frame {frame}")
-                channels = dict(zip("RGB", np.moveaxis(color, -1, 0).astype(np.float16)), Z=depth)
+                pictures.append(dict(zip("RGB", np.moveaxis(color, -1, 0).astype(np.float16)), Z=depth))
                 if normals:
-                    channels.update(zip(("N.X", "N.Y", "N.Z"), np.moveaxis(stage.normal(view, depth), -1, 0).astype(np.float16)))
-                write_exr(path, channels)
-                progress.picture()
+                    pictures[-1].update(zip(("N.X", "N.Y", "N.Z"), np.moveaxis(stage.normal(view, depth), -1, 0).astype(np.float16)))
+        if values:
+            parts, names = parts_of(stage.renderer), [it["name"] for it in values]
+            with stage.numbered(parts):
+                for (_, view, _), channels in zip(jobs, pictures):
+                    found = stage.values(view, channels["Z"], parts, names)
+                    channels.update({f"value.{name}": it for name, it in found.items()})
+        for (_, _, path), channels in zip(jobs, pictures):
+            write_exr(path, channels)
+            progress.picture()
     return normals
 
 
@@ -773,7 +1047,8 @@ def scene_of_files(files, options):
             if options.color_by:
                 share = (now.point_data[options.color_by] - limits[0]) / max(limits[1] - limits[0], 1e-30)
                 colors = table[np.uint8(np.clip(share * 256, 0, 255))]
-            plotter.add_actor(spheres(now.points, options.point_radius, colors), name="scene", reset_camera=False, render=False)
+            values = {name: it for name, it in now.point_data.items() if it.ndim == 1} if options.values else {}
+            plotter.add_actor(spheres(now.points, options.point_radius, colors, values), name="scene", reset_camera=False, render=False)
         else:
             plotter.add_mesh(now, name="scene", reset_camera=False, render=False, **colored)
 
@@ -804,6 +1079,8 @@ def add_options(parser):
     add("--lights", choices=("fixed", "as_set"), default="fixed", help="lights that stand in the scene, or those of the renderer [fixed]")
     add("--antialias", type=int, metavar="N", help="samples per pixel of color, 0 for none [the renderer's]")
     add("--no-normals", action="store_true", help="leave normals out")
+    units = lambda text: {name: unit or None for name, _, unit in (it.partition("=") for it in text.split(","))}
+    add("--values", type=units, metavar="NAME[=UNIT],...", help="arrays whose numbers are recorded beside the colors, up to four")
     add("--overwrite", action="store_true", help="record anew what is there")
     parser.epilog = """Cameras in a file: [{"name": "left", "position": [0, -5, 1], "focal_point": [0, 0, 0], "up": [0, 0, 1],
         "view_angle": 30}, ...]. Then: `overlook info FOLDER`, `overlook preprocess FOLDER --out F.ovl`."""
@@ -843,6 +1120,7 @@ def record_by_options(options, plotter, frames, times, step):
         lights=options.lights,
         antialias=options.antialias,
         normals=not options.no_normals,
+        values=options.values,
         step_jumps=True,
         overwrite=options.overwrite,
     )

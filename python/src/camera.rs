@@ -6,12 +6,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::arrays;
-use overlook_engine::capture::{Camera, Intrinsics};
+use overlook_engine::capture::{Camera, Intrinsics, Projection};
 
 /// How far a matrix of a pose may be from a rotation.
 const ROTATION_TOLERANCE: f64 = 1e-4;
 
-/// Size and projection of a pinhole camera, in pixels.
+/// Size and projection of a camera, in pixels.
 #[pyclass(name = "Lens", module = "overlook", frozen, get_all, from_py_object)]
 #[derive(Clone, Copy)]
 pub struct PyLens {
@@ -21,27 +21,39 @@ pub struct PyLens {
     fy: f64,
     cx: f64,
     cy: f64,
+    orthographic: bool,
 }
 
 #[pymethods]
 impl PyLens {
     #[new]
-    #[pyo3(signature = (width, height, fx, fy=None, cx=None, cy=None))]
-    fn new(width: u32, height: u32, fx: f64, fy: Option<f64>, cx: Option<f64>, cy: Option<f64>) -> Self {
+    #[pyo3(signature = (width, height, fx, fy=None, cx=None, cy=None, orthographic=false))]
+    fn new(
+        width: u32,
+        height: u32,
+        fx: f64,
+        fy: Option<f64>,
+        cx: Option<f64>,
+        cy: Option<f64>,
+        orthographic: bool,
+    ) -> Self {
         let center = |given: Option<f64>, size: u32| given.unwrap_or(f64::from(size) / 2.0);
-        Self { width, height, fx, fy: fy.unwrap_or(fx), cx: center(cx, width), cy: center(cy, height) }
+        let (cx, cy) = (center(cx, width), center(cy, height));
+        Self { width, height, fx, fy: fy.unwrap_or(fx), cx, cy, orthographic }
     }
 
     fn __repr__(&self) -> String {
-        let Self { width, height, fx, fy, cx, cy } = self;
-        format!("Lens(width={width}, height={height}, fx={fx}, fy={fy}, cx={cx}, cy={cy})")
+        let Self { width, height, fx, fy, cx, cy, orthographic } = self;
+        let parallel = if *orthographic { ", orthographic=True" } else { "" };
+        format!("Lens(width={width}, height={height}, fx={fx}, fy={fy}, cx={cx}, cy={cy}{parallel})")
     }
 }
 
 impl PyLens {
     pub(super) fn intrinsics(self) -> Intrinsics {
-        let Self { width, height, fx, fy, cx, cy } = self;
-        Intrinsics { width, height, fx, fy, cx, cy }
+        let Self { width, height, fx, fy, cx, cy, orthographic } = self;
+        let projection = if orthographic { Projection::Orthographic } else { Projection::Perspective };
+        Intrinsics { width, height, fx, fy, cx, cy, projection }
     }
 }
 
@@ -58,8 +70,8 @@ impl PyCamera {
 
     #[getter]
     fn lens(&self) -> PyLens {
-        let Intrinsics { width, height, fx, fy, cx, cy } = self.0.intrinsics;
-        PyLens { width, height, fx, fy, cx, cy }
+        let Intrinsics { width, height, fx, fy, cx, cy, projection } = self.0.intrinsics;
+        PyLens { width, height, fx, fy, cx, cy, orthographic: projection == Projection::Orthographic }
     }
 
     #[getter]

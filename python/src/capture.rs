@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyModule};
 
 use super::camera::PyCamera;
-use super::choices::settings_over;
+use super::choices::{edit_list, settings_over};
 use super::exceptions::to_exception;
 use super::store::PyStore;
 use super::values::{self, PyValueChannel};
@@ -18,7 +18,7 @@ use overlook_engine::capture::{self, Capture, Frame, TruthView, ValueChannel, tr
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::error::Error;
 use overlook_engine::plural::counted;
-use overlook_engine::preprocess::preprocess;
+use overlook_engine::preprocess::preprocess_edited;
 use overlook_engine::settings::Settings;
 use overlook_lab::{compare, truth};
 
@@ -111,15 +111,18 @@ impl PyCapture {
     }
 
     /// The whole method: scan over time, split into spans, prune between cameras.
-    #[pyo3(signature = (settings=None, progress=None))]
+    #[pyo3(signature = (settings=None, progress=None, *, edits=None))]
     fn preprocess(
         &self,
         py: Python<'_>,
         settings: Option<&Bound<'_, PyDict>>,
         progress: Option<&Bound<'_, PyAny>>,
+        edits: Option<PathBuf>,
     ) -> PyResult<PyStore> {
         let settings = settings_over(Settings::default(), settings)?;
-        let done = work::run(py, progress, |job| preprocess(&self.capture, &settings, job))?;
+        let done = work::run(py, progress, |job| {
+            preprocess_edited(&self.capture, &settings, &edit_list(edits)?, job)?.into_memory()
+        })?;
         PyStore::of(done)
     }
 

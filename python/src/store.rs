@@ -11,13 +11,14 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyModule};
 
 use super::camera::{PyCamera, PyLens, pose_of};
-use super::choices::settings_over;
+use super::choices::{edit_list, settings_over};
 use super::exceptions::to_exception;
 use super::page::PyPage;
 use super::splats::PySplats;
 use super::values::{self, PyValueChannel};
 use super::{arrays, work};
 use overlook_engine::capture::{Camera, ValueChannel};
+use overlook_engine::edited_store::open_edited;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::page::{self, PageOptions};
@@ -28,17 +29,18 @@ use overlook_engine::render::{NO_IMAGE, Picture, Renderer, Vantage};
 use overlook_engine::samples::{SampleImage, SampleSet};
 use overlook_engine::settings::RenderSettings;
 use overlook_engine::splats::{self, SplatAmount, SplatSky};
-use overlook_engine::store::file::{Store, write};
+use overlook_engine::store::file::write;
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::store::write_again;
 
-/// Opens a store for playing it from disk.
+/// Opens a store, or what edits leave of it, for playing it from disk.
 ///
 /// # Errors
-/// `Error` as [`Store::open`].
+/// `Error` as [`open_edited`], and where the list is none.
 #[pyfunction]
-pub fn open_store(py: Python<'_>, path: PathBuf) -> PyResult<PyStore> {
-    let store = work::run(py, None, |_| Store::open(&path))?;
+#[pyo3(signature = (path, *, edits=None))]
+pub fn open_store(py: Python<'_>, path: PathBuf, edits: Option<PathBuf>) -> PyResult<PyStore> {
+    let store = work::run(py, None, |job| open_edited(&path, &edit_list(edits)?, job))?;
     let (report, warnings) = (store.info().report.clone(), store.info().warnings.clone());
     let playback = Playback::new(store, DEFAULT_CACHE_BYTES);
     let outline = playback.outline().clone();
@@ -296,7 +298,7 @@ fn page_options(
     if !(fps > 0.0 && fps.is_finite()) {
         return Err(PyValueError::new_err(format!("fps: {fps} is no number of frames a second")));
     }
-    Ok(PageOptions { title, text, frames_per_second: fps, path: None, at_most })
+    Ok(PageOptions { title, text, frames_per_second: fps, path: None, at_most, scalar_bar: None })
 }
 
 type Rendered<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<bool>>);
@@ -320,9 +322,11 @@ impl SampleRows {
         let inverse_depths = image.inverse_depths();
         for sample in image.samples() {
             let inverse_depth = inverse_depths[sample.index];
-            let ray =
-                camera.intrinsics.ray_in_camera(DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5));
-            let point = if inverse_depth == 0.0 {
+            let pixel = DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5);
+            let ray = camera.intrinsics.ray_in_camera(pixel);
+            let point = if camera.intrinsics.is_orthographic() && inverse_depth != 0.0 {
+                camera.unproject(pixel, f64::from(inverse_depth).recip())
+            } else if inverse_depth == 0.0 {
                 // Of a sample at infinity nothing but the direction is known.
                 camera.world_from_camera.transform_vector3(ray) * f64::INFINITY
             } else {

@@ -119,6 +119,26 @@ def test_samples_are_those_that_the_command_line_exports(store, tmp_path):
     assert len(store.samples()) > len(store.samples(frame=1)) > len(store.samples(frame=1, camera=2)) > 0
 
 
+def test_edits_are_those_of_the_command_line_by_path_and_as_text(folder, tmp_path):
+    text = 'version = 1\n[[edit]]\ndo = "delete"\nregion = { sphere = { center = [0, 0, 0.5], radius = 0.8 } }\n'
+    edits = tmp_path / "edits.toml"
+    edits.write_text(text)
+    run("preprocess", folder, "--edits", edits, "--out", tmp_path / "expected.ovl")
+    overlook.open(folder).preprocess(edits=edits).save(tmp_path / "store.ovl")
+    assert (tmp_path / "store.ovl").stat().st_size > 0
+    expected = overlook.open_store(tmp_path / "expected.ovl").report
+    assert overlook.open_store(tmp_path / "store.ovl").report["cut"] == expected["cut"] != []
+
+    overlook.open(folder).preprocess().save(tmp_path / "all.ovl")
+    run("export", "page", tmp_path / "all.ovl", "--edits", edits, "--out", tmp_path / "expected.html")
+    for given in (edits, text):
+        overlook.open_store(tmp_path / "all.ovl", edits=given).export_page(tmp_path / "scene.html")
+        assert (tmp_path / "scene.html").read_bytes() == (tmp_path / "expected.html").read_bytes()
+    with pytest.raises(overlook.Error, match="leave_out needs"):
+        wrong = 'version = 1\n[[edit]]\ndo = "leave_out"\nregion = "doubtful"\n'
+        overlook.open_store(tmp_path / "all.ovl", edits=wrong)
+
+
 def test_settings_are_those_of_the_command_line_and_mistakes_are_one_line(folder, store):
     capture = overlook.open(folder)
     assert len(capture.preprocess({"pruning.method": "off"}).samples()) > len(store.samples())

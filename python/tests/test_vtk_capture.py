@@ -126,3 +126,64 @@ def test_a_manifest_of_poses_gives_its_cameras_back(recorded, tmp_path):
     for wrong, said in (({"frames": [{"camera": "a"}]}, "no pose"), (shifted, "shifted lens")):
         with pytest.raises(script.CaptureError, match=said):
             script.viewpoints(wrong, SIZE, None)
+
+
+def test_values_are_asked_for_by_names_units_or_what_the_manifest_says(recorded):
+    _, views, _, _ = recorded
+    assert script.checked_values("p") == [{"name": "p"}] and script.checked_values(None) == []
+    assert script.checked_values({"p": "Pa", "grain": None}) == [{"name": "p", "unit": "Pa"}, {"name": "grain"}]
+    assert script.checked_values(["p", {"name": "q", "range": [0, 1]}]) == [{"name": "p"}, {"name": "q", "range": [0, 1]}]
+    for wrong, said in ((list("abcde"), "up to 4"), (["p", "p"], "each once"), ([{"unit": "m"}], "needs a name"), ([{"name": "p", "min": 0}], "may have")):
+        with pytest.raises(script.CaptureError, match=said):
+            script.checked_values(wrong)
+    stage = SimpleNamespace(size=SIZE, up=(0, 0, 1), is_antialiased=True)
+    assert script.manifest(views, [7], [None], stage, [{"name": "p"}])["values"] == [{"name": "p"}]
+    assert "values" not in script.manifest(views, [7], [None], stage)
+
+
+def test_corners_share_what_lies_on_triangles_lines_and_points():
+    rng = np.random.default_rng(1)
+    corners, given = rng.normal(size=(50, 3, 3)), rng.dirichlet([1, 1, 1], 50)
+    np.testing.assert_allclose(script.shares(corners, np.sum(corners * given[..., None], 1)), given, atol=1e-9)
+    line = corners[:, [0, 1, 0]]
+    np.testing.assert_allclose(script.shares(line, 0.25 * line[:, 0] + 0.75 * line[:, 1])[:, 1], 0.75)
+    point = corners[:, [0, 0, 0]]
+    assert np.all(script.shares(point, point[:, 0]) == [1, 0, 0])
+    # Beside the triangle, the nearer corners alone count.
+    assert np.all(script.shares(corners[:1], corners[:1, 0] + 3 * (corners[:1, 0] - corners[:1, 1])) >= 0)
+
+
+def test_recorded_values_are_those_of_the_points_that_pixels_show(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    ball = pyvista.Sphere(radius=RADIUS, center=CENTER, theta_resolution=60, phi_resolution=60)
+    ball["height [m]"] = ball.points[:, 2].astype(np.float64)
+    ball.cell_data["face"] = np.arange(ball.n_cells)
+    plotter = pyvista.Plotter(off_screen=True, window_size=(160, 120))
+    plotter.add_mesh(ball, show_edges=True)
+    plotter.add_mesh(pyvista.Cube(center=(0.3, -0.2, 2), x_length=0.5, y_length=0.5, z_length=0.5), color="red")
+    plotter.add_actor(script.spheres([[2.0, 0, 0]], 0.4, [1.0, 0, 0], {"face": [-7.0]}))
+    script.record(plotter, tmp_path / "capture", 3, values={"height [m]": "m", "face": None})
+    capture = overlook.open(tmp_path / "capture")
+    assert [(it.name, it.unit) for it in capture.values] == [("height [m]", "m"), ("face", "")]
+    np.testing.assert_allclose(capture.values[0].range, (ball.bounds[4], ball.bounds[5]), atol=1e-6)
+    centers, of_others = ball.cell_centers().points, []
+    for camera in capture.cameras:
+        frame = capture.frame(camera.name)
+        x, y = np.meshgrid(np.arange(160) + 0.5, np.arange(120) + 0.5)
+        lens, hit = camera.lens, np.isfinite(frame.depth)
+        local = np.stack([(x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy, np.ones_like(x)], -1)[hit] * frame.depth[hit][:, None]
+        points = local @ camera.pose[:3, :3].T + camera.pose[:3, 3]
+        height, face = (frame.values[name] for name in ("height [m]", "face"))
+        assert np.all(np.isnan(height[~hit])) and np.all(np.isnan(face[~hit]))
+        on_ball = np.linalg.norm(points - CENTER, axis=1) < RADIUS + 0.01
+        np.testing.assert_allclose(height[hit][on_ball], points[on_ball][:, 2], atol=1e-4)
+        assert np.all(np.linalg.norm(centers[face[hit][on_ball].astype(int)] - points[on_ball], axis=1) < 0.1)
+        # What lacks an array has no value, and a sphere that of its point.
+        assert np.all(np.isnan(height[hit][~on_ball]))
+        assert np.array_equal(face[hit][~on_ball] == -7, points[~on_ball, 0] > 1.5)
+        of_others.append(face[hit][~on_ball])
+    assert set(np.nan_to_num(np.concatenate(of_others))) == {0, -7}
+    for wrong, said in (("no", "face, height"), ("Normals", "3 components")):
+        with pytest.raises(script.CaptureError, match=said) as raised:
+            script.record(plotter, tmp_path / "other", 3, values=[wrong])
+        assert "\n" not in str(raised.value) and not (tmp_path / "other").exists()

@@ -116,7 +116,7 @@ fn write_point(target: &mut impl Write, point: &Disk, precision: Precision) -> s
     target.write_all(&bytes)
 }
 
-/// Radius of a disk with the area `z² cos α / (fx fy cos θ)` of a pixel on its surface, which faces the camera if it has no
+/// Radius of a disk with the area `z² cos α / (fx fy cos θ)`, without `z` of an orthographic camera, of a pixel on its surface, which faces the camera if it has no
 /// normal.
 fn radius(camera: &Camera, ray: DVec3, z: f64, normal_in_world: DVec3) -> f64 {
     /// The smallest cosine of the viewing angle, as `pruning.cosine_floor`.
@@ -128,6 +128,7 @@ fn radius(camera: &Camera, ray: DVec3, z: f64, normal_in_world: DVec3) -> f64 {
     } else {
         direction.dot(normal_in_world).abs().max(COSINE_FLOOR)
     };
+    let z = if camera.intrinsics.is_orthographic() { 1.0 } else { z };
     let area = z * z * cos_off_axis / (camera.intrinsics.fx * camera.intrinsics.fy * cos_incidence);
     (area / std::f64::consts::PI).sqrt()
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::capture::Capture;
 use crate::edits::{self, CutByHand, EditList, SampleVotes};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
 use crate::samples::{ImageBuffer, SampleSet};
@@ -21,7 +21,22 @@ pub struct EditedStore {
     pub dropped: u64,
 }
 
-/// Applies edits to all samples of a store. Edits that ask which cameras confirm samples need the capture that it was made from: its
+/// Opens a store, or a temporary one of what edits leave of it.
+///
+/// # Errors
+/// As [`Store::open`] and [`write_edited_store`].
+pub fn open_edited(path: &Path, edits: &EditList, job: &Job) -> Result<Store> {
+    let store = Store::open(path)?;
+    if edits.is_idle() {
+        return Ok(store);
+    }
+    let file = tempfile::NamedTempFile::new().map_err(|error| Error::io(std::env::temp_dir(), error))?;
+    let file = file.into_temp_path();
+    write_edited_store(&file, &store, edits, None, job)?;
+    Store::open(&file)
+}
+
+/// Applies edits to all samples of a store, but for those that it has behind it ([`CutByHand::left_to_do`]). Edits that ask which cameras confirm samples need the capture that it was made from: its
 /// frames as recorded, seen by the store's cameras.
 ///
 /// # Errors
@@ -33,10 +48,12 @@ pub fn edit_store(
     job: &Job,
 ) -> Result<EditedStore> {
     let place = store.path().display().to_string();
+    let values: Vec<_> = store.info().values.iter().map(|stored| stored.channel.clone()).collect();
     let mut report = store.info().report.clone();
     let mut counted = Report::from_json(&report, &place)?;
     let gone: Vec<String> = counted.cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
-    edits.check(&store.info().cameras, &gone, &place)?;
+    edits.check(&store.info().cameras, &gone, &values, &place)?;
+    let edits = &CutByHand::left_to_do(&counted.cut, edits);
     let set = store.read_undamaged(job)?;
     let images = ImageBuffer::of(&set.images);
     let votes = match capture.filter(|_| edits.asks_for_votes()) {

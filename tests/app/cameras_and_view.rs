@@ -362,3 +362,40 @@ fn another_axis_is_up_for_a_capture_that_lies_on_its_side() {
     settle(&mut window);
     assert!(horizon(&window).abs() < 0.1);
 }
+
+#[test]
+fn views_are_kept_with_their_pictures_named_gone_to_and_removed() {
+    let mut window = explore();
+    window.set_size(vec2(SIZE[0], 1200.0));
+    window.run_steps(4);
+    settle(&mut window);
+    let home = position(&window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::D);
+    settle(&mut window);
+    assert!(window.query_by_label("Go to View 1").is_some());
+    drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(90.0, 20.0));
+    let away = position(&window);
+    assert_ne!(away, home);
+    click(&mut window, "Keep view");
+    settle(&mut window);
+    window.get_by_label("Name of kept view 2").focus();
+    window.run_steps(2);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.get_by_label("Name of kept view 2").type_text("door");
+    window.run_steps(3);
+    click(&mut window, "Go to View 1");
+    settle(&mut window);
+    let apart = |window: &Window, place: [f64; 3]| -> f64 {
+        position(window).iter().zip(place).map(|(a, b)| (a - b).abs()).sum()
+    };
+    assert!(apart(&window, home) < 1e-9);
+    window.key_press_modifiers(Modifiers::ALT, Key::ArrowLeft);
+    settle(&mut window);
+    assert_eq!(position(&window), away);
+    click(&mut window, "Remove View 1");
+    window.run_steps(3);
+    assert!(window.query_by_label("Go to View 1").is_none());
+    click(&mut window, "Go to door");
+    settle(&mut window);
+    assert!(apart(&window, away) < 1e-9);
+}

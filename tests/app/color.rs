@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::driver::{
-    SIZE, Window, choose, click, open, open_share, settle, share_path, share_to, small_demo, wait,
-    wait_for_shared,
+    SIZE, Window, changed_capture, choose, click, drag, open, open_share, settle, share_path, share_to,
+    small_demo, wait, wait_for_shared,
 };
-use egui::Key;
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui::{Key, vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
 
 /// A window in the workspace that has the Color panel beside the live view.
 fn with_colors() -> Window {
@@ -111,4 +111,38 @@ fn a_camera_path_is_exported_as_exr_pictures_with_depth() {
         let bytes = std::fs::read(pictures.join(name)).unwrap();
         assert!(bytes.windows(2).take(400).any(|window| window == b"Z\0"), "{name} has depth");
     }
+}
+
+fn number(window: &Window, name: &str) -> f64 {
+    window.query_all_by_label(name).find_map(|node| node.accesskit_node().numeric_value()).unwrap()
+}
+
+#[test]
+fn the_range_of_a_value_is_dragged_on_its_histogram_and_taken_from_the_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let values = serde_json::json!([{ "name": "red", "channel": "R", "range": [0, 2] }]);
+    let capture = changed_capture(folder.path(), |manifest| manifest["values"] = values);
+    let mut window = open(overlook::app::Start::Path(capture), [SIZE[0], 1200.0]);
+    settle(&mut window);
+    super::driver::open_view(&mut window, "Color");
+    window.get_by_label("Value").scroll_to_me();
+    assert!(window.query_by_label("Histogram of red").is_none(), "the picture is not colored by it");
+    window.get_all_by_label("Show").last().unwrap().click();
+    window.run_steps(3);
+    settle(&mut window);
+    let range = |window: &Window| ["Range from", "Range to"].map(|name| number(window, name));
+    assert_eq!(range(&window), [0.0, 2.0]);
+    drag(&mut window, "Histogram of red", vec2(0.99, 0.7), vec2(-80.0, 0.0));
+    let [low, high] = range(&window);
+    assert!(low == 0.0 && high < 1.9, "{low} {high}");
+    click(&mut window, "Range: Full");
+    settle(&mut window);
+    let full = range(&window);
+    click(&mut window, "Range: 2–98 %");
+    settle(&mut window);
+    let most = range(&window);
+    assert!(
+        full[0] >= 0.0 && full[0] <= most[0] && most[0] < most[1] && most[1] < full[1],
+        "{full:?} {most:?}"
+    );
 }

@@ -28,6 +28,7 @@ mod manifests;
 mod miv;
 mod names_and_layouts;
 mod no_depth;
+mod orthographic;
 mod other_pictures;
 mod parser_damage;
 mod png_depth;

@@ -167,12 +167,9 @@ fn instant_ngps_words_for_depth_are_known_and_its_other_lenses_are_refused() {
     ingp["integer_depth_scale"] = 2e-4.into();
     let capture = folder.open(json!({"depth_unit_scale_factor": 1e-4}), &[ingp.clone()]).unwrap();
     assert_eq!(capture.frame(0, 0).unwrap().inverse_depth[(0, 0)], 0.25);
-    for (key, value) in [
-        ("latlong", json!(true)),
-        ("equirectangular", json!(true)),
-        ("orthographic", json!(1)),
-        ("ftheta_p1", json!(0.001)),
-    ] {
+    for (key, value) in
+        [("latlong", json!(true)), ("equirectangular", json!(true)), ("ftheta_p1", json!(0.001))]
+    {
         let mut keys = json!({});
         keys[key] = value;
         let refused = refusal(folder.open(keys.clone(), &[entry("a.exr", "a", 0)]));

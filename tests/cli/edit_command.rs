@@ -124,3 +124,68 @@ fn a_list_that_asks_for_votes_needs_the_capture_and_a_wrong_one_gives_one_line()
         ["edit", "all.ovl", "--edits", "asking.toml", "--capture", "scene", "--out", "out.ovl", "--json"];
     assert!(json(folder, &arguments)["samples_deleted"].as_u64().unwrap() > 0);
 }
+
+#[test]
+fn a_list_that_a_store_has_behind_it_changes_nothing_more() {
+    let folder = scene("1", "64x48");
+    let folder = folder.path();
+    let info = json(folder, &["info", "scene", "--json"]);
+    let camera = info["cameras"][0]["name"].as_str().unwrap();
+    let seen = format!(
+        "version = 1\n[[edit]]\ndo = \"delete\"\nregion = {{ pixels = {{ camera = {camera:?}, frame = 0, \
+         outline = [[16, 12], [48, 12], [48, 36], [16, 36]] }} }}\n"
+    );
+    std::fs::write(folder.join("seen.toml"), seen).unwrap();
+    succeed(overlook(folder, &["preprocess", "scene", "--out", "all.ovl"]));
+    let edit = |store: &str, out: &str| {
+        json(folder, &["edit", store, "--edits", "seen.toml", "--out", out, "--json"])["samples_deleted"]
+            .clone()
+    };
+    assert!(edit("all.ovl", "once.ovl").as_u64() > Some(0));
+    assert_eq!(edit("once.ovl", "twice.ovl"), 0);
+    assert_eq!(bytes(folder, "twice.ovl"), bytes(folder, "once.ovl"));
+}
+
+#[test]
+fn every_command_that_makes_something_of_a_store_or_of_recorded_pictures_obeys_a_list() {
+    let folder = scene("1", "64x48");
+    let folder = folder.path();
+    std::fs::write(folder.join("clean.toml"), CLEAN).unwrap();
+    std::fs::write(folder.join("asking.toml"), ASKING).unwrap();
+    succeed(overlook(folder, &["preprocess", "scene", "--out", "all.ovl"]));
+    succeed(overlook(folder, &["edit", "all.ovl", "--edits", "clean.toml", "--out", "clean.ovl"]));
+    let again = |store: &str, out: &str, edits: &[&str]| {
+        let arguments = ["export", "store", store, "--out", out, "--set", "store.precision=bits8"];
+        succeed(overlook(folder, &[&arguments[..], edits].concat()));
+        bytes(folder, out)
+    };
+    assert_eq!(again("all.ovl", "a.ovl", &["--edits", "clean.toml"]), again("clean.ovl", "b.ovl", &[]));
+
+    let of_capture: [&[&str]; 3] = [
+        &["export", "miv", "scene", "--name", "s", "--out"],
+        &["export", "figure", "scene", "--overlay", "depth", "--no-legend", "--out"],
+        &["place", "scene", "--cameras", "2", "--out"],
+    ];
+    for (arguments, name) in of_capture.into_iter().zip(["miv", "depth.png", "placed.json"]) {
+        let with = |name: &str, edits: &[&str]| {
+            std::fs::create_dir_all(folder.join(name).parent().unwrap()).unwrap();
+            overlook(folder, &[arguments, &[name], edits].concat()).output().unwrap()
+        };
+        for (folder, edits) in [("whole/", &[][..]), ("edited/", &["--edits", "clean.toml"])] {
+            let output = with(&format!("{folder}{name}"), edits);
+            assert!(output.status.success(), "{output:?}");
+        }
+        let all = |kind: &str| -> Vec<Vec<u8>> {
+            let mut files = walk(&folder.join(kind));
+            files.sort();
+            files.iter().map(|file| std::fs::read(file).unwrap()).collect()
+        };
+        assert_ne!(all("whole"), all("edited"), "{name}");
+        let refused = with(&format!("refused/{name}"), &["--edits", "asking.toml"]);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert!(
+            !refused.status.success() && said.contains("edit 1") && said.contains("use the store"),
+            "{said}"
+        );
+    }
+}

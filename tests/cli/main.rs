@@ -28,4 +28,5 @@ mod result_places;
 mod splat_reader;
 mod splats_command;
 mod study_commands;
+mod values_command;
 mod video_command;

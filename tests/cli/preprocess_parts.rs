@@ -49,6 +49,32 @@ fn a_store_in_parts_has_the_bytes_of_one_piece_whatever_the_number_of_frames_and
 }
 
 #[test]
+fn a_store_in_parts_obeys_a_list_of_edits_to_the_bytes_of_one_piece() {
+    let folder = demo("nine-cameras", &["--cameras", "4", "--frames", "12", "--size", "60x44"]);
+    let folder = folder.path();
+    let info = succeed(folder, &["info", "scene", "--json"]);
+    let info: serde_json::Value = serde_json::from_str(&info).unwrap();
+    let camera = info["cameras"][1]["name"].as_str().unwrap();
+    let outline = "[[10, 10], [40, 10], [40, 30], [10, 30]]";
+    let list = format!(
+        "version = 1\n\
+         [[edit]]\ndo = \"delete\"\nregion = {{ sphere = {{ center = [0, 0, 0.5], radius = 0.6 }} }}\nframes = [2, 7]\n\
+         [[edit]]\ndo = \"delete\"\nregion = {{ pixels = {{ camera = {camera:?}, frame = 3, outline = {outline} }} }}\n\
+         [[edit]]\ndo = \"delete\"\nregion = {{ confirmed_by_fewer_than = 1 }}\nframes = [5, 5]\nreach = \"span\"\n\
+         [[edit]]\ndo = \"leave_out\"\nregion = {{ cameras = [{camera:?}] }}\n"
+    );
+    std::fs::write(folder.join("list.toml"), list).unwrap();
+    is_same_in_parts(folder, &["--edits", "list.toml"], 3);
+    let cut = succeed(folder, &["preprocess", "scene", "--out", "w.ovl", "--edits", "list.toml", "--json"]);
+    let cut: serde_json::Value = serde_json::from_str(&cut).unwrap();
+    let cut = &cut["report"]["cut"][0];
+    assert!(cut["pixels"].as_u64() > Some(0) && cut["samples"].as_u64() > Some(0), "{cut}");
+    let without = ["preprocess", "scene", "--out", "parts.ovl", "--stage", "scan", "--part", "1/3"];
+    let said = fail(folder, &without, 1);
+    assert!(said.contains("parts.ovl.measured: was made from another state of the edits"), "{said}");
+}
+
+#[test]
 fn parts_share_the_one_correction_of_the_rig() {
     let folder = demo("orrery", &["--cameras", "6", "--frames", "6", "--size", "160x120"]);
     let folder = folder.path();

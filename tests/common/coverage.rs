@@ -1,7 +1,7 @@
 //! The coverage guarantee, checked from cameras, verdicts and the scene's true surfaces alone.
 
 use glam::{DVec2, DVec3};
-use overlook_engine::capture::{Camera, Capture, Frame};
+use overlook_engine::capture::{Camera, Capture, Frame, PixelSide};
 use overlook_engine::preprocess::inspect::{FrameInspection, explain_pixel};
 use overlook_engine::preprocess::pruning::{Rule, Verdict};
 use overlook_engine::settings::Settings;
@@ -58,8 +58,10 @@ struct Surface {
     point: DVec3,
     /// Unit, in world space, toward the camera.
     normal: DVec3,
-    /// From the camera to the point.
+    /// From the camera to the point; of an orthographic camera along its lines of sight, as long as what shares of depth are shares of.
     ray: DVec3,
+    /// Planar z of the point.
+    depth: f64,
     /// Side of the pixel, held perpendicular to the optical axis at the point's depth.
     footprint: f64,
 }
@@ -80,8 +82,13 @@ impl Check<'_> {
             Surface {
                 point,
                 normal: DVec3::from(normal.map(f64::from)),
-                ray: point - seen_by.position_in_world(),
-                footprint: 1.0 / (inverse_depth * (seen_by.intrinsics.fx * seen_by.intrinsics.fy).sqrt()),
+                ray: if seen_by.intrinsics.is_orthographic() {
+                    seen_by.forward_in_world() * seen_by.intrinsics.depth_scale(1.0 / inverse_depth)
+                } else {
+                    point - seen_by.position_in_world()
+                },
+                depth: 1.0 / inverse_depth,
+                footprint: seen_by.intrinsics.pixel_width(1.0 / inverse_depth, PixelSide::Mean),
             }
         })
     }
@@ -163,7 +170,7 @@ impl Check<'_> {
             return true;
         }
         let [dropped, found] = [self.surface(camera, pixel), self.surface(witness, at)].map(Option::unwrap);
-        self.assert_in_pixel(&dropped, camera, (witness, at));
+        self.assert_in_pixel(&dropped, (witness, at));
         if self.scene.normals {
             let off = self.excess(&dropped, &found, found.normal);
             assert!(off <= 0.0, "{off} farther off the witness's surface than is granted");
@@ -208,10 +215,13 @@ impl Check<'_> {
     /// Of what is at infinity, the direction is all there is.
     fn assert_same_direction(&self, camera: usize, pixel: usize, (witness, at): (usize, usize)) {
         let seen_by = &self.cameras[camera];
-        let ray = seen_by.unproject(self.center(camera, pixel), 1.0) - seen_by.position_in_world();
-        let (found, _) = self.cameras[witness]
-            .project(self.cameras[witness].position_in_world() + ray)
-            .expect("the witness looks that way");
+        let start = seen_by.line_of_sight_start(self.center(camera, pixel));
+        let ray = seen_by.unproject(self.center(camera, pixel), 1.0) - start;
+        let witness_camera = &self.cameras[witness];
+        let is_parallel = witness_camera.intrinsics.is_orthographic();
+        // Parallel lines of sight meet at infinity.
+        let from = if is_parallel { start + 100.0 * ray } else { witness_camera.position_in_world() };
+        let (found, _) = witness_camera.project(from + ray).expect("the witness looks that way");
         let off = (found - self.center(witness, at)).abs().max_element();
         // Half a pixel, and the rounding of single precision.
         assert!(off < 0.51, "{off} pixels off the witness's");
@@ -224,12 +234,11 @@ impl Check<'_> {
         f64::from(self.settings.spans.depth_tolerance) + rounded
     }
 
-    fn assert_in_pixel(&self, dropped: &Surface, camera: usize, (witness, at): (usize, usize)) {
+    fn assert_in_pixel(&self, dropped: &Surface, (witness, at): (usize, usize)) {
         let lens = &self.cameras[witness];
         let (found, _) = lens.project(dropped.point).expect("the witness has the point before it");
-        let eye = self.cameras[camera].position_in_world();
         let moved = [-1.0, 1.0].map(|sign| {
-            let moved = lens.project(eye + dropped.ray * (1.0 + sign * self.depth_error()));
+            let moved = lens.project(dropped.point + dropped.ray * (sign * self.depth_error()));
             moved.map_or(DVec2::INFINITY, |(moved, _)| (moved - found).abs())
         });
         let off = (found - self.center(witness, at)).abs() - moved[0].max(moved[1]);
@@ -242,7 +251,8 @@ impl Check<'_> {
         let granted = f64::from(self.settings.pruning.depth_tolerance) * point.footprint.max(of.footprint);
         let error = self.depth_error() * (normal.dot(point.ray).abs() + normal.dot(of.ray).abs());
         // Single precision.
-        let rounding = 1e-6 * (point.ray.length() + of.ray.length());
+        let length = |surface: &Surface| surface.ray.length().max(surface.depth);
+        let rounding = 1e-6 * (length(point) + length(of));
         normal.dot(point.point - of.point).abs() - granted - error - rounding
     }
 }

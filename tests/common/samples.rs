@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use half::f16;
-use overlook_engine::capture::{Camera, Intrinsics};
+use overlook_engine::capture::{Camera, Intrinsics, Projection};
 use overlook_engine::samples::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
 use overlook_engine::settings::Settings;
 
@@ -18,6 +18,7 @@ pub(crate) fn plain_camera(name: &str, eye: DVec3, width: u32, height: u32) -> C
         fy: focal,
         cx: f64::from(width) / 2.0,
         cy: f64::from(height) / 2.0,
+        projection: Projection::Perspective,
     };
     Camera {
         name: name.to_owned(),

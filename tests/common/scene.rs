@@ -109,9 +109,10 @@ impl Scene {
         let mut sum = [0.0; 3];
         for i in 0..side * side {
             let offset = (DVec2::new(f64::from(i % side), f64::from(i / side)) + 0.5) / f64::from(side);
-            let in_camera = camera.intrinsics.ray_in_camera(DVec2::new(x as f64, y as f64) + offset);
-            let ray = camera.world_from_camera.matrix3 * in_camera;
-            let color = self.hit(frame, camera.position_in_world(), ray).map_or(SKY, |(_, _, color)| color);
+            let at = DVec2::new(x as f64, y as f64) + offset;
+            let ray = camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(at);
+            let hit = self.hit(frame, camera.line_of_sight_start(at), ray);
+            let color = hit.map_or(SKY, |(_, _, color)| color);
             (0..3).for_each(|channel| sum[channel] += color[channel] / (side * side) as f32);
         }
         sum
@@ -125,9 +126,9 @@ impl Scene {
         let mut normal = Grid::filled(width, height, [0.0; 3]);
         for y in 0..height {
             for x in 0..width {
-                let in_camera = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
-                let ray = camera.world_from_camera.matrix3 * in_camera;
-                let hit = self.hit(frame, camera.position_in_world(), ray);
+                let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                let ray = camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(center);
+                let hit = self.hit(frame, camera.line_of_sight_start(center), ray);
                 let noise = 1.0 + self.color_noise * normal_draw((x + 1000 * y, frame, seed));
                 let (w, n, c) = hit.map_or((0.0, DVec3::ZERO, SKY), |(t, n, c)| (1.0 / t, n, c));
                 let depth_noise = self.depth_noise * normal_draw((x + 1000 * y, frame, seed + 100));

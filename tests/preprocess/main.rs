@@ -14,6 +14,7 @@ mod small_capture;
 
 mod agreement;
 mod edits;
+mod orthographic;
 mod paper_levels;
 mod pixel_account;
 mod pixel_argument;
@@ -24,4 +25,5 @@ mod repeated_frames;
 mod scalar_values;
 mod selections;
 mod span_tree;
+mod value_regions;
 mod view_dependence;

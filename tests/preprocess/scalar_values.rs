@@ -17,7 +17,7 @@ use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
-use overlook_engine::render::output::{PictureValues, write_exr_with_values, write_npy, write_value_png};
+use overlook_engine::render::output::{PictureValues, write_exr_with_values, write_npy, write_png};
 use overlook_engine::render::{CpuRenderer, NO_IMAGE, ValueColors, Vantage};
 use overlook_engine::samples::{SampleImage, SampleSet};
 use overlook_engine::settings::{CaptureSettings, Colormap, Settings, SpanLevels, ValueScale};
@@ -88,7 +88,7 @@ fn fields(point: DVec3, frame: usize, _: usize) -> Vec<f32> {
     ]
 }
 
-fn orrery(channels: usize) -> Capture {
+pub(crate) fn orrery(channels: usize) -> Capture {
     let spec = DemoSpec::new("orrery").cameras(4).frames(4).size((160, 120));
     let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
     let all = [channel("pressure", [-3.0, 3.0]), channel("drift", [-3.0, 3.0]), channel("part", [-8.0, 8.0])];
@@ -319,9 +319,11 @@ fn a_rendered_pixel_shows_the_values_of_one_sample_in_layers_arrays_and_colors()
     let plane = file.decode(&[layer], file.window(None).unwrap()).unwrap().remove(0).into_single();
     assert!(plane.iter().map(|value| value.to_bits()).eq(values.values.channel(2).map(f32::to_bits)));
     let colors = ValueColors::new(Colormap::Viridis, ValueScale::Linear, [-3.0, 3.0]).unwrap();
-    write_value_png(&colored, &picture, &values, 0, &colors).unwrap();
-    assert!(std::fs::metadata(&colored).unwrap().len() > 1000);
-    let error = PictureValues::channel(&values.channels, "speed", "scene.ovl").unwrap_err().to_string();
+    write_png(&colored, &values.colored(&picture, 0, &colors)).unwrap();
+    let png = image::open(&colored).unwrap().to_rgba8();
+    let of_value = values.values.channel(0).map(|value| colors.color(value));
+    assert!(png.pixels().zip(of_value).all(|(pixel, color)| pixel[3] < 255 || pixel.0[..3] == color));
+    let error = ValueChannel::named(&values.channels, "speed", "scene.ovl").unwrap_err().to_string();
     assert!(error.contains("pressure, drift, part") && !error.contains('\n'), "{error}");
 }
 

@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use overlook_engine::capture::{Camera, Capture, PixelSide};
-use overlook_engine::edits::{Action, Edit, EditList, Region, Stroke, Viewpoint, edit_samples};
+use overlook_engine::edits::{Action, CutByHand, Edit, EditList, Region, Stroke, Viewpoint, edit_samples};
 use overlook_engine::samples::{PlacedSample, SampleImage, SampleSet};
+use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
 
 use crate::edits::{edited, list, placed, preprocessed, pruned};
 use crate::moving::moving_capture;
@@ -232,4 +234,52 @@ fn a_region_grows_over_what_is_as_near_as_footprints_say_and_shrinks_by_what_is_
     let inverse = Region::Not(Box::new(Region::Grow { region: outside, footprints }));
     assert!(!shrunk.is_empty() && shrunk.len() < core.len());
     assert_eq!(shrunk, inside(&set, &inverse));
+}
+
+/// What is seen in a square of a picture, the surface at a place, or what is near a ball, or what one has without the other.
+fn any_region(camera: String) -> impl Strategy<Value = Region> {
+    let seen = (8.0..60.0_f64, 8.0..30.0_f64).prop_map(move |(first, side)| Region::Pixels {
+        camera: camera.clone(),
+        frame: Some(0),
+        outline: square(first, first + side),
+        strokes: Vec::new(),
+    });
+    let surface = (-0.6..0.6_f64, -0.6..0.6_f64).prop_map(|(x, y)| Region::same_surface([x, y, 0.0], 0));
+    let ball = (-0.6..0.6_f64, 0.2..0.7_f64)
+        .prop_map(|(x, radius)| Region::Sphere { center: [x, 0.0, 0.3], radius });
+    let grown = (ball, 1.0..4.0_f64)
+        .prop_map(|(ball, footprints)| Region::Grow { region: Box::new(ball), footprints });
+    let one = prop_oneof![seen, surface, grown].boxed();
+    (one.clone(), one, any::<bool>())
+        .prop_map(|(one, other, is_both)| if is_both { Region::Without(vec![one, other]) } else { one })
+}
+
+#[test]
+fn regions_of_a_list_are_those_of_the_samples_before_it_whatever_else_is_in_it_and_how_often() {
+    let set = pruned(&still_life()).samples;
+    let names = |set: &SampleSet| placed(set).iter().map(name).collect::<BTreeSet<Name>>();
+    let all = names(&set);
+    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let region = || any_region(set.cameras[0].name.clone());
+    let mut runner = TestRunner::new(ProptestConfig { cases: 12, ..ProptestConfig::default() });
+    let property = |(one, other): (Region, Region)| {
+        let [of_one, of_other] = [&one, &other].map(|region| inside(&set, region));
+        let left: BTreeSet<Name> = all.iter().filter(|it| !of_one.contains(it)).copied().collect();
+        let twice = list([(Action::Delete, one.clone()), (Action::Delete, one.clone())]);
+        prop_assert_eq!(&names(&edited(&set, &twice)), &left);
+        let both = list([(Action::Delete, one), (Action::Delete, other)]);
+        let cut = edited(&set, &both);
+        prop_assert_eq!(names(&cut), left.difference(&of_other).copied().collect::<BTreeSet<_>>());
+        prop_assert_eq!(single.install(|| names(&edited(&set, &both))), names(&cut));
+        // A store that has it behind it, by its report.
+        let done = [CutByHand { edits: both.to_toml(), ..CutByHand::default() }];
+        let mut longer = both.clone();
+        longer.edits.push(Edit::new("more", Action::Delete, Region::Doubtful));
+        prop_assert!(CutByHand::left_to_do(&done, &both).is_idle());
+        prop_assert_eq!(CutByHand::left_to_do(&done, &longer).edits, longer.edits[2..].to_vec());
+        longer.edits[0].is_on = false;
+        prop_assert_eq!(CutByHand::left_to_do(&done, &longer).edits, longer.edits[2..].to_vec());
+        Ok(())
+    };
+    runner.run(&(region(), region()), property).unwrap();
 }

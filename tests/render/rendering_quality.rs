@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::scene::{Scene, arc, camera, ground_color};
 use glam::{DVec2, DVec3};
-use overlook_engine::capture::{Camera, Capture, Intrinsics};
+use overlook_engine::capture::{Camera, Capture, Intrinsics, Projection};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
 use overlook_engine::render::{CpuRenderer, NO_IMAGE, Picture, Renderer, Vantage};
@@ -80,7 +80,8 @@ fn a_sampled_surface_has_no_crack_at_four_times_the_magnification() {
 /// A camera straight above the ground, with a picture of the given size.
 fn above(name: &str, x: f64, (width, height): (u32, u32)) -> Camera {
     let (cx, cy) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
-    let intrinsics = Intrinsics { width, height, fx: 150.0, fy: 150.0, cx, cy };
+    let intrinsics =
+        Intrinsics { width, height, fx: 150.0, fy: 150.0, cx, cy, projection: Projection::Perspective };
     Camera::look_at(name, intrinsics, DVec3::new(x, -0.01, 5.0), DVec3::new(x, 0.0, 0.0), DVec3::Z)
 }
 
@@ -137,6 +138,7 @@ fn fine_detail_does_not_alias_at_four_times_the_minification() {
         fy: k.fy / 4.0,
         cx: k.cx / 4.0 + 0.3,
         cy: k.cy / 4.0 + 0.2,
+        projection: Projection::Perspective,
     };
     let vantage = Camera { intrinsics, ..above };
     let spread = |kernel| {
@@ -161,7 +163,10 @@ fn coarser(camera: &Camera, times: u32) -> Camera {
     let (k, share) = (camera.intrinsics, 1.0 / f64::from(times));
     let (width, height) = (k.width / times, k.height / times);
     let [fx, fy, cx, cy] = [k.fx, k.fy, k.cx, k.cy].map(|length| length * share);
-    Camera { intrinsics: Intrinsics { width, height, fx, fy, cx, cy }, ..camera.clone() }
+    Camera {
+        intrinsics: Intrinsics { width, height, fx, fy, cx, cy, projection: Projection::Perspective },
+        ..camera.clone()
+    }
 }
 
 #[test]

@@ -53,7 +53,7 @@ pub use report::{
 pub use together::Aligned;
 pub use view_alignment::align_view;
 
-use crate::capture::{Capture, conventions};
+use crate::capture::{Capture, conventions, in_perspective};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
@@ -70,6 +70,9 @@ const MOST_PIXELS: usize = 18 << 20;
 /// Cameras of a group, with large pictures and with small ones.
 const GROUP: [usize; 2] = [8, 96];
 
+/// Why a capture with an orthographic camera is not aligned.
+const LEFT_OUT: &str = "only cameras in perspective are aligned; all cameras are left as they are";
+
 /// Measures what is wrong with a capture, and mends what pays.
 ///
 /// # Errors
@@ -78,6 +81,10 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     let cameras = capture.cameras.len();
     if *settings == AlignSettings::OFF || cameras < 2 || capture.frame_count() == 0 {
         return Ok(Aligned::unchanged(capture));
+    }
+    if let Err(error) = in_perspective(&capture.cameras, "alignment", LEFT_OUT) {
+        let why = Alignment { refused: vec![error.to_string()], ..Alignment::default() };
+        return Ok(Aligned::refused(capture, why));
     }
     job.start("Aligning cameras", 1);
     let (found, looked) = if settings.lens == Correction::Auto {

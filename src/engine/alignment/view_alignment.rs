@@ -26,6 +26,10 @@ const STAGES: [(usize, usize); 4] = [(3, 6), (2, 5), (1, 5), (0, 5)];
 /// # Errors
 /// `Cancelled`.
 pub fn align_view(camera: &Camera, rendering: Frame, picture: &Frame, job: &Job) -> Result<Camera> {
+    // Only cameras in perspective are aligned.
+    if camera.intrinsics.is_orthographic() {
+        return Ok(camera.clone());
+    }
     let source = ReferenceView::new(camera.clone(), Arc::new(rendering), None);
     // A picture that has no depth of its own shows nothing of where its surfaces end.
     let target = ReferenceView::without_extent(camera.clone(), Arc::new(picture.clone()), None);

@@ -1,14 +1,10 @@
-//! A static pinhole camera.
-//!
-//! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.3, the unprojection
-//! `x = ((w·u − w)/rw − w/2)/(fl/a)·d`. With a normalized image plane (`w = h`) that equals
-//! `x = (u_px − cx)/fx · z` for `fx = fl·rw/(a·w)`, `cx = rw/2`. What differs: we use the intrinsics form, pixel
-//! indices start at 0, and pixel centers lie at `+0.5` where the paper samples the corner of a 1-based index.
+//! A static camera: a lens with a pose.
 
 use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
+pub(super) use super::intrinsics::{Intrinsics, PixelSide, Projection};
+use crate::error::{Error, Result};
 
 /// Largest width and height of a picture that is believed, wherever it comes from.
 pub(super) const MAX_SIDE: usize = 32_768;
@@ -28,89 +24,6 @@ pub(super) fn wrong_size(place: &str, found: (usize, usize), expected: (usize, u
         "the picture is {width}×{height} but its camera is {columns}×{rows}; render it at the camera's size, or correct the camera's (w and h in a manifest)"
     );
     Error::invalid(place, what)
-}
-
-/// Image size and projection of a pinhole camera, in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Intrinsics {
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Horizontal focal length, pixels.
-    pub fx: f64,
-    /// Vertical focal length, pixels.
-    pub fy: f64,
-    /// Principal point, pixels from the left edge of the image.
-    pub cx: f64,
-    /// Principal point, pixels from the top edge of the image.
-    pub cy: f64,
-}
-
-/// The side of a pixel that is called its width, where pixels are not square.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PixelSide {
-    /// The longer one.
-    Longer,
-    /// The geometric mean of both: the side of a square of the same area.
-    Mean,
-}
-
-impl Intrinsics {
-    /// A camera of `width × height` square pixels with the principal point in the middle and the given horizontal
-    /// angle of view in radians.
-    #[must_use]
-    pub fn from_horizontal_angle(width: u32, height: u32, angle_x_rad: f64) -> Self {
-        let focal_px = f64::from(width) / (2.0 * (angle_x_rad / 2.0).tan());
-        Self {
-            width,
-            height,
-            fx: focal_px,
-            fy: focal_px,
-            cx: f64::from(width) / 2.0,
-            cy: f64::from(height) / 2.0,
-        }
-    }
-
-    /// `(width, height)` as indices.
-    #[must_use]
-    pub fn size(&self) -> (usize, usize) {
-        (self.width as usize, self.height as usize)
-    }
-
-    /// Pixels in the image.
-    #[must_use]
-    pub fn pixel_count(&self) -> usize {
-        self.width as usize * self.height as usize
-    }
-
-    /// Width of a pixel on a surface that faces the camera at planar depth `depth`, in the unit of `depth`.
-    #[must_use]
-    pub fn pixel_width(&self, depth: f64, side: PixelSide) -> f64 {
-        let focal = match side {
-            PixelSide::Longer => self.fx.min(self.fy),
-            PixelSide::Mean => (self.fx * self.fy).sqrt(),
-        };
-        depth / focal
-    }
-
-    /// The ray through image position `pixel` (pixels, centers at +0.5), in camera space, scaled to `z = 1`:
-    /// multiplied with planar depth it is the point.
-    #[must_use]
-    pub fn ray_in_camera(&self, pixel: DVec2) -> DVec3 {
-        DVec3::new((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy, 1.0)
-    }
-
-    /// Image position (pixels) of a point in camera space, or `None` where `z ≤ 0`. It may lie outside the image.
-    #[must_use]
-    pub fn project(&self, point_in_camera: DVec3) -> Option<DVec2> {
-        (point_in_camera.z > 0.0).then(|| {
-            DVec2::new(
-                self.cx + self.fx * point_in_camera.x / point_in_camera.z,
-                self.cy + self.fy * point_in_camera.y / point_in_camera.z,
-            )
-        })
-    }
 }
 
 /// A named static camera: x right, y down, z forward; rigid pose in the world, in the capture's unit (meters).
@@ -155,7 +68,7 @@ impl Camera {
         self.world_from_camera.inverse()
     }
 
-    /// The center of projection, in world space.
+    /// The center of projection, in world space; of an orthographic camera the point of its picture plane at the principal point.
     #[must_use]
     pub fn position_in_world(&self) -> DVec3 {
         self.world_from_camera.translation
@@ -170,7 +83,14 @@ impl Camera {
     /// The world point at image position `pixel` and planar depth `depth_z`.
     #[must_use]
     pub fn unproject(&self, pixel: DVec2, depth_z: f64) -> DVec3 {
-        self.world_from_camera.transform_point3(self.intrinsics.ray_in_camera(pixel) * depth_z)
+        self.world_from_camera.transform_point3(self.intrinsics.point_in_camera(pixel, depth_z))
+    }
+
+    /// Where the line of sight through image position `pixel` begins, in world space: the position, or of an orthographic camera the
+    /// pixel's own place in its picture plane.
+    #[must_use]
+    pub fn line_of_sight_start(&self, pixel: DVec2) -> DVec3 {
+        if self.intrinsics.is_orthographic() { self.unproject(pixel, 0.0) } else { self.position_in_world() }
     }
 
     /// Image position and planar depth of a world point, or `None` where it is not in front of the camera.
@@ -181,9 +101,22 @@ impl Camera {
     }
 }
 
+/// Refuses what knows cameras in perspective alone: `what` says what does, and what to do instead.
+///
+/// # Errors
+/// `Unsupported` where one of the cameras is orthographic.
+pub fn in_perspective(cameras: &[Camera], place: &str, what: &str) -> Result<()> {
+    match cameras.iter().find(|camera| camera.intrinsics.is_orthographic()) {
+        Some(camera) => {
+            Err(Error::unsupported(place, format!("camera '{}' is orthographic, and {what}", camera.name)))
+        }
+        None => Ok(()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Camera, Intrinsics};
+    use super::{Camera, Intrinsics, PixelSide, Projection};
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
@@ -204,6 +137,35 @@ mod tests {
                     DVec3::Z,
                 )
             })
+    }
+
+    #[test]
+    fn an_orthographic_camera_shows_lengths_and_footprints_alike_at_any_depth() {
+        let lens = Intrinsics { cy: 10.5, ..Intrinsics::orthographic(200, 100, 4.0) };
+        let camera =
+            Camera::look_at("o", lens, DVec3::new(1.0, -5.0, 2.0), DVec3::new(0.0, 1.0, 0.0), DVec3::Z);
+        for depth in [0.01, 3.0, 4000.0] {
+            let pixel = DVec2::new(17.5, 80.25);
+            let point = camera.unproject(pixel, depth);
+            let (found, z) = camera.project(point).unwrap();
+            assert!((found - pixel).length() < 1e-9 && (z - depth).abs() < 1e-9);
+            assert_eq!(lens.pixel_width(depth, PixelSide::Longer), 0.02);
+            let beside = camera.unproject(pixel + DVec2::X * 50.0, depth);
+            assert!((beside.distance(point) - 1.0).abs() < 1e-9);
+        }
+        let behind = camera.position_in_world() - camera.forward_in_world();
+        assert_eq!(camera.project(behind), None);
+    }
+
+    #[test]
+    fn a_perspective_lens_is_written_as_before_there_were_others() {
+        let lens = Intrinsics::from_horizontal_angle(4, 3, 1.0);
+        let text = serde_json::to_string(&lens).unwrap();
+        assert!(!text.contains("projection"), "{text}");
+        assert_eq!(serde_json::from_str::<Intrinsics>(&text).unwrap(), lens);
+        let lens = Intrinsics { projection: Projection::Orthographic, ..lens };
+        let text = serde_json::to_string(&lens).unwrap();
+        assert_eq!(serde_json::from_str::<Intrinsics>(&text).unwrap(), lens);
     }
 
     proptest! {
@@ -229,7 +191,7 @@ mod tests {
         let u = 17.0_f64;
         let paper_x = (((u - 1.0) / rw - 0.5) / fl) * d;
         let intrinsics =
-            Intrinsics { width: 640, height: 640, fx: fl * rw, fy: fl * rw, cx: rw / 2.0, cy: rw / 2.0 };
+            Intrinsics { fx: fl * rw, fy: fl * rw, ..Intrinsics::from_horizontal_angle(640, 640, 1.0) };
         // The paper's 1-based index marks the left edge of the pixel, hence 0-based index 16 without its half.
         let ours = intrinsics.ray_in_camera(DVec2::new(16.0, 0.0)).x * d;
         assert!((paper_x - ours).abs() < 1e-12);

@@ -4,6 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::{Error, Result};
+
 /// Channels of values that a capture has at most.
 pub const MAX_VALUE_CHANNELS: usize = 4;
 
@@ -26,6 +28,25 @@ pub struct ValueChannel {
     pub tolerance: f32,
     /// Whether stores keep its values bit for bit; else within half the tolerance.
     pub is_exact: bool,
+}
+
+impl ValueChannel {
+    /// The number of the channel of a name; `place` is where it was asked for.
+    ///
+    /// # Errors
+    /// `Invalid` with the names there are.
+    pub fn named(channels: &[Self], name: &str, place: &str) -> Result<usize> {
+        let found = channels.iter().position(|channel| channel.name == name);
+        found.ok_or_else(|| {
+            let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
+            let what = if names.is_empty() {
+                format!("there is no value '{name}': the capture gave none; list them as \"values\" in its manifest")
+            } else {
+                format!("there is no value '{name}'; there are {}", names.join(", "))
+            };
+            Error::invalid(place, what)
+        })
+    }
 }
 
 /// Values of pixels or samples, those of one after those of the other. Without channels there are none.

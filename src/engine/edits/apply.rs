@@ -17,7 +17,7 @@ use super::evidence::Evidence;
 use super::list::{Action, Edit, EditList, Reach};
 use super::marks::SampleMarks;
 use super::region::Region;
-use super::region_test::RegionTest;
+use super::region_test::{RegionContext, RegionTest};
 use super::seen::{ImageMarks, PixelRays, Seen, Votes};
 use super::votes::SampleVotes;
 use crate::capture::Camera;
@@ -38,6 +38,26 @@ pub struct CutByHand {
     pub samples: u64,
     /// Pixels, over all frames, that these samples stood for.
     pub sample_pixels: u64,
+}
+
+impl CutByHand {
+    /// What is left to do of a list on a store that was cut before, as its report says: what the list begins with as an earlier list does
+    /// is done, and so are edits further on that are among those of an earlier list and depend on other samples. So a list that is
+    /// applied again changes nothing: what a picture shows by now was hidden when its edit was made.
+    #[must_use]
+    pub fn left_to_do(done: &[Self], edits: &EditList) -> EditList {
+        let mut left: Vec<Edit> = edits.acting().cloned().collect();
+        for cut in done {
+            let Ok(list) = EditList::from_toml(&cut.edits, "report") else { continue };
+            let known: Vec<&Edit> = list.acting().collect();
+            if known.len() <= left.len() && known.iter().zip(&left).all(|(known, edit)| known.does_as(edit)) {
+                left.drain(..known.len());
+            }
+            let is_done = |edit: &Edit| known.iter().any(|known| known.does_as(edit));
+            left.retain(|edit| !(edit.region.depends_on_others() && is_done(edit)));
+        }
+        EditList { edits: left }
+    }
 }
 
 /// What edits leave of samples.
@@ -64,8 +84,8 @@ struct SampleEdit {
 
 impl SampleEdit {
     /// `None` where the edit changes nothing of the camera.
-    fn new(edit: &Edit, camera: &Camera, frame_numbers: &[i64], marked: &[Region]) -> Option<Self> {
-        let test = RegionTest::new(&edit.region, camera, marked);
+    fn new(edit: &Edit, context: RegionContext<'_>, frame_numbers: &[i64]) -> Option<Self> {
+        let test = RegionTest::new(&edit.region, context);
         let is_idle = match (edit.action, &test) {
             (Action::KeepOnly, RegionTest::Constant(inside)) => *inside,
             (_, RegionTest::Constant(inside)) => !inside,
@@ -204,9 +224,8 @@ pub fn cut(
     let in_order = edits.in_order();
     let marks = SampleMarks::of(images, outline, in_order.iter().map(|edit| &edit.region), votes, place)?;
     let of_camera = |camera| {
-        let numbers = &outline.frame_numbers;
-        let ready =
-            in_order.iter().filter_map(|edit| SampleEdit::new(edit, camera, numbers, marks.regions()));
+        let context = RegionContext { camera, channels: &outline.values, marked: marks.regions() };
+        let ready = in_order.iter().filter_map(|edit| SampleEdit::new(edit, context, &outline.frame_numbers));
         CameraEdits { rays: PixelRays::of(camera), edits: ready.collect(), camera }
     };
     let cameras: Vec<CameraEdits<'_>> = outline.cameras.iter().map(of_camera).collect();
@@ -288,7 +307,8 @@ pub fn selected(
         .enumerate()
         .map(|(index, image)| {
             let camera = &set.cameras[image.camera as usize];
-            let test = RegionTest::new(region, camera, marks.regions());
+            let context = RegionContext { camera, channels: &set.values, marked: marks.regions() };
+            let test = RegionTest::new(region, context);
             if matches!(test, RegionTest::Constant(false)) {
                 return Ok((image.clone(), 0));
             }

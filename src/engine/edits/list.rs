@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::region::Region;
-use crate::capture::Camera;
+use crate::capture::{Camera, ValueChannel};
 use crate::error::{Error, Result};
 
 /// What an edit does.
@@ -74,6 +74,12 @@ impl Edit {
     #[must_use]
     pub fn new(name: impl Into<String>, action: Action, region: Region) -> Self {
         Self { name: name.into(), is_on: true, action, region, frames: None, reach: Reach::default() }
+    }
+
+    /// Whether it does the same as another, whatever their names.
+    pub(super) fn does_as(&self, other: &Self) -> bool {
+        let Self { action, region, frames, reach, .. } = self;
+        (action, region, frames, reach) == (&other.action, &other.region, &other.frames, &other.reach)
     }
 
     /// Whether it acts on what pruning kept alone.
@@ -157,6 +163,11 @@ impl EditList {
         acting.into_iter().skip(waits).filter(|edit| !edit.needs_samples())
     }
 
+    /// The first edit that acts on what pruning kept alone, with its place in the list.
+    pub(super) fn first_after_pruning(&self) -> Option<(usize, &Edit)> {
+        self.edits.iter().enumerate().find(|(_, edit)| edit.is_on && edit.needs_samples())
+    }
+
     /// Names of the cameras that are left out of all frames.
     #[must_use]
     pub fn cameras_left_out(&self) -> BTreeSet<&str> {
@@ -164,12 +175,18 @@ impl EditList {
         self.acting().filter(whole).flat_map(|edit| edit.region.named_cameras()).collect()
     }
 
-    /// Checks the cameras that the edits that act name against those of a capture or store; `gone` were left out of it before. `place` is
-    /// named in errors.
+    /// Checks the cameras and the values that the edits that act name against those of a capture or store; the cameras `gone` were left out
+    /// of it before. `place` is named in errors.
     ///
     /// # Errors
-    /// `Invalid` for a camera that is not there, and where no camera is left.
-    pub fn check(&self, cameras: &[Camera], gone: &[String], place: &str) -> Result<()> {
+    /// `Invalid` for a camera or a value that is not there, and where no camera is left.
+    pub fn check(
+        &self,
+        cameras: &[Camera],
+        gone: &[String],
+        values: &[ValueChannel],
+        place: &str,
+    ) -> Result<()> {
         for (index, edit) in self.edits.iter().enumerate().filter(|(_, edit)| edit.is_on) {
             let named = edit.region.named_cameras();
             let known = |name: &str| {
@@ -180,6 +197,9 @@ impl EditList {
                 let more = if cameras.len() > names.len() { " …" } else { "" };
                 let what = format!("there is no camera '{unknown}'; name one of {}{more}", names.join(", "));
                 return Err(Error::invalid(edit_place(place, index, edit), what));
+            }
+            for name in edit.region.named_values() {
+                ValueChannel::named(values, name, &edit_place(place, index, edit))?;
             }
         }
         let left_out = self.cameras_left_out();

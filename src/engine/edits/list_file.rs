@@ -147,6 +147,7 @@ mod tests {
             focal_length: [30.0, 31.0],
             principal_point: [20.0, 15.0],
             world_from_camera: glam::DAffine3::IDENTITY.to_cols_array_2d(),
+            orthographic: true,
         };
         let view = Region::View { viewpoint, frame: Some(2), outline, strokes: vec![stroke], depth: None };
         let surface = Region::same_surface([0.5, 0.25, -1.0], 7);
@@ -154,8 +155,9 @@ mod tests {
         let shrunk = Region::Shrink { region: Box::new(surface), footprints: 1.5 };
         let mut timed = Edit::new("a thing\nthat passes", Action::Delete, pixels.clone());
         (timed.frames, timed.reach, timed.is_on) = (Some([-3, 7]), Reach::Span, false);
+        let hot = Region::Value { name: "T \"hot\"".to_owned(), from: -0.5, to: f64::INFINITY };
         let rest = Region::Without(vec![
-            Region::Any(vec![sphere.clone(), Region::Doubtful, Region::ConfirmedByFewerThan(2)]),
+            Region::Any(vec![sphere.clone(), hot, Region::Doubtful, Region::ConfirmedByFewerThan(2)]),
             Region::Not(Box::new(Region::All(vec![pixels, Region::Contradicted]))),
         ]);
         let cameras = Region::Cameras(vec!["b".to_owned()]);
@@ -212,6 +214,10 @@ mod tests {
                     "do = \"delete\"\nregion = { same_surface = { seed = [0, 0, 0], frame = 0, angle = 100 } }",
                 ),
                 "same_surface needs",
+            ),
+            (
+                edit("do = \"delete\"\nregion = { value = { name = \"T\", from = 3, to = nan } }"),
+                "value 'T' goes",
             ),
             (edit("do = \"delete\"\nregion = { any = [{ depth = { from = 3, to = 2 } }] }"), "depth goes"),
         ] {

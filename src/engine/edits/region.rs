@@ -3,7 +3,7 @@
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
 
-use crate::capture::{Camera, Intrinsics};
+use crate::capture::{Camera, Intrinsics, Projection};
 
 /// A closed outline in a picture: its corners in pixels, `[x, y]` from the upper left corner, in order. At least three.
 pub type Outline = Vec<[f64; 2]>;
@@ -113,6 +113,16 @@ pub enum Region {
         /// The most grazing view.
         to: f64,
     },
+    /// Samples of which a scalar value is in a range, both ends included, which may be infinite. What has no value is not among them. A
+    /// sample has the value of the first frame of its span.
+    Value {
+        /// Of the channel.
+        name: String,
+        /// The lowest.
+        from: f64,
+        /// The highest.
+        to: f64,
+    },
     /// The surface that a sample lies on, at one frame: all samples of all cameras that are reached from it in short steps along which
     /// the direction of the surface hardly changes. Edges end it.
     SameSurface {
@@ -176,6 +186,9 @@ pub struct Viewpoint {
     pub principal_point: [f64; 2],
     /// World from camera: the camera's right, down and forward axes and its position in world space.
     pub world_from_camera: [[f64; 3]; 4],
+    /// Whether lines of sight are parallel: focal lengths are then pixels per world unit.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub orthographic: bool,
 }
 
 impl Viewpoint {
@@ -188,12 +201,14 @@ impl Viewpoint {
             focal_length: [lens.fx, lens.fy],
             principal_point: [lens.cx, lens.cy],
             world_from_camera: camera.world_from_camera.to_cols_array_2d(),
+            orthographic: lens.is_orthographic(),
         }
     }
 
     pub(super) fn lens(&self) -> Intrinsics {
         let ([width, height], [fx, fy], [cx, cy]) = (self.size, self.focal_length, self.principal_point);
-        Intrinsics { width, height, fx, fy, cx, cy }
+        let projection = if self.orthographic { Projection::Orthographic } else { Projection::Perspective };
+        Intrinsics { width, height, fx, fy, cx, cy, projection }
     }
 
     pub(super) fn camera_from_world(&self) -> DAffine3 {
@@ -275,6 +290,11 @@ impl Region {
                 .has(&|part| matches!(part, Self::Doubtful | Self::Angle { .. }) || part.asks_other_samples())
     }
 
+    /// Whether it, or any part of it, depends on other samples than the one that is asked about.
+    pub(super) fn depends_on_others(&self) -> bool {
+        self.has(&Self::asks_other_samples)
+    }
+
     /// Whether it, apart from its parts, depends on other samples than the one that is asked about.
     pub(super) fn asks_other_samples(&self) -> bool {
         matches!(
@@ -304,5 +324,11 @@ impl Region {
         };
         names.extend(self.parts().iter().flat_map(Self::named_cameras));
         names
+    }
+
+    /// The channels of values that it names.
+    pub(super) fn named_values(&self) -> Vec<&str> {
+        let own = if let Self::Value { name, .. } = self { vec![name.as_str()] } else { Vec::new() };
+        own.into_iter().chain(self.parts().iter().flat_map(Self::named_values)).collect()
     }
 }

@@ -79,6 +79,9 @@ impl Region {
             Self::Depth { from, to } => range(*from, *to, "depth"),
             Self::Footprint { from, to } => range(*from, *to, "footprint"),
             Self::Angle { from, to } => range(*from, *to, "angle"),
+            Self::Value { name, from, to } => (from.is_nan() || to.is_nan() || from > to).then(|| {
+                format!("value '{name}' goes from {from} to {to}; give to at least as large as from; inf and -inf leave an end open")
+            }),
             Self::Pixels { outline, strokes, .. } => drawn_fault(outline, strokes),
             Self::View { viewpoint, outline, strokes, depth, .. } => viewpoint_fault(viewpoint)
                 .or_else(|| drawn_fault(outline, strokes))

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 use super::drawn_area::DrawnArea;
 use super::region::Region;
 use super::seen::{Seen, Votes};
-use crate::capture::{Camera, Intrinsics, PixelSide};
+use crate::capture::{Camera, Intrinsics, PixelSide, ValueChannel};
 
 /// A region for samples of one camera.
 #[derive(Clone, Debug)]
@@ -44,15 +44,31 @@ pub(super) enum RegionTest {
         most_cosine: f64,
         least_cosine: f64,
     },
+    Value {
+        channel: usize,
+        from: f64,
+        to: f64,
+    },
     Any(Vec<Self>),
     All(Vec<Self>),
     Not(Box<Self>),
 }
 
+/// What regions are made ready for.
+#[derive(Clone, Copy)]
+pub(super) struct RegionContext<'a> {
+    /// Whose samples are asked about.
+    pub(super) camera: &'a Camera,
+    /// The channels of their values.
+    pub(super) channels: &'a [ValueChannel],
+    /// The regions that depend on other samples, as [`Seen::marks`] knows them; one that is not among them holds nothing.
+    pub(super) marked: &'a [Region],
+}
+
 impl RegionTest {
-    /// For samples of `camera`. Parts that are the same for all of its samples are decided here. `marked` are the regions that depend on
-    /// other samples, as [`Seen::marks`] knows them; one that is not among them holds nothing.
-    pub(super) fn new(region: &Region, camera: &Camera, marked: &[Region]) -> Self {
+    /// For samples of one camera. Parts that are the same for all of its samples are decided here.
+    pub(super) fn new(region: &Region, context: RegionContext<'_>) -> Self {
+        let RegionContext { camera, channels, marked } = context;
         match region {
             asks if asks.asks_other_samples() => {
                 let at = marked.iter().position(|known| known == asks);
@@ -71,6 +87,12 @@ impl RegionTest {
                 Self::HalfSpace { point: DVec3::from(*point), normal: DVec3::from(*normal) }
             }
             Region::Depth { from, to } => Self::Depth { from: *from, to: *to },
+            Region::Footprint { from, to } if camera.intrinsics.is_orthographic() => {
+                // The same at any depth, but for what is at infinity.
+                let width = camera.intrinsics.pixel_width(1.0, PixelSide::Longer);
+                let is_within = (*from..=*to).contains(&width);
+                if is_within { Self::Depth { from: 0.0, to: f64::MAX } } else { Self::Constant(false) }
+            }
             Region::Footprint { from, to } => {
                 let width = camera.intrinsics.pixel_width(1.0, PixelSide::Longer);
                 Self::Depth { from: from / width, to: to / width }
@@ -93,24 +115,28 @@ impl RegionTest {
                 most_cosine: from.min(180.0).to_radians().cos(),
                 least_cosine: to.min(180.0).to_radians().cos(),
             },
+            Region::Value { name, from, to } => {
+                let channel = channels.iter().position(|channel| channel.name == *name);
+                let ready = |channel| Self::Value { channel, from: *from, to: *to };
+                channel.map_or(Self::Constant(false), ready)
+            }
             Region::Pixels { .. }
             | Region::SameSurface { .. }
             | Region::Grow { .. }
             | Region::Shrink { .. } => Self::Constant(false),
-            Region::Any(parts) => Self::combined(parts, camera, marked, true),
-            Region::All(parts) => Self::combined(parts, camera, marked, false),
+            Region::Any(parts) => Self::combined(parts, context, true),
+            Region::All(parts) => Self::combined(parts, context, false),
             Region::Without(parts) => {
-                let first =
-                    parts.first().map_or(Self::Constant(false), |first| Self::new(first, camera, marked));
-                let rest = Self::combined(parts.get(1..).unwrap_or_default(), camera, marked, true);
+                let first = parts.first().map_or(Self::Constant(false), |first| Self::new(first, context));
+                let rest = Self::combined(parts.get(1..).unwrap_or_default(), context, true);
                 Self::simplified(vec![first, rest.inverted()], false)
             }
-            Region::Not(part) => Self::new(part, camera, marked).inverted(),
+            Region::Not(part) => Self::new(part, context).inverted(),
         }
     }
 
-    fn combined(parts: &[Region], camera: &Camera, marked: &[Region], is_any: bool) -> Self {
-        Self::simplified(parts.iter().map(|part| Self::new(part, camera, marked)).collect(), is_any)
+    fn combined(parts: &[Region], context: RegionContext<'_>, is_any: bool) -> Self {
+        Self::simplified(parts.iter().map(|part| Self::new(part, context)).collect(), is_any)
     }
 
     /// Leaves out parts that decide nothing.
@@ -171,6 +197,10 @@ impl RegionTest {
                 let toward_camera = -seen.direction_in_world.normalize_or_zero();
                 let cosine = seen.normal_in_world.dot(toward_camera);
                 seen.normal_in_world != DVec3::ZERO && (*least_cosine..=*most_cosine).contains(&cosine)
+            }
+            // A comparison with a missing value is false.
+            Self::Value { channel, from, to } => {
+                seen.values.get(*channel).is_some_and(|value| (*from..=*to).contains(&f64::from(*value)))
             }
             Self::Any(parts) => parts.iter().any(|part| part.contains(seen)),
             Self::All(parts) => parts.iter().all(|part| part.contains(seen)),

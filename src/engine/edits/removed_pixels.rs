@@ -1,12 +1,14 @@
 //! Edits before pruning: cameras that take no part, and pixels that count as pixels without depth.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use super::list::{Action, Edit, EditList};
-use super::region_test::RegionTest;
-use super::seen::PixelRays;
+use super::list::{Action, Edit, EditList, edit_place};
+use super::region_test::{RegionContext, RegionTest};
+use super::seen::{PixelRays, Seen};
 use crate::capture::{Camera, Capture, Frame, INVALID_INVERSE_DEPTH, with_changed_frames};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::job::Job;
 
 /// The capture without the cameras that a list leaves out of all frames.
@@ -14,7 +16,7 @@ use crate::job::Job;
 /// # Errors
 /// As [`EditList::check`].
 pub fn with_cameras_left(capture: &Capture, edits: &EditList) -> Result<Capture> {
-    edits.check(&capture.cameras, &[], "edits")?;
+    edits.check(&capture.cameras, &[], capture.value_channels(), "edits")?;
     let left_out = edits.cameras_left_out();
     Ok(if left_out.is_empty() {
         capture.clone()
@@ -31,8 +33,8 @@ struct PixelEdit {
 }
 
 impl PixelEdit {
-    fn new(edit: &Edit, camera: &Camera) -> Self {
-        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, camera, &[]) }
+    fn new(edit: &Edit, context: RegionContext<'_>) -> Self {
+        Self { action: edit.action, frames: edit.frames, test: RegionTest::new(&edit.region, context) }
     }
 
     fn acts_at(&self, frame_number: i64) -> bool {
@@ -49,7 +51,8 @@ struct PixelEdits {
 impl PixelEdits {
     fn new(capture: &Capture, edits: &EditList) -> Self {
         let of_camera = |camera: &Camera| {
-            let edits = edits.before_pruning().map(|edit| PixelEdit::new(edit, camera));
+            let context = RegionContext { camera, channels: capture.value_channels(), marked: &[] };
+            let edits = edits.before_pruning().map(|edit| PixelEdit::new(edit, context));
             (PixelRays::of(camera), edits.collect())
         };
         Self {
@@ -71,7 +74,8 @@ impl PixelEdits {
             if inverse_depth < 0.0 {
                 continue;
             }
-            let seen = rays.seen(pixel % width, pixel / width, inverse_depth);
+            let mut seen: Seen<'_> = rays.seen(pixel % width, pixel / width, inverse_depth);
+            seen.values = of.values.of(pixel);
             let mut stays = true;
             for edit in &acting {
                 stays = edit.action.leaves(stays, edit.test.contains(&seen));
@@ -83,39 +87,60 @@ impl PixelEdits {
     }
 }
 
-/// The capture with pixels without depth where a list deletes before pruning, and for each camera the number of pixels with depth that
-/// it costs, over all frames. `capture` has no camera that is left out; its poses are those that regions are in. `cache_bytes` of the frames are kept.
+/// The capture without what a list leaves out and deletes, for what works on recorded pixels alone. `cache_bytes` of the frames are
+/// kept.
 ///
 /// # Errors
-/// Whatever the capture gives (naming file and frame), and `Cancelled`.
-pub fn without_removed_pixels(
-    capture: &Capture,
-    edits: &EditList,
-    cache_bytes: usize,
-    job: &Job,
-) -> Result<(Capture, Vec<u64>)> {
+/// `Unsupported` where an edit acts on what pruning keeps; as [`EditList::check`].
+pub fn edited_capture(capture: &Capture, edits: &EditList, cache_bytes: usize) -> Result<Capture> {
+    if let Some((at, edit)) = edits.first_after_pruning() {
+        let what = "acts on samples that pruning kept, not on recorded pixels; switch it off, or prune first and use the store";
+        return Err(Error::unsupported(edit_place("edits", at, edit), what));
+    }
+    Ok(without_removed_pixels(&with_cameras_left(capture, edits)?, edits, cache_bytes))
+}
+
+/// The capture with pixels without depth where a list deletes before pruning. `capture` has no camera that is left out; its poses are
+/// those that regions are in. `cache_bytes` of the frames are kept.
+#[must_use]
+pub fn without_removed_pixels(capture: &Capture, edits: &EditList, cache_bytes: usize) -> Capture {
     if edits.before_pruning().next().is_none() {
-        return Ok((capture.clone(), vec![0; capture.cameras.len()]));
+        return capture.clone();
     }
     let edits = PixelEdits::new(capture, edits);
-    let frames = capture.frame_count();
-    job.start("Applying edits", capture.cameras.len() * frames);
-    let count = |index: usize| {
-        job.check()?;
-        let (camera, frame) = (index / frames, index % frames);
-        let mut count = 0_u64;
-        edits.for_each_removed(camera, frame, &*capture.frame(camera, frame)?, |_| count += 1);
-        job.advance(1);
-        Ok(count)
-    };
-    let counts = (0..capture.cameras.len() * frames).into_par_iter().map(count);
-    let removed: Vec<u64> = counts.collect::<Result<_>>()?;
-    let changed = with_changed_frames(capture, cache_bytes, move |camera, index, frame| {
+    with_changed_frames(capture, cache_bytes, move |camera, index, frame| {
         let mut changed = frame.clone();
         edits.for_each_removed(camera, index, frame, |pixel| {
             changed.inverse_depth.as_mut_slice()[pixel] = INVALID_INVERSE_DEPTH;
         });
         changed
-    });
-    Ok((changed, removed.chunks(frames.max(1)).map(|of_camera| of_camera.iter().sum()).collect()))
+    })
+}
+
+/// For each camera the number of pixels with depth that [`without_removed_pixels`] takes, over some frames, by their indices.
+///
+/// # Errors
+/// Whatever the capture gives (naming file and frame), and `Cancelled`.
+pub fn count_removed_pixels(
+    capture: &Capture,
+    edits: &EditList,
+    frames: Range<usize>,
+    job: &Job,
+) -> Result<Vec<u64>> {
+    if frames.is_empty() || edits.before_pruning().next().is_none() {
+        return Ok(vec![0; capture.cameras.len()]);
+    }
+    let edits = PixelEdits::new(capture, edits);
+    job.start("Applying edits", capture.cameras.len() * frames.len());
+    let count = |index: usize| {
+        job.check()?;
+        let (camera, frame) = (index / frames.len(), frames.start + index % frames.len());
+        let mut count = 0_u64;
+        edits.for_each_removed(camera, frame, &*capture.frame(camera, frame)?, |_| count += 1);
+        job.advance(1);
+        Ok(count)
+    };
+    let counts = (0..capture.cameras.len() * frames.len()).into_par_iter().map(count);
+    let removed: Vec<u64> = counts.collect::<Result<_>>()?;
+    Ok(removed.chunks(frames.len()).map(|of_camera| of_camera.iter().sum()).collect())
 }

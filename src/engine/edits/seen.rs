@@ -41,6 +41,8 @@ pub(super) struct Seen<'a> {
     pub(super) normal_in_world: DVec3,
     /// What other cameras say.
     pub(super) votes: Votes,
+    /// Scalar values, one a channel; none where there are none.
+    pub(super) values: &'a [f32],
     /// Of its image, for each region that depends on other samples.
     pub(super) marks: &'a [ImageMarks],
     /// Index into the planes of its image.
@@ -75,10 +77,15 @@ impl PixelRays {
             pixel,
             direction_in_world,
             depth,
-            point_in_world: self.world_from_camera.translation + direction_in_world * depth,
+            point_in_world: if self.lens.is_orthographic() {
+                self.world_from_camera.transform_point3(self.lens.point_in_camera(pixel, depth))
+            } else {
+                self.world_from_camera.translation + direction_in_world * depth
+            },
             is_doubtful: false,
             normal_in_world: DVec3::ZERO,
             votes: Votes::default(),
+            values: &[],
             marks: &[],
             index: 0,
         }

@@ -82,7 +82,8 @@ fn witnesses<'a>(cameras: &'a [Camera], capture: &Capture, frame: usize) -> Resu
 fn votes_on(image: &SampleImage, cameras: &[Camera], witnesses: &[Option<Witness<'_>>]) -> Vec<Votes> {
     let own = image.camera as usize;
     let rays = PixelRays::of(&cameras[own]);
-    let own_width = cameras[own].intrinsics.pixel_width(1.0, PixelSide::Longer);
+    let lens = &cameras[own].intrinsics;
+    let own_width = lens.pixel_width(1.0, PixelSide::Longer);
     let inverse_depths = image.inverse_depths();
     let others = || witnesses.iter().enumerate().filter(|(other, _)| *other != own);
     let mut votes = Vec::with_capacity(image.len());
@@ -94,7 +95,7 @@ fn votes_on(image: &SampleImage, cameras: &[Camera], witnesses: &[Option<Witness
             for witness in others().filter_map(|(_, witness)| witness.as_ref()) {
                 let size = witness.frame.size();
                 let Some(landing) = Landing::of(seen.point_in_world, witness.camera, size) else { continue };
-                let footprint = seen.depth * own_width;
+                let footprint = lens.spread_at(seen.depth) * own_width;
                 match witness.says(&landing, footprint) {
                     Some(true) => counted.confirm = counted.confirm.saturating_add(1),
                     Some(false) => counted.look_past = counted.look_past.saturating_add(1),
@@ -130,6 +131,7 @@ impl Witness<'_> {
                 }
             }
         }
-        (farther && landing.depth * self.pixel_width <= RESOLVES * footprint).then_some(false)
+        let width = self.camera.intrinsics.spread_at(landing.depth) * self.pixel_width;
+        (farther && width <= RESOLVES * footprint).then_some(false)
     }
 }

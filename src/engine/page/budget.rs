@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::capture::Values;
+use crate::capture::{Intrinsics, Values};
 use crate::color::steps_from_linear;
 use crate::error::Result;
 use crate::job::Job;
@@ -104,8 +104,7 @@ impl Coarsening {
             .map(|(index, image)| {
                 job.check()?;
                 let intrinsics = &set.cameras[image.camera as usize].intrinsics;
-                let focal_px = (intrinsics.fx * intrinsics.fy).sqrt() as f32;
-                let levels = levels(image, focal_px);
+                let levels = levels(image, intrinsics);
                 let candidates = candidates(&levels, index);
                 job.advance(1);
                 Ok((Pyramid { levels, merged_at: vec![BTreeMap::new(); LEVELS] }, candidates))
@@ -168,10 +167,11 @@ impl Coarsening {
 }
 
 /// An image and its halvings.
-fn levels(image: &Arc<SampleImage>, focal_px: f32) -> Vec<Arc<SampleImage>> {
+fn levels(image: &Arc<SampleImage>, lens: &Intrinsics) -> Vec<Arc<SampleImage>> {
     let mut levels = vec![image.clone()];
     for level in 0..LEVELS {
-        let half = levels[level].halved(focal_px / (1 << level) as f32);
+        let scale = f64::from(1_u32 << level);
+        let half = levels[level].halved(&Intrinsics { fx: lens.fx / scale, fy: lens.fy / scale, ..*lens });
         levels.push(Arc::new(half));
     }
     levels

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use serde::Serialize;
 
 use super::chunks::{BEST, ImageHeader, Packed, gzipped};
-use super::options::PageOptions;
+use super::options::{PageOptions, PageScalarBar};
 use crate::capture::{Intrinsics, pivot};
 use crate::color::srgb8_from_linear;
 use crate::error::Result;
@@ -34,6 +34,8 @@ pub(super) struct Header {
     depth_tolerance: f32,
     cameras: Vec<CameraHeader>,
     path: Option<PathHeader>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scalar_bar: Option<PageScalarBar>,
     sky: Option<SkyHeader>,
     /// For each chunk, its images.
     chunks: Vec<Vec<ImageHeader>>,
@@ -127,6 +129,7 @@ pub(super) fn of(
             lens: lens(&path.lens),
             poses: path.poses.iter().map(DAffine3::to_cols_array).collect(),
         }),
+        scalar_bar: options.scalar_bar.clone(),
         sky: sky.transpose()?,
         chunks: packed.chunks.iter().map(|chunk| chunk.images.clone()).collect(),
     })

@@ -21,6 +21,7 @@ mod predict;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::capture::in_perspective;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::plural::counted;
@@ -33,7 +34,7 @@ pub(crate) use chunks::gzipped;
 
 pub use budget::coarsened;
 pub use html::escaped;
-pub use options::{PageOptions, PagePath};
+pub use options::{PageOptions, PagePath, PageScalarBar};
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,11 +88,17 @@ const SEARCH_STEPS: usize = 7;
 /// The page of samples that are in memory, as text.
 ///
 /// # Errors
-/// `Cancelled`; `Invalid` naming the capture where it holds no sample, or where no page of it is as small as `at_most`.
+/// `Cancelled`; `Invalid` naming the capture where it holds no sample, or where no page of it is as small as `at_most`; `Unsupported`
+/// where a camera is orthographic.
 pub fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageText> {
     if set.sample_count() == 0 {
         return Err(Error::invalid(&set.name, "is not written: the store holds no sample that can be shown"));
     }
+    in_perspective(
+        &set.cameras,
+        &set.name,
+        "a page draws cameras in perspective alone; export splats or points",
+    )?;
     let sky = header::sky_of(set)?;
     let written = |images: &[LeveledImage]| -> Result<PageText> {
         let packed = chunks::pack(set, images, job)?;

@@ -23,7 +23,9 @@ mod surfels;
 
 use glam::DVec3;
 
-use crate::capture::{Camera, Capture, GreedyCover, Intrinsics, pivot, with_reindexed_frames};
+use crate::capture::{
+    Camera, Capture, GreedyCover, Intrinsics, in_perspective, pivot, with_reindexed_frames,
+};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::median::median;
@@ -84,6 +86,8 @@ pub struct Placement {
 /// and where no place is left to stand at; `Cancelled`.
 pub fn place(capture: &Capture, options: &PlaceOptions, settings: &Settings, job: &Job) -> Result<Placement> {
     check(options)?;
+    let what = "cameras are placed by coarse captures in perspective alone; render the coarse capture in perspective";
+    in_perspective(&capture.cameras, &capture.name, what)?;
     let lens = lens(&capture.cameras, options.size);
     let scale = lens.fx / self::lens(&capture.cameras, None).fx;
     let asked = options.rate.map_or(Asked::AsCoarse(1.0 / scale), |rate| Asked::Width(1.0 / rate));
@@ -193,12 +197,13 @@ fn lens(cameras: &[Camera], size: Option<(u32, u32)>) -> Intrinsics {
         fy: most.fy * scale,
         cx: f64::from(width) / 2.0,
         cy: f64::from(height) / 2.0,
+        projection: most.projection,
     }
 }
 
 /// A camera whose pictures are so many times as wide and high.
 fn scaled(camera: &Camera, scale: f64) -> Camera {
-    let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;
+    let Intrinsics { width, height, fx, fy, cx, cy, projection } = camera.intrinsics;
     let side = |side: u32| (f64::from(side) * scale).round() as u32;
     let intrinsics = Intrinsics {
         width: side(width),
@@ -207,6 +212,7 @@ fn scaled(camera: &Camera, scale: f64) -> Camera {
         fy: fy * scale,
         cx: cx * scale,
         cy: cy * scale,
+        projection,
     };
     Camera { intrinsics, ..camera.clone() }
 }

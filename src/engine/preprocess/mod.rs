@@ -29,7 +29,7 @@ mod traversal;
 
 pub(crate) use layers::{Rate, ViewingRays, footprint};
 pub use prepared_scan::PreparedScan;
-pub(crate) use prepared_scan::better_conventions;
+pub(crate) use prepared_scan::{better_conventions, edited_cache_bytes};
 pub(crate) use traversal::prune_run;
 
 use std::sync::{Arc, OnceLock};
@@ -74,7 +74,11 @@ pub struct BufferedResult {
 }
 
 impl BufferedResult {
-    fn into_memory(self) -> Result<Preprocessed> {
+    /// The same, all of it in memory.
+    ///
+    /// # Errors
+    /// `Io` as [`ImageBuffer::into_images`].
+    pub fn into_memory(self) -> Result<Preprocessed> {
         let Self { outline, images, report } = self;
         let samples = Arc::new(SampleSet { images: images.into_images()?, ..outline });
         Ok(Preprocessed { samples, report })
@@ -125,22 +129,26 @@ fn preprocess_into(
     let left = edits::with_cameras_left(capture, edits)?;
     let scan = PreparedScan::edited(&left, settings, edits, job)?;
     let pruned = prune_into(images, &left, &scan, settings, job)?;
-    let mut spooled =
-        if edits.is_idle() { pruned } else { cut_by_hand(pruned, &scan, edits, &capture.cameras, job)? };
+    let (removed, cameras) = (scan.removed_pixels(), &capture.cameras);
+    let mut spooled = cut_by_hand(pruned, scan.capture(), removed, edits, cameras, job)?;
     spooled.report.seconds = started.elapsed().as_secs_f64();
     Ok(spooled)
 }
 
-/// What edits leave of what was kept, with a report that says so. `cameras` are all, those that are left out among them.
-fn cut_by_hand(
+/// What edits leave of what was kept of a capture, with a report that says so. `removed` are the pixels that they removed before, for
+/// each camera; `cameras` are all, those that are left out among them.
+pub(crate) fn cut_by_hand(
     pruned: BufferedResult,
-    scan: &PreparedScan,
+    capture: &Capture,
+    removed: &[u64],
     edits: &EditList,
     cameras: &[Camera],
     job: &Job,
 ) -> Result<BufferedResult> {
+    if edits.is_idle() {
+        return Ok(pruned);
+    }
     let BufferedResult { outline, images, mut report } = pruned;
-    let capture = scan.capture();
     let left_out = edits.cameras_left_out();
     let votes = if edits.asks_for_votes() {
         Some(SampleVotes::of(&images, &outline.cameras, capture, job)?)
@@ -149,13 +157,13 @@ fn cut_by_hand(
     };
     let EditedImages { images, dropped, dropped_pixels, .. } =
         edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits")?;
-    for (camera, removed) in report.cameras.iter_mut().zip(scan.removed_pixels()) {
+    for (camera, removed) in report.cameras.iter_mut().zip(removed) {
         camera.invalid = camera.invalid.saturating_sub(*removed);
     }
     let cut = CutByHand {
         edits: edits.to_toml(),
         cameras: left_out.into_iter().map(str::to_owned).collect(),
-        pixels: scan.removed_pixels().iter().sum(),
+        pixels: removed.iter().sum(),
         samples: dropped,
         sample_pixels: dropped_pixels,
     };

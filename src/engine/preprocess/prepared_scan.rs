@@ -25,6 +25,11 @@ use crate::settings::{
 /// Frames without the pixels that edits remove are kept in this share of the memory setting.
 const EDITED_SHARE: usize = 4;
 
+/// Bytes of frames without the pixels that edits remove that are kept.
+pub(crate) fn edited_cache_bytes(settings: &Settings) -> usize {
+    settings.capture.memory as usize * (1 << 20) / EDITED_SHARE
+}
+
 /// The pass over all frames of one capture, with the last results made from it.
 #[derive(Debug)]
 pub struct PreparedScan {
@@ -59,9 +64,10 @@ impl PreparedScan {
     ) -> Result<Self> {
         let conventions = better_conventions(capture)?;
         let mut aligned = alignment::align(capture, &settings.align, job)?;
-        let cache_bytes = settings.capture.memory as usize * (1 << 20) / EDITED_SHARE;
-        let (edited, removed) = edits::without_removed_pixels(&aligned.capture, edits, cache_bytes, job)?;
-        aligned.capture = edited;
+        let frames = 0..aligned.capture.frame_count();
+        let removed = edits::count_removed_pixels(&aligned.capture, edits, frames, job)?;
+        aligned.capture =
+            edits::without_removed_pixels(&aligned.capture, edits, edited_cache_bytes(settings));
         let scan = temporal::scan(&aligned.capture, settings, job)?;
         let scanned = Self::of(scan, aligned, conventions, &settings.align);
         Ok(Self { removed_pixels: removed, ..scanned })

@@ -59,11 +59,14 @@ pub struct PictureCarrier {
 }
 
 impl PictureCarrier {
-    /// The picture as `to` sees it, at the size of `to`; `None` where a size is wrong or 0, or nothing of the picture is in view.
+    /// The picture as `to` sees it, at the size of `to`; `None` where a size is wrong or 0, nothing of the picture is in view, or a camera is
+    /// orthographic.
     pub fn carry(&mut self, picture: &ScreenPicture<'_>, to: &Camera) -> Option<CarriedPicture> {
         let (width, height) = to.intrinsics.size();
         let fits = picture.camera.intrinsics.size() == picture.inverse_depth.size()
             && picture.colors.len() == picture.inverse_depth.len();
+        let is_pinhole = |camera: &Camera| !camera.intrinsics.is_orthographic();
+        let fits = fits && is_pinhole(picture.camera) && is_pinhole(to);
         if !fits || picture.colors.is_empty() || width == 0 || height == 0 {
             return None;
         }

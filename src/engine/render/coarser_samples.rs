@@ -9,7 +9,6 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::geometry::focal;
 use super::recorded_rates::RecordedRates;
 use super::supersample::filters;
 use super::vantage::Vantage;
@@ -83,13 +82,12 @@ impl CoarserSamples {
 impl HalvedSet {
     /// Of the samples of a frame; images that another level has are taken from there.
     fn new(finer: &Arc<SampleSet>, frame: usize, before: Option<&Self>) -> Self {
-        let focal_px: Vec<f32> = finer.cameras.iter().map(focal).collect();
         let halved = |(nth, image): (usize, &Arc<SampleImage>)| {
             if !image.span.contains(frame) {
                 return Arc::new(image.without_samples());
             }
             let known = before.and_then(|before| before.image_of(image, nth));
-            known.unwrap_or_else(|| Arc::new(image.halved(focal_px[image.camera as usize])))
+            known.unwrap_or_else(|| Arc::new(image.halved(&finer.cameras[image.camera as usize].intrinsics)))
         };
         let coarser = SampleSet {
             cameras: finer.cameras.iter().map(halved_camera).collect(),

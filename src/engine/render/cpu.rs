@@ -14,6 +14,7 @@ use super::finish::{Finisher, changes_pictures, wants_fronts};
 use super::gather::{RING, ScratchPool, SourceViews};
 use super::geometry::{FootprintReach, MAX_STRETCH, TileBounds, bands, bounds};
 use super::input::{BackgroundKey, CellTable, FrameImages, FrameSamples, TileIndex};
+use super::orthographic::OrthographicView;
 use super::resolve::{BlockSet, PaintedLayer, ResolveInput, resolve};
 use super::splat::{BLEND_REACH, StageInput, blend, surface};
 use super::stage_times::{Stage, StageClock};
@@ -167,6 +168,11 @@ impl CpuRenderer {
         settings: &RenderSettings,
         job: &Job,
     ) -> Result<(Arc<Picture>, RenderStats)> {
+        if vantage.camera.intrinsics.is_orthographic() {
+            let view = OrthographicView::of_camera(samples, vantage)?;
+            let (picture, stats) = self.render(&view.samples, &view.vantage, settings, job)?;
+            return Ok((Arc::new(view.finish(&picture)), stats));
+        }
         let (started, clock) = (Instant::now(), RefCell::new(StageClock::start()));
         vantage.check(samples)?;
         let images = FrameImages::at(samples, vantage.frame);

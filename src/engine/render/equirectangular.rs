@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::vantage::{Picture, Vantage};
-use crate::capture::{Camera, Intrinsics};
+use crate::capture::{self, Camera, Intrinsics};
 use crate::grid::Grid;
 use crate::settings::choice::choice;
 
@@ -51,6 +51,7 @@ fn lens(width: u32) -> Intrinsics {
         fy: focal,
         cx: f64::from(side) / 2.0,
         cy: f64::from(side) / 2.0,
+        projection: capture::Projection::Perspective,
     }
 }
 
@@ -150,14 +151,22 @@ mod tests {
     use super::*;
 
     fn vantage(eye: DVec3, target: DVec3) -> Vantage {
-        let lens = Intrinsics { width: 64, height: 48, fx: 70.0, fy: 70.0, cx: 32.0, cy: 24.0 };
+        let lens = Intrinsics {
+            width: 64,
+            height: 48,
+            fx: 70.0,
+            fy: 70.0,
+            cx: 32.0,
+            cy: 24.0,
+            projection: capture::Projection::Perspective,
+        };
         Vantage { camera: Camera::look_at("path", lens, eye, target, DVec3::Z), frame: 3 }
     }
 
     /// The faces, where every pixel has the color of its direction in the world, at a distance of 4.
     fn painted(faces: &[Vantage; FACE_COUNT]) -> [Picture; FACE_COUNT] {
         faces.each_ref().map(|face| {
-            let Intrinsics { width, height, fx, fy, cx, cy } = face.camera.intrinsics;
+            let Intrinsics { width, height, fx, fy, cx, cy, .. } = face.camera.intrinsics;
             let mut picture = Picture::empty(width as usize, height as usize);
             for (x, y) in (0..height as usize).flat_map(|y| (0..width as usize).map(move |x| (x, y))) {
                 let ray = DVec3::new((x as f64 + 0.5 - cx) / fx, (y as f64 + 0.5 - cy) / fy, 1.0);

@@ -3,14 +3,16 @@
 //! Purpose: plans, elevations, and pictures with one scale bar. Source: a telecentric lens, the limit of a camera that goes back as its
 //! lens gets longer. What differs: it goes back [`WIDTHS_BACK`] times the width of the picture and no farther, because single precision
 //! has to tell depths apart. Two equal lengths, one behind the other by the width of the picture, differ by 0.2 %. Samples behind the
-//! viewpoint are left out, since a camera farther back would see them.
+//! viewpoint are left out, since a camera farther back would see them. Viewpoints whose own camera is orthographic are rendered so as
+//! well: the renderers know orthographic cameras as sources alone.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::vantage::{Picture, Vantage};
-use crate::capture::{Camera, Intrinsics};
+use crate::capture::sighting::Landing;
+use crate::capture::{Camera, Intrinsics, Projection};
 use crate::error::{Error, Result};
 use crate::median::median;
 use crate::samples::SampleSet;
@@ -44,25 +46,34 @@ impl OrthographicView {
             let what = "the width of an orthographic picture must be above 0 and finite, in world units";
             return Err(Error::invalid(format!("viewpoint '{}'", vantage.camera.name), what));
         }
+        let size = vantage.camera.intrinsics;
+        Ok(Self::through(samples, vantage, Intrinsics::orthographic(size.width, size.height, width), width))
+    }
+
+    /// The picture of a vantage whose camera is orthographic.
+    ///
+    /// # Errors
+    /// As [`Vantage::check`].
+    pub(super) fn of_camera(samples: &SampleSet, vantage: &Vantage) -> Result<Self> {
+        vantage.check(samples)?;
+        let lens = vantage.camera.intrinsics;
+        Ok(Self::through(samples, vantage, lens, lens.depth_scale(1.0)))
+    }
+
+    /// The picture from a vantage through an orthographic lens, which is so wide in world units.
+    fn through(samples: &SampleSet, vantage: &Vantage, lens: Intrinsics, width: f64) -> Self {
         let pose = vantage.camera.world_from_camera;
         let forward = pose.matrix3.z_axis.normalize_or_zero();
-        let lens = vantage.camera.intrinsics;
-        let height = width * f64::from(lens.height) / f64::from(lens.width);
         let ahead = Ahead { eye: pose.translation, forward };
-        let middle = median_depth(samples, vantage, [width, height]);
+        let own = Camera { intrinsics: lens, ..vantage.camera.clone() };
+        let middle = median_depth(samples, vantage.frame, &own);
         let back = WIDTHS_BACK * width;
-        let focal = f64::from(lens.width) / width * (back + middle);
-        let intrinsics = Intrinsics {
-            fx: focal,
-            fy: focal,
-            cx: f64::from(lens.width) / 2.0,
-            cy: f64::from(lens.height) / 2.0,
-            ..lens
-        };
-        let mut camera = Camera { intrinsics, ..vantage.camera.clone() };
+        let (fx, fy) = (lens.fx * (back + middle), lens.fy * (back + middle));
+        let intrinsics = Intrinsics { fx, fy, projection: Projection::Perspective, ..lens };
+        let mut camera = Camera { intrinsics, ..own };
         camera.world_from_camera.translation -= back * forward;
         let samples = Arc::new(ahead.samples(samples, vantage.frame));
-        Ok(Self { samples, vantage: Vantage { camera, frame: vantage.frame }, back })
+        Self { samples, vantage: Vantage { camera, frame: vantage.frame }, back }
     }
 
     /// The rendered picture with depths from the viewpoint.
@@ -86,12 +97,17 @@ struct Ahead {
 
 impl Ahead {
     /// Of a camera: how far a point of a pixel lies ahead, times its inverse depth.
-    fn depth_of(&self, camera: &Camera) -> impl Fn(usize, usize, f32) -> f64 + use<> {
+    fn depth_of<'a>(&'a self, camera: &'a Camera) -> impl Fn(usize, usize, f32) -> f64 + use<'a> {
         let along = camera.world_from_camera.matrix3.transpose() * self.forward;
         let offset = (camera.position_in_world() - self.eye).dot(self.forward);
         let lens = camera.intrinsics;
         move |x, y, inverse_depth| {
             let pixel = glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let offset = if lens.is_orthographic() {
+                (camera.line_of_sight_start(pixel) - self.eye).dot(self.forward)
+            } else {
+                offset
+            };
             lens.ray_in_camera(pixel).dot(along) + offset * f64::from(inverse_depth)
         }
     }
@@ -112,18 +128,16 @@ impl Ahead {
     }
 }
 
-/// The median depth of samples within the picture; 0 where there are none.
-fn median_depth(samples: &SampleSet, vantage: &Vantage, [width, height]: [f64; 2]) -> f64 {
-    let camera_from_world = vantage.camera.camera_from_world();
+/// The median depth of samples within the picture of an orthographic camera; 0 where there are none.
+fn median_depth(samples: &SampleSet, frame: usize, own: &Camera) -> f64 {
+    let camera_from_world = own.camera_from_world();
     let mut depths = Vec::new();
-    for image in samples.images_at(vantage.frame) {
+    for image in samples.images_at(frame) {
         let camera = &samples.cameras[image.camera as usize];
         let places = image.placed(camera).step_by(STRIDE);
         let places = places.map(|placed| camera_from_world.transform_point3(placed.point_in_world));
-        let is_within = |at: f64, side: f64| (-0.5 * side..=0.5 * side).contains(&at);
-        let is_seen =
-            |place: &DVec3| place.z > 0.0 && is_within(place.x, width) && is_within(place.y, height);
-        depths.extend(places.filter(is_seen).map(|place| place.z));
+        let seen = places.filter_map(|place| Landing::through(&own.intrinsics, place, own.intrinsics.size()));
+        depths.extend(seen.map(|landing| landing.depth));
     }
     median(&mut depths).unwrap_or(0.0)
 }

@@ -72,10 +72,14 @@ fn seen_tiles<'a>(
         let projector = projector?;
         let middle = |tile: u16| f32::from(tile) * TILE as f32 + 0.5 * TILE as f32;
         let inverse_depth = 0.5 * (f32::from_bits(depth.farthest) + f32::from_bits(depth.nearest));
-        let point = projector.point(middle(tile.tile_x), middle(tile.tile_y), inverse_depth);
-        let (u, v) = (point.x / point.z, point.y / point.z);
+        let point = projector.point_of_any(middle(tile.tile_x), middle(tile.tile_y), inverse_depth);
+        let [u, v] = projector.position(point, inverse_depth);
         let is_seen = point.z > 0.0 && (0.0..width as f32).contains(&u) && (0.0..height as f32).contains(&v);
-        let rate = point.z / projector.focal_ratio;
+        let rate = if projector.source_is_orthographic {
+            projector.magnification(inverse_depth, point.z.recip()).recip()
+        } else {
+            point.z / projector.focal_ratio
+        };
         let area = tile.count() as f32 / (rate * rate);
         is_seen.then_some(SeenTile { rate, area, is_finite: depth.nearest != 0 })
     };

@@ -8,6 +8,7 @@ use super::coarser_samples::CoarserSamples;
 use super::cpu::CpuRenderer;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::magnified::{COARSEST, by_levels, coarsest_level};
+use super::orthographic::OrthographicView;
 use super::painter::Painter;
 use super::recorded_rates::RecordedRates;
 use super::supersample::{
@@ -71,6 +72,11 @@ struct Request<'a> {
 
 /// The level of the finer picture that edges are averaged from, after those of a close-up.
 const FINER: usize = COARSEST + 1;
+
+/// Whether any camera of some samples is orthographic, which shaders do not know.
+fn has_orthographic(samples: &SampleSet) -> bool {
+    samples.cameras.iter().any(|camera| camera.intrinsics.is_orthographic())
+}
 
 /// A picture, and what rendering it took.
 type PictureAndStats = (Arc<Picture>, RenderStats);
@@ -142,6 +148,11 @@ impl Renderer {
         settings: &RenderSettings,
         job: &Job,
     ) -> Result<PictureAndStats> {
+        if vantage.camera.intrinsics.is_orthographic() {
+            let view = OrthographicView::of_camera(samples, vantage)?;
+            let (picture, stats) = self.render(&view.samples, &view.vantage, settings, job)?;
+            return Ok((Arc::new(view.finish(&picture)), stats));
+        }
         let started = Instant::now();
         let milliseconds = || started.elapsed().as_secs_f64() * 1e3;
         let request = Request { samples, vantage, settings, job, level: 0, factor: 1 };
@@ -188,6 +199,13 @@ impl Renderer {
     }
 
     fn paint(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
+        if has_orthographic(request.samples) {
+            let painted = self.on_cpu_by_choice(request);
+            if request.settings.backend == Backend::Gpu {
+                self.notice = Some("the CPU renders: the GPU does not paint orthographic cameras".to_owned());
+            }
+            return painted;
+        }
         match request.settings.backend {
             Backend::Cpu => self.on_cpu_by_choice(request),
             Backend::Gpu => {
@@ -212,8 +230,13 @@ impl Renderer {
         holes: Option<&HolePattern>,
         job: &Job,
     ) -> Result<(WindowPicture, RenderStats)> {
+        if vantage.camera.intrinsics.is_orthographic() {
+            let (picture, stats) = self.render(samples, vantage, settings, job)?;
+            return Ok((WindowPicture::InMemory(picture), stats));
+        }
         let rates = RecordedRates::of(samples, vantage);
         let on_gpu = match settings.backend {
+            _ if has_orthographic(samples) => false,
             Backend::Cpu => false,
             Backend::Gpu => true,
             Backend::Auto => self.faster.get(&settings.kernel) == Some(&Backend::Gpu),

@@ -114,7 +114,7 @@ pub(crate) fn subpixels(samples: &SampleSet, vantage: &Vantage, settings: &Rende
 /// The same camera at `factor` times the width and height.
 pub(crate) fn finer(camera: &Camera, factor: usize) -> Camera {
     let mut finer = camera.clone();
-    let Intrinsics { width, height, fx, fy, cx, cy } = &mut finer.intrinsics;
+    let Intrinsics { width, height, fx, fy, cx, cy, .. } = &mut finer.intrinsics;
     for side in [width, height] {
         *side *= factor as u32;
     }

@@ -1,7 +1,13 @@
 //! Colors of scalar values: colormaps that are perceptually uniform and safe for the color-blind, and how a range runs over them.
 
-use colorous::{Color, Gradient};
+use std::sync::Arc;
 
+use colorous::{Color, Gradient};
+use half::f16;
+use rayon::prelude::*;
+
+use crate::color::linear_from_srgb;
+use crate::samples::{SampleImage, SampleSet};
 use crate::settings::{Colormap, ValueScale};
 
 /// The color of what has no value, 8-bit sRGB: a gray that no colormap has.
@@ -52,6 +58,12 @@ impl ValueColors {
         self.range
     }
 
+    /// How the range runs over the colors.
+    #[must_use]
+    pub fn scale(&self) -> ValueScale {
+        self.scale
+    }
+
     /// The value at a share of the range, 0 to 1: what a color bar shows there.
     #[must_use]
     pub fn value_at(&self, share: f32) -> f32 {
@@ -62,6 +74,26 @@ impl ValueColors {
         }
     }
 
+    /// The share of the range at which a value lies, 0 to 1; that of the nearer end beyond it. `None` where the value has no logarithm
+    /// and needs one.
+    #[must_use]
+    pub fn share_of(&self, value: f32) -> Option<f64> {
+        let along = |at: fn(f64) -> f64| {
+            let [low, high] = self.range.map(|end| at(f64::from(end)));
+            ((at(f64::from(value)) - low) / (high - low)).clamp(0.0, 1.0)
+        };
+        match self.scale {
+            ValueScale::Linear | ValueScale::Symmetric => Some(along(|value| value)),
+            ValueScale::Log => (value > 0.0).then(|| along(f64::ln)),
+        }
+    }
+
+    /// The color of a value, linear Rec.709.
+    #[must_use]
+    pub fn linear_color(&self, value: f32) -> [f32; 3] {
+        self.color(value).map(|channel| linear_from_srgb(f32::from(channel) / 255.0))
+    }
+
     /// The color of a value, 8-bit sRGB. Beyond the range it is that of its end.
     #[must_use]
     pub fn color(&self, value: f32) -> [u8; 3] {
@@ -69,22 +101,25 @@ impl ValueColors {
         if value.is_nan() || !is_shown {
             return MISSING_COLOR;
         }
-        let along = |at: fn(f64) -> f64| {
-            let [low, high] = self.range.map(|end| at(f64::from(end)));
-            ((at(f64::from(value)) - low) / (high - low)).clamp(0.0, 1.0)
-        };
-        let share = match self.scale {
-            ValueScale::Linear | ValueScale::Symmetric => along(|value| value),
-            ValueScale::Log if value > 0.0 => along(f64::ln),
-            // No logarithm: no color would be true.
-            ValueScale::Log => return MISSING_COLOR,
-        };
+        // Without a logarithm no color would be true.
+        let Some(share) = self.share_of(value) else { return MISSING_COLOR };
         let Color { r, g, b } = match gradient(self.map) {
             Some(gradient) => gradient.eval_continuous(share),
             None => category(value),
         };
         [r, g, b]
     }
+}
+
+/// The same samples in the colors of one channel of their values.
+#[must_use]
+pub fn colored_samples(samples: &SampleSet, channel: usize, colors: &ValueColors) -> SampleSet {
+    let colored = |image: &Arc<SampleImage>| {
+        let of_value = |value: f32| colors.linear_color(value).map(f16::from_f32);
+        let color = image.values.channel(channel).map(of_value).collect();
+        Arc::new(SampleImage { color, ..SampleImage::clone(image) })
+    };
+    SampleSet { images: samples.images.par_iter().map(colored).collect(), ..samples.clone() }
 }
 
 /// The colormap of continuous values; `None` for categories.

@@ -24,7 +24,7 @@ const SAME_FOOTPRINTS: f32 = 8.0;
 
 /// The same camera with pixels twice as wide and high. Of an odd number of columns or rows the last is joined with nothing.
 pub(crate) fn halved_camera(camera: &Camera) -> Camera {
-    let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;
+    let Intrinsics { width, height, fx, fy, cx, cy, projection } = camera.intrinsics;
     let intrinsics = Intrinsics {
         width: width.div_ceil(2),
         height: height.div_ceil(2),
@@ -32,8 +32,23 @@ pub(crate) fn halved_camera(camera: &Camera) -> Camera {
         fy: 0.5 * fy,
         cx: 0.5 * cx,
         cy: 0.5 * cy,
+        projection,
     };
     Camera { intrinsics, ..camera.clone() }
+}
+
+/// How far inverse depths of one surface may differ.
+#[derive(Clone, Copy)]
+struct SameDepth {
+    /// In perspective a share of the depth, else a distance in world units.
+    size: f32,
+    is_orthographic: bool,
+}
+
+impl SameDepth {
+    fn between(self, a: f32, b: f32) -> f32 {
+        self.size * if self.is_orthographic { a * b } else { a.max(b) }
+    }
 }
 
 /// The sample of one pixel.
@@ -70,14 +85,13 @@ impl Square {
         }
     }
 
-    /// The sample of the 2×2 pixels at a column and row of the coarser tile; inverse depths of one surface differ by no more than
-    /// the share `tolerance`.
-    fn joined(&self, (column, row): (usize, usize), tolerance: f32) -> Option<PixelSample> {
+    /// The sample of the 2×2 pixels at a column and row of the coarser tile.
+    fn joined(&self, (column, row): (usize, usize), tolerance: SameDepth) -> Option<PixelSample> {
         let first = 2 * row * SIDE + 2 * column;
         let parts = [first, first + 1, first + SIDE, first + SIDE + 1].map(|at| self.parts[at]);
         let same_as = |own: f32| {
             let is_same = move |part: &&PixelSample| {
-                (part.inverse_depth - own).abs() <= tolerance * part.inverse_depth.max(own)
+                (part.inverse_depth - own).abs() <= tolerance.between(part.inverse_depth, own)
             };
             parts.iter().flatten().filter(is_same)
         };
@@ -98,10 +112,11 @@ impl Square {
 }
 
 impl SampleImage {
-    /// The image at half the resolution, as [`halved_camera`] of its camera sees it, without normals and scalar values. The focal length of its own
-    /// camera is in pixels.
+    /// The image at half the resolution, as [`halved_camera`] of its camera sees it, without normals and scalar values. `lens` is its own camera's.
     #[must_use]
-    pub(crate) fn halved(&self, focal_px: f32) -> Self {
+    pub(crate) fn halved(&self, lens: &Intrinsics) -> Self {
+        let focal_px = (lens.fx * lens.fy).sqrt() as f32;
+        let same = SameDepth { size: SAME_FOOTPRINTS / focal_px, is_orthographic: lens.is_orthographic() };
         let mut squares: BTreeMap<(u16, u16), Vec<usize>> = BTreeMap::new();
         for (index, tile) in self.tiles.iter().enumerate() {
             squares.entry((tile.tile_y / 2, tile.tile_x / 2)).or_default().push(index);
@@ -128,7 +143,7 @@ impl SampleImage {
             depths.clear();
             for row in 0..TILE {
                 for column in 0..TILE {
-                    let Some(part) = square.joined((column, row), SAME_FOOTPRINTS / focal_px) else {
+                    let Some(part) = square.joined((column, row), same) else {
                         continue;
                     };
                     tile.rows[row] |= 1 << column;
@@ -150,8 +165,19 @@ impl SampleImage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
     use crate::samples::Span;
     use glam::DAffine3;
+
+    const LENS: Intrinsics = Intrinsics {
+        width: 64,
+        height: 64,
+        fx: 1000.0,
+        fy: 1000.0,
+        cx: 32.0,
+        cy: 32.0,
+        projection: Projection::Perspective,
+    };
 
     /// Column, row, color and inverse depth of a sample.
     type Listed = (usize, usize, f32, f32);
@@ -211,7 +237,7 @@ mod tests {
             (15, 17, 0.25, nearer),
             (33, 5, 0.75, 0.25),
         ]);
-        assert_eq!(listed(&fine.halved(1000.0)), [(7, 8, 0.25, mean), (16, 2, 0.75, 0.25)]);
+        assert_eq!(listed(&fine.halved(&LENS)), [(7, 8, 0.25, mean), (16, 2, 0.75, 0.25)]);
     }
 
     #[test]
@@ -223,7 +249,7 @@ mod tests {
             (4, 4, 0.125, 0.0),
             (5, 4, 0.5, 2.0),
         ]);
-        assert_eq!(listed(&fine.halved(1000.0)), [(0, 0, 0.75, 0.5), (2, 2, 0.5, 2.0)]);
+        assert_eq!(listed(&fine.halved(&LENS)), [(0, 0, 0.75, 0.5), (2, 2, 0.5, 2.0)]);
     }
 
     #[test]
@@ -232,13 +258,21 @@ mod tests {
         let mut rows = [0; TILE];
         rows[0] = 0b101;
         fine.doubtful = vec![TileMask { tile: 0, rows }];
-        let half = fine.halved(1000.0);
+        let half = fine.halved(&LENS);
         assert_eq!([0, 1].map(|x| half.is_doubtful(x, 0)), [false, true]);
     }
 
     #[test]
     fn a_halved_camera_sees_every_point_at_half_its_column_and_row() {
-        let intrinsics = Intrinsics { width: 31, height: 20, fx: 40.0, fy: 44.0, cx: 15.0, cy: 9.0 };
+        let intrinsics = Intrinsics {
+            width: 31,
+            height: 20,
+            fx: 40.0,
+            fy: 44.0,
+            cx: 15.0,
+            cy: 9.0,
+            projection: Projection::Perspective,
+        };
         let camera = Camera { name: "c".into(), intrinsics, world_from_camera: DAffine3::IDENTITY };
         let half = halved_camera(&camera);
         assert_eq!(half.intrinsics.size(), (16, 10));

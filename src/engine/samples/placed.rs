@@ -13,7 +13,7 @@ const NEAR: f64 = 1e3;
 pub struct PlacedSample {
     /// Its pixel, and its index into the planes.
     pub sample: Sample,
-    /// The ray through the center of the pixel, in camera space, scaled to `z = 1`.
+    /// The line of sight through the center of the pixel, in camera space, scaled to `z = 1`.
     pub ray_in_camera: DVec3,
     /// Planar z, world units, above 0.
     pub depth: f64,
@@ -33,7 +33,7 @@ impl SampleImage {
             let depth = 1.0 / f64::from(inverse_depth);
             let center = DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5);
             let ray_in_camera = camera.intrinsics.ray_in_camera(center);
-            let point_in_world = camera.world_from_camera.transform_point3(ray_in_camera * depth);
+            let point_in_world = camera.unproject(center, depth);
             Some(PlacedSample { sample, ray_in_camera, depth, point_in_world })
         })
     }

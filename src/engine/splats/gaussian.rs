@@ -103,8 +103,9 @@ fn pixel_sides(ray: DVec3, depth: f64, normal: DVec3, camera: &Camera) -> [DVec3
     let lens = &camera.intrinsics;
     // Edge on, the plane says nothing.
     let facing = normal.dot(ray).min(-ray.length() / (4.0 * LONGEST));
+    let scale = if lens.is_orthographic() { 1.0 } else { depth };
     [(DVec3::X, normal.x, lens.fx), (DVec3::Y, normal.y, lens.fy)]
-        .map(|(axis, slope, focal)| (axis - ray * (slope / facing)) * (depth / focal))
+        .map(|(axis, slope, focal)| (axis - ray * (slope / facing)) * (scale / focal))
 }
 
 /// The ellipse whose covariance is that of a parallelogram's sides, in the plane across a normal.
@@ -130,13 +131,21 @@ fn ellipse(sides: [DVec3; 2], normal: DVec3) -> Ellipse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Intrinsics;
+    use crate::capture::{Intrinsics, Projection};
     use crate::samples::Sample;
     use crate::splats::space::Axes;
     use glam::{DAffine3, DVec2};
 
     fn camera() -> Camera {
-        let intrinsics = Intrinsics { width: 200, height: 100, fx: 100.0, fy: 100.0, cx: 100.0, cy: 50.0 };
+        let intrinsics = Intrinsics {
+            width: 200,
+            height: 100,
+            fx: 100.0,
+            fy: 100.0,
+            cx: 100.0,
+            cy: 50.0,
+            projection: Projection::Perspective,
+        };
         let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.1);
         let world_from_camera = DAffine3::from_rotation_translation(turned, DVec3::new(3.0, -1.0, 0.5));
         Camera { name: "c".into(), intrinsics, world_from_camera }

@@ -16,3 +16,8 @@ pub(super) const ORANGE: &str = "#e69f00";
 pub(super) const GREEN: &str = "#009e73";
 pub(super) const PINK: &str = "#cc79a7";
 pub(super) const RED: &str = "#d55e00";
+
+/// An 8-bit sRGB color as SVG writes it.
+pub(super) fn hex([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}

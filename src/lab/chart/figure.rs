@@ -10,6 +10,7 @@ use image::{ImageFormat, RgbaImage};
 
 use super::axis::short;
 use super::color;
+use super::color_bar::{BarLook, ColorBar};
 use super::svg::{Anchor, Chart, Print, Svg};
 use super::type_metrics::{lines, text_width};
 use overlook_engine::error::{Error, Result};
@@ -26,11 +27,10 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// Width of the longest scale bar, as a share of the picture's.
 const LONGEST_BAR: f64 = 0.3;
 
-/// Room between parts, height of a line, side of a swatch and height of a color bar, as multiples of the size of the type.
+/// Room between parts, height of a line and side of a swatch, as multiples of the size of the type.
 const GAP: f64 = 0.7;
 const LINE: f64 = 1.35;
 const SWATCH: f64 = 0.8;
-const BAR: f64 = 0.7;
 
 /// What a figure is made of.
 #[derive(Clone, Debug)]
@@ -62,15 +62,6 @@ pub struct LegendEntry {
     pub color: Option<[u8; 3]>,
     /// In words.
     pub name: String,
-}
-
-/// Colors from one end of a range of numbers to the other.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ColorBar {
-    /// 8-bit sRGB, evenly spaced from the low end to the high one.
-    pub colors: Vec<[u8; 3]>,
-    /// What stands at the low end, in the middle, and at the high end.
-    pub ends: [String; 3],
 }
 
 /// What a length of the scene measures in the picture.
@@ -184,22 +175,14 @@ impl Sheet<'_> {
 
     fn color_bar(&mut self) {
         let Some(bar) = &self.figure.color_bar else { return };
-        let size = self.type_size;
-        self.y += GAP * size;
-        let step = self.columns / bar.colors.len().max(1) as f64;
-        for (nth, color) in bar.colors.iter().enumerate() {
-            let left = nth as f64 * step;
-            // A little overlap closes the seams that anti-aliasing would leave.
-            let width = (step + 0.5).min(self.columns - left);
-            self.body.rectangle([left, self.y, width, BAR * size], &hex(*color));
-        }
-        self.y += BAR * size + size;
-        let places = [(0.0, Anchor::Start), (0.5, Anchor::Middle), (1.0, Anchor::End)];
-        for (text, (share, anchor)) in bar.ends.iter().zip(places).filter(|(text, _)| !text.is_empty()) {
-            let x = self.inset() + share * (self.columns - 2.0 * self.inset());
-            self.body.text((x, self.y), anchor, size, self.faint(), text);
-        }
-        self.y += 0.3 * size;
+        let look = BarLook {
+            columns: self.columns,
+            inset: self.inset(),
+            type_size: self.type_size,
+            ink: self.ink(),
+            faint: self.faint(),
+        };
+        self.y = bar.draw(&mut self.body, self.y, &look);
     }
 
     /// Entries side by side, in as many rows as they need.
@@ -221,7 +204,10 @@ impl Sheet<'_> {
                 self.y += LINE * size;
             }
             if let Some(color) = color {
-                self.body.rectangle([x, self.y - SWATCH * size, SWATCH * size, SWATCH * size], &hex(*color));
+                self.body.rectangle(
+                    [x, self.y - SWATCH * size, SWATCH * size, SWATCH * size],
+                    &color::hex(*color),
+                );
             }
             self.body.text((x + sign, self.y), Anchor::Start, size, self.ink(), name);
             x += width + 1.4 * size;
@@ -241,10 +227,6 @@ impl Sheet<'_> {
             self.body.text((self.inset(), self.y - 0.35 * size), Anchor::Start, size, self.ink(), &line);
         }
     }
-}
-
-fn hex([red, green, blue]: [u8; 3]) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above a number; `None` where there is none.
@@ -282,8 +264,9 @@ mod tests {
                 LegendEntry { color: None, name: "dropped 12.5 %".to_owned() },
             ],
             color_bar: Some(ColorBar {
+                title: String::new(),
                 colors: vec![[0, 0, 0], [90, 90, 90], [255, 255, 255]],
-                ends: ["1/8".to_owned(), "r = 1".to_owned(), "8".to_owned()],
+                ticks: vec![(0.0, "1/8".to_owned()), (0.5, "r = 1".to_owned()), (1.0, "8".to_owned())],
             }),
             scale: Some(ScaleBar { unit_share: 0.21, unit: "m".to_owned(), distance: Some(3.214) }),
             caption: "What one camera keeps of what it saw.".to_owned(),

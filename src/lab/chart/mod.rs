@@ -9,6 +9,7 @@
 
 mod axis;
 mod color;
+mod color_bar;
 mod error_picture;
 mod figure;
 mod labels;
@@ -22,8 +23,9 @@ mod type_metrics;
 mod views;
 
 pub use axis::Scale;
+pub use color_bar::ColorBar;
 pub use error_picture::error_picture;
-pub use figure::{ColorBar, FIGURE_COLUMNS, Figure, LegendEntry, ScaleBar};
+pub use figure::{FIGURE_COLUMNS, Figure, LegendEntry, ScaleBar};
 pub use pareto::pareto;
 pub use series::{ChartSeries, Marker, series};
 pub use stress::stress;

@@ -12,7 +12,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::model::{RecordedView, RivalModel, deflated};
 use super::splat::Splatter;
-use overlook_engine::capture::{Camera, Intrinsics};
+use overlook_engine::capture::{Camera, Intrinsics, Projection};
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
 use overlook_engine::render::Picture;
 
@@ -143,6 +143,7 @@ fn middle_camera(views: &[RecordedView]) -> Camera {
         fy: focal[1],
         cx: f64::from(sides[0]),
         cy: f64::from(sides[1]),
+        projection: Projection::Perspective,
     };
     camera
 }

@@ -20,6 +20,7 @@ pub use model::{RecordedView, RivalModel};
 
 use serde::{Deserialize, Serialize};
 
+use overlook_engine::capture::in_perspective;
 use overlook_engine::error::{Error, Result};
 
 /// A method of others.
@@ -79,10 +80,14 @@ impl Rival {
     /// Builds the model of one frame.
     ///
     /// # Errors
-    /// `Invalid` without any camera, or if the method needs a finite depth and no camera saw one.
+    /// `Unsupported` where a camera is orthographic; `Invalid` without any camera, or if the method needs a finite depth and no camera saw one.
     pub fn build(self, views: &[RecordedView]) -> Result<Box<dyn RivalModel>> {
         if views.is_empty() {
             return Err(Error::invalid(self.name(), "there is no camera to make a model of"));
+        }
+        for view in views {
+            let what = "this method knows cameras in perspective alone; leave it out";
+            in_perspective(std::slice::from_ref(&view.camera), self.name(), what)?;
         }
         Ok(match self {
             Self::TriangleMesh => Box::new(triangle_mesh::TriangleMeshes::new(views)),
@@ -109,12 +114,20 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use overlook_engine::capture::{Camera, Frame, Intrinsics, Values};
+    use overlook_engine::capture::{Camera, Frame, Intrinsics, Projection, Values};
     use overlook_engine::grid::Grid;
 
     /// A camera at `x` that looks along +z, at a slope of gray stripes that is 3 away in the middle.
     pub(super) fn slope(x: f64) -> RecordedView {
-        let intrinsics = Intrinsics { width: 48, height: 32, fx: 40.0, fy: 40.0, cx: 24.0, cy: 16.0 };
+        let intrinsics = Intrinsics {
+            width: 48,
+            height: 32,
+            fx: 40.0,
+            fy: 40.0,
+            cx: 24.0,
+            cy: 16.0,
+            projection: Projection::Perspective,
+        };
         let mut camera = Camera::look_at("c", intrinsics, DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         camera.world_from_camera.translation.x = x;
         // z = 3 + 0.5 X, where X = x + z ray.

@@ -54,10 +54,12 @@ impl SceneExtent {
         };
         let center = DVec3::from_array(std::array::from_fn(|axis| middle(&|point| point[axis])));
         let reach = middle(&|point| point.distance(center)).max(1e-6);
-        let widths = capture
-            .cameras
-            .iter()
-            .map(|camera| camera.position_in_world().distance(center) / camera.intrinsics.fx);
+        let width = |camera: &Camera| {
+            let distance = camera.position_in_world().distance(center);
+            let scale = if camera.intrinsics.is_orthographic() { 1.0 } else { distance };
+            scale / camera.intrinsics.fx
+        };
+        let widths = capture.cameras.iter().map(width);
         let pixel = widths.sum::<f64>() / capture.cameras.len().max(1) as f64;
         Ok(Self { center, reach, pixel })
     }
@@ -153,7 +155,6 @@ impl Inserted {
 
     fn hits(&self, camera: &Camera, frame: &Frame) -> Vec<Option<ShapeHit>> {
         let width = frame.size().0;
-        let origin = camera.position_in_world();
         (0..frame.inverse_depth.len())
             .into_par_iter()
             .map(|pixel| {
@@ -162,6 +163,7 @@ impl Inserted {
                 let limit = if inverse_depth > 0.0 { (1.0 + 1e-5) / inverse_depth } else { f64::INFINITY };
                 let at = DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
                 let ray = camera.intrinsics.ray_in_camera(at);
+                let origin = camera.line_of_sight_start(at);
                 self.hit(origin, camera.world_from_camera.transform_vector3(ray), limit)
             })
             .collect()

@@ -123,12 +123,17 @@ fn sample_positions(set: &SampleSet, image: &SampleImage) -> Vec<SamplePosition>
     let mut finite: Vec<f32> = depths.iter().copied().filter(|depth| *depth > 0.0).collect();
     let far = median_f32(&mut finite).map_or(1.0, |inverse_depth| 1.0 / f64::from(inverse_depth));
     let position = |x: usize, y: usize, inverse_depth: f32| {
-        let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+        let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let ray = camera.intrinsics.ray_in_camera(pixel);
         if inverse_depth == 0.0 {
             let direction = camera.world_from_camera.transform_vector3(ray).normalize_or_zero();
             return SamplePosition { point: direction * far, at_infinity: true };
         }
-        let point = camera.world_from_camera.transform_point3(ray / f64::from(inverse_depth));
+        let point = if camera.intrinsics.is_orthographic() {
+            camera.unproject(pixel, f64::from(inverse_depth).recip())
+        } else {
+            camera.world_from_camera.transform_point3(ray / f64::from(inverse_depth))
+        };
         SamplePosition { point, at_infinity: false }
     };
     image.samples().map(|sample| position(sample.x, sample.y, depths[sample.index])).collect()

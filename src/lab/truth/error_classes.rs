@@ -9,7 +9,7 @@ use crate::metrics::{ClassMap, ErrorClass};
 use crate::rivals::RecordedView;
 use overlook_engine::capture::sighting::tolerances::SEEN_POINTS;
 use overlook_engine::capture::sighting::{Landing, Sighting};
-use overlook_engine::capture::{Camera, Capture, Frame, TruthView};
+use overlook_engine::capture::{Camera, Capture, Frame, Intrinsics, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
 use overlook_engine::job::Job;
@@ -82,13 +82,13 @@ pub fn seen_at(capture: &Capture, frame: usize) -> Result<Vec<RecordedView>> {
 /// Whether a camera's depth agrees with a point in the world.
 fn sees(RecordedView { camera, frame }: &RecordedView, point_in_world: glam::DVec3) -> bool {
     let Some((position, depth)) = camera.project(point_in_world) else { return false };
-    is_surface_at(frame, position, depth)
+    is_surface_at(&camera.intrinsics, frame, position, depth)
 }
 
 /// Whether a picture has a surface of this depth at an image position, or one pixel beside it.
-pub(crate) fn is_surface_at(frame: &Frame, position: DVec2, depth: f64) -> bool {
+pub(crate) fn is_surface_at(lens: &Intrinsics, frame: &Frame, position: DVec2, depth: f64) -> bool {
     let (width, height) = frame.size();
-    let Some(landing) = Landing::at(position, depth, (width, height)) else { return false };
+    let Some(landing) = Landing::at(lens, position, depth, (width, height)) else { return false };
     let (x, y) = landing.pixel;
     let rows = y.saturating_sub(1)..(y + 2).min(height);
     let columns = || x.saturating_sub(1)..(x + 2).min(width);
@@ -125,11 +125,19 @@ fn edges(inverse_depth: &Grid<f32>) -> Grid<bool> {
 mod tests {
     use super::*;
     use glam::DVec3;
-    use overlook_engine::capture::Intrinsics;
+    use overlook_engine::capture::Projection;
 
     /// A camera at `x` that looks along +z, at a wall 4 away whose left half is covered by a board 2 away.
     fn recorded(x: f64, board: bool) -> RecordedView {
-        let intrinsics = Intrinsics { width: 32, height: 8, fx: 16.0, fy: 16.0, cx: 16.0, cy: 4.0 };
+        let intrinsics = Intrinsics {
+            width: 32,
+            height: 8,
+            fx: 16.0,
+            fy: 16.0,
+            cx: 16.0,
+            cy: 4.0,
+            projection: Projection::Perspective,
+        };
         let mut camera = Camera::look_at("c", intrinsics, DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         camera.world_from_camera.translation.x = x;
         let depth = |column: usize, _: usize| {

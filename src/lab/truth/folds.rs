@@ -269,13 +269,21 @@ impl CameraView {
         }
         let ray = from.intrinsics.ray_in_camera(pixel);
         let at_infinity = inverse_depth == 0.0;
-        let (position, depth) = if at_infinity {
+        let (position, depth) = if at_infinity && self.camera.intrinsics.is_orthographic() {
+            // It sees one direction at infinity.
+            return false;
+        } else if at_infinity {
             let direction = from.world_from_camera.transform_vector3(ray);
             let in_camera = self.camera.camera_from_world().transform_vector3(direction);
             let Some(position) = self.camera.intrinsics.project(in_camera) else { return false };
             (position, f64::INFINITY)
         } else {
-            let point = from.world_from_camera.transform_point3(ray / f64::from(inverse_depth));
+            let in_camera = if from.intrinsics.is_orthographic() {
+                from.intrinsics.point_in_camera(pixel, f64::from(inverse_depth).recip())
+            } else {
+                ray / f64::from(inverse_depth)
+            };
+            let point = from.world_from_camera.transform_point3(in_camera);
             let Some(projected) = self.camera.project(point) else { return false };
             projected
         };

@@ -1,5 +1,6 @@
 //! COLMAP's dense workspaces.
 
+use overlook_engine::capture::Projection;
 use std::fmt::Write;
 
 use super::*;
@@ -9,12 +10,12 @@ fn lens(step: usize) -> Intrinsics {
     let [width, height] = [[64, 48], [64, 47], [96, 72]][step];
     let focal = [60.0, 61.0, 90.0][step];
     let (cx, cy) = (f64::from(width) / 2.0 + 0.5, f64::from(height) / 2.0 - 0.25);
-    Intrinsics { width, height, fx: focal, fy: focal - 1.0, cx, cy }
+    Intrinsics { width, height, fx: focal, fy: focal - 1.0, cx, cy, projection: Projection::Perspective }
 }
 
 /// A lens of half the pixels, where maps are made no larger than so much.
 fn halved(lens: Intrinsics) -> Intrinsics {
-    let Intrinsics { width, height, fx, fy, cx, cy } = lens;
+    let Intrinsics { width, height, fx, fy, cx, cy, .. } = lens;
     Intrinsics {
         width: width / 2,
         height: height / 2,
@@ -22,6 +23,7 @@ fn halved(lens: Intrinsics) -> Intrinsics {
         fy: fy / 2.0,
         cx: cx / 2.0,
         cy: cy / 2.0,
+        projection: Projection::Perspective,
     }
 }
 
@@ -91,7 +93,7 @@ fn write_text(folder: &Folder, model: &str) {
     let mut cameras = String::from("# Camera list with one line of data per camera:\n");
     let mut images = String::from("# Image list with two lines of data per image:\n");
     for step in 0..VIEWS {
-        let Intrinsics { width, height, fx, fy, cx, cy } = lens(step);
+        let Intrinsics { width, height, fx, fy, cx, cy, .. } = lens(step);
         writeln!(cameras, "{} PINHOLE {width} {height} {fx} {fy} {cx} {cy}", step + 1).unwrap();
         let pose = text(&pose(&scene::camera(step, lens(step))));
         writeln!(images, "{} {pose} {} {}", step + 40, step + 1, name(step)).unwrap();

@@ -12,14 +12,22 @@ use std::fmt::Write;
 use crate::folder::Folder;
 use glam::{DAffine3, DQuat};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
-use overlook_engine::capture::{self, Camera, Capture, Intrinsics, Source};
+use overlook_engine::capture::{self, Camera, Capture, Intrinsics, Projection, Source};
 use overlook_engine::error::Result;
 use overlook_engine::settings::CaptureSettings;
 use serde_json::json;
 
 const VIEWS: usize = 3;
 /// With pixel centers at +0.5.
-const LENS: Intrinsics = Intrinsics { width: 64, height: 48, fx: 60.0, fy: 58.0, cx: 32.5, cy: 23.0 };
+const LENS: Intrinsics = Intrinsics {
+    width: 64,
+    height: 48,
+    fx: 60.0,
+    fy: 58.0,
+    cx: 32.5,
+    cy: 23.0,
+    projection: Projection::Perspective,
+};
 
 fn picture(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -103,7 +111,15 @@ fn refusal(folder: &Folder) -> String {
 
 /// The lens that TUM's third sensor has, for pictures of its size cut to a tenth would be another: so in full size.
 fn tum_lens() -> Intrinsics {
-    Intrinsics { width: 640, height: 480, fx: 535.4, fy: 539.2, cx: 320.6, cy: 248.1 }
+    Intrinsics {
+        width: 640,
+        height: 480,
+        fx: 535.4,
+        fy: 539.2,
+        cx: 320.6,
+        cy: 248.1,
+        projection: Projection::Perspective,
+    }
 }
 
 fn write_tum(folder: &Folder) {
@@ -140,7 +156,15 @@ fn tum_pairs_stamps_and_leaves_out_what_has_no_partner() {
 
 /// The sensor's default lens.
 fn sensor() -> Intrinsics {
-    Intrinsics { width: 640, height: 480, fx: 525.0, fy: 525.0, cx: 320.0, cy: 240.0 }
+    Intrinsics {
+        width: 640,
+        height: 480,
+        fx: 525.0,
+        fy: 525.0,
+        cx: 320.0,
+        cy: 240.0,
+        projection: Projection::Perspective,
+    }
 }
 
 #[test]
@@ -202,7 +226,15 @@ fn seven_scenes_is_read_from_its_sequences_and_65535_is_no_depth() {
 #[test]
 fn scannet_depth_has_a_lens_and_a_size_of_its_own_and_lost_poses_are_left_out() {
     let folder = Folder::new();
-    let small = Intrinsics { width: 40, height: 30, fx: 36.0, fy: 36.0, cx: 20.2, cy: 15.1 };
+    let small = Intrinsics {
+        width: 40,
+        height: 30,
+        fx: 36.0,
+        fy: 36.0,
+        cx: 20.2,
+        cy: 15.1,
+        projection: Projection::Perspective,
+    };
     for (step, camera) in cameras(LENS).iter().enumerate() {
         folder.put(&format!("color/{}.jpg", step * 9), &color(camera, ImageFormat::Jpeg));
         folder.put(&format!("depth/{}.png", step * 9), &depth_png(&scene::camera(step, small), 1000.0));
@@ -294,6 +326,7 @@ fn nerfstudio_depth_may_be_smaller_in_numpy_or_tiff_and_its_unit_a_divisor() {
         fy: LENS.fy / 2.0,
         cx: LENS.cx / 2.0,
         cy: LENS.cy / 2.0,
+        projection: Projection::Perspective,
     };
     let folder = Folder::new();
     for step in 0..VIEWS {

@@ -1,12 +1,13 @@
 //! A second reader, written from FORMAT.md alone: nothing of the library's store is used to read, so that the page must be right.
 
 mod reader;
+mod values;
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use half::f16;
-use overlook_engine::capture::{Camera, Intrinsics};
+use overlook_engine::capture::{Camera, Intrinsics, MISSING_VALUE, ValueChannel, Values};
 use overlook_engine::job::Job;
 use overlook_engine::samples::{
     DepthPlane, OctNormal, SampleImage, SampleSet, SampleTile, Span, TILE, TileMask,
@@ -93,7 +94,7 @@ fn image(index: usize, camera: &Camera, span: Span) -> SampleImage {
         depth,
         normal,
         doubtful,
-        values: overlook_engine::capture::Values::default(),
+        values: Values::default(),
     }
 }
 
@@ -106,10 +107,47 @@ fn every_other_row(tiles: &[SampleTile]) -> Vec<TileMask> {
     masks.filter(|mask| mask.rows != [0; TILE]).collect()
 }
 
+/// The same samples with values: a curved one, another over depth, numbers of parts with gaps, and what floats end with.
+fn valued() -> SampleSet {
+    let channel = |(name, is_exact): (&str, bool)| ValueChannel {
+        name: name.to_owned(),
+        unit: String::new(),
+        range: [-1.0, 30.0],
+        tolerance: 0.02,
+        is_exact,
+    };
+    let value_of = |image: &SampleImage, x: usize, y: usize, inverse_depth: f32| {
+        let moved = if x > 90 { 0.1 * image.span.start as f32 } else { 0.0 };
+        let curved = 0.002 * (x * x) as f32 - 0.01 * (x * y) as f32 + moved;
+        let part = if (x / 9 + y / 7) % 5 == 0 { MISSING_VALUE } else { (x / 9) as f32 };
+        let ends = [f32::INFINITY, -0.0, f32::NEG_INFINITY, 1e-42, 3e38, 0.0];
+        [curved, 3.0 * inverse_depth + curved, part, ends[(x * y / 3 + y) % ends.len()]]
+    };
+    let with_values = |image: &Arc<SampleImage>| {
+        let depths = image.inverse_depths();
+        let mut planes = vec![vec![0.0; image.len()]; 4];
+        for sample in image.samples() {
+            let values = value_of(image, sample.x, sample.y, depths[sample.index]);
+            planes.iter_mut().zip(values).for_each(|(plane, value)| plane[sample.index] = value);
+        }
+        Arc::new(SampleImage { values: Values::from_planes(&planes), ..SampleImage::clone(image) })
+    };
+    let plain = set();
+    let names = [("curved", true), ("within", false), ("part", true), ("ends", true)];
+    SampleSet {
+        images: plain.images.iter().map(with_values).collect(),
+        values: names.map(channel).into(),
+        ..plain
+    }
+}
+
 fn written(settings: &[&str]) -> (SampleSet, Vec<u8>) {
+    written_of(set(), settings)
+}
+
+fn written_of(mut set: SampleSet, settings: &[&str]) -> (SampleSet, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("second.ovl");
-    let mut set = set();
     for setting in settings {
         set.settings.set_text(setting).unwrap();
     }
@@ -170,4 +208,28 @@ fn it_reads_reduced_stores_as_overlook_does() {
     std::fs::write(&path, &bytes).unwrap();
     let (read, _) = overlook_engine::store::read(&path, &Job::new()).unwrap();
     assert_reads_as(&Store::read(&bytes), &read.images);
+}
+
+#[test]
+fn it_reads_the_scalar_values_that_overlook_reads_in_coded_and_plain_stores() {
+    for coding in ["store.coding=modeled", "store.coding=plain"] {
+        let (set, bytes) = written_of(valued(), &[coding]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("valued.ovl");
+        std::fs::write(&path, &bytes).unwrap();
+        let (expected, _) = overlook_engine::store::read(&path, &Job::new()).unwrap();
+        let store = Store::read(&bytes);
+        assert_reads_as(&store, &set.images);
+        for ((read, image), given) in store.images.iter().zip(&expected.images).zip(&set.images) {
+            let of_pixel = read.samples.iter().map(|sample| ((sample.x, sample.y), &sample.values));
+            let of_pixel: std::collections::HashMap<_, _> = of_pixel.collect();
+            for sample in image.samples() {
+                let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+                let found = bits(of_pixel[&(sample.x, sample.y)]);
+                assert_eq!(found, bits(image.values.of(sample.index)), "{sample:?}");
+                let source = bits(given.values.of(sample.index));
+                assert_eq!([found[0], found[2], found[3]], [source[0], source[2], source[3]]);
+            }
+        }
+    }
 }

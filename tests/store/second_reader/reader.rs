@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::values::{ValueBlock, ValueTable};
+
 pub(crate) struct Sample {
     pub(crate) x: usize,
     pub(crate) y: usize,
@@ -11,6 +13,8 @@ pub(crate) struct Sample {
     pub(crate) inverse_depth: u32,
     pub(crate) normal: Option<[i8; 2]>,
     pub(crate) is_doubtful: bool,
+    /// Scalar values, one a channel.
+    pub(crate) values: Vec<f32>,
 }
 
 pub(crate) struct Image {
@@ -20,6 +24,7 @@ pub(crate) struct Image {
     pub(crate) samples: Vec<Sample>,
     /// By place.
     blocks: BTreeMap<usize, Block>,
+    value_blocks: BTreeMap<usize, ValueBlock>,
 }
 
 pub(crate) struct Store {
@@ -31,57 +36,60 @@ pub(crate) struct Store {
 /// Values by plane (depth, green, red, blue, normal x, normal y), of pixels that hold a sample.
 type Block = BTreeMap<(i64, i64), [i32; 6]>;
 
-struct Bytes<'a>(&'a [u8]);
+pub(crate) struct Bytes<'a>(pub(crate) &'a [u8]);
 
 impl<'a> Bytes<'a> {
-    fn take(&mut self, count: usize) -> &'a [u8] {
+    pub(crate) fn take(&mut self, count: usize) -> &'a [u8] {
         let (taken, rest) = self.0.split_at(count);
         self.0 = rest;
         taken
     }
 
-    fn number(&mut self, bytes: usize) -> u64 {
+    pub(crate) fn number(&mut self, bytes: usize) -> u64 {
         self.take(bytes).iter().fold(0, |number, byte| number << 8 | u64::from(*byte))
     }
 
-    fn varint(&mut self) -> usize {
+    pub(crate) fn varint(&mut self) -> usize {
         let byte = self.number(1) as usize;
         if byte < 128 { byte } else { byte - 128 + 128 * self.varint() }
     }
 
-    fn text(&mut self) -> String {
+    pub(crate) fn text(&mut self) -> String {
         let length = self.number(4) as usize;
         String::from_utf8(self.take(length).to_vec()).unwrap()
     }
 }
 
 /// Per context, the frequency of each token.
-type Model = Vec<Vec<Vec<u32>>>;
+pub(crate) type Model = Vec<Vec<Vec<u32>>>;
 
 const CONTEXTS: [usize; 7] = [1024, 187, 102, 816, 816, 51, 51];
 
 fn model(payload: &[u8]) -> Model {
     let mut bytes = Bytes(payload);
-    let planes = CONTEXTS.map(|contexts| {
-        let mut tables = Vec::new();
-        for _ in 0..bytes.varint() {
-            let (users, listed) = (bytes.varint(), bytes.varint());
-            let mut table = Vec::new();
-            while table.len() < listed {
-                let frequency = bytes.varint() as u32;
-                table.push(frequency);
-                if frequency == 0 {
-                    table.resize(table.len() + bytes.varint(), 0);
-                }
-            }
-            assert_eq!(table.iter().sum::<u32>(), 4096);
-            tables.extend(std::iter::repeat_n(table, users));
-        }
-        assert_eq!(tables.len(), contexts);
-        tables
-    });
+    let planes = CONTEXTS.map(|contexts| tables(&mut bytes, contexts));
     assert!(bytes.0.is_empty());
     planes.into()
+}
+
+/// The tables of a plane.
+pub(crate) fn tables(bytes: &mut Bytes<'_>, contexts: usize) -> Vec<Vec<u32>> {
+    let mut tables = Vec::new();
+    for _ in 0..bytes.varint() {
+        let (users, listed) = (bytes.varint(), bytes.varint());
+        let mut table = Vec::new();
+        while table.len() < listed {
+            let frequency = bytes.varint() as u32;
+            table.push(frequency);
+            if frequency == 0 {
+                table.resize(table.len() + bytes.varint(), 0);
+            }
+        }
+        assert_eq!(table.iter().sum::<u32>(), 4096);
+        tables.extend(std::iter::repeat_n(table, users));
+    }
+    assert_eq!(tables.len(), contexts);
+    tables
 }
 
 /// Bits of the halves of a palette.
@@ -126,7 +134,7 @@ impl Store {
             let length = rest.number(4) as usize;
             let payload = rest.take(length);
             rest.take(length % 2);
-            if id != b"IMAG" {
+            if id != b"IMAG" && id != b"VALI" {
                 let (payload, checksum) = payload.split_at(length - 4);
                 assert_eq!(Bytes(checksum).number(4) as u32, crc32fast::hash(&[id, payload].concat()));
                 chunks.insert(id, payload);
@@ -134,7 +142,9 @@ impl Store {
         }
         let mut head = Bytes(chunks[&b"HEAD"[..]]);
         let doubtful = chunks.get(&b"DOUB"[..]).map_or(BTreeMap::new(), |payload| runs(payload));
-        assert_eq!((head.number(2), head.number(2)), (3, u64::from(!doubtful.is_empty())));
+        let has_values = chunks.contains_key(&b"VALU"[..]);
+        let minor = if has_values { 2 } else { u64::from(!doubtful.is_empty()) };
+        assert_eq!((head.number(2), head.number(2)), (3, minor));
         head.text();
         head.take(24);
         let cameras: Vec<_> = (0..head.number(4))
@@ -153,6 +163,7 @@ impl Store {
                 (numbers, index.number(8) as usize, index.number(4) as usize, index.number(4) as usize)
             })
             .collect();
+        let values = chunks.get(&b"VALU"[..]).map(|payload| ValueTable::read(payload, entries.len()));
         let mut images: Vec<Option<Image>> = (0..entries.len()).map(|_| None).collect();
         while images.iter().any(Option::is_none) {
             for (nth, (numbers, offset, length, head)) in entries.iter().enumerate() {
@@ -179,6 +190,18 @@ impl Store {
                     let ends = doubtful.get(&nth).map_or(&[][..], Vec::as_slice);
                     sample.is_doubtful = ends.iter().filter(|end| **end <= place).count() % 2 == 1;
                 }
+                let before = reference.and_then(|reference| images[reference].as_ref());
+                let value_blocks = values.as_ref().map_or_else(BTreeMap::new, |values| {
+                    let depths = decoder.inverse_depths(&blocks);
+                    let before = before.map(|before| &before.value_blocks);
+                    let found = values.image(file, nth, &depths, before);
+                    for sample in &mut samples {
+                        let place = sample.y / 64 * (*width as usize).div_ceil(64) + sample.x / 64;
+                        let pixel = ((sample.x % 64) as i64, (sample.y % 64) as i64);
+                        sample.values = values.values(&found[&place][&pixel]);
+                    }
+                    found
+                });
                 assert_eq!(samples.len(), numbers[3] as usize);
                 images[nth] = Some(Image {
                     camera: numbers[0],
@@ -186,6 +209,7 @@ impl Store {
                     is_predicted: reference.is_some(),
                     samples,
                     blocks,
+                    value_blocks,
                 });
             }
         }
@@ -263,6 +287,7 @@ impl ImageDecoder<'_> {
                     inverse_depth,
                     normal: self.normals.then_some([values[4] as i8, values[5] as i8]),
                     is_doubtful: false,
+                    values: Vec::new(),
                 });
             }
             blocks.insert(place, block);
@@ -270,6 +295,12 @@ impl ImageDecoder<'_> {
         assert_eq!(head.number(4) as u32, checksum);
         assert!(codes.0.is_empty());
         (samples, blocks)
+    }
+
+    fn inverse_depths(&self, blocks: &BTreeMap<usize, Block>) -> BTreeMap<usize, BTreeMap<(i64, i64), f32>> {
+        let of = |values: &[i32; 6]| f32::from_bits((values[0] as u32) << self.shift);
+        let block = |block: &Block| block.iter().map(|(pixel, values)| (*pixel, of(values))).collect();
+        blocks.iter().map(|(place, pixels)| (*place, block(pixels))).collect()
     }
 
     fn plain_block(&self, code: &[u8], pixels: &[(i64, i64)]) -> Block {
@@ -384,13 +415,13 @@ impl ImageDecoder<'_> {
     }
 }
 
-fn signed(v: u32) -> i32 {
+pub(crate) fn signed(v: u32) -> i32 {
     if v.is_multiple_of(2) { (v / 2) as i32 } else { -((v / 2) as i32) - 1 }
 }
 
-struct Bits<'a> {
-    bytes: &'a [u8],
-    position: usize,
+pub(crate) struct Bits<'a> {
+    pub(crate) bytes: &'a [u8],
+    pub(crate) position: usize,
 }
 
 impl Bits<'_> {
@@ -403,15 +434,15 @@ impl Bits<'_> {
     }
 }
 
-struct Numbers<'a> {
-    model: &'a Model,
-    states: [u32; 4],
-    words: Bytes<'a>,
-    bits: Bits<'a>,
+pub(crate) struct Numbers<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) states: [u32; 4],
+    pub(crate) words: Bytes<'a>,
+    pub(crate) bits: Bits<'a>,
 }
 
 impl Numbers<'_> {
-    fn take(&mut self, state: usize, plane: usize, context: usize) -> u32 {
+    pub(crate) fn take(&mut self, state: usize, plane: usize, context: usize) -> u32 {
         let x = &mut self.states[state];
         let slot = *x % 4096;
         let (mut token, mut start) = (0, 0);

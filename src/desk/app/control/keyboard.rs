@@ -73,7 +73,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("[ and ]", "fly slower, faster"),
             ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
             ("M", "measure a distance between two points"),
-            ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
+            ("Ctrl + C, V, D", "copy the view as text, go to a copied view, keep the view"),
             ("Home, double-click", "reset to the start view"),
             ("H", "hatch holes, or fill them"),
         ],
@@ -232,6 +232,7 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 
 /// Keys that hide and show what surrounds the views.
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    commands.extend(pressed(ctx, Modifiers::COMMAND, Key::D).then_some(Command::View(ViewCommand::Keep)));
     for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
         if pressed(ctx, Modifiers::ALT, key) {
             commands.push(Command::View(command));

@@ -63,7 +63,7 @@ impl OverlookApp {
         Observed {
             is_idle: self.workers.are_idle()
                 && state.opening.is_none()
-                && self.scheduler.is_up_to_date(state),
+                && self.scheduler.is_up_to_date(state, &self.workers),
             frame: state.timeline.frame,
             scene_name: scene.map(|scene| scene.name.as_str()),
             report: state.report().map(|report| (report, !state.is_stale())),

@@ -181,7 +181,8 @@ impl OverlookApp {
 
     /// Requests what is missing, and to be called again where that depends on time.
     fn request_missing(&mut self) {
-        let wait = self.scheduler.request_missing(&self.state, &self.visible_views(), &self.workers);
+        let visible = self.visible_views();
+        let wait = self.scheduler.request_missing(&self.state, &visible, &mut self.workers);
         if let Some(wait) = wait {
             self.ctx.request_repaint_after(wait);
         }
@@ -268,8 +269,12 @@ impl OverlookApp {
             (StoppableWork::Export, workers.export.progress(), true),
             (StoppableWork::Study, workers.study.progress(), true),
             // Only if the capture is read again, which takes long.
-            (StoppableWork::Compare, workers.compare.progress().filter(|progress| progress.total > 0), true),
-            (StoppableWork::Measure, workers.measure.progress(), false),
+            (
+                StoppableWork::Compare,
+                workers.compare.worker.progress().filter(|progress| progress.total > 0),
+                true,
+            ),
+            (StoppableWork::Measure, workers.measure.worker.progress(), false),
         ];
         self.state.busy = watched
             .into_iter()

@@ -7,6 +7,7 @@ use crate::app::rooms::frame::model::WindowCommand;
 use crate::app::rooms::live::model::{ViewCommand, ViewHistory};
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::work::slot::AnySlot;
 
 impl OverlookApp {
     /// Carries out one command.
@@ -34,8 +35,9 @@ impl OverlookApp {
             Command::Recompute => {
                 self.state.doc.stopped = false;
                 self.state.doc.failed_frame = None;
-                (self.scheduler.inspect, self.scheduler.source) = (None, None);
-                (self.scheduler.whole, self.scheduler.measure) = (None, None);
+                (self.scheduler.inspect, self.scheduler.whole) = (None, None);
+                self.workers.source.forget();
+                self.workers.measure.forget();
                 self.scheduler.changed_at = None;
             }
             Command::Cancel => self.cancel(),
@@ -73,11 +75,11 @@ impl OverlookApp {
             StoppableWork::Export => workers.export.cancel(),
             StoppableWork::Study => workers.study.cancel(),
             StoppableWork::Compare => {
-                workers.compare.cancel();
+                workers.compare.worker.cancel();
                 let text = "It was stopped; choose what to compare again.";
                 self.state.doc.compare_error = Some(text.to_owned());
             }
-            StoppableWork::Measure => workers.measure.cancel(),
+            StoppableWork::Measure => workers.measure.worker.cancel(),
         }
         self.refresh_busy();
     }

@@ -137,7 +137,7 @@ fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
     app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "point".into() }));
     step(&mut app);
     app.apply(Command::Cancel);
-    wait(&mut app, "the measuring to stop", |app| app.workers.measure.is_idle());
+    wait(&mut app, "the measuring to stop", |app| app.workers.measure.worker.is_idle());
     assert_ne!(app.state.doc.accuracy, Some(gathered), "shown with another kernel");
     app.apply(Command::Settings(SettingsCommand::Reset("render.kernel")));
     wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());

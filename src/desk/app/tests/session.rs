@@ -26,6 +26,7 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
             state.look.workspace,
             app.dock.to_json(),
         ),
+        state.doc.kept_views.iter().map(|kept| (kept.name.clone(), kept.view.clone())).collect::<Vec<_>>(),
         state.doc.scene.as_ref().map(|scene| scene.origin.clone()),
     )
 }
@@ -51,6 +52,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     for (frame, angle) in [(0, 0.1), (2, -0.2)] {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(angle, 0.05))));
+        app.apply(Command::View(ViewCommand::Keep));
         app.apply(Command::Path(PathCommand::AddKey));
     }
     app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
@@ -69,6 +71,17 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     other.state.live.size = [48, 36];
     settle(&mut other);
     assert_eq!(held(&other), before);
+    let kept = &other.state.doc.kept_views;
+    assert!(kept.len() == 2 && kept.iter().all(|kept| kept.picture.is_none()));
+    let left = other.state.live.orbit.clone();
+    other.apply(Command::View(ViewCommand::GoToKept(0)));
+    settle(&mut other);
+    let is_pictured = |app: &OverlookApp| -> Vec<bool> {
+        app.state.doc.kept_views.iter().map(|kept| kept.picture.is_some()).collect()
+    };
+    assert!(is_pictured(&other) == [true, false] && other.state.timeline.frame == 0);
+    other.apply(Command::View(ViewCommand::Back));
+    assert_eq!(other.state.live.orbit, left);
     other.take_path(Purpose::SaveStore, again.clone());
     settle(&mut other);
     assert!(std::fs::read(store).unwrap() == std::fs::read(again).unwrap(), "another store");

@@ -61,6 +61,8 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     settle(&mut app);
     let colored = shown(&app);
     assert!(colored != picture);
+    let counted = app.state.doc.live_shown.as_ref().unwrap().picture.values.clone().unwrap();
+    assert!(counted.ascending.is_sorted() && counted.ascending.len() > 100);
     let whole = app.state.doc.whole.as_ref().unwrap().samples.clone();
 
     let look =

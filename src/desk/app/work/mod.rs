@@ -6,6 +6,7 @@
 
 pub(crate) mod requests;
 pub(crate) mod scheduler;
+pub(crate) mod slot;
 pub(crate) mod worker;
 pub(crate) mod workers;
 

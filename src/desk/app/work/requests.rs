@@ -17,7 +17,6 @@ use overlook_engine::edits::EditList;
 use overlook_engine::page::PageOptions;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::Report;
-use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::render::film::FilmSource;
 use overlook_engine::render::{Picture, Vantage};
 use overlook_engine::samples::SampleSet;
@@ -47,17 +46,6 @@ pub(crate) struct PruneRequest {
     pub settings: Settings,
     /// The frame; of no meaning for the whole capture.
     pub frame: usize,
-}
-
-/// Samples to compare with the truth.
-pub(crate) struct MeasureRequest {
-    /// The scene, a capture.
-    pub scene: Arc<OpenScene>,
-    /// What was kept.
-    pub samples: Arc<SampleSet>,
-    /// The scan with the corrections of the rig; `None` while it is under way.
-    pub scan: Option<Arc<PreparedScan>>,
-    pub settings: Settings,
 }
 
 /// A file to read or write.
@@ -158,14 +146,6 @@ impl FileRequest {
             }
         }
     }
-}
-
-/// What histograms are made from.
-pub(crate) struct HistogramRequest {
-    pub scene: u64,
-    pub inspection: Arc<FrameInspection>,
-    pub scan: Option<Arc<PreparedScan>>,
-    pub settings: Settings,
 }
 
 /// What to measure.

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::worker::Supersede::{Alternate, Always, Never, Queue};
-use crate::app::model::{Message, OpenScene, WorkKind as Kind};
-use crate::app::rooms::charts::work::accuracy::measure;
+use crate::app::model::{Message, WorkKind as Kind};
+use crate::app::rooms::charts::work::accuracy::{MeasureRequest, measure};
 use crate::app::rooms::charts::work::study;
 use crate::app::rooms::compare::model::CompareKey;
 use crate::app::rooms::compare::work::compare::Comparer;
@@ -14,27 +14,27 @@ use crate::app::rooms::edits::work::SampleEditor;
 use crate::app::rooms::files::model::{Destination, Purpose};
 use crate::app::rooms::files::work::{files, opening};
 use crate::app::rooms::live::model::{CarryKey, LiveKey};
+use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::live::work::{carry, image as live_image};
 use crate::app::rooms::pixel::model::ProbeKey;
 use crate::app::rooms::pixel::work as facts;
+use crate::app::rooms::pixel::work::{MemoryRequest, ThumbnailRequest};
 use crate::app::rooms::readings::work as readings;
 use crate::app::rooms::readings::work::ReadingRequest;
 use crate::app::rooms::report::work as pruning;
 use crate::app::rooms::settings::work as histograms;
+use crate::app::rooms::settings::work::HistogramRequest;
 use crate::app::rooms::share::model::{ShareKey, SharePreviewKey};
 use crate::app::rooms::share::work::{facts as share_facts, preview as share_preview, sharing};
-use crate::app::rooms::source::model::SourceKey;
 use crate::app::rooms::source::work::image as source_image;
-use crate::app::work::requests::{
-    ExportRequest, FileRequest, HistogramRequest, MeasureRequest, OpenRequest, PruneRequest, StudyRequest,
-};
+use crate::app::rooms::source::work::image::SourceRequest;
+use crate::app::work::requests::{ExportRequest, FileRequest, OpenRequest, PruneRequest, StudyRequest};
+use crate::app::work::slot::{AnySlot, Slot};
 use crate::app::work::worker::{Outbox, Worker};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
-use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::render::gpu::SharedDevice;
 use overlook_engine::render::{PictureCarrier, Renderer};
-use overlook_engine::samples::SampleSet;
 
 /// The workers.
 pub(crate) struct Workers {
@@ -44,30 +44,30 @@ pub(crate) struct Workers {
     pub inspect: Worker<PruneRequest>,
     /// The same frame, before a threshold is turned.
     pub prepare: Worker<PruneRequest>,
-    pub source: Worker<(Arc<OpenScene>, SourceKey)>,
+    pub source: Slot<SourceRequest>,
     pub live: Worker<LiveKey>,
     /// The last live picture, as the view shows it now.
     pub carry: Worker<CarryKey>,
-    pub measure: Worker<MeasureRequest>,
+    pub measure: Slot<MeasureRequest>,
     pub file: Worker<FileRequest>,
     /// The system's dialogs, and the name that they suggest.
     pub dialog: Worker<(Purpose, String)>,
     /// Whether a destination exists already.
     pub check: Worker<Destination>,
-    pub probe: Worker<ProbeKey>,
-    pub thumbs: Worker<(u64, Arc<FrameInspection>)>,
-    pub memory: Worker<(u64, Arc<SampleSet>)>,
-    pub histograms: Worker<HistogramRequest>,
-    pub compare: Worker<Box<CompareKey>>,
+    pub probe: Slot<ProbeKey>,
+    pub thumbs: Slot<ThumbnailRequest>,
+    pub memory: Slot<MemoryRequest>,
+    pub histograms: Slot<HistogramRequest>,
+    pub compare: Slot<Box<CompareKey>>,
     pub export: Worker<ExportRequest>,
     /// What the sizes of what is shared follow from.
-    pub sizes: Worker<ShareKey>,
+    pub sizes: Slot<ShareKey>,
     /// What is shared within a budget, as a picture.
-    pub preview: Worker<SharePreviewKey>,
+    pub preview: Slot<SharePreviewKey>,
     pub show_in_folder: Worker<PathBuf>,
     pub study: Worker<StudyRequest>,
     /// What edits leave of the samples.
-    pub edits: Worker<EditKey>,
+    pub edits: Slot<EditKey>,
     /// How the capture is read, and how it would fit better.
     pub readings: Worker<ReadingRequest>,
 }
@@ -98,13 +98,13 @@ impl Pools {
 }
 
 /// The thumbnails of what was inspected of a scene.
-fn thumbnails((scene, inspection): (u64, Arc<FrameInspection>)) -> Message {
-    Message::Thumbnails { scene, pictures: facts::thumbnails(&inspection) }
+fn thumbnails(request: &ThumbnailRequest) -> Message {
+    Message::Thumbnails { scene: request.scene, pictures: facts::thumbnails(&request.inspection) }
 }
 
 /// What the samples of a scene take, by camera.
-fn memory((scene, samples): (u64, Arc<SampleSet>)) -> Message {
-    Message::MemoryMapped { scene, cameras: facts::memory(&samples) }
+fn memory(request: &MemoryRequest) -> Message {
+    Message::MemoryMapped { scene: request.scene, cameras: facts::memory(&request.samples) }
 }
 
 impl Workers {
@@ -116,7 +116,7 @@ impl Workers {
         let (comparing, previewing, filming) = (studying.clone(), studying.clone(), studying.clone());
         let (progress, points) = (outbox.clone(), outbox.clone());
         let mut renderer = Renderer::sharing(shared);
-        let mut filter = live_image::CameraFilter::default();
+        let mut filter = CameraFilter::default();
         let mut editor = SampleEditor::default();
         let editing = rendering.clone();
         let mut comparer = Comparer::new(studying.clone());
@@ -132,12 +132,9 @@ impl Workers {
             prepare: Worker::start(Kind::PrepareFrame, Never, outbox, move |request, job| {
                 preparing.install(|| pruning::prepare(&request, job))
             })?,
-            source: Worker::start(
-                Kind::SourcePicture,
-                Never,
-                outbox,
-                move |(scene, key): (Arc<OpenScene>, _), _| source_image::paint_source(&scene, key, &decoder),
-            )?,
+            source: Slot::start(Kind::SourcePicture, Never, outbox, move |request, _| {
+                source_image::paint_source(request, &decoder)
+            })?,
             live: Worker::start(Kind::LiveView, Never, outbox, move |key, job| {
                 let paint = || live_image::paint(&mut renderer, &mut filter, &key, job);
                 let picture = rendering.install(paint)?;
@@ -146,7 +143,7 @@ impl Workers {
             carry: Worker::start(Kind::CarriedPicture, Never, outbox, move |key, _| {
                 Ok(carrying.install(|| carry::carry(&mut carrier, key)))
             })?,
-            measure: Worker::start(Kind::MeasureAccuracy, Always, outbox, move |request, job| {
+            measure: Slot::start(Kind::MeasureAccuracy, Always, outbox, move |request, job| {
                 let accuracy = measuring.install(|| measure(&request, job))?;
                 Ok(Message::Measured { scene: request.scene.id, settings: request.settings, accuracy })
             })?,
@@ -160,32 +157,32 @@ impl Workers {
             check: Worker::start(Kind::CheckPath, Never, outbox, |destination, _| {
                 Ok(files::check(destination))
             })?,
-            probe: Worker::start(Kind::PixelExplanation, Never, outbox, |key: ProbeKey, _| {
+            probe: Slot::start(Kind::PixelExplanation, Never, outbox, |key: ProbeKey, _| {
                 let probed = facts::probe(&key).map(Arc::new);
                 let is_hole = probed.is_none() && key.has_picture();
                 Ok(Message::Probed { scene: key.scene.id, spot: key.spot, probed, is_hole })
             })?,
-            thumbs: Worker::start(Kind::Thumbnails, Never, outbox, |request, _| Ok(thumbnails(request)))?,
-            memory: Worker::start(Kind::MemoryByCamera, Never, outbox, |request, _| Ok(memory(request)))?,
-            histograms: Worker::start(Kind::Histograms, Never, outbox, |request, _| {
+            thumbs: Slot::start(Kind::Thumbnails, Never, outbox, |request, _| Ok(thumbnails(&request)))?,
+            memory: Slot::start(Kind::MemoryByCamera, Never, outbox, |request, _| Ok(memory(&request)))?,
+            histograms: Slot::start(Kind::Histograms, Never, outbox, |request, _| {
                 Ok(histograms::histograms(&request))
             })?,
-            compare: Worker::start(Kind::Compare, Alternate, outbox, move |key, job| {
+            compare: Slot::start(Kind::Compare, Alternate, outbox, move |key, job| {
                 comparer.answer(key, job)
             })?,
             export: Worker::start(Kind::Export, Queue, outbox, move |request: ExportRequest, job| {
                 let export = || sharing::export(&request, &filming, job);
                 or_stopped(job, "Export stopped", request.stopped(), export)
             })?,
-            sizes: Worker::start(Kind::MeasureSizes, Never, outbox, move |key, job| meter.facts(&key, job))?,
-            preview: Worker::start(Kind::PreviewShare, Never, outbox, preview)?,
+            sizes: Slot::start(Kind::MeasureSizes, Never, outbox, move |key, job| meter.facts(&key, job))?,
+            preview: Slot::start(Kind::PreviewShare, Never, outbox, preview)?,
             show_in_folder: Worker::start(Kind::ShowInFolder, Queue, outbox, |path: PathBuf, _| {
                 share_facts::show_in_folder(&path)
             })?,
             readings: Worker::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
             })?,
-            edits: Worker::start(Kind::EditSamples, Never, outbox, move |key, job| {
+            edits: Slot::start(Kind::EditSamples, Never, outbox, move |key, job| {
                 editing.install(|| editor.answer(key, job))
             })?,
             study: Worker::start(Kind::Study, Always, outbox, move |request, job| {
@@ -194,29 +191,48 @@ impl Workers {
         })
     }
 
+    /// What follows from the state alone.
+    pub(crate) fn slots(&mut self) -> [&mut dyn AnySlot; 10] {
+        [
+            &mut self.source,
+            &mut self.measure,
+            &mut self.probe,
+            &mut self.thumbs,
+            &mut self.memory,
+            &mut self.histograms,
+            &mut self.compare,
+            &mut self.sizes,
+            &mut self.preview,
+            &mut self.edits,
+        ]
+    }
+
     /// Whether nothing runs or waits. An open dialog waits for the person.
     pub(crate) fn are_idle(&self) -> bool {
-        self.open.is_idle()
+        let slots: [&dyn AnySlot; 10] = [
+            &self.source,
+            &self.measure,
+            &self.probe,
+            &self.thumbs,
+            &self.memory,
+            &self.histograms,
+            &self.compare,
+            &self.sizes,
+            &self.preview,
+            &self.edits,
+        ];
+        slots.iter().all(|slot| slot.is_idle())
+            && self.open.is_idle()
             && self.whole.is_idle()
             && self.inspect.is_idle()
             && self.prepare.is_idle()
-            && self.source.is_idle()
             && self.live.is_idle()
             && self.carry.is_idle()
-            && self.measure.is_idle()
             && self.file.is_idle()
             && self.check.is_idle()
-            && self.probe.is_idle()
-            && self.thumbs.is_idle()
-            && self.memory.is_idle()
-            && self.histograms.is_idle()
-            && self.compare.is_idle()
             && self.export.is_idle()
-            && self.sizes.is_idle()
-            && self.preview.is_idle()
             && self.study.is_idle()
             && self.readings.is_idle()
-            && self.edits.is_idle()
     }
 }
 

@@ -36,6 +36,8 @@ struct CameraInfo {
     name: String,
     width: u32,
     height: u32,
+    #[serde(rename = "orthographic", skip_serializing_if = "std::ops::Not::not")]
+    is_orthographic: bool,
 }
 
 #[derive(Serialize)]
@@ -190,7 +192,8 @@ fn chosen_views(choice: &ViewChoice, capture: &Capture) -> Vec<ChosenView> {
 fn camera_infos(cameras: &[Camera]) -> Vec<CameraInfo> {
     let info = |camera: &Camera| {
         let (name, intrinsics) = (camera.name.clone(), camera.intrinsics);
-        CameraInfo { name, width: intrinsics.width, height: intrinsics.height }
+        let is_orthographic = intrinsics.is_orthographic();
+        CameraInfo { name, width: intrinsics.width, height: intrinsics.height, is_orthographic }
     };
     cameras.iter().map(info).collect()
 }

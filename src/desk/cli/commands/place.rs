@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::demo::parse_size;
-use crate::cli::input::{self, SettingsArgs};
+use crate::cli::input::{EditsArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
 use crate::points;
 use overlook_engine::capture::Capture;
@@ -42,6 +42,8 @@ pub(crate) struct PlaceArgs {
     /// PLY file of the surface that no placed camera sees.
     #[arg(long, value_name = "FILE")]
     unseen: Option<PathBuf>,
+    #[command(flatten)]
+    edits: EditsArgs,
     #[command(flatten)]
     settings: SettingsArgs,
     /// Print one JSON document.
@@ -77,9 +79,10 @@ impl PlaceArgs {
             output::check_file(out, example)?;
             output::refuse_store(out)?;
             self.settings.refuse_inputs(out)?;
+            self.edits.refuse_inputs(out)?;
             output::refuse_capture_files(&self.coarse, None, out)?;
         }
-        let capture = input::open_capture(&self.coarse, &settings.capture)?;
+        let capture = self.edits.open_capture(&self.coarse, &settings.capture)?;
         let stand = match self.within {
             Some(corners) => Stand::Within(corners),
             None if self.ring => Stand::Ring,

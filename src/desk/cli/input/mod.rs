@@ -15,4 +15,4 @@ pub(crate) use open::{EditsArgs, open_capture};
 pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, amount, choice, length, only_cameras};
 pub(crate) use part_args::PartArgs;
 pub(crate) use truth::TruthArgs;
-pub(crate) use value_args::ValueArgs;
+pub(crate) use value_args::{BarredValueArgs, ShownValue, ValueArgs};

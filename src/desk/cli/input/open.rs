@@ -6,11 +6,10 @@ use clap::Args;
 
 use crate::cli::output;
 use overlook_engine::capture::{self, Capture};
-use overlook_engine::edited_store::write_edited_store;
-use overlook_engine::edits::EditList;
-use overlook_engine::error::{Error, Result};
+use overlook_engine::edited_store::open_edited;
+use overlook_engine::edits::{EditList, edited_capture};
+use overlook_engine::error::Result;
 use overlook_engine::settings::CaptureSettings;
-use overlook_engine::store::file::Store;
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 
 /// Opens a capture and prints its warnings.
@@ -20,34 +19,34 @@ pub(crate) fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Ca
     Ok(capture)
 }
 
-/// Edits that are applied to a store before anything else.
+/// Edits that are applied to a store or a capture before anything else.
 #[derive(Debug, Args)]
 pub(crate) struct EditsArgs {
-    /// Apply this edit list first (TOML, as the window saves it): what it deletes is not there.
+    /// Apply this edit list first (TOML, as the window saves it): what it deletes is not there. Of a capture these are cameras and pixels,
+    /// where it was recorded; edits that act on what pruning keeps are refused.
     #[arg(long, value_name = "FILE")]
     edits: Option<PathBuf>,
 }
 
 impl EditsArgs {
+    /// The list, empty where none is named.
+    fn list(&self) -> Result<EditList> {
+        self.edits.as_ref().map_or_else(|| Ok(EditList::default()), |file| EditList::load(file))
+    }
+
     /// Opens a store for playing it from disk: the store itself, or a temporary one of what the edits leave.
     pub(crate) fn open_store(&self, path: &Path) -> Result<Playback> {
-        let mut store = Store::open(path)?;
+        let edits = self.list()?;
+        let store = output::watched(|job| open_edited(path, &edits, job))?;
         output::warn(&store.info().warnings);
-        if let Some(file) = &self.edits {
-            let edits = EditList::load(file)?;
-            let edited =
-                tempfile::NamedTempFile::new().map_err(|error| Error::io(std::env::temp_dir(), error))?;
-            let edited = edited.into_temp_path();
-            output::watched(|job| write_edited_store(&edited, &store, &edits, None, job))?;
-            store = Store::open(&edited)?;
-        }
         Ok(Playback::new(store, DEFAULT_CACHE_BYTES))
     }
 
-    /// Refuses edits where a recorded picture is asked for: they act on stores.
-    pub(crate) fn refuse_for_capture(&self) -> Result<()> {
-        let what = "edits act on a store; give the one that was made of the capture";
-        if self.edits.is_some() { Err(Error::invalid("--edits", what)) } else { Ok(()) }
+    /// Opens a capture without the cameras and pixels that the edits delete.
+    pub(crate) fn open_capture(&self, path: &Path, settings: &CaptureSettings) -> Result<Capture> {
+        let edits = self.list()?;
+        let capture = open_capture(path, settings)?;
+        edited_capture(&capture, &edits, settings.memory as usize * (1 << 20) / 4)
     }
 
     /// Refuses to write over the list.

@@ -1,21 +1,23 @@
-//! How scalar values are shown and written, by the command line.
+//! How scalar values are shown, by the command line.
 
 use std::str::FromStr;
 
 use clap::Args;
+use image::RgbaImage;
 
 use super::options::choice;
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::ValueColors;
-use overlook_engine::render::output::PictureValues;
+use overlook_engine::render::output::ranked_value;
 use overlook_engine::settings::{Colormap, ValueScale};
+use overlook_lab::chart::ColorBar;
 
 /// How scalar values are shown.
-#[derive(Clone, Debug, Default, Args)]
+#[derive(Clone, Debug, Default, PartialEq, Args)]
 pub(crate) struct ValueArgs {
-    /// Color the PNG by the value of this name, in each pixel that of the nearest surface; what has none is gray (128, 128, 128). The EXR
-    /// keeps the picture, and has all values as layers value.NAME.
+    /// Color by the scalar value of this name, in each pixel that of the nearest surface; what has none is gray (128, 128, 128). An EXR
+    /// keeps the picture's colors, and has all values as layers value.NAME.
     #[arg(long, value_name = "NAME")]
     color_by: Option<String>,
     /// Between which values colors run: two numbers, as in 0,5, or shares of what is in view, as in 2%,98% [default: the range of the
@@ -31,13 +33,43 @@ pub(crate) struct ValueArgs {
     /// Show the values between these two numbers alone; all others are gray.
     #[arg(long, value_name = "LOW,HIGH", requires = "color_by", allow_hyphen_values = true)]
     isolate: Option<ValueRange>,
-    /// Also write each value as an array beside the picture: NAME.npy behind the picture's name, float32, NaN where it is missing.
-    #[arg(long)]
-    pub(crate) values: bool,
+}
+
+/// How scalar values are shown, with what the colors mean.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct BarredValueArgs {
+    #[command(flatten)]
+    pub(crate) values: ValueArgs,
+    /// Leave out the scalar bar, which says what colors by value mean.
+    #[arg(long, requires = "color_by")]
+    no_scalar_bar: bool,
+}
+
+/// A value that is shown.
+#[derive(Clone, Debug)]
+pub(crate) struct ShownValue {
+    /// The number of its channel.
+    pub(crate) channel: usize,
+    pub(crate) colors: ValueColors,
+    pub(crate) bar: ColorBar,
+}
+
+impl BarredValueArgs {
+    pub(crate) fn has_bar(&self) -> bool {
+        !self.no_scalar_bar
+    }
+
+    /// What lies below pictures of so many columns.
+    ///
+    /// # Errors
+    /// Those of drawing it.
+    pub(crate) fn strip(&self, shown: &ShownValue, columns: usize) -> Result<Option<RgbaImage>> {
+        self.has_bar().then(|| shown.bar.strip(columns)).transpose()
+    }
 }
 
 /// Two ends of a range.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum ValueRange {
     Numbers([f32; 2]),
     /// Shares of what is in view, 0 to 1.
@@ -68,7 +100,22 @@ impl ValueArgs {
     /// # Errors
     /// `Invalid` where there is no channel of the name.
     pub(crate) fn channel(&self, channels: &[ValueChannel], place: &str) -> Result<Option<usize>> {
-        self.color_by.as_ref().map(|name| PictureValues::channel(channels, name, place)).transpose()
+        self.color_by.as_ref().map(|name| ValueChannel::named(channels, name, place)).transpose()
+    }
+
+    /// A channel as it is shown, given the values in view, ascending.
+    ///
+    /// # Errors
+    /// As [`Self::colors`].
+    pub(crate) fn shown(
+        &self,
+        channels: &[ValueChannel],
+        channel: usize,
+        in_view: &[f32],
+        place: &str,
+    ) -> Result<ShownValue> {
+        let colors = self.colors(&channels[channel], in_view, place)?;
+        Ok(ShownValue { channel, bar: ColorBar::of_values(&channels[channel], &colors), colors })
     }
 
     /// The colors of a channel, given the values in view, ascending.
@@ -78,10 +125,8 @@ impl ValueArgs {
     pub(crate) fn colors(&self, channel: &ValueChannel, in_view: &[f32], place: &str) -> Result<ValueColors> {
         let invalid = |what: String| Error::invalid(format!("{place}: value '{}'", channel.name), what);
         let at = |share: f32| {
-            let last = in_view.len().checked_sub(1);
-            let last =
-                last.ok_or_else(|| invalid("none is in view that --range could be a share of".to_owned()))?;
-            Ok::<_, Error>(in_view[(share * last as f32).round() as usize])
+            ranked_value(in_view, share)
+                .ok_or_else(|| invalid("none is in view that --range could be a share of".to_owned()))
         };
         let range = match self.range {
             None => channel.range,

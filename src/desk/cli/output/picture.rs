@@ -3,10 +3,10 @@
 use std::path::{Component, Path, PathBuf};
 
 use overlook_engine::error::{Error, Result};
+use overlook_engine::render::Picture;
 use overlook_engine::render::output::{
-    PictureValues, write_exr, write_exr_with_values, write_npy, write_png, write_value_png,
+    PictureValues, write_exr, write_exr_with_values, write_npy, write_png,
 };
-use overlook_engine::render::{Picture, ValueColors};
 
 /// Paths of a view's picture: its own name below the output folder, once with each extension.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -49,13 +49,13 @@ impl PicturePaths {
         write_png(&self.png, picture)
     }
 
-    /// The same of a picture that shows scalar values: they are layers of the EXR, the PNG is in the `colors` of a channel if given, and
-    /// where `as_arrays`, each channel is an array of `NumPy` beside it.
+    /// The same of a picture that shows scalar values: they are layers of the EXR, the PNG is the one in `colors` of a channel, and where
+    /// `as_arrays`, each channel is an array of `NumPy` beside it.
     pub(crate) fn write_with_values(
         &self,
         picture: &Picture,
         values: &PictureValues,
-        colors: Option<(usize, ValueColors)>,
+        colored: &Picture,
         as_arrays: bool,
     ) -> Result<()> {
         if let Some(folder) = self.exr.parent() {
@@ -67,15 +67,18 @@ impl PicturePaths {
                 write_npy(&self.array(&channel.name), picture, values, index)?;
             }
         }
-        match colors {
-            Some((channel, colors)) => write_value_png(&self.png, picture, values, channel, &colors),
-            None => write_png(&self.png, picture),
-        }
+        write_png(&self.png, colored)
     }
 
-    /// Where the array of a channel goes. What is no part of a file's name becomes an underscore.
+    /// Where the array of a channel goes. What is no part of a file's name is written as addresses write it, so that names stay distinct.
     fn array(&self, channel: &str) -> PathBuf {
-        let name = channel.replace(['/', '\\', ':'], "_");
+        let mut name = String::new();
+        for letter in channel.chars() {
+            match letter {
+                '/' | '\\' | ':' | '%' => name += &format!("%{:02X}", u32::from(letter)),
+                other => name.push(other),
+            }
+        }
         self.exr.with_extension(format!("{name}.npy"))
     }
 }
@@ -92,6 +95,15 @@ mod tests {
         assert_eq!(paths.png, Path::new("out/novel0/0001.png"));
         assert_eq!(PicturePaths::below(out, "./r_0.5").unwrap().png, Path::new("out/./r_0.5.png"));
         assert_eq!(PicturePaths::below(out, "a.PNG").unwrap().exr, Path::new("out/a.exr"));
+    }
+
+    #[test]
+    fn arrays_of_values_whose_names_differ_have_files_that_differ() {
+        let paths = PicturePaths::below(Path::new("out"), "0001").unwrap();
+        let names = ["a/b", "a:b", "a\\b", "a_b", "a%2Fb", "p [Pa]"].map(|name| paths.array(name));
+        assert_eq!(names[5], Path::new("out/0001.p [Pa].npy"));
+        assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), names.len());
+        assert!(names.iter().all(|path| path.parent() == Some(Path::new("out"))));
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub fn grid(
         ranges[nth].unwrap_or(AngleRange { first: own[nth][0], last: own[nth][1], count: counts[nth] })
     });
     let view_angle = cameras.first().map_or(VIEW_ANGLE, |camera| {
-        let lens = camera.intrinsics;
+        let lens = camera.intrinsics.in_perspective_from(radius);
         2.0 * (0.5 * f64::from(lens.height) / lens.fy).atan().to_degrees()
     });
     let at = |phi: f64, theta: f64| DatabaseCamera {
@@ -57,6 +57,7 @@ pub fn grid(
         focal_point: pivot,
         up,
         view_angle,
+        parallel_scale: None,
     };
     theta.angles().flat_map(|theta| phi.angles().map(move |phi| ([phi, theta], at(phi, theta)))).collect()
 }

@@ -123,6 +123,9 @@ impl Table {
             focal_point + direction(phi?, theta?, up) * radius?
         };
         let view_angle = self.number(row, "view_angle").unwrap_or(VIEW_ANGLE);
-        Some(DatabaseCamera { position, focal_point, up, view_angle })
+        // As VTK's cameras have it.
+        let is_parallel = self.number(row, "parallel_projection").is_some_and(|is_so| is_so != 0.0);
+        let parallel_scale = is_parallel.then(|| self.number(row, "parallel_scale").unwrap_or(0.0));
+        Some(DatabaseCamera { position, focal_point, up, view_angle, parallel_scale })
     }
 }

@@ -16,6 +16,8 @@ pub struct DatabaseCamera {
     pub up: DVec3,
     /// From the upper edge to the lower one, degrees.
     pub view_angle: f64,
+    /// Half of the world units from the upper edge to the lower one, where lines of sight are parallel.
+    pub parallel_scale: Option<f64>,
 }
 
 impl DatabaseCamera {
@@ -29,9 +31,13 @@ impl DatabaseCamera {
         (pose.is_finite() && self.position.is_finite()).then_some(pose)
     }
 
-    /// Pixels of focal length of pictures with so many rows; `None` where the angle is none.
+    /// Pixels of focal length of pictures with so many rows, or per world unit where lines of sight are parallel; `None` where the angle or
+    /// the scale is none.
     #[must_use]
     pub fn focal_length_px(&self, rows: f64) -> Option<f64> {
+        if let Some(scale) = self.parallel_scale {
+            return (scale > 0.0).then(|| 0.5 * rows / scale);
+        }
         let is_angle = self.view_angle > 0.0 && self.view_angle < 180.0;
         is_angle.then(|| 0.5 * rows / (0.5 * self.view_angle.to_radians()).tan())
     }
@@ -74,6 +80,7 @@ mod tests {
             focal_point: DVec3::ZERO,
             up: DVec3::new(0.0, 0.3, 1.0),
             view_angle: 90.0,
+            parallel_scale: None,
         };
         let pose = camera.world_from_camera().unwrap();
         assert!(
@@ -83,5 +90,8 @@ mod tests {
         assert!((camera.focal_length_px(480.0).unwrap() - 240.0).abs() < 1e-9);
         assert!(DatabaseCamera { up: DVec3::Y, ..camera }.world_from_camera().is_none(), "it looks along up");
         assert!(DatabaseCamera { view_angle: 0.0, ..camera }.focal_length_px(480.0).is_none());
+        let parallel = DatabaseCamera { parallel_scale: Some(3.0), ..camera };
+        assert_eq!(parallel.focal_length_px(480.0), Some(80.0), "pixels per world unit");
+        assert!(DatabaseCamera { parallel_scale: Some(0.0), ..camera }.focal_length_px(480.0).is_none());
     }
 }

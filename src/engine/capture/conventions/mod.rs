@@ -41,6 +41,11 @@ pub fn check(capture: &Capture) -> Result<Finding> {
     let chosen = ComparedViews::of(capture);
     let frames = chosen.frames(capture)?;
     let comparison = chosen.comparison(capture, &frames);
+    if capture.cameras.iter().any(|camera| camera.intrinsics.is_orthographic()) {
+        let why = "a camera is orthographic, and readings are compared between cameras in perspective alone";
+        let verdict = ConventionVerdict::Unknown { why: why.to_owned() };
+        return Ok(Finding { verdict, claimed: comparison.claimed, claimed_score: 0.0 });
+    }
     let finding = by_depth(&comparison);
     Ok(picture_search::refined(finding, &comparison, &frames))
 }

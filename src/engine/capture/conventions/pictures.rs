@@ -92,6 +92,7 @@ pub(super) fn small(lens: &Intrinsics, width: usize) -> Intrinsics {
         fy: lens.fy * scale,
         cx: lens.cx * scale,
         cy: lens.cy * scale,
+        projection: lens.projection,
     }
 }
 

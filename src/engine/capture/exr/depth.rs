@@ -178,7 +178,8 @@ impl DepthRules {
             return 0.0;
         }
         let ray = camera.world_from_camera.transform_vector3(camera.intrinsics.ray_in_camera(pixel));
-        self.inverse_of_planar((raw * self.unit_scale - camera.position_in_world().z) / ray.z)
+        let start = camera.line_of_sight_start(pixel);
+        self.inverse_of_planar((raw * self.unit_scale - start.z) / ray.z)
     }
 
     /// Inverse planar z of every pixel of `camera` from planes of world-space positions, in the file's unit, row-major. A
@@ -229,7 +230,8 @@ impl DepthRules {
             let in_camera = camera_from_world.transform_point3(point);
             let Some(found) = camera.intrinsics.project(in_camera) else { return f64::INFINITY };
             let pixel = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
-            let rounding = f64::from(step_relative) * point.length() * focal_px / in_camera.z;
+            let scale = if camera.intrinsics.is_orthographic() { 1.0 } else { in_camera.z };
+            let rounding = f64::from(step_relative) * point.length() * focal_px / scale;
             (found.distance(pixel) - 2.0 * rounding).max(0.0)
         };
         let hits = (0..inverse_depth.len()).step_by(step).filter(is_hit);
@@ -267,9 +269,18 @@ impl VectorLoop for DepthRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
 
     fn camera() -> Camera {
-        let intrinsics = Intrinsics { width: 9, height: 7, fx: 5.0, fy: 6.0, cx: 4.0, cy: 3.0 };
+        let intrinsics = Intrinsics {
+            width: 9,
+            height: 7,
+            fx: 5.0,
+            fy: 6.0,
+            cx: 4.0,
+            cy: 3.0,
+            projection: Projection::Perspective,
+        };
         Camera::look_at("c", intrinsics, DVec3::new(1.0, -4.0, 2.0), DVec3::new(0.5, 0.0, 0.0), DVec3::Z)
     }
 

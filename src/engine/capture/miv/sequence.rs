@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::capture::camera::Intrinsics;
+use crate::capture::camera::{Intrinsics, Projection};
 use crate::error::{Error, Result};
 
 /// The keys of a sequence that decide what its pictures mean; others are passed over.
@@ -165,7 +165,7 @@ pub(crate) fn projection(camera: &SequenceCamera, place: &str) -> Result<Intrins
         return Err(Error::invalid(place, what));
     };
     let [width, height] = camera.resolution;
-    Ok(Intrinsics { width, height, fx, fy, cx, cy })
+    Ok(Intrinsics { width, height, fx, fy, cx, cy, projection: Projection::Perspective })
 }
 
 #[cfg(test)]

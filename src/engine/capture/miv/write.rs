@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use tempfile::{NamedTempFile, TempPath};
 
 use super::sequence::{SequenceCamera, SequenceFile, rotation};
-use crate::capture::camera::Camera;
+use crate::capture::camera::{Camera, in_perspective};
 use crate::capture::parts::Capture;
 use crate::capture::yuv::{ColorMatrix, LevelOrder, LevelRange, PixelFormat, encode_color, encode_levels};
 use crate::error::{Error, Result};
@@ -42,9 +42,12 @@ struct CameraDepths {
 /// counted in frames, twice each.
 ///
 /// # Errors
-/// `Io` where something cannot be written, `Unsupported` for pictures of odd width or height, which 4:2:0 has not, whatever loading
-/// a frame gives, and [`Error::Cancelled`].
+/// `Io` where something cannot be written, `Unsupported` for orthographic cameras and for pictures of odd width or height, which 4:2:0
+/// has not, whatever loading a frame gives, and [`Error::Cancelled`].
 pub fn write_sequence(folder: &Path, name: &str, capture: &Capture, job: &Job) -> Result<()> {
+    let what =
+        "what reads raw video of this kind knows cameras in perspective alone; export points or pictures";
+    in_perspective(&capture.cameras, &capture.name, what)?;
     for camera in &capture.cameras {
         let (width, height) = camera.intrinsics.size();
         if width % 2 == 1 || height % 2 == 1 {

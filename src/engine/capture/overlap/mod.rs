@@ -18,5 +18,5 @@ mod shared;
 pub use depth_bounds::DepthBounds;
 pub use graph::OverlapGraph;
 pub(crate) use groups::{Neighbors, nearest_first};
-pub(crate) use registration::{PinholeLens, Registration};
+pub(crate) use registration::{Registration, TargetLens, relative_side};
 pub(crate) use shared::{pairs_by_number, pairs_by_share, share_seen};

@@ -174,12 +174,29 @@ fn draw([a, b, c]: [Vertex; 3], size: (usize, usize), target: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
 
-    const COLOR: Intrinsics = Intrinsics { width: 60, height: 40, fx: 50.0, fy: 50.0, cx: 30.0, cy: 20.0 };
+    const COLOR: Intrinsics = Intrinsics {
+        width: 60,
+        height: 40,
+        fx: 50.0,
+        fy: 50.0,
+        cx: 30.0,
+        cy: 20.0,
+        projection: Projection::Perspective,
+    };
 
     fn grid(distortion: Option<Distortion>, shift: DVec3) -> DepthGrid {
         DepthGrid {
-            intrinsics: Intrinsics { width: 24, height: 16, fx: 18.0, fy: 18.0, cx: 12.0, cy: 8.0 },
+            intrinsics: Intrinsics {
+                width: 24,
+                height: 16,
+                fx: 18.0,
+                fy: 18.0,
+                cx: 12.0,
+                cy: 8.0,
+                projection: Projection::Perspective,
+            },
             distortion,
             color_from_depth: DAffine3::from_translation(shift),
         }

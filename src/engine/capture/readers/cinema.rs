@@ -8,7 +8,7 @@ use super::place::SourceFolder;
 use super::reader::{Description, ReadSource, Reader};
 use super::views::{entry, lens, rig_or_recording};
 use crate::capture::cinema::{DATA, DEPTH_FILE, DatabaseCamera, PICTURE_FILE, Table};
-use crate::capture::transforms::{Keys, PictureEntry};
+use crate::capture::transforms::{Keys, ORTHOGRAPHIC, PictureEntry};
 use crate::error::{Error, Result};
 
 /// Cinema.
@@ -42,7 +42,7 @@ impl Reader for Cinema {
             source: self.source().to_owned(),
             poses: "position, focal point and up of every row, or phi and theta about up".to_owned(),
             depth: "planar z in the unit of positions".to_owned(),
-            lens: "view_angle of every row, from the upper edge to the lower one".to_owned(),
+            lens: "view_angle of every row, from the upper edge to the lower one, or parallel_scale, half of it in world units, where parallel_projection is 1".to_owned(),
             ..Description::default()
         };
         let mut frames = Vec::new();
@@ -62,13 +62,14 @@ impl Reader for Cinema {
             let size = image::image_dimensions(place.join(picture)).ok();
             let focal = size.and_then(|(_, rows)| camera.focal_length_px(f64::from(rows)));
             let (Some((columns, rows)), Some(focal)) = (size, focal) else {
-                description.skip("without a size or an angle of view", picture);
+                description.skip("without a size, or an angle of view or parallel_scale", picture);
                 continue;
             };
             let [columns, rows] = [columns, rows].map(f64::from);
             let keys = Keys {
                 camera: Some(names.of(&camera)),
                 frame: Some(table.number(row, "time").unwrap_or(0.0)),
+                camera_model: camera.parallel_scale.map(|_| ORTHOGRAPHIC.to_owned()),
                 ..lens(focal, focal, 0.5 * columns, 0.5 * rows, 0.5)
             };
             frames.push(PictureEntry { keys, ..entry(picture.to_owned(), Some(depth.to_owned()), &pose) });

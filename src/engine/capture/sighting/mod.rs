@@ -34,6 +34,8 @@ pub struct Landing {
     pub position: DVec2,
     /// Planar depth of the point in the camera, above 0.
     pub depth: f64,
+    /// What tolerances are shares of where that is not the depth that was found: see [`Intrinsics::depth_scale`].
+    pub scale: Option<f64>,
 }
 
 impl Landing {
@@ -41,30 +43,41 @@ impl Landing {
     #[must_use]
     pub fn of(point_in_world: DVec3, camera: &Camera, size: (usize, usize)) -> Option<Self> {
         let (position, depth) = camera.project(point_in_world)?;
-        Self::at(position, depth, size)
+        Self::at(&camera.intrinsics, position, depth, size)
     }
 
     /// A point in camera space in a picture of `size` pixels behind a lens; `None` behind the camera and beside the picture.
     #[must_use]
     pub fn through(lens: &Intrinsics, point_in_camera: DVec3, size: (usize, usize)) -> Option<Self> {
-        Self::at(lens.project(point_in_camera)?, point_in_camera.z, size)
+        Self::at(lens, lens.project(point_in_camera)?, point_in_camera.z, size)
     }
 
-    /// An image position and a planar depth in a picture of `size` pixels; `None` beside the picture.
+    /// An image position and a planar depth in a picture of `size` pixels behind a lens; `None` beside the picture.
     #[must_use]
-    pub fn at(position: DVec2, depth: f64, size: (usize, usize)) -> Option<Self> {
+    pub fn at(lens: &Intrinsics, position: DVec2, depth: f64, size: (usize, usize)) -> Option<Self> {
         let is_inside = position.x >= 0.0
             && position.y >= 0.0
             && position.x < size.0 as f64
             && position.y < size.1 as f64;
         let pixel = (position.x as usize, position.y as usize);
-        is_inside.then_some(Self { pixel, position, depth })
+        let scale = lens.is_orthographic().then(|| lens.depth_scale(depth));
+        is_inside.then_some(Self { pixel, position, depth, scale })
     }
 
     /// What is seen where the picture has an inverse depth: 0 is at infinity, negative is none.
     #[must_use]
     pub fn compare(&self, inverse_depth: f32, tolerance: f64) -> Sighting {
-        compare(inverse_depth, self.depth, tolerance)
+        let Some(scale) = self.scale.filter(|_| inverse_depth > 0.0) else {
+            return compare(inverse_depth, self.depth, tolerance);
+        };
+        let farther = f64::from(inverse_depth).recip() - self.depth;
+        if farther.abs() < tolerance * scale {
+            Sighting::Same
+        } else if farther < 0.0 {
+            Sighting::Nearer
+        } else {
+            Sighting::Farther
+        }
     }
 }
 
@@ -101,6 +114,19 @@ mod tests {
         let intrinsics = Intrinsics::from_horizontal_angle(8, 6, 1.0);
         let camera = Camera { name: "c".into(), intrinsics, world_from_camera: glam::DAffine3::IDENTITY };
         (camera, Grid::from_fn(8, 6, |x, _| if x == 0 { -1.0 } else { 0.5 }))
+    }
+
+    #[test]
+    fn tolerances_of_an_orthographic_camera_are_shares_of_the_width_of_its_picture() {
+        let intrinsics = Intrinsics::orthographic(8, 6, 2.0);
+        let camera = Camera { name: "c".into(), intrinsics, world_from_camera: glam::DAffine3::IDENTITY };
+        for depth in [0.5, 800.0] {
+            let wall = Grid::filled(8, 6, (1.0 / depth) as f32);
+            let seen = |z: f64| look(&camera, &wall, DVec3::new(0.2, 0.1, z), 0.01);
+            assert_eq!(seen(depth + 0.015), Sighting::Same, "{depth}");
+            assert_eq!(seen(depth + 0.03), Sighting::Nearer, "{depth}");
+            assert_eq!(seen(depth - 0.03), Sighting::Farther, "{depth}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::lens::LensKeys;
 use super::pose;
-use crate::capture::camera::{Camera, Intrinsics};
+use crate::capture::camera::{Camera, Intrinsics, Projection};
 use crate::capture::pictures::{DepthGrid, Distortion};
 use crate::capture::pose_convention::PoseConvention;
 use crate::error::{Error, Result};
@@ -88,6 +88,7 @@ impl DepthCamera {
                 fy: self.focal_px.1,
                 cx: self.center_px.0.unwrap_or(0.5 * width as f64),
                 cy: self.center_px.1.unwrap_or(0.5 * height as f64),
+                projection: Projection::Perspective,
             },
             distortion: self.distortion,
             color_from_depth,
@@ -125,6 +126,7 @@ pub(crate) fn shared_grid(
         fy: own.fy * sy,
         cx: own.cx * sx,
         cy: own.cy * sy,
+        projection: own.projection,
     };
     Ok(DepthGrid { intrinsics, distortion, color_from_depth: DAffine3::IDENTITY })
 }

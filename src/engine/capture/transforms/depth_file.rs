@@ -145,6 +145,13 @@ fn exr_size(path: &Path, camera: &Camera, place: &str) -> Result<(usize, usize)>
 fn grid_of(size: (usize, usize), files: &PictureFiles, camera: &Camera, place: &str) -> Result<DepthGrid> {
     match &files.depth_camera {
         Some(depth_camera) => Ok(depth_camera.grid(size, camera)),
+        None if camera.intrinsics.is_orthographic() && size != camera.intrinsics.size() => {
+            let what = format!(
+                "the depth is {}×{} and the color of its orthographic camera {}×{}; write both at one size",
+                size.0, size.1, camera.intrinsics.width, camera.intrinsics.height
+            );
+            Err(Error::unsupported(place, what))
+        }
         None => shared_grid(size, camera, files.distortion, place),
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::manifest::Keys;
-use crate::capture::camera::{Intrinsics, MAX_PIXELS, MAX_SIDE, is_believable_size};
+use crate::capture::camera::{Intrinsics, MAX_PIXELS, MAX_SIDE, Projection, is_believable_size};
 use crate::error::{Error, Result};
 
 /// Focal lengths beyond this many pixels see less than a thousandth of a degree.
@@ -22,7 +22,14 @@ pub(super) fn intrinsics(
 ) -> Result<Intrinsics> {
     let (width, height) = picture_size(keys, size, place)?;
     let (w, h) = (f64::from(width), f64::from(height));
+    let projection = keys.lens.projection(keys.camera_model.as_deref());
+    if projection == Projection::Orthographic {
+        refuse_for_orthographic(keys, place)?;
+    }
     let degrees = |value: Option<f64>| value.map(f64::to_radians);
+    let scale = keys.lens.ortho_scale().filter(|_| projection == Projection::Orthographic);
+    let scaled = scale.map(|scale| w.max(h) / scale);
+    let keys = &Keys { fl_x: keys.fl_x.or(scaled), ..keys.clone() };
     let fx = focal_px(keys.fl_x, "camera_angle_x", keys.camera_angle_x, w, place)?;
     let fx = focal_px(fx, "x_fov, in radians,", degrees(keys.x_fov), w, place)?;
     let fy = focal_px(keys.fl_y, "camera_angle_y", keys.camera_angle_y, h, place)?;
@@ -31,6 +38,10 @@ pub(super) fn intrinsics(
         (Some(fx), Some(fy)) => (fx, fy),
         (Some(fx), None) => (fx, fx * pixel_aspect()),
         (None, Some(fy)) => (fy / pixel_aspect(), fy),
+        (None, None) if projection == Projection::Orthographic => {
+            let what = "there is no scale of the orthographic camera; give fl_x, pixels per world unit, or ortho_scale, world units along the longer side";
+            return Err(Error::invalid(place, what));
+        }
         (None, None) => {
             let what = "there is no focal length; give fl_x (pixels) or camera_angle_x";
             return Err(Error::invalid(place, what));
@@ -59,7 +70,32 @@ pub(super) fn intrinsics(
             return Err(Error::invalid(place, format!("{name} is {center}, far outside the picture")));
         }
     }
-    Ok(Intrinsics { width, height, fx, fy, cx, cy })
+    Ok(Intrinsics { width, height, fx, fy, cx, cy, projection })
+}
+
+/// Refuses keys that mean nothing for an orthographic camera, or are not read for one.
+fn refuse_for_orthographic(keys: &Keys, place: &str) -> Result<()> {
+    let has_scale = keys.fl_x.or(keys.fl_y).or(keys.lens.ortho_scale()).is_some();
+    let angles = [
+        ("camera_angle_x", keys.camera_angle_x),
+        ("camera_angle_y", keys.camera_angle_y),
+        ("x_fov", keys.x_fov),
+        ("y_fov", keys.y_fov),
+    ];
+    // Blender's exporters write an angle whatever the camera is.
+    let angle = angles.iter().find(|(_, angle)| !has_scale && angle.is_some());
+    let what = if let Some((name, _)) = angle {
+        format!(
+            "{name} is no angle of view of an orthographic camera; give fl_x, pixels per world unit, or ortho_scale, world units along the longer side"
+        )
+    } else if keys.depth_camera.is_some() {
+        "depth_camera is not read for an orthographic camera; write color and depth of one camera".to_owned()
+    } else if keys.raw_video.depth_range.is_some() {
+        "depth_range is even in 1/z, as depth buffers in perspective are, and that of an orthographic camera is even in z; write planar_z, the distance from the camera's plane".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(Error::invalid(place, what))
 }
 
 /// A focal length as it is given, or else from the angle of view over `side` pixels.

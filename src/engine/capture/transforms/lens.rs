@@ -1,9 +1,10 @@
 //! Keys of a manifest that describe a lens other than a pinhole, by the names that several programs give them: lenses that are
-//! undone while reading, and lenses that are refused.
+//! undone while reading, lenses whose lines of sight are parallel, and lenses that are refused.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::capture::camera::Projection;
 use crate::capture::pictures::Distortion;
 use crate::error::{Error, Result};
 
@@ -17,7 +18,7 @@ const LIST: &str = "distortion_params";
 const FISHEYE: &str = "is_fisheye";
 
 /// Other keys of lenses that are no pinholes, and are not undone.
-const OTHER_LENSES: [&str; 10] = [
+const OTHER_LENSES: [&str; 9] = [
     "p3",
     "p4",
     "ftheta_p0",
@@ -27,14 +28,19 @@ const OTHER_LENSES: [&str; 10] = [
     "ftheta_p4",
     "latlong",
     "equirectangular",
-    "orthographic",
 ];
+
+/// Whether lines of sight are parallel, a word or a number.
+const ORTHOGRAPHIC: &str = "orthographic";
+
+/// Blender's width of an orthographic picture, along its longer side, world units.
+const ORTHO_SCALE: &str = "ortho_scale";
 
 /// Blender's word for perspective, orthographic and panoramic cameras.
 const CAMERA_TYPE: &str = "camera_type";
 
 /// Parts of the names of camera types that are no pinholes.
-const NO_PINHOLES: [&str; 5] = ["ortho", "fisheye", "pano", "equirect", "spher"];
+const NO_PINHOLES: [&str; 4] = ["fisheye", "pano", "equirect", "spher"];
 
 /// The keys of lenses that are given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,7 +53,7 @@ impl From<Map<String, Value>> for LensKeys {
         let is_known = |key: &str| {
             COEFFICIENTS.contains(&key)
                 || OTHER_LENSES.contains(&key)
-                || [CAMERA_TYPE, LIST, FISHEYE].contains(&key)
+                || [CAMERA_TYPE, LIST, FISHEYE, ORTHOGRAPHIC, ORTHO_SCALE].contains(&key)
         };
         keys.retain(|key, value| is_known(key.as_str()) && !value.is_null());
         Self(keys)
@@ -70,7 +76,22 @@ impl LensKeys {
         self.0.get(key).and_then(Value::as_f64).unwrap_or(0.0)
     }
 
-    /// What the lens does to the picture; `None` where it is a pinhole.
+    /// How points come into the picture, by the model, Blender's type or a key of its own.
+    pub(super) fn projection(&self, model: Option<&str>) -> Projection {
+        let camera_type = self.0.get(CAMERA_TYPE).and_then(Value::as_str);
+        let says_so =
+            |word: Option<&str>| word.is_some_and(|word| word.to_ascii_lowercase().starts_with("ortho"));
+        let is_so =
+            says_so(model) || says_so(camera_type) || self.0.get(ORTHOGRAPHIC).is_some_and(is_anything);
+        if is_so { Projection::Orthographic } else { Projection::Perspective }
+    }
+
+    /// World units along the longer side of an orthographic picture, where they are given.
+    pub(super) fn ortho_scale(&self) -> Option<f64> {
+        self.0.get(ORTHO_SCALE).map(|value| value.as_f64().unwrap_or(f64::NAN))
+    }
+
+    /// What the lens does to the picture; `None` where it is a pinhole, or orthographic.
     ///
     /// # Errors
     /// `Unsupported` for a lens that is not undone.
@@ -84,6 +105,13 @@ impl LensKeys {
         };
         if let Some(key) = self.0.keys().find(|key| self.speaks_of_another_lens(key)) {
             return refuse(&format!("a lens with '{key}'"));
+        }
+        if self.projection(Some(&model)) == Projection::Orthographic {
+            let bent = self.0.iter().find(|(key, value)| {
+                (COEFFICIENTS.contains(&key.as_str()) || [LIST, FISHEYE].contains(&key.as_str()))
+                    && is_anything(value)
+            });
+            return bent.map_or(Ok(None), |(key, _)| refuse(&format!("an orthographic camera with '{key}'")));
         }
         let list: Vec<f64> = match self.0.get(LIST).and_then(Value::as_array) {
             Some(values) => values.iter().map(|value| value.as_f64().unwrap_or(0.0)).collect(),

@@ -66,6 +66,7 @@ pub use path::{Easing, PathFile, PathView, open_path, path_from_json, path_to_js
 pub use pictures_of_views::open_pictures;
 pub(crate) use pose::opengl_matrix;
 pub(crate) use raw_video::RawVideoKeys;
+pub(crate) use write::ORTHOGRAPHIC;
 pub use write::{picture_name, write_cameras, write_capture};
 
 use std::collections::BTreeSet;

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::manifest::{Manifest, PictureEntry};
 use super::view_list::{self, ViewList};
+use super::write::ORTHOGRAPHIC;
 use super::{frame_numbers, header_probe, intrinsics, pose};
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::pose_convention::upright;
@@ -86,6 +87,9 @@ struct WrittenView {
     file_path: String,
     transform_matrix: Vec<Vec<f64>>,
     frame: i64,
+    /// Where it is not the file's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    camera_model: Option<&'static str>,
     fl_x: f64,
     fl_y: f64,
     cx: f64,
@@ -102,11 +106,12 @@ struct WrittenView {
 /// `Invalid` where a pose or a lens holds numbers that are not finite.
 pub fn path_to_json(up_in_world: DVec3, views: &[PathView]) -> Result<String> {
     let written = views.iter().enumerate().map(|(index, view)| {
-        let Intrinsics { width, height, fx, fy, cx, cy } = view.camera.intrinsics;
+        let Intrinsics { width, height, fx, fy, cx, cy, .. } = view.camera.intrinsics;
         WrittenView {
             file_path: format!("path/{:04}.exr", index + 1),
             transform_matrix: pose::opengl_matrix(&view.camera.world_from_camera),
             frame: view.frame_number,
+            camera_model: view.camera.intrinsics.is_orthographic().then_some(ORTHOGRAPHIC),
             fl_x: fx,
             fl_y: fy,
             cx,
@@ -214,9 +219,18 @@ fn views_of(manifest: &Manifest, place: &Path, folder: Option<&Path>) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::Projection;
 
     fn view(x: f64, frame_number: i64, is_key: bool) -> PathView {
-        let lens = Intrinsics { width: 64, height: 48, fx: 70.5, fy: 71.25, cx: 31.0, cy: 25.5 };
+        let lens = Intrinsics {
+            width: 64,
+            height: 48,
+            fx: 70.5,
+            fy: 71.25,
+            cx: 31.0,
+            cy: 25.5,
+            projection: Projection::Perspective,
+        };
         let camera = Camera::look_at("path", lens, DVec3::new(x, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
         PathView { camera, frame_number, is_key }
     }

@@ -1,6 +1,6 @@
 //! Whether two entries of a manifest were recorded by one camera: equal but for rounding.
 
-use crate::capture::camera::{Camera, Intrinsics};
+use crate::capture::camera::{Camera, Intrinsics, Projection};
 use crate::error::{Error, Result};
 
 /// How far two positions of one camera may be apart, relative to the distance from the origin up to [`NEAR`]: matrices
@@ -102,9 +102,14 @@ pub(super) fn turned_by_degrees(a: &Camera, b: &Camera) -> f64 {
 }
 
 fn lens_differences(a: &Intrinsics, b: &Intrinsics) -> [f64; 4] {
-    [a.fx - b.fx, a.fy - b.fy, a.cx - b.cx, a.cy - b.cy]
+    // Of orthographic cameras by what they move at the edges of the picture: pixels per unit may be of any size.
+    let [by_x, by_y] = match a.projection {
+        Projection::Perspective => [1.0, 1.0],
+        Projection::Orthographic => [f64::from(a.width) / a.fx, f64::from(a.height) / a.fy],
+    };
+    [(a.fx - b.fx) * by_x, (a.fy - b.fy) * by_y, a.cx - b.cx, a.cy - b.cy]
 }
 
 fn same_lens(a: &Intrinsics, b: &Intrinsics) -> bool {
-    lens_differences(a, b).iter().all(|d| d.abs() <= SAME_INTRINSICS_PX)
+    a.projection == b.projection && lens_differences(a, b).iter().all(|d| d.abs() <= SAME_INTRINSICS_PX)
 }

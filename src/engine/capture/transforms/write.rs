@@ -74,6 +74,9 @@ struct WrittenEntry<'a> {
     transform_matrix: Vec<Vec<f64>>,
     camera: &'a str,
     time: f64,
+    /// Where it is not the file's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    camera_model: Option<&'static str>,
     fl_x: f64,
     fl_y: f64,
     cx: f64,
@@ -82,15 +85,19 @@ struct WrittenEntry<'a> {
     h: f64,
 }
 
+/// The model of cameras whose lines of sight are parallel.
+pub(crate) const ORTHOGRAPHIC: &str = "ORTHOGRAPHIC";
+
 /// Writes a manifest, which appears only when it is complete.
 fn write_manifest(path: &Path, facts: ManifestFacts<'_>, pictures: &[PictureToWrite]) -> Result<()> {
     let frames = pictures.iter().map(|PictureToWrite { file_path, camera, frame_number }| {
-        let Intrinsics { width, height, fx, fy, cx, cy } = camera.intrinsics;
+        let Intrinsics { width, height, fx, fy, cx, cy, .. } = camera.intrinsics;
         WrittenEntry {
             file_path,
             transform_matrix: pose::opengl_matrix(&camera.world_from_camera),
             camera: &camera.name,
             time: *frame_number as f64,
+            camera_model: camera.intrinsics.is_orthographic().then_some(ORTHOGRAPHIC),
             fl_x: fx,
             fl_y: fy,
             cx,

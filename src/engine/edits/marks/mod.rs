@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::evidence::Evidence;
 use super::region::Region;
-use super::region_test::RegionTest;
+use super::region_test::{RegionContext, RegionTest};
 use super::seen::{ImageMarks, PixelRays, Seen};
 use super::votes::SampleVotes;
 use crate::error::{Error, Result};
@@ -106,7 +106,8 @@ impl SampleMarks {
         let of_image = |index: usize| {
             let facts = images.facts_of(index);
             let camera = &outline.cameras[facts.camera as usize];
-            let test = RegionTest::new(region, camera, &self.regions);
+            let context = RegionContext { camera, channels: &outline.values, marked: &self.regions };
+            let test = RegionTest::new(region, context);
             if let RegionTest::Constant(inside) = test {
                 return Ok(inside.then(|| vec![true; facts.samples].into_boxed_slice()));
             }

@@ -35,7 +35,7 @@ pub(super) fn points_of(
     let width = camera.intrinsics.pixel_width(1.0, PixelSide::Longer);
     let points = image.samples().filter(|sample| inverse_depths[sample.index] > 0.0).map(|sample| {
         let seen = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
-        let reach = (footprints * width * seen.depth) as f32;
+        let reach = (footprints * width * camera.intrinsics.spread_at(seen.depth)) as f32;
         Point {
             at: origin.to_point(seen.point_in_world),
             reach,

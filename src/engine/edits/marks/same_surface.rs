@@ -88,7 +88,13 @@ impl SurfaceRule {
         let mut eyes = vec![Vec3::ZERO; images.len()];
         for &index in &shown {
             let camera = &outline.cameras[images.facts_of(index).camera as usize];
-            eyes[index] = Vec3::from(origin.to_point(camera.position_in_world()));
+            // Parallel lines of sight come from far away.
+            let eye = if camera.intrinsics.is_orthographic() {
+                self.seed_in_world - 1e5 * camera.intrinsics.depth_scale(1.0) * camera.forward_in_world()
+            } else {
+                camera.position_in_world()
+            };
+            eyes[index] = Vec3::from(origin.to_point(eye));
         }
         let tree = PointTree::new(found.iter().flat_map(|(points, _)| points).copied().collect());
         let mut flood = Flood::new(&tree, &eyes);

@@ -112,7 +112,7 @@ impl<'a> SeenSurface<'a> {
             );
         }
         let direction = self.camera_from_world.transform_vector3(seen.direction_in_world);
-        Landing::at(self.lens.project(direction)?, f64::INFINITY, size)
+        Landing::at(&self.lens, self.lens.project(direction)?, f64::INFINITY, size)
     }
 
     fn is_own(&self, camera: &Camera) -> bool {
@@ -127,7 +127,7 @@ impl<'a> SeenSurface<'a> {
     fn paint(&self, image: &SampleImage, camera: &Camera, part: &DepthPart) {
         let (rays, inverse_depths) = (PixelRays::of(camera), image.inverse_depths());
         let is_own = self.is_own(camera);
-        // Pixels of the picture along one of the camera's at the same depth.
+        // Pixels of the picture along half of one of the camera's at the same depth.
         let width = |lens: &Intrinsics| lens.pixel_width(1.0, PixelSide::Longer);
         let magnified = 0.5 * width(&camera.intrinsics) / width(&self.lens);
         for sample in image.samples() {
@@ -141,7 +141,9 @@ impl<'a> SeenSurface<'a> {
             let Some(landing) = self.landing(&seen).filter(|landing| landing.depth.is_finite()) else {
                 continue;
             };
-            let half = DVec2::splat((magnified * seen.depth / landing.depth).min(WIDEST));
+            let (seen_at, here) =
+                (camera.intrinsics.spread_at(seen.depth), self.lens.spread_at(landing.depth));
+            let half = DVec2::splat((magnified * seen_at / here).min(WIDEST));
             let bits = ((1.0 / landing.depth) as f32).to_bits();
             // The pixels whose centers it covers, and the one that it lies in.
             let ends = [landing.position - half, landing.position + half];

@@ -152,7 +152,8 @@ impl<'a> Consensus<'a> {
         let layer = &self.layers[camera];
         let recorded = layer.inverse_depth[pixel];
         let noise = layer.depth_noise_between(pixel);
-        let own_side = self.pairs.registration(camera, camera).source_side;
+        let own = self.pairs.registration(camera, camera);
+        let own_side = own.relative_source_side(recorded);
         if recorded <= 0.0 || noise <= own_side {
             return AgreedSample::recorded(layer, pixel);
         }
@@ -185,7 +186,7 @@ impl<'a> Consensus<'a> {
         AgreedSample {
             color: color.mean().map(|steps| f16::from_f32(linear_from_srgb(steps / 255.0))),
             inverse_depth: refined,
-            is_doubtful: missed >= MISSED_BY && !is_confirmed && !self.votes.is_thin(layer, pixel, own_side),
+            is_doubtful: missed >= MISSED_BY && !is_confirmed && !self.votes.is_thin(layer, pixel, own),
         }
     }
 
@@ -311,7 +312,7 @@ struct Corners {
     expected: f32,
     /// The size of the camera's pixels on it, relative to its own.
     coarseness: f32,
-    /// The side of the camera's pixels at depth 1.
+    /// The side of the camera's pixels there, relative to that depth.
     side: f32,
 }
 
@@ -334,8 +335,12 @@ impl Corners {
             }
             (at, weight)
         };
-        let coarseness = registration.target.side * expected * inverse_depth / registration.source_side;
-        let side = registration.target.side;
+        let coarseness = if registration.has_orthographic() {
+            registration.coarseness(inverse_depth, reprojected.point[2][0])
+        } else {
+            registration.target.side * expected * inverse_depth / registration.source_side
+        };
+        let side = registration.target.relative_side(expected.recip());
         Self { pixels: [0, 1, 2, 3].map(corner), expected, coarseness, side }
     }
 

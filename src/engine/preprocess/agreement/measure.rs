@@ -233,7 +233,7 @@ fn add_differences(
         if there <= 0.0 || target.level[found] == NO_SAMPLE {
             continue;
         }
-        let footprint = (registration.source_side * there).max(registration.target.side * w);
+        let footprint = registration.larger_footprint(w, there);
         let relative = required.depth[lane] * footprint / there;
         if relative > FARTHEST_RELATIVE {
             continue;

@@ -8,7 +8,7 @@
 
 use std::sync::OnceLock;
 
-use crate::capture::overlap::OverlapGraph;
+use crate::capture::overlap::{OverlapGraph, relative_side};
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::temporal::SpanLevel;
 use crate::samples::{TILE, TILE_SAMPLES};
@@ -33,8 +33,8 @@ type SmoothTile = Box<[f32; TILE_SAMPLES]>;
 /// Inverse depths of all cameras, smoothed.
 pub(crate) struct SmoothDepths {
     level: SpanLevel,
-    /// Side of each camera's pixels at depth 1.
-    sides: Vec<f32>,
+    /// Side of each camera's pixels at depth 1, and whether it is the same at any depth.
+    sides: Vec<(f32, bool)>,
     /// Per camera, tile by tile.
     tiles: Vec<Vec<OnceLock<SmoothTile>>>,
 }
@@ -42,12 +42,19 @@ pub(crate) struct SmoothDepths {
 impl SmoothDepths {
     /// Of the samples of a level and of those above.
     pub(crate) fn new(pairs: &OverlapGraph<'_>, level: SpanLevel) -> Self {
-        let side = |camera: usize| pairs.registration(camera, camera).source_side;
+        let side = |camera: usize| {
+            let own = pairs.registration(camera, camera);
+            (own.source_side, own.source_is_orthographic)
+        };
         let sizes = pairs.cameras().iter().map(|camera| camera.intrinsics.size());
         Self::of_sizes(sizes, level, (0..pairs.cameras().len()).map(side).collect())
     }
 
-    fn of_sizes(sizes: impl Iterator<Item = (usize, usize)>, level: SpanLevel, sides: Vec<f32>) -> Self {
+    fn of_sizes(
+        sizes: impl Iterator<Item = (usize, usize)>,
+        level: SpanLevel,
+        sides: Vec<(f32, bool)>,
+    ) -> Self {
         let tiles = sizes.map(|(width, height)| {
             let count = width.div_ceil(TILE) * height.div_ceil(TILE);
             (0..count).map(|_| OnceLock::new()).collect()
@@ -90,13 +97,14 @@ impl SmoothDepths {
     fn pixel(&self, layer: &CameraLayer, camera: usize, x: usize, y: usize) -> f32 {
         let here = layer.inverse_depth[y * layer.width + x];
         let noise = layer.depth_noise_between(y * layer.width + x);
-        if here <= 0.0 || noise <= self.sides[camera] {
+        let (side, is_orthographic) = self.sides[camera];
+        let side = relative_side(side, is_orthographic, here);
+        if here <= 0.0 || noise <= side {
             return here;
         }
         let explained = SIGMAS * noise * here;
         // Two are a difference apart.
-        let (steady, per_pixel) =
-            (std::f32::consts::SQRT_2 * explained, SURFACE_FOOTPRINTS * self.sides[camera] * here);
+        let (steady, per_pixel) = (std::f32::consts::SQRT_2 * explained, SURFACE_FOOTPRINTS * side * here);
         let (mut count, mut sx, mut sy, mut sxx, mut sxy, mut syy) =
             (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
         let (mut sv, mut sxv, mut syv) = (0.0_f32, 0.0_f32, 0.0_f32);
@@ -171,7 +179,7 @@ mod tests {
             _ => plane(x, y),
         };
         let layers = [layer(|x, y| truth(x, y) * (1.0 + noise(x, y)))];
-        let smooth = SmoothDepths::of_sizes([(48, 48)].into_iter(), 0, vec![0.001]);
+        let smooth = SmoothDepths::of_sizes([(48, 48)].into_iter(), 0, vec![(0.001, false)]);
         let (mut before, mut after) = (0.0, 0.0);
         for (x, y) in (0..48 * 48).map(|pixel| (pixel % 48, pixel / 48)) {
             let (recorded, found) = (layers[0].inverse_depth[y * 48 + x], smooth.at(&layers, 0, [x, y]));

@@ -69,6 +69,14 @@ pub(super) const RESOLVES: f32 = 2.0;
 const SURFACE_FOOTPRINTS: f32 = 8.0;
 const SIGMAS: f32 = 3.0;
 
+/// Whether the target's pixels are too large to show a sample at inverse depth `w`, whose depth there, times `w`, is `depth`.
+fn is_too_coarse(registration: &Registration, w: f32, depth: f32) -> bool {
+    if registration.has_orthographic() {
+        return registration.coarseness(w, depth) > RESOLVES;
+    }
+    registration.target.side * depth > RESOLVES * registration.source_side
+}
+
 /// The directions in which a thing may be thin.
 const ACROSS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
 
@@ -199,9 +207,7 @@ impl VoteTest {
         let block = source.run;
         let TargetRun { layer: target, reprojected } = target;
         let depth = reprojected.point[2][lane];
-        if block.inverse_depth[lane] <= 0.0
-            || registration.target.side * depth > RESOLVES * registration.source_side
-        {
+        if block.inverse_depth[lane] <= 0.0 || is_too_coarse(registration, block.inverse_depth[lane], depth) {
             return false;
         }
         if is_thin(lane) {
@@ -222,10 +228,11 @@ impl VoteTest {
     }
 
     /// Whether a sample belongs to a thing one pixel wide in its own picture: what is on both sides of it is behind, and what is
-    /// beside it elsewhere does not. A sample all by itself is a stray one. `side` is that of a pixel at depth 1.
-    pub(crate) fn is_thin(&self, layer: &CameraLayer, pixel: usize, side: f32) -> bool {
+    /// beside it elsewhere does not. A sample all by itself is a stray one. The registration is one of its camera.
+    pub(crate) fn is_thin(&self, layer: &CameraLayer, pixel: usize, own: &Registration) -> bool {
         let (x, y) = (pixel % layer.width, pixel / layer.width);
         let here = layer.inverse_depth[pixel];
+        let side = own.relative_source_side(here);
         let noise = SIGMAS * std::f32::consts::SQRT_2 * layer.depth_noise_between(pixel);
         let [apart, together] =
             [self.depth_footprints, SURFACE_FOOTPRINTS].map(|footprints| here * noise.max(footprints * side));
@@ -272,7 +279,7 @@ impl VoteTest {
         let (x, y) = (pixel as usize % layer.width, pixel as usize / layer.width);
         let block = PixelRun::<1>::new(layer, x, y, 1);
         let mut votes = VotedRun::NONE;
-        let is_thin = |_| self.is_thin(layer, pixel as usize, registration.source_side);
+        let is_thin = |_| self.is_thin(layer, pixel as usize, registration);
         self.add(registration, SourceRun::of_layer(layer, &block), target, 1, is_thin, &mut votes);
         match votes.counts(0) {
             VoteCounts { confirm: 1, .. } => Vote::Confirms,

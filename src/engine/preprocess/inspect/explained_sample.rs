@@ -83,6 +83,9 @@ impl<'a> ExplainedSample<'a> {
     fn find(&self, target: &Camera, layer: &CameraLayer) -> Option<CandidatePixel> {
         let (position, depth_expected) = if let Some(point) = self.point_in_world() {
             target.project(point)?
+        } else if target.intrinsics.is_orthographic() {
+            // It sees one direction at infinity, wherever a pixel lies.
+            return None;
         } else {
             let direction =
                 self.source.world_from_camera.matrix3 * self.source.intrinsics.ray_in_camera(self.center());
@@ -200,7 +203,8 @@ impl<'a> ExplainedSample<'a> {
             normal.dot(point - surface).abs()
         };
         let side = |camera: &Camera| (camera.intrinsics.fx * camera.intrinsics.fy).sqrt().recip();
-        let footprint = (side(self.source) / self.inverse_depth).max(side(target) * depth);
+        let own = if self.source.intrinsics.is_orthographic() { 1.0 } else { self.inverse_depth };
+        let footprint = (side(self.source) / own).max(side(target) * target.intrinsics.spread_at(depth));
         Some((distance / footprint, footprint))
     }
 

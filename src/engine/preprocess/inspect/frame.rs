@@ -107,7 +107,7 @@ impl FrameInspection {
                         let registration = pairs.registration(camera, other);
                         let source = SourceRun::of_layer(layer, &block);
                         let pixel = row * width + column;
-                        let is_thin = |lane| votes.is_thin(layer, pixel + lane, registration.source_side);
+                        let is_thin = |lane| votes.is_thin(layer, pixel + lane, registration);
                         votes.add(registration, source, target, asked, is_thin, &mut voted);
                     }
                     for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {

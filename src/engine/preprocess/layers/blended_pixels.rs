@@ -13,6 +13,7 @@
 use glam::Vec3;
 
 use super::layer::CameraLayer;
+use super::surface_edge::SurfaceEdge;
 use crate::capture::Camera;
 use crate::color;
 
@@ -31,14 +32,13 @@ const MAX_OFF_LINE: f32 = 0.35;
 /// Tells blended pixels of a layer.
 pub(super) struct BlendedTest<'a> {
     layer: &'a CameraLayer,
-    edge_relative: f32,
+    edge: SurfaceEdge,
 }
 
 impl<'a> BlendedTest<'a> {
     /// For a layer of `camera`. A step in depth of more than `edge_footprints` parts two surfaces.
     pub(super) fn new(layer: &'a CameraLayer, camera: &Camera, edge_footprints: f32) -> Self {
-        let k = camera.intrinsics;
-        Self { layer, edge_relative: edge_footprints / ((k.fx * k.fy).sqrt() as f32) }
+        Self { layer, edge: SurfaceEdge::new(camera, edge_footprints) }
     }
 
     /// Whether pixel `(x, y)` is blended with one of its neighbors.
@@ -95,7 +95,7 @@ impl<'a> BlendedTest<'a> {
 
     fn is_one_surface(&self, a: usize, b: usize) -> bool {
         let (a, b) = (self.layer.inverse_depth[a], self.layer.inverse_depth[b]);
-        a >= 0.0 && b >= 0.0 && (a - b).abs() <= a.max(b) * self.edge_relative
+        a >= 0.0 && b >= 0.0 && (a - b).abs() <= self.edge.between(a, b)
     }
 
     /// Whether the pixel is blended with its neighbor in that direction; the opposite neighbor shows its own color.

@@ -19,6 +19,7 @@
 //! times as many where stems are in front of each other.
 
 use super::layer::CameraLayer;
+use super::surface_edge::SurfaceEdge;
 use crate::capture::Camera;
 
 /// A surface begins within this many pixels of the sample: next to it, or behind another flying pixel.
@@ -40,7 +41,7 @@ const DIRECTIONS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
 /// Tells flying pixels of a layer.
 pub(super) struct FlyingTest<'a> {
     layer: &'a CameraLayer,
-    edge_relative: f32,
+    edge: SurfaceEdge,
 }
 
 /// What is beside a sample in one direction, inverse depths.
@@ -56,8 +57,7 @@ struct SurfaceBeside {
 impl<'a> FlyingTest<'a> {
     /// For a layer of `camera`. A step in depth of more than `edge_footprints` parts two surfaces.
     pub(super) fn new(layer: &'a CameraLayer, camera: &Camera, edge_footprints: f32) -> Self {
-        let k = camera.intrinsics;
-        Self { layer, edge_relative: edge_footprints / ((k.fx * k.fy).sqrt() as f32) }
+        Self { layer, edge: SurfaceEdge::new(camera, edge_footprints) }
     }
 
     /// Whether the sample at pixel `(x, y)` flies. One at infinity does not.
@@ -72,7 +72,7 @@ impl<'a> FlyingTest<'a> {
     fn is_continued(&self, x: usize, y: usize, here: f32, (dx, dy): (isize, isize)) -> bool {
         let at = |steps: isize| self.inverse_depth(x, y, (dx * steps, dy * steps));
         let beside = |steps| at(steps).filter(|there| self.is_one_surface(here, *there));
-        let is_close = |expected: f32| (expected - here).abs() <= CONTINUED * self.edge_relative * here;
+        let is_close = |expected: f32| (expected - here).abs() <= CONTINUED * self.edge.relative(here) * here;
         let on_one_side = |steps: isize| {
             let (Some(first), Some(second)) = (beside(steps), at(2 * steps)) else { return false };
             self.is_one_surface(first, second) && is_close(2.0 * first - second)
@@ -116,11 +116,11 @@ impl<'a> FlyingTest<'a> {
     }
 
     fn is_one_surface(&self, a: f32, b: f32) -> bool {
-        (a - b).abs() <= a.max(b) * self.edge_relative
+        (a - b).abs() <= self.edge.between(a, b)
     }
 
     fn is_apart(&self, a: f32, b: f32) -> bool {
-        (a - b).abs() > OFF * a.max(b) * self.edge_relative
+        (a - b).abs() > OFF * self.edge.between(a, b)
     }
 
     /// Inverse depth at an offset from a pixel; `None` outside the picture and where there is no sample.

@@ -8,6 +8,7 @@ mod layer_record;
 mod packed_sample;
 mod rated_samples;
 mod sampling_rate;
+mod surface_edge;
 
 pub(crate) use builder::LayerBuilder;
 pub(crate) use layer::CameraLayer;

@@ -13,7 +13,8 @@
 //! optical axis, and the longest side of that area, `z √(cos α) / (min(fx, fy) cos θ)`, which is
 //! `z √(cos α / (fx fy)) / cos θ` where pixels are square. A surface is resolved no better than along the longest side: on
 //! every capture tried, the longest side keeps fewer samples than the area and comes closer to the truth
-//! (`overlook sweep`, assets/results/notebook.md). Where cameras are alike it orders samples as the paper does, but for α.
+//! (`overlook sweep`, assets/results/notebook.md). Where cameras are alike it orders samples as the paper does, but for α. An
+//! orthographic camera has α = 0 and, in place of `z / f`, the width of its pixels at any depth.
 
 use glam::Vec3;
 
@@ -39,7 +40,8 @@ impl Rate {
     pub(crate) fn resolve(model: RateModel, cameras: &[Camera]) -> Self {
         let alike = |a: &Camera, b: &Camera| {
             let (a, b) = (a.intrinsics, b.intrinsics);
-            (a.fx / b.fx - 1.0).abs() < ALIKE && (a.fy / b.fy - 1.0).abs() < ALIKE
+            let are_in_perspective = !(a.is_orthographic() || b.is_orthographic());
+            are_in_perspective && (a.fx / b.fx - 1.0).abs() < ALIKE && (a.fy / b.fy - 1.0).abs() < ALIKE
         };
         match model {
             RateModel::Paper => Self::Paper,
@@ -55,7 +57,8 @@ impl Rate {
     }
 }
 
-/// The viewing rays of a camera: camera position plus `ray(x, y) · z` is the world point of a pixel at planar depth `z`.
+/// The viewing rays of a camera: camera position plus `ray(x, y) · z` is the world point of a pixel at planar depth `z`. Those of an
+/// orthographic camera, which start in its picture plane, are all alike.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ViewingRays {
     origin: Vec3,
@@ -65,6 +68,8 @@ pub(crate) struct ViewingRays {
     pub(crate) pixel_area: f32,
     /// `1 / min(fx, fy)²`: the square of a pixel's longer side at depth 1; the area where pixels are square.
     longer_side_squared: f32,
+    /// Of an orthographic camera what stands for the depth in the paper's rate.
+    scale: Option<f32>,
 }
 
 impl ViewingRays {
@@ -72,12 +77,17 @@ impl ViewingRays {
     pub(crate) fn new(camera: &Camera) -> Self {
         let k = camera.intrinsics;
         let rotation = camera.world_from_camera.matrix3;
+        let is_orthographic = k.is_orthographic();
+        let growth = |axis: glam::DVec3, focal: f64| {
+            if is_orthographic { Vec3::ZERO } else { (axis / focal).as_vec3() }
+        };
         Self {
             origin: (rotation * k.ray_in_camera(glam::DVec2::splat(0.5))).as_vec3(),
-            per_column: (rotation.x_axis / k.fx).as_vec3(),
-            per_row: (rotation.y_axis / k.fy).as_vec3(),
+            per_column: growth(rotation.x_axis, k.fx),
+            per_row: growth(rotation.y_axis, k.fy),
             pixel_area: (1.0 / (k.fx * k.fy)) as f32,
             longer_side_squared: (1.0 / k.fx.min(k.fy).powi(2)) as f32,
+            scale: is_orthographic.then(|| k.depth_scale(1.0) as f32),
         }
     }
 
@@ -106,6 +116,16 @@ pub(crate) fn footprint(
     settings: &PruningSettings,
 ) -> f32 {
     let secant_off_axis = ray.length();
+    if let Some(scale) = rays.scale {
+        let cosine = cosine_of_incidence(ray, normal, settings.cosine_floor);
+        return match rate {
+            // All of its sky is in one direction, which any camera in perspective shows finer.
+            _ if inverse_depth <= 0.0 => 1.0,
+            Rate::Paper => scale / cosine,
+            Rate::Footprint => rays.pixel_area / cosine,
+            Rate::Stretch => rays.longer_side_squared.sqrt() / cosine,
+        };
+    }
     if inverse_depth <= 0.0 {
         return match rate {
             Rate::Paper => 1.0,
@@ -229,6 +249,23 @@ mod tests {
         assert!((ratio(Rate::Stretch) - 4.0).abs() < 1e-4);
         assert_eq!(Rate::resolve(RateModel::Auto, &[coarse.clone(), fine]), Rate::Stretch);
         assert_eq!(Rate::resolve(RateModel::Auto, &[coarse.clone(), coarse]), Rate::Paper);
+    }
+
+    #[test]
+    fn the_footprint_of_an_orthographic_camera_is_the_same_at_any_depth() {
+        let lens = Intrinsics::orthographic(100, 100, 4.0);
+        let at = |distance: f64| {
+            Camera::look_at("c", lens, DVec3::new(0.0, -distance, 0.0), DVec3::ZERO, DVec3::Z)
+        };
+        let normal = Vec3::new(0.0, -0.5, 0.75_f32.sqrt());
+        for (rate, expected) in [(Rate::Footprint, 0.04 * 0.04 / 0.5), (Rate::Stretch, 0.04 / 0.5)] {
+            for distance in [0.5, 3.0, 900.0] {
+                let found = footprint_at(rate, &at(distance), DVec3::new(0.3, 0.0, 0.2), normal);
+                assert!((found / expected - 1.0).abs() < 1e-5, "{found}");
+            }
+        }
+        let near = camera(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, 100);
+        assert_eq!(Rate::resolve(RateModel::Auto, &[near, at(3.0)]), Rate::Stretch);
     }
 
     #[test]

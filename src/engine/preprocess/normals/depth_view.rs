@@ -1,4 +1,4 @@
-//! Depth as a pinhole camera sees it, and what is estimated from it.
+//! Depth as a camera sees it, and what is estimated from it.
 
 use glam::Vec3;
 
@@ -17,15 +17,17 @@ pub struct Estimate {
 /// Where nothing can be said.
 pub(crate) const NOTHING: Estimate = Estimate { normal_in_camera: Vec3::ZERO, confidence: 0.0 };
 
-/// Depth seen by a pinhole camera, with what an estimator needs to know about it.
+/// Depth seen by a camera, with what an estimator needs to know about it.
 pub struct DepthView<'a> {
     pub(crate) inverse_depth: &'a [f32],
     pub(crate) width: i32,
     pub(crate) height: i32,
     pub(crate) focal: [f32; 2],
     pub(crate) center: [f32; 2],
-    /// Largest step in depth to a direct neighbor on the same surface, as a share of the depth.
+    /// Largest step in depth to a direct neighbor on the same surface, as a share of the depth; of an orthographic camera in world units.
     pub(crate) edge_relative: f32,
+    /// Whether lines of sight are parallel.
+    pub(crate) is_orthographic: bool,
 }
 
 impl<'a> DepthView<'a> {
@@ -41,6 +43,7 @@ impl<'a> DepthView<'a> {
             focal,
             center: [k.cx as f32, k.cy as f32],
             edge_relative: settings.edge / (focal[0] * focal[1]).sqrt(),
+            is_orthographic: k.is_orthographic(),
         }
     }
 
@@ -52,14 +55,15 @@ impl<'a> DepthView<'a> {
         }
         let w = self.inverse_depth[(y * self.width + x) as usize];
         // |z − z₀| / z₀ = |w₀ − w| / w
-        (w > 0.0 && (w - center).abs() <= w.max(center) * self.edge_relative * reach as f32).then_some(w)
+        let scale = if self.is_orthographic { w * center } else { w.max(center) };
+        (w > 0.0 && (w - center).abs() <= scale * self.edge_relative * reach as f32).then_some(w)
     }
 
     pub(crate) fn point(&self, x: i32, y: i32, w: f32) -> Vec3 {
-        Vec3::new(
+        let [x, y] = [
             (x as f32 + 0.5 - self.center[0]) / self.focal[0],
             (y as f32 + 0.5 - self.center[1]) / self.focal[1],
-            1.0,
-        ) / w
+        ];
+        if self.is_orthographic { Vec3::new(x, y, w.recip()) } else { Vec3::new(x, y, 1.0) / w }
     }
 }

@@ -64,7 +64,8 @@ fn cross(view: &DepthView<'_>, pixel: u32) -> Estimate {
     let near_inverse_depth = f32::from_bits(center.to_bits() & f32::INFINITY.to_bits());
     let (right, down) = (right * near_inverse_depth, down * near_inverse_depth);
     // Right × down points away from the camera (z forward).
-    let normal = toward_camera(right.cross(down).normalize_or_zero(), here);
+    let line_of_sight = if view.is_orthographic { Vec3::Z } else { here };
+    let normal = toward_camera(right.cross(down).normalize_or_zero(), line_of_sight);
     Estimate { normal_in_camera: normal, confidence: trust_x.min(trust_y) }
 }
 

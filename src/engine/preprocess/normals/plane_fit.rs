@@ -1,6 +1,6 @@
 //! The plane fit of [`normals`](super) for sixteen pixels at a time, wherever they lie.
 
-use super::depth_view::{DepthView, Estimate};
+use super::depth_view::{DepthView, Estimate, NOTHING};
 use crate::simd::{LANES, VectorLoop};
 use glam::Vec3;
 
@@ -37,6 +37,12 @@ impl VectorLoop for FitPlanes<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { view, pixels, estimates } = self;
+        if view.is_orthographic {
+            for (&pixel, estimate) in pixels.iter().zip(estimates) {
+                *estimate = fit_orthographic(view, pixel);
+            }
+            return;
+        }
         for (pixels, estimates) in pixels.chunks(LANES).zip(estimates.chunks_mut(LANES)) {
             fit(view, pixels, estimates);
         }
@@ -76,6 +82,46 @@ fn fit(view: &DepthView<'_>, pixels: &[u32], estimates: &mut [Estimate]) {
                 confidence: confidence[lane],
             };
         }
+    }
+}
+
+/// The plane through what an orthographic camera sees around a pixel: depth itself is linear over it, not its inverse.
+#[cold]
+#[inline(never)]
+fn fit_orthographic(view: &DepthView<'_>, pixel: u32) -> Estimate {
+    let (column, row) = (pixel as i32 % view.width, pixel as i32 / view.width);
+    let center = view.inverse_depth[pixel as usize];
+    if center <= 0.0 {
+        return NOTHING;
+    }
+    let [fx, fy] = view.focal;
+    let per_footprint = (fx * fy).sqrt();
+    let mut points = [[0.0_f32; 3]; 25];
+    let mut count = 0;
+    for (dy, dx) in (-RADIUS..=RADIUS).flat_map(|dy| (-RADIUS..=RADIUS).map(move |dx| (dy, dx))) {
+        if let Some(w) = view.same_surface(column + dx, row + dy, center, dx.abs().max(dy.abs()).max(1)) {
+            points[count] = [dx as f32, dy as f32, (w.recip() - center.recip()) * per_footprint];
+            count += 1;
+        }
+    }
+    let points = &points[..count];
+    let n = count as f32;
+    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f32>() / n;
+    let means = [mean(0), mean(1), mean(2)];
+    let sum = |a: usize, b: usize| {
+        points.iter().map(|point| (point[a] - means[a]) * (point[b] - means[b])).sum::<f32>()
+    };
+    let (xx, xy, yy, xz, yz) = (sum(0, 0), sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2));
+    let determinant = xx * yy - xy * xy;
+    if count < 3 || determinant < 0.5 {
+        return NOTHING;
+    }
+    // Footprints of depth a column and a row.
+    let (a, b) = ((xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant);
+    let residual = ((sum(2, 2) - a * xz - b * yz).max(0.0) / n).sqrt();
+    Estimate {
+        normal_in_camera: Vec3::new(a * fx / per_footprint, b * fy / per_footprint, -1.0).normalize_or_zero(),
+        confidence: (n / 25.0 * 1.6).min(1.0) / (1.0 + 2.0 * residual),
     }
 }
 

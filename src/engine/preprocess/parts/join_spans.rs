@@ -7,14 +7,12 @@
 
 use std::io::Write;
 
-use super::measured::Measured;
+use super::measured::MeasuredCapture;
 use super::scan_part::write_span;
-use crate::capture::Capture;
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::temporal::{OpenSums, SpanSamples, SpanSums, Split, StaticTest};
 use crate::samples::{ReadSeek, RecordReader, RecordWriter, Span};
-use crate::settings::Settings;
 
 /// Joins what [`scan_part`](super::scan_part()) wrote of all runs, in order, and writes the samples of all spans that no run holds
 /// as a whole or that were open at its end.
@@ -22,14 +20,13 @@ use crate::settings::Settings;
 /// # Errors
 /// `Io`; `Invalid` if a part is damaged or of another kind; `Cancelled`.
 pub fn join_spans<'a>(
-    capture: &Capture,
-    measured: &Measured,
-    settings: &Settings,
+    of: MeasuredCapture<'_>,
     parts: Vec<(String, Box<dyn ReadSeek + 'a>)>,
     writer: &mut dyn Write,
     job: &Job,
 ) -> Result<()> {
-    let capture = measured.aligned(capture).capture;
+    let MeasuredCapture { measured, settings, .. } = of;
+    let capture = of.aligned().capture;
     let frames = capture.frame_count();
     let mut parts: Vec<RecordReader<'a>> =
         parts.into_iter().map(|(place, reader)| RecordReader::new(reader, place)).collect();
@@ -37,6 +34,7 @@ pub fn join_spans<'a>(
     job.start("Joining spans", capture.cameras.len());
     for (camera, preview) in capture.cameras.iter().zip(&measured.cameras) {
         let test = StaticTest::new(&settings.spans, &preview.noise, preview.depth_step_relative, frames)
+            .with_lens(&camera.intrinsics)
             .with_values(capture.value_channels());
         let mut split = Split::new(camera.intrinsics.pixel_count(), frames, test);
         let mut invalid = 0;

@@ -46,8 +46,8 @@ pub fn prune_part<'a>(
     writer: &mut dyn Write,
     job: &Job,
 ) -> Result<()> {
-    let MeasuredCapture { capture, measured, settings } = of;
-    let aligned = measured.aligned(capture);
+    let MeasuredCapture { measured, settings, .. } = of;
+    let aligned = of.edited();
     let run = run_of_part(aligned.capture.frame_count(), part);
     let scan = read_scan(&aligned, measured, settings, run, spans, scans, job)?;
     let scan = PreparedScan::of(scan, aligned, measured.conventions.clone(), &settings.align);
@@ -103,5 +103,6 @@ fn read_scan<'a>(
         cameras.push(CameraScan::of_parts(preview, shares, invalid));
         job.advance(1);
     }
-    Ok(TemporalScan::of_parts(frames, cameras, store, settings))
+    let lenses = aligned.capture.cameras.iter().map(|camera| camera.intrinsics).collect();
+    Ok(TemporalScan::of_parts(frames, lenses, cameras, store, settings))
 }

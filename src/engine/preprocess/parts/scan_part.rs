@@ -10,35 +10,28 @@ use std::io::Write;
 
 use rayon::prelude::*;
 
-use super::measured::Measured;
+use super::measured::MeasuredCapture;
 use super::runs::run_of_part;
-use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::part::Part;
 use crate::preprocess::temporal::{SIDE_BY_SIDE, ScannedRun, scan_run};
 use crate::samples::{RecordWriter, Span};
-use crate::settings::{Settings, SpanLevels};
+use crate::settings::SpanLevels;
 
-/// Scans the frames of a part of `capture`, and writes what was found.
+/// Scans the frames of a part, and writes what was found.
 ///
 /// # Errors
 /// `Unsupported` where the spans are no tree; whatever the capture gives (naming file and frame); `Io`; `Cancelled`.
-pub fn scan_part(
-    capture: &Capture,
-    measured: &Measured,
-    settings: &Settings,
-    part: Part,
-    writer: &mut dyn Write,
-    job: &Job,
-) -> Result<()> {
+pub fn scan_part(of: MeasuredCapture<'_>, part: Part, writer: &mut dyn Write, job: &Job) -> Result<()> {
+    let MeasuredCapture { measured, settings, .. } = of;
     if settings.spans.levels != SpanLevels::Tree {
         return Err(Error::unsupported(
             "spans.levels",
             "only the tree of spans can be cut into parts; set it to tree, or preprocess in one piece",
         ));
     }
-    let capture = measured.aligned(capture).capture;
+    let capture = of.edited().capture;
     let run = run_of_part(capture.frame_count(), part);
     let mut writer = RecordWriter::new(writer, format!("part {part} of the scan"))?;
     job.start("Reading frames", run.len() * capture.cameras.len());

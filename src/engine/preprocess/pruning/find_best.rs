@@ -230,7 +230,7 @@ fn contradicted_lanes(
         left -= 1;
         let target = &pass.layers[other.camera];
         let source = SourceRun::of_samples(layer, block, band.samples, run.first, run.lanes);
-        let is_thin = |lane| pass.votes.is_thin(layer, pixel + lane, other.registration.source_side);
+        let is_thin = |lane| pass.votes.is_thin(layer, pixel + lane, other.registration);
         pass.votes.add(other.registration, source, target, asked, is_thin, &mut votes);
     }
     asked & pass.votes.contradicted(&votes, flying, 0)
@@ -244,11 +244,11 @@ fn is_asked(pass: &PruningPass<'_>, band: &SearchBand<'_>, index: usize) -> bool
 
 /// Notes which samples of a band are thin among those that other cameras are to vote on. The layer of the band's camera is there.
 pub(super) fn find_thin(pass: &PruningPass<'_>, band: &mut SearchBand<'_>) {
-    let side = pass.pairs.registration(band.camera, band.camera).source_side;
+    let own = pass.pairs.registration(band.camera, band.camera);
     for index in 0..band.verdicts.len() {
         if is_asked(pass, band, index) {
             let pixel = band.samples.pixels[band.first + index] as usize;
-            band.between[index].is_thin = pass.votes.is_thin(&pass.layers[band.camera], pixel, side);
+            band.between[index].is_thin = pass.votes.is_thin(&pass.layers[band.camera], pixel, own);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The pixels around positions in a camera, where samples would be interpolated.
 
 use super::reproject::ReprojectedRun;
-use crate::capture::overlap::PinholeLens;
+use crate::capture::overlap::TargetLens;
 use crate::simd::whole;
 
 /// A position this close to a pixel's center, in pixels, is that pixel: no neighbor takes part in interpolating there.
@@ -20,7 +20,7 @@ pub(super) struct Around<const N: usize> {
 impl<const N: usize> Around<N> {
     #[inline(always)]
     pub(super) fn of(
-        lens: &PinholeLens,
+        lens: &TargetLens,
         width: u32,
         reprojected: &ReprojectedRun<N>,
         relevant: [u32; N],

@@ -5,6 +5,7 @@ mod matches;
 mod noise_tolerance;
 mod reproject;
 mod same_surface;
+mod surrounded;
 mod tolerances;
 
 pub use matches::Outcome;

@@ -3,8 +3,9 @@
 //! Source: Interactive Dynamic Environments Using Image-Based Modeling and Rendering, §3.2, "mapping every image in the same
 //! time frame to every other image in that time frame". What differs: sixteen pixels of a row are carried at once, and pairs
 //! that cannot see each other are left out ([`crate::capture::overlap`]). All of it is linear in `(ray, w)`, where `w = 1/z`:
-//! `q = R·ray + t·w` is the point in the target camera times `w`, for points at infinity as well. Whether what the target saw there
-//! is the same surface point is decided in [`super::same_surface`].
+//! `q = R·ray + t·w` is the point in the target camera times `w`, for points at infinity as well; where a camera is orthographic
+//! [`Registration`] says what it is. Whether what the target saw there is the same surface point is decided in
+//! [`super::same_surface`].
 
 use super::matches::{IN_FRONT, IN_VIEW};
 use crate::capture::INVALID_INVERSE_DEPTH;
@@ -248,6 +249,9 @@ impl Registration {
         block: &PixelRun<N>,
         target_width: usize,
     ) -> ReprojectedRun<N> {
+        if self.has_orthographic() {
+            return self.reproject_orthographic(block, target_width);
+        }
         let mut carried = ReprojectedRun::NOWHERE;
         let (column, t, lens) = (block.column as f32, self.translation, &self.target);
         let row = self.first_ray + self.per_row * block.row as f32;
@@ -273,6 +277,47 @@ impl Registration {
             carried.off_center[0][i] = u - left - 0.5;
             carried.off_center[1][i] = v - top - 0.5;
             carried.pixel[i] = whole(top) * width + whole(left);
+            carried.bits[i] = if in_front { IN_FRONT } else { 0 } | if in_view { IN_VIEW } else { 0 };
+        }
+        carried
+    }
+
+    /// The same where one of the cameras is orthographic. Apart, so that what is between cameras in perspective stays as fast as it is.
+    #[cold]
+    #[inline(never)]
+    fn reproject_orthographic<const N: usize>(
+        &self,
+        block: &PixelRun<N>,
+        target_width: usize,
+    ) -> ReprojectedRun<N> {
+        let mut carried = ReprojectedRun::NOWHERE;
+        let lens = &self.target;
+        let row = self.first_ray + self.per_row * block.row as f32;
+        for i in 0..N {
+            let w = block.inverse_depth[i];
+            let point = self.point(row, block.column as f32 + i as f32, w);
+            let in_front = (w >= 0.0) & (point.z > 0.0);
+            let [x, y] = if self.source_is_orthographic & lens.is_orthographic {
+                let place = row + self.per_column * (block.column as f32 + i as f32);
+                let shift =
+                    |axis: usize| if self.axes[2][axis] == 0.0 { 0.0 } else { self.axes[2][axis] / w };
+                [place.x + shift(0), place.y + shift(1)]
+            } else {
+                let divisor = if lens.is_orthographic { w } else { point.z };
+                [point.x / divisor, point.y / divisor]
+            };
+            let (u, v) = (x * lens.focal[0] + lens.center[0], y * lens.focal[1] + lens.center[1]);
+            let in_view = in_front & (u >= 0.0) & (v >= 0.0) & (u < lens.size[0]) & (v < lens.size[1]);
+            let (u, v) = if in_view { (u, v) } else { (0.5, 0.5) };
+            let (left, top) = (u.floor(), v.floor());
+            for axis in 0..3 {
+                carried.point[axis][i] = point[axis];
+            }
+            carried.cell[0][i] = left;
+            carried.cell[1][i] = top;
+            carried.off_center[0][i] = u - left - 0.5;
+            carried.off_center[1][i] = v - top - 0.5;
+            carried.pixel[i] = whole(top) * target_width as u32 + whole(left);
             carried.bits[i] = if in_front { IN_FRONT } else { 0 } | if in_view { IN_VIEW } else { 0 };
         }
         carried

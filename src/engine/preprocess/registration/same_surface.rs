@@ -10,20 +10,20 @@
 //! |n·(q wₜ − rayₜ w)| ≤ τ max(s wₜ, sₜ w) + step wₜ + stepₜ w
 //! ```
 //!
+//! Of an orthographic camera `s` is the side of a pixel at any depth, in place of `s/w`, and a pixel's place in the picture plane moved
+//! by the depth along the z axis, in place of `ray/w`.
+//!
 //! `step` is what depths are rounded by. Where depth is noisy, a multiple of both samples' standard deviations is added to it.
 
-use super::around::Around;
 use super::matches::{
     COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
-    RequiredTolerances, SAME, SURROUNDED, SurfaceMatches, VALUES_AGREE,
+    RequiredTolerances, SurfaceMatches, VALUES_AGREE,
 };
-use super::noise_tolerance::{
-    ColorNoise, FoundSurfaces, depth_noise_between, granted_depth_noise, granted_depth_noise_around,
-};
+use super::noise_tolerance::{ColorNoise, FoundSurfaces, depth_noise_between, granted_depth_noise};
 use super::reproject::{PixelRun, ReprojectedRun, SourceRun, TargetRun};
 use super::tolerances::{SurfaceTolerances, VisibleLevels};
-use crate::capture::overlap::{PinholeLens, Registration};
-use crate::capture::{INVALID_INVERSE_DEPTH, agree};
+use crate::capture::agree;
+use crate::capture::overlap::Registration;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;
@@ -32,8 +32,8 @@ use crate::simd::root_of_squares;
 /// The same-surface test: its tolerances, and which samples of the target it sees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SameSurface {
-    tolerances: SurfaceTolerances,
-    visible: VisibleLevels,
+    pub(super) tolerances: SurfaceTolerances,
+    pub(super) visible: VisibleLevels,
 }
 
 impl SameSurface {
@@ -90,7 +90,7 @@ impl SameSurface {
         let SourceRun { layer: source, run, .. } = source;
         let (w, there) = (run.inverse_depth[lane], target.inverse_depth[pixel]);
         let limits = &self.tolerances;
-        let footprint = (registration.source_side * there).max(registration.target.side * w);
+        let footprint = registration.larger_footprint(w, there);
         let noise = |own: f32, found: f32| root_of_squares(own * there, found * w);
         let granted =
             limits.depth_sigmas * noise(source.depth_noise_of(run.level), target.depth_noise(pixel));
@@ -168,7 +168,6 @@ impl SameSurface {
         relevant: [u32; N],
         required: &mut RequiredTolerances<N>,
     ) -> SurfaceMatches<N> {
-        let SourceRun { layer: source, run: block, .. } = source_run;
         let TargetRun { layer: target, reprojected } = target_run;
         let limits = &self.tolerances;
         let mut found = [PackedGeometry::ABSENT; N];
@@ -185,6 +184,71 @@ impl SameSurface {
             between = depth_noise_between(source_run, surfaces, limits.between_sigmas);
         }
         let mut matches = SurfaceMatches { bits: reprojected.bits, pixel: reprojected.pixel, level: [0; N] };
+        let granted = GrantedDepth { granted: &granted, between: &between };
+        if registration.has_orthographic() {
+            self.compare_orthographic::<N, MEASURING>(
+                registration,
+                source_run,
+                surfaces,
+                granted,
+                &mut matches,
+                required,
+            );
+        } else {
+            self.compare_depths::<N, MEASURING, false>(
+                registration,
+                source_run,
+                surfaces,
+                granted,
+                &mut matches,
+                required,
+            );
+        }
+        self.compare_colors::<N, MEASURING>(source_run, target_run, relevant, &mut matches, required);
+        if self.tolerances.values && !target.values.is_empty() {
+            compare_values(source_run, target_run, &mut matches);
+        }
+        self.surround::<N, MEASURING>(
+            &registration.target,
+            surfaces,
+            &between,
+            &mut matches,
+            relevant,
+            required,
+        );
+        matches
+    }
+
+    /// [`SameSurface::compare_depths`] where one of the cameras is orthographic. Apart, so that what is between cameras in perspective stays
+    /// as fast as it is.
+    #[cold]
+    #[inline(never)]
+    fn compare_orthographic<const N: usize, const MEASURING: bool>(
+        &self,
+        registration: &Registration,
+        source: SourceRun<'_, N>,
+        surfaces: FoundSurfaces<'_, N>,
+        granted: GrantedDepth<'_, N>,
+        matches: &mut SurfaceMatches<N>,
+        required: &mut RequiredTolerances<N>,
+    ) {
+        self.compare_depths::<N, MEASURING, true>(registration, source, surfaces, granted, matches, required);
+    }
+
+    /// What depths and normals say.
+    #[inline(always)]
+    fn compare_depths<const N: usize, const MEASURING: bool, const ORTHOGRAPHIC: bool>(
+        &self,
+        registration: &Registration,
+        source_run: SourceRun<'_, N>,
+        surfaces: FoundSurfaces<'_, N>,
+        GrantedDepth { granted, between }: GrantedDepth<'_, N>,
+        matches: &mut SurfaceMatches<N>,
+        required: &mut RequiredTolerances<N>,
+    ) {
+        let SourceRun { layer: source, run: block, .. } = source_run;
+        let FoundSurfaces { target: TargetRun { layer: target, reprojected }, facets: found } = surfaces;
+        let limits = &self.tolerances;
         let lens = &registration.target;
         let [ax, ay, az] = registration.axes;
         for i in 0..N {
@@ -194,8 +258,15 @@ impl SameSurface {
             let y = (reprojected.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
             let [qx, qy, qz] = [reprojected.point[0][i], reprojected.point[1][i], reprojected.point[2][i]];
             let [nx, ny, nz] = facet.normal_in_camera;
-            let distance = nx * (qx * there - x * w) + ny * (qy * there - y * w) + nz * (qz * there - w);
-            let footprint = (registration.source_side * there).max(lens.side * w);
+            // A pixel's place comes with its depth in perspective alone.
+            let plane = if ORTHOGRAPHIC && lens.is_orthographic { w * there } else { w };
+            let distance =
+                nx * (qx * there - x * plane) + ny * (qy * there - y * plane) + nz * (qz * there - w);
+            let footprint = if ORTHOGRAPHIC {
+                registration.larger_footprint(w, there)
+            } else {
+                (registration.source_side * there).max(lens.side * w)
+            };
             let step = source.depth_step_relative * there + target.depth_step_relative * w + granted[i];
             let both_or_neither_finite = (w == 0.0) == (there == 0.0);
             let limit = (limits.depth_footprints * footprint).max(between[i]) + step;
@@ -215,12 +286,6 @@ impl SameSurface {
                 | if facing { NORMAL_AGREES } else { 0 }
                 | VALUES_AGREE;
         }
-        self.compare_colors::<N, MEASURING>(source_run, target_run, relevant, &mut matches, required);
-        if self.tolerances.values && !target.values.is_empty() {
-            compare_values(source_run, target_run, &mut matches);
-        }
-        self.surround::<N, MEASURING>(lens, surfaces, &between, &mut matches, relevant, required);
-        matches
     }
 
     /// What the target's colors say: whether its samples take part, have normals, and agree in color.
@@ -263,89 +328,13 @@ impl SameSurface {
             noise.grant::<MEASURING>(relevant, matches, required);
         }
     }
+}
 
-    /// Whether the target shows the surface on all four pixels around each position, so that it can be interpolated there.
-    #[inline(always)]
-    fn surround<const N: usize, const MEASURING: bool>(
-        &self,
-        lens: &PinholeLens,
-        surfaces: FoundSurfaces<'_, N>,
-        between: &[f32; N],
-        matches: &mut SurfaceMatches<N>,
-        mut relevant: [u32; N],
-        required: &mut RequiredTolerances<N>,
-    ) {
-        const BUT_SURROUNDED: u32 = SAME & !SURROUNDED;
-        let FoundSurfaces { target: TargetRun { layer: target, reprojected }, facets: found } = surfaces;
-        let mut candidates = 0;
-        for i in 0..N {
-            let so_far = matches.bits[i] & BUT_SURROUNDED == BUT_SURROUNDED;
-            relevant[i] &= u32::from(so_far);
-            candidates |= relevant[i];
-        }
-        let limits = &self.tolerances;
-        if candidates == 0 || !limits.overlap {
-            matches.bits.iter_mut().for_each(|bits| *bits |= SURROUNDED);
-            return;
-        }
-        let Around { toward, pixels, inside } = Around::of(lens, target.width as u32, reprojected, relevant);
-        let depths = self.depths_at(target, &pixels);
-        let mut granted = [[0.0; N]; 3];
-        if limits.depth_sigmas > 0.0 {
-            granted = granted_depth_noise_around(target, reprojected, found, &depths, limits.depth_sigmas);
-        }
-        for i in 0..N {
-            let facet = &found[i];
-            let here = facet.inverse_depth;
-            let x = (reprojected.cell[0][i] + 0.5 - lens.center[0]) * (1.0 / lens.focal[0]);
-            let y = (reprojected.cell[1][i] + 0.5 - lens.center[1]) * (1.0 / lens.focal[1]);
-            let [nx, ny, nz] = facet.normal_in_camera;
-            let across = nx * toward[0][i] * (1.0 / lens.focal[0]);
-            let down = ny * toward[1][i] * (1.0 / lens.focal[1]);
-            let along = nx * x + ny * y + nz;
-            let mut all = inside[i] != 0;
-            for (corner, shift) in [across, down, across + down].into_iter().enumerate() {
-                let there = depths[corner][i];
-                let distance = along * (here - there) + here * shift;
-                let footprint = lens.side * here.max(there);
-                // Both are rounded, and both are noisy.
-                let step = target.depth_step_relative * (here + there) + granted[corner][i];
-                let limit = (limits.depth_footprints * footprint).max(between[i]) + step;
-                if MEASURING {
-                    let needed = needed(distance.abs(), step, between[i], footprint);
-                    let needed = if (between[i] > 0.0) & (there < 0.0) { 0.0 } else { needed };
-                    required.depth[i] = required.depth[i].max(needed);
-                }
-                let both_or_neither_finite = (here == 0.0) == (there == 0.0);
-                // A hole in noisy depth is no seam of the surface.
-                let is_hole = (between[i] > 0.0) & (there < 0.0);
-                let is_on_surface = (there >= 0.0) & (distance.abs() <= limit) & both_or_neither_finite;
-                all &= is_hole | is_on_surface;
-            }
-            matches.bits[i] |= if all { SURROUNDED } else { 0 };
-        }
-    }
-
-    /// The inverse depths of the target's samples that take part, at three pixels of each lane.
-    #[inline(always)]
-    fn depths_at<const N: usize>(&self, target: &CameraLayer, pixels: &[[u32; N]; 3]) -> [[f32; N]; 3] {
-        let mut depths = [[0.0_f32; N]; 3];
-        for corner in 0..3 {
-            for i in 0..N {
-                depths[corner][i] = target.geometry[pixels[corner][i] as usize].inverse_depth;
-            }
-        }
-        if self.visible.hides_any {
-            for corner in 0..3 {
-                for i in 0..N {
-                    let takes_part =
-                        u32::from(target.level[pixels[corner][i] as usize]) <= self.visible.deepest;
-                    depths[corner][i] = if takes_part { depths[corner][i] } else { INVALID_INVERSE_DEPTH };
-                }
-            }
-        }
-        depths
-    }
+/// What noise is granted of the distance of each sample from the surface, on top of the tolerance and in place of it.
+#[derive(Clone, Copy)]
+struct GrantedDepth<'a, const N: usize> {
+    granted: &'a [f32; N],
+    between: &'a [f32; N],
 }
 
 /// Takes [`VALUES_AGREE`] from the samples whose scalar values differ from the target's by more than their tolerances.
@@ -394,6 +383,6 @@ fn yields<const N: usize>(
 /// The tolerance at which a distance is granted, where `footprint` is granted for each footprint of tolerance, `between` in place
 /// of a smaller tolerance, and `step` on top.
 #[inline(always)]
-fn needed(distance: f32, step: f32, between: f32, footprint: f32) -> f32 {
+pub(super) fn needed(distance: f32, step: f32, between: f32, footprint: f32) -> f32 {
     if distance <= between + step { 0.0 } else { (distance - step) / footprint }
 }

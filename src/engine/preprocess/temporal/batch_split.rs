@@ -84,11 +84,14 @@ impl BatchRanges {
         both
     }
 
-    /// The pixels that have a depth in every frame, whose relative range does not exceed `granted`: one bit each.
+    /// The pixels that have a depth in every frame, whose relative range does not exceed what is granted: one bit each.
     #[inline(always)]
-    fn with_static_depth(&self, granted: f32) -> u32 {
+    fn with_static_depth(&self, granted: impl Fn(f32) -> f32) -> u32 {
         let depth = |bits: i32| f32::from_bits(bits as u32);
-        simd::mask(|i| relative_range(depth(self.low_depth[i]), depth(self.high_depth[i])) <= granted)
+        simd::mask(|i| {
+            let nearest = depth(self.high_depth[i]);
+            relative_range(depth(self.low_depth[i]), nearest) <= granted(nearest)
+        })
     }
 
     /// Whether the color of one pixel stays within the tolerance; see [`StaticTest::is_color_static`].
@@ -189,7 +192,9 @@ impl VectorLoop for Descend<'_> {
             let (range, runs) = (&ranges[index], &runs[node.start..node.end]);
             let mut is_static = 0;
             if index > 0 && open[index] != 0 {
-                let granted = if node.halves.is_none() { f32::MAX } else { test.granted_depth() };
+                let is_of_one_frame = node.halves.is_none();
+                let granted =
+                    |nearest: f32| if is_of_one_frame { f32::MAX } else { test.granted_depth_at(nearest) };
                 is_static = open[index] & range.with_static_depth(granted);
             }
             let mut left = is_static;

@@ -112,7 +112,7 @@ impl SpanSums {
         }
         let farthest = smaller(self.min_inverse_depth[pixel], later.min_inverse_depth[pixel]);
         let nearest = larger(self.max_inverse_depth[pixel], later.max_inverse_depth[pixel]);
-        if relative_range(farthest, nearest) > test.granted_depth() {
+        if relative_range(farthest, nearest) > test.granted_depth_at(nearest) {
             return false;
         }
         let low =

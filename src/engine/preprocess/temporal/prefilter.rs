@@ -75,7 +75,8 @@ fn doubts([sums, later]: [&SpanSums; 2], test: &StaticTest, first: usize) -> Opt
         let farthest = smaller(farthest[0][i], farthest[1][i]);
         let nearest = larger(nearest[0][i], nearest[1][i]);
         // As `relative_range`, without its branches.
-        let is_static = (farthest == nearest) | ((nearest - farthest) / nearest <= test.granted_depth());
+        let is_static =
+            (farthest == nearest) | ((nearest - farthest) / nearest <= test.granted_depth_at(nearest));
         !((farthest >= 0.0) & is_static)
     });
     let open: [&[bool; REGISTER_PIXELS]; 2] = [at(&sums.is_open, first)?, at(&later.is_open, first)?];

@@ -21,7 +21,7 @@ use super::span_tree::SpanTree;
 use super::staticness::StaticTest;
 use super::tree_split::{OpenSums, Split};
 use super::two_level::{CameraSum, SequenceRanges};
-use crate::capture::{Capture, Frame, ValueChannel};
+use crate::capture::{Capture, Frame, Intrinsics, ValueChannel};
 use crate::error::Result;
 use crate::job::Job;
 use crate::preprocess::noise::{CameraNoise, NoiseFrames, measure_pairs};
@@ -66,6 +66,8 @@ pub struct TemporalScan {
     pub spans: Option<SpanStore>,
     /// The channels of scalar values.
     values: Vec<ValueChannel>,
+    /// Per camera.
+    lenses: Vec<Intrinsics>,
     made_with: SpanSettings,
     /// The edge threshold that [`CameraScan::normal_errors`] goes with.
     pub(crate) edge: f32,
@@ -75,12 +77,13 @@ impl TemporalScan {
     /// What the parts of a scan with `settings` found out together, of the spans that are needed.
     pub(crate) fn of_parts(
         frames: usize,
+        lenses: Vec<Intrinsics>,
         cameras: Vec<CameraScan>,
         spans: SpanStore,
         settings: &Settings,
     ) -> Self {
         let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
-        Self { frames, cameras, spans: Some(spans), values: Vec::new(), made_with, edge }
+        Self { frames, cameras, spans: Some(spans), values: Vec::new(), lenses, made_with, edge }
     }
 
     /// Whether the scan serves these settings, or another pass over the frames is needed.
@@ -107,6 +110,7 @@ impl TemporalScan {
     pub fn static_test(&self, camera: usize, settings: &SpanSettings) -> StaticTest {
         let scan = &self.cameras[camera];
         StaticTest::new(settings, &scan.noise, scan.depth_step_relative, self.frames)
+            .with_lens(&self.lenses[camera])
             .with_values(&self.values)
     }
 }
@@ -127,7 +131,8 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Tempora
     };
     let (made_with, edge) = (settings.spans.clone(), settings.normals.edge);
     let values = capture.value_channels().to_vec();
-    Ok(TemporalScan { frames, cameras, spans, values, made_with, edge })
+    let lenses = capture.cameras.iter().map(|camera| camera.intrinsics).collect();
+    Ok(TemporalScan { frames, cameras, spans, values, lenses, made_with, edge })
 }
 
 /// Cameras that are scanned side by side: while one waits for the last frame of a batch, the other has work.
@@ -248,6 +253,7 @@ fn scan_spans(
     let frames = capture.frame_count();
     let CameraPreview { noise, depth_step_relative, .. } = &preview.found;
     let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames)
+        .with_lens(&capture.cameras[camera].intrinsics)
         .with_values(capture.value_channels());
     let mut split = Split::new(capture.cameras[camera].intrinsics.pixel_count(), frames, test);
     let batches = Batches::of_all(capture, camera, settings);
@@ -285,6 +291,7 @@ pub(crate) fn scan_run(
     let CameraPreview { noise, depth_step_relative, .. } = preview;
     let frames = capture.frame_count();
     let test = StaticTest::new(&settings.spans, noise, *depth_step_relative, frames)
+        .with_lens(&capture.cameras[camera].intrinsics)
         .with_values(capture.value_channels());
     let pixels = capture.cameras[camera].intrinsics.pixel_count();
     let mut split = Split::of_run(pixels, frames, run.start, test);

@@ -11,7 +11,7 @@
 
 use half::f16;
 
-use crate::capture::ValueChannel;
+use crate::capture::{Intrinsics, ValueChannel};
 use crate::preprocess::noise::{BRIGHTNESS_BINS, CameraNoise, brightness_bin, granted_range_sigmas};
 use crate::settings::SpanSettings;
 use crate::{color, simd};
@@ -28,6 +28,10 @@ pub struct StaticTest {
     noisy_color_steps: [[f32; BRIGHTNESS_BINS]; BRIGHTNESS_BINS],
     /// Depth range that is granted, relative.
     depth_relative: f32,
+    /// What of it is the setting alone, without rounding and noise.
+    depth_tolerance: f32,
+    /// What is granted besides, relative, for an inverse depth of 1; 0 in perspective.
+    depth_per_inverse: f32,
     /// Ranges of scalar values that are granted, channel by channel.
     value_tolerances: Vec<f32>,
     /// See [`StaticTest::is_clearly_static`]; by the bits of the larger half float.
@@ -87,8 +91,22 @@ impl StaticTest {
             // A difference of one quantization step either way is no difference.
             depth_relative: settings.depth_tolerance.max(2.0 * depth_step_relative)
                 + sigmas * noise.depth_relative,
+            depth_tolerance: settings.depth_tolerance
+                - settings.depth_tolerance.min(2.0 * depth_step_relative),
+            depth_per_inverse: 0.0,
             value_tolerances: Vec::new(),
         }
+    }
+
+    /// The same rule for a lens: an orthographic one is granted the setting as a share of
+    /// [`Intrinsics::depth_scale`], and rounding and noise, which grow with depth, as all others are.
+    #[must_use]
+    pub fn with_lens(self, lens: &Intrinsics) -> Self {
+        if !lens.is_orthographic() {
+            return self;
+        }
+        let depth_per_inverse = self.depth_tolerance * lens.depth_scale(1.0) as f32;
+        Self { depth_relative: self.depth_relative - self.depth_tolerance, depth_per_inverse, ..self }
     }
 
     /// The same rule for a capture with these channels of scalar values: none may range over more than its tolerance.
@@ -159,7 +177,27 @@ impl StaticTest {
     /// Depth range that is granted, relative.
     #[must_use]
     pub fn granted_depth(&self) -> f32 {
+        if self.depth_per_inverse > 0.0 {
+            return self.depth_relative + self.depth_tolerance;
+        }
         self.depth_relative
+    }
+
+    /// The same at an inverse depth.
+    #[inline(always)]
+    pub(crate) fn granted_depth_at(&self, inverse_depth: f32) -> f32 {
+        self.depth_relative + self.depth_per_inverse * inverse_depth
+    }
+
+    /// Relative ranges of depth as they compare with [`StaticTest::granted_depth`], from those of pixels and their inverse depths.
+    pub(crate) fn comparable(&self, mut ranges: Vec<f32>, inverse_depths: &[f32]) -> Vec<f32> {
+        if self.depth_per_inverse > 0.0 {
+            for (range, inverse_depth) in ranges.iter_mut().zip(inverse_depths) {
+                *range *= self.granted_depth()
+                    / self.granted_depth_at(inverse_depth.max(0.0)).max(f32::MIN_POSITIVE);
+            }
+        }
+        ranges
     }
 }
 

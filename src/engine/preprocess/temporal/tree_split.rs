@@ -273,6 +273,7 @@ impl SplitBand {
         }
         if batch.is_last {
             let (color, depth) = (color_ranges_steps(&sums), depth_ranges_relative(&sums));
+            let depth = batch.test.comparable(depth, &sums.max_inverse_depth);
             self.shares.count(&color, &depth, &granted_color_steps(&sums, batch.test), batch.test);
             take_open(root, first, &sums);
         } else {

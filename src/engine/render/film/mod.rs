@@ -13,6 +13,7 @@ pub use path::{PathKey, pose_at};
 use std::sync::Arc;
 
 use super::orthographic::OrthographicView;
+use super::output::PictureValues;
 use super::renderer::Renderer;
 use super::vantage::{Picture, Vantage};
 use crate::error::Result;
@@ -53,6 +54,23 @@ impl FilmSource {
     }
 }
 
+/// A picture of a film, with what its values are read from.
+pub struct FilmPicture {
+    /// The picture, with depths from its vantage.
+    pub picture: Arc<Picture>,
+    /// The same as it was rendered of these samples at this vantage.
+    rendered: (Arc<Picture>, Arc<SampleSet>, Vantage),
+}
+
+impl FilmPicture {
+    /// The scalar values that it shows.
+    #[must_use]
+    pub fn values(&self) -> PictureValues {
+        let (picture, samples, vantage) = &self.rendered;
+        PictureValues::of(samples, vantage, picture)
+    }
+}
+
 /// What paints the pictures of a film.
 pub struct FilmPainter<'a> {
     /// The samples.
@@ -72,7 +90,7 @@ impl FilmPainter<'_> {
     ///
     /// # Errors
     /// Those of reading and rendering, as [`OrthographicView::new`], and `Cancelled`.
-    pub fn picture(&mut self, nth: usize, job: &Job) -> Result<Arc<Picture>> {
+    pub fn picture(&mut self, nth: usize, job: &Job) -> Result<FilmPicture> {
         let (source, vantage) = (self.source, &self.vantages[nth]);
         let samples = source.samples_for(vantage, self.orthographic.is_some(), job)?;
         let parallel = |width: f64| OrthographicView::new(&samples, vantage, width);
@@ -88,7 +106,10 @@ impl FilmPainter<'_> {
         let (renderer, settings) = (&mut *self.renderer, self.settings);
         let (painted, _) = rayon::join(|| renderer.render(shown, from, settings, job), ahead);
         let (picture, _): (Arc<Picture>, _) = painted?;
-        Ok(view.as_ref().map_or_else(|| picture.clone(), |view| view.finish(&picture).into()))
+        Ok(FilmPicture {
+            picture: view.as_ref().map_or_else(|| picture.clone(), |view| view.finish(&picture).into()),
+            rendered: (picture, shown.clone(), from.clone()),
+        })
     }
 }
 
@@ -106,11 +127,28 @@ pub fn paint(
     job: &Job,
     mut take: impl FnMut(usize, &Picture) -> Result<()>,
 ) -> Result<()> {
+    let take = |nth: usize, shown: &FilmPicture| take(nth, &shown.picture);
+    paint_with_values(source, vantages, orthographic, renderer, settings, job, take)
+}
+
+/// As [`paint`], with the values that pictures show.
+///
+/// # Errors
+/// As [`paint`].
+pub fn paint_with_values(
+    source: &FilmSource,
+    vantages: &[Vantage],
+    orthographic: Option<f64>,
+    renderer: &mut Renderer,
+    settings: &RenderSettings,
+    job: &Job,
+    mut take: impl FnMut(usize, &FilmPicture) -> Result<()>,
+) -> Result<()> {
     job.start("Rendering", vantages.len());
     let mut painter = FilmPainter { source, vantages, orthographic, renderer, settings };
     for nth in 0..vantages.len() {
         job.check()?;
-        take(nth, &*painter.picture(nth, job)?)?;
+        take(nth, &painter.picture(nth, job)?)?;
         job.advance(1);
     }
     Ok(())

@@ -48,6 +48,8 @@ struct CellView<'a> {
     cells_from_target: Projector,
     /// Inverse depths below this share of a point's are behind it.
     behind_ratio: f32,
+    /// Of an orthographic camera: what is farther by more than this is behind, world units.
+    behind_by: Option<f32>,
 }
 
 /// At most this many cameras are consulted: those far from the vantage seldom see what the nearest do not.
@@ -74,7 +76,8 @@ impl<'a> RayTest<'a> {
             let cells = halved_camera(&cameras[camera]);
             let cells_from_target = Projector::new(target, &cells);
             let behind_ratio = behind_ratio(&cells);
-            Some(CellView { free: seen.free_depths(camera)?, cells_from_target, behind_ratio })
+            let behind_by = cells.intrinsics.is_orthographic().then(|| BEHIND_FOOTPRINTS / focal(&cells));
+            Some(CellView { free: seen.free_depths(camera)?, cells_from_target, behind_ratio, behind_by })
         };
         Self { views: cameras_to_ask(cameras, target).into_iter().filter_map(view).collect() }
     }
@@ -116,6 +119,9 @@ impl<'a> RayTest<'a> {
     /// one bit each.
     #[inline(always)]
     fn look(view: &CellView<'_>, (x, y): (f32, f32), w: &LaneValues) -> [u32; 2] {
+        if let Some(behind_by) = view.behind_by {
+            return Self::look_of_orthographic(view, (x, y), w, behind_by);
+        }
         let free_depths = view.free;
         let projector = &view.cells_from_target;
         let (ray, origin) = (projector.ray(x, y), projector.origin);
@@ -140,6 +146,34 @@ impl<'a> RayTest<'a> {
             blocked[i] = u32::from((farthest >= limit[i]) & (farthest < UNSEEN)) << i;
         }
         [joined(&free), joined(&blocked)]
+    }
+
+    /// The same of an orthographic camera. Apart, so that those in perspective stay as fast as they are.
+    #[cold]
+    #[inline(never)]
+    fn look_of_orthographic(
+        view: &CellView<'_>,
+        (x, y): (f32, f32),
+        w: &LaneValues,
+        behind_by: f32,
+    ) -> [u32; 2] {
+        let FreeDepths { across, down, farthest } = view.free;
+        let (mut free, mut blocked) = (0, 0);
+        for (i, &w) in w.iter().enumerate() {
+            let projector = &view.cells_from_target;
+            let point = projector.point(x, y, w);
+            let [u, v] = projector.position(point, w).map(|position| position + 1.5);
+            let is_inside = u >= 0.0 && v >= 0.0 && u < *across as f32 && v < *down as f32;
+            if !(is_inside && point.z > 0.0) {
+                continue;
+            }
+            let found = farthest[v as usize * across + u as usize];
+            // As depths: the point's, and what is behind it by a footprint.
+            let limit = (point.z / w + behind_by).recip();
+            free |= u32::from(found < limit) << i;
+            blocked |= u32::from(found >= limit && found < UNSEEN) << i;
+        }
+        [free, blocked]
     }
 }
 

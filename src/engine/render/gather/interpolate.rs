@@ -165,7 +165,7 @@ fn interpolated(
     let quads = caches.quads::<true>(&views.lookup, view.camera, &at.corners(), which);
     let (mut coverage, mut depth, mut moved) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
     for i in 0..LANES {
-        let limit = at.expected[i] * view.tolerance;
+        let limit = at.expected[i] * view.tolerance.at(at.expected[i]);
         let shares = bilinear(at.along[i], at.down[i]);
         // Samples that show the surface there count fully, others not at all; all four do nearly everywhere.
         let (a, b) = (quads.depth[0][i], quads.depth[1][i]);
@@ -185,7 +185,12 @@ fn interpolated(
         return ViewColors::NONE;
     }
     let moved = joined(&moved);
-    if moved & which != 0 {
+    if moved & which != 0 && view.is_orthographic() {
+        for i in (0..LANES).filter(|i| moved >> i & 1 == 1) {
+            (at.along[i], at.down[i]) =
+                corrected_in_orthographic(view, at, i, (points.x[i], points.y[i]), depth[i]);
+        }
+    } else if moved & which != 0 {
         for i in 0..LANES {
             let (along, down) = corrected(view, at, i, (points.x[i], points.y[i]), depth[i]);
             let moves = moved >> i & 1 == 1;
@@ -210,7 +215,7 @@ fn weighted_colors(
     let (mut parts, mut weight) = ([[0.0; LANES]; 4], [0.0; LANES]);
     for i in 0..LANES {
         let expected = at.expected[i];
-        let limit = expected * view.tolerance;
+        let limit = expected * view.tolerance.at(expected);
         let (a, b) = (quads.depth[0][i], quads.depth[1][i]);
         let (c, d) = (quads.depth[2][i], quads.depth[3][i]);
         let (agrees_a, agrees_b) = (agrees(a, expected, limit), agrees(b, expected, limit));
@@ -302,4 +307,24 @@ fn corrected(
     let sound = (seen.z > 0.0) & (point.z > 0.0);
     let (along, down) = ((u - left).clamp(0.0, 1.0), (v - above).clamp(0.0, 1.0));
     (if sound { along } else { at.along[i] }, if sound { down } else { at.down[i] })
+}
+
+/// [`corrected`] in an orthographic camera.
+#[cold]
+#[inline(never)]
+fn corrected_in_orthographic(
+    view: &SourceView,
+    at: &ReprojectedPoints,
+    i: usize,
+    (x, y): (f32, f32),
+    depth: f32,
+) -> (f32, f32) {
+    let seen =
+        view.target_from_source.point_of_any(at.left[i] + at.along[i], at.above[i] + at.down[i], depth);
+    let (w, there) = (depth / seen.z, &view.source_from_target);
+    let point = there.point(x, y, w);
+    let [u, v] = there.position(point, w).map(|position| position - 0.5);
+    let is_sound = (w > 0.0) & (point.z > 0.0);
+    let moved = ((u - at.left[i]).clamp(0.0, 1.0), (v - at.above[i]).clamp(0.0, 1.0));
+    if is_sound { moved } else { (at.along[i], at.down[i]) }
 }

@@ -18,7 +18,7 @@ pub(super) struct ReprojectedPoints {
     pub(super) down: LaneValues,
     /// Inverse depth of the point in the camera.
     pub(super) expected: LaneValues,
-    /// Distance from the vantage over that from the camera.
+    /// Distance from the vantage over that from the camera, which is 1 for an orthographic one.
     pub(super) distance_ratio: LaneValues,
 }
 
@@ -26,6 +26,25 @@ impl ReprojectedPoints {
     /// Where points are in a camera.
     #[inline(always)]
     pub(super) fn new(lookup: &Lookup<'_>, view: &SourceView, points: &TargetPoints) -> Self {
+        if view.is_orthographic() {
+            return Self::in_orthographic(lookup, view, points);
+        }
+        Self::in_camera::<false>(lookup, view, points)
+    }
+
+    /// The same for an orthographic one. Apart, so that those in perspective stay as fast as they are.
+    #[cold]
+    #[inline(never)]
+    fn in_orthographic(lookup: &Lookup<'_>, view: &SourceView, points: &TargetPoints) -> Self {
+        Self::in_camera::<true>(lookup, view, points)
+    }
+
+    #[inline(always)]
+    fn in_camera<const PARALLEL: bool>(
+        lookup: &Lookup<'_>,
+        view: &SourceView,
+        points: &TargetPoints,
+    ) -> Self {
         let zero = [0.0; LANES];
         let (mut left, mut above, mut along, mut down) = (zero, zero, zero, zero);
         let (mut expected, mut distance_ratio, mut inside) = (zero, zero, [0_u32; LANES]);
@@ -34,14 +53,15 @@ impl ReprojectedPoints {
         for i in 0..LANES {
             let point = view.source_from_target.point(points.x[i], points.y[i], points.w[i]);
             let reciprocal = 1.0 / point.z;
-            let (u, v) = (point.x * reciprocal - 0.5, point.y * reciprocal - 0.5);
+            let divided = if PARALLEL { 1.0 / points.w[i] } else { reciprocal };
+            let (u, v) = (point.x * divided - 0.5, point.y * divided - 0.5);
             // Rounded down: inside, both are larger than −1.
             left[i] = (u + 1.0).floor() - 1.0;
             above[i] = (v + 1.0).floor() - 1.0;
             along[i] = u - left[i];
             down[i] = v - above[i];
             expected[i] = points.w[i] * reciprocal;
-            distance_ratio[i] = reciprocal;
+            distance_ratio[i] = divided;
             let is_inside = (point.z > 0.0) & (u > -1.0) & (v > -1.0) & (u < width) & (v < height);
             inside[i] = u32::from(is_inside) << i;
         }

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::capture::Camera;
-use crate::render::geometry::{Projector, focal, growth_along, rays_in_world};
+use crate::capture::{Camera, Projection};
+use crate::render::geometry::{Projector, RelativeWidth, growth_along, rays_in_world};
 use crate::render::input::{CellTable, FrameSamples, LaneValues, Lookup};
 use crate::settings::RenderSettings;
 use crate::simd::LANES;
@@ -28,12 +28,20 @@ pub(super) struct SourceView {
     pub(super) camera: usize,
     pub(super) source_from_target: Projector,
     pub(super) target_from_source: Projector,
-    /// From the camera's center to the vantage's, in world space.
+    /// From the camera's center to the vantage's, in world space; of an orthographic camera its direction of view.
     offset_in_world: Vec3,
     /// What growth of the inverse depth tells of `offset_in_world`: see [`growth_along`].
     growth_along_offset: Vec3,
     /// Inverse depths that differ by no more than this share belong to one surface.
-    pub(super) tolerance: f32,
+    pub(super) tolerance: RelativeWidth,
+}
+
+impl SourceView {
+    /// Whether the camera's lines of sight are parallel.
+    #[inline(always)]
+    pub(super) fn is_orthographic(&self) -> bool {
+        self.source_from_target.target_is_orthographic
+    }
 }
 
 /// Surface points sixteen at a time: columns and rows of their pixels and inverse depths, in the vantage.
@@ -70,14 +78,18 @@ impl<'a> SourceViews<'a> {
         let center = target.position_in_world();
         let rays_in_world = rays_in_world(target, 0.5);
         let view = |(camera, source): (usize, &Camera)| {
-            let offset_in_world = (center - source.position_in_world()).as_vec3();
+            let offset_in_world = match source.intrinsics.projection {
+                Projection::Perspective => center - source.position_in_world(),
+                Projection::Orthographic => source.forward_in_world(),
+            };
+            let offset_in_world = offset_in_world.as_vec3();
             SourceView {
                 camera,
                 source_from_target: Projector::new(target, source),
                 target_from_source: Projector::new(source, target),
                 offset_in_world,
                 growth_along_offset: growth_along(rays_in_world, offset_in_world),
-                tolerance: settings.depth_tolerance / focal(source),
+                tolerance: RelativeWidth::of(settings.depth_tolerance, source),
             }
         };
         let pruned = frame.is_pruned();
@@ -115,7 +127,8 @@ impl<'a> SourceViews<'a> {
             let view = &self.views[camera as usize];
             let point = view.source_from_target.point(x, y, w);
             let weight = if point.z > 0.0 {
-                self.weight_on_surface(view, 1.0 / point.z, (x, y), w, slope)
+                let ratio = if view.is_orthographic() { w.recip() } else { 1.0 / point.z };
+                self.weight_on_surface(view, ratio, (x, y), w, slope)
             } else {
                 0.0
             };
@@ -130,7 +143,8 @@ impl<'a> SourceViews<'a> {
     #[inline(always)]
     pub(super) fn pixel_in(&self, camera: u16, (x, y): (f32, f32), w: f32) -> Option<(i32, i32)> {
         let point = self.views[camera as usize].source_from_target.point(x, y, w);
-        let (u, v) = (point.x / point.z, point.y / point.z);
+        let divisor = if self.views[camera as usize].is_orthographic() { w } else { point.z };
+        let (u, v) = (point.x / divisor, point.y / divisor);
         (point.z > 0.0 && u.abs().max(v.abs()) < 1e6).then_some((u as i32, v as i32))
     }
 
@@ -146,6 +160,9 @@ impl<'a> SourceViews<'a> {
         points: &TargetPoints,
     ) -> LaneValues {
         let mut weights = [0.0; LANES];
+        if view.is_orthographic() {
+            return self.weights_of_orthographic(view, distance_ratio, points, None);
+        }
         for i in 0..LANES {
             weights[i] = self.weight(view, distance_ratio[i], (points.x[i], points.y[i]), points.w[i]);
         }
@@ -162,11 +179,33 @@ impl<'a> SourceViews<'a> {
         slopes: &[LaneValues; 2],
     ) -> LaneValues {
         let mut weights = [0.0; LANES];
+        if view.is_orthographic() {
+            return self.weights_of_orthographic(view, distance_ratio, points, Some(slopes));
+        }
         for i in 0..LANES {
             let (at, slope) = ((points.x[i], points.y[i]), [slopes[0][i], slopes[1][i]]);
             weights[i] = self.weight_on_surface(view, distance_ratio[i], at, points.w[i], slope);
         }
         weights
+    }
+
+    /// [`SourceViews::weights_on_surface`] of an orthographic camera, or [`SourceViews::weights`] where no slopes are given.
+    #[cold]
+    #[inline(never)]
+    fn weights_of_orthographic(
+        &self,
+        view: &SourceView,
+        distance_ratio: &LaneValues,
+        points: &TargetPoints,
+        slopes: Option<&[LaneValues; 2]>,
+    ) -> LaneValues {
+        std::array::from_fn(|i| {
+            let (ratio, at, w) = (distance_ratio[i], (points.x[i], points.y[i]), points.w[i]);
+            match slopes {
+                Some(slopes) => self.weight_on_surface(view, ratio, at, w, slopes.map(|slopes| slopes[i])),
+                None => self.weight(view, ratio, at, w),
+            }
+        })
     }
 
     /// The cosine between the lines of sight of the vantage and of a camera to the surface at inverse depth `w` in pixel `(x, y)`, and
@@ -175,7 +214,8 @@ impl<'a> SourceViews<'a> {
     fn sights(&self, view: &SourceView, (x, y): (f32, f32), w: f32) -> (f32, [f32; 2]) {
         let [first, across, down] = self.rays_in_world;
         let ray = first + across * x + down * y;
-        let sight = ray + view.offset_in_world * w;
+        let sight =
+            if view.is_orthographic() { view.offset_in_world } else { ray + view.offset_in_world * w };
         let squared = [ray.length_squared(), sight.length_squared()];
         (ray.dot(sight) / (squared[0] * squared[1]).sqrt(), squared)
     }
@@ -203,7 +243,8 @@ impl<'a> SourceViews<'a> {
         let (cosine, [ray_squared, sight_squared]) = self.sights(view, (x, y), w);
         // The cosine of incidence over the vantage's.
         let growth = Vec3::new(slope[0], slope[1], w - slope[0] * x - slope[1] * y);
-        let facing = 1.0 + view.growth_along_offset.dot(growth);
+        let along = view.growth_along_offset.dot(growth);
+        let facing = if view.is_orthographic() { along / w } else { 1.0 + along };
         let facing = (facing * (ray_squared / sight_squared).sqrt()).clamp(MOST_SLANTED, 1.0 / MOST_SLANTED);
         let rate = (self.rate(view, distance_ratio) * facing.sqrt()).min(USEFUL_RATE);
         rate * rate * rate * cosine.max(0.01)

@@ -68,7 +68,12 @@ pub(super) fn vote(
         let which = u32::MAX >> (32 - LANES.min(count - first));
         let mut sums = [[0.0; LANES]; 3];
         for &camera in cameras {
-            add_votes(views, camera, &TargetPoints { x, y, w }, which, caches, &mut sums);
+            let points = TargetPoints { x, y, w };
+            if views.views[camera as usize].is_orthographic() {
+                add_votes_of_orthographic(views, camera, &points, which, caches, &mut sums);
+            } else {
+                add_votes::<false>(views, camera, &points, which, caches, &mut sums);
+            }
         }
         let [agree, total, max_weight] = sums;
         let votes_on =
@@ -77,13 +82,27 @@ pub(super) fn vote(
     }
 }
 
+/// [`add_votes`] of an orthographic camera. Apart, so that those in perspective stay as fast as they are.
+#[cold]
+#[inline(never)]
+fn add_votes_of_orthographic(
+    views: &SourceViews<'_>,
+    camera: u16,
+    points: &TargetPoints,
+    which: u32,
+    caches: &mut TileCaches,
+    sums: &mut [LaneValues; 3],
+) {
+    add_votes::<true>(views, camera, points, which, caches, sums);
+}
+
 /// Adds the votes of one camera: shares of the 2×2 samples around a point that show the surface there, and that show
 /// something behind it. Samples of something nearer, and missing samples, count for neither.
 ///
 /// An agreeing sample counts less the farther the surface that it shows lies from the pixel in the vantage, and nothing from one
 /// pixel on: it is then another part of the surface that happens to be as far away.
 #[inline(always)]
-fn add_votes(
+fn add_votes<const PARALLEL: bool>(
     views: &SourceViews<'_>,
     camera: u16,
     points: &TargetPoints,
@@ -101,7 +120,7 @@ fn add_votes(
     let weights = views.weights(view, &at.distance_ratio, points);
     for i in 0..LANES {
         let expected = at.expected[i];
-        let limit = expected * view.tolerance;
+        let limit = expected * view.tolerance.at(expected);
         let shares = bilinear(at.along[i], at.down[i]);
         let (mut agreeing, mut behind, mut unknown, mut depth) = (0.0, 0.0, 0.0, 0.0);
         for corner in 0..4 {
@@ -114,7 +133,11 @@ fn add_votes(
             unknown += if agrees | is_behind { 0.0 } else { share };
         }
         let (column, row) = (at.left[i] + at.along[i], at.above[i] + at.down[i]);
-        let seen = view.target_from_source.point(column, row, depth / agreeing);
+        let seen = if PARALLEL {
+            view.target_from_source.point_of_any(column, row, depth / agreeing)
+        } else {
+            view.target_from_source.point(column, row, depth / agreeing)
+        };
         let (dx, dy) = (seen.x / seen.z - points.x[i] - 0.5, seen.y / seen.z - points.y[i] - 0.5);
         let displaced = if agreeing > 0.0 { agreeing * dx.abs().max(dy.abs()).min(1.0) } else { 0.0 };
         let unknown = if agreeing - displaced > 0.0 { UNKNOWN_WEIGHT * unknown } else { 0.0 };

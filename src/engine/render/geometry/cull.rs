@@ -79,8 +79,51 @@ impl VectorLoop for BoundTiles<'_> {
         for (tiles, bounds) in self.tiles.chunks(LANES).zip(self.bounds.chunks_mut(LANES)) {
             let boxes = TileBoxes::of(tiles, self.projectors);
             boxes.bounds(self.target, self.reach, bounds);
+            for (tile, bounds) in tiles.iter().zip(bounds) {
+                let projector = &self.projectors[tile.camera as usize];
+                if projector.has_orthographic() {
+                    *bounds = bounds_of_orthographic(tile, projector, self.target, self.reach);
+                }
+            }
         }
     }
+}
+
+/// The bounds of a tile where one of the cameras is orthographic: what is no straight box then has the same corners.
+#[cold]
+#[inline(never)]
+fn bounds_of_orthographic(
+    tile: &FrameTile<'_>,
+    projector: &Projector,
+    target: &Camera,
+    reach: FootprintReach,
+) -> TileBounds {
+    let (far, near) = tile.depths.bounds();
+    let [left, top] = [tile.origin.0, tile.origin.1].map(|first| first as f32 - 0.5);
+    let (mut min, mut max) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+    let (mut behind, mut largest, mut is_sound) = (0, 0.0_f32, true);
+    for corner in 0..8_usize {
+        let [x, y, share] = [0, 1, 2].map(|edge| (corner >> edge & 1) as f32);
+        let w = far + (near - far) * share;
+        let point = projector.point_of_any(left + x * TILE as f32, top + y * TILE as f32, w);
+        let position = projector.position(point, w);
+        behind += usize::from(point.z <= 0.0);
+        is_sound &= point.z > 0.0 && position.iter().all(|position| position.abs() < f32::MAX);
+        largest = largest.max(projector.magnification(w, point.z.recip()));
+        for axis in 0..2 {
+            (min[axis], max[axis]) = (min[axis].min(position[axis]), max[axis].max(position[axis]));
+        }
+    }
+    if behind == 8 {
+        return TileBounds::default();
+    }
+    let size = [target.intrinsics.width as f32, target.intrinsics.height as f32];
+    let grow = reach.pixels + reach.source_pixels * largest;
+    let [[left, right], [top, bottom]] = [0, 1].map(|axis| {
+        let ends = if is_sound { [min[axis] - grow, max[axis] + grow + 2.0] } else { [0.0, size[axis]] };
+        ends.map(|end| end.clamp(0.0, size[axis]) as u32)
+    });
+    TileBounds { left, right, top, bottom }
 }
 
 /// Boxes of `(column, row, inverse depth)` in the target before the division, one per lane.

@@ -8,6 +8,8 @@
 //! What differs: tangents come from neighboring depths instead of stored normals, and each pixel gets the depth of the
 //! sample's plane there, not that of its center.
 
+use glam::Vec3;
+
 use super::project::{ProjectedRow, Projector};
 use crate::samples::TILE;
 
@@ -57,6 +59,9 @@ pub(crate) fn footprints(
     w: &[f32; TILE],
     slopes: &[[f32; TILE]; 2],
 ) -> Footprints {
+    if projector.source_is_orthographic {
+        return footprints_of_orthographic(projector, row, w, slopes);
+    }
     let mut found = Footprints::default();
     let (across, down, origin) = (projector.per_column, projector.per_row, projector.origin);
     for i in 0..TILE {
@@ -87,6 +92,48 @@ pub(crate) fn footprints(
         found.inverse[1][i] = -b * inverse;
         found.inverse[2][i] = -c * inverse;
         found.inverse[3][i] = a * inverse;
+        found.largest[i] = largest;
+        found.half_width[i] = (CORE_REACH * (a.abs() + b.abs())).min(largest);
+        found.half_height[i] = (CORE_REACH * (c.abs() + d.abs())).min(largest);
+    }
+    found
+}
+
+/// The same for an orthographic source: a pixel's place counts times `w`, so that it is what the slopes move.
+#[cold]
+#[inline(never)]
+fn footprints_of_orthographic(
+    projector: &Projector,
+    row: &ProjectedRow,
+    w: &[f32; TILE],
+    slopes: &[[f32; TILE]; 2],
+) -> Footprints {
+    let mut found = Footprints::default();
+    let (across, down) = (projector.per_column, projector.per_row);
+    for i in 0..TILE {
+        let (u, v, reciprocal) = (row.u[i], row.v[i], row.reciprocal[i]);
+        let target_w = w[i] * reciprocal;
+        let point = Vec3::new(u, v, 1.0) / reciprocal;
+        let place = if w[i] > 0.0 { (point - projector.origin) / w[i] } else { Vec3::ZERO };
+        let moved = |growth: Vec3, slope: f32| growth * w[i] + place * slope;
+        let (x, y) = (moved(across, slopes[0][i]), moved(down, slopes[1][i]));
+        let [a, b] = [x, y].map(|moved| (moved.x - u * moved.z) * reciprocal);
+        let [c, d] = [x, y].map(|moved| (moved.y - v * moved.z) * reciprocal);
+        let w_across = (slopes[0][i] - target_w * x.z) * reciprocal;
+        let w_down = (slopes[1][i] - target_w * y.z) * reciprocal;
+        let determinant = a * d - b * c;
+        let inverse = if determinant.abs() > 1e-6 { 1.0 / determinant } else { 0.0 };
+        let largest = MAX_STRETCH * projector.magnification(w[i], reciprocal);
+        found.inverse_depth[i] = target_w;
+        found.slope_x[i] = (w_across * d - w_down * c) * inverse;
+        found.slope_y[i] = (w_down * a - w_across * b) * inverse;
+        found.deviation[i] = CORE_REACH * (w_across.abs() + w_down.abs());
+        for (part, value) in found.jacobian.iter_mut().zip([a, b, c, d]) {
+            part[i] = value;
+        }
+        for (part, value) in found.inverse.iter_mut().zip([d, -b, -c, a]) {
+            part[i] = value * inverse;
+        }
         found.largest[i] = largest;
         found.half_width[i] = (CORE_REACH * (a.abs() + b.abs())).min(largest);
         found.half_height[i] = (CORE_REACH * (c.abs() + d.abs())).min(largest);

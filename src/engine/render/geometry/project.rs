@@ -4,11 +4,14 @@
 //! `P = M·ray + o·w` with `w = 1/z`. `P.xy / P.z` is the position in target pixels and `w / P.z` the target's inverse
 //! depth, for points at infinity (`w = 0`) as well. Along a row `M·ray` grows by a constant.
 //!
+//! Where the source is orthographic `P = (M·pixel + o)·w + a`, with `a` its z axis, and where the target is, positions are `P.xy / w`. The
+//! target's inverse depth is `w / P.z` either way.
+//!
 //! Sums are not contracted (no fused multiply-add): every machine and every vector width gives the same bits.
 
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 
-use crate::capture::Camera;
+use crate::capture::{Camera, Projection};
 use crate::samples::TILE;
 
 /// Carries pixels of one camera, with their inverse depths, into another.
@@ -19,8 +22,13 @@ pub(crate) struct Projector {
     pub(crate) per_column: Vec3,
     /// Growth of `M·ray` from one row to the next.
     pub(crate) per_row: Vec3,
-    /// The source camera's center in the target, before the division.
+    /// The source camera's center in the target, before the division; of an orthographic source its z axis.
     pub(crate) origin: Vec3,
+    /// Whether the source's lines of sight are parallel: `ray` is a pixel's place in its picture plane, which counts times `w`, and
+    /// `origin` does not.
+    pub(crate) source_is_orthographic: bool,
+    /// Whether the target's lines of sight are parallel: positions are divided by `w`.
+    pub(crate) target_is_orthographic: bool,
     /// Focal length of the target over that of the source: target pixels a source pixel covers, seen from equally far.
     pub(crate) focal_ratio: f32,
 }
@@ -37,12 +45,37 @@ pub(crate) struct ProjectedRow {
     pub(crate) reciprocal: [f32; TILE],
 }
 
+/// A number of pixels of a camera along the line of sight, as a share of the depth: in perspective a constant, of an orthographic camera
+/// in proportion to the inverse depth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RelativeWidth {
+    constant: f32,
+    per_inverse_depth: f32,
+}
+
+impl RelativeWidth {
+    /// So many pixels of a camera.
+    pub(crate) fn of(pixels: f32, camera: &Camera) -> Self {
+        let width = pixels / focal(camera);
+        match camera.intrinsics.projection {
+            Projection::Perspective => Self { constant: width, per_inverse_depth: 0.0 },
+            Projection::Orthographic => Self { constant: 0.0, per_inverse_depth: width },
+        }
+    }
+
+    /// At an inverse depth. In perspective the bits of the constant.
+    #[inline(always)]
+    pub(crate) fn at(self, inverse_depth: f32) -> f32 {
+        self.constant + self.per_inverse_depth * inverse_depth
+    }
+}
+
 /// Mean focal length in pixels.
 pub(crate) fn focal(camera: &Camera) -> f32 {
     (camera.intrinsics.fx * camera.intrinsics.fy).sqrt() as f32
 }
 
-/// World-space ray of the point `(first, first)` of a picture, and its growth by column and row.
+/// World-space ray, the same for all pixels of an orthographic camera, of the point `(first, first)` of a picture, and its growth by column and row.
 pub(crate) fn rays_in_world(camera: &Camera, first: f64) -> [Vec3; 3] {
     let ray = |x, y| {
         let at = DVec2::new(first + x, first + y);
@@ -72,12 +105,82 @@ impl Projector {
         let target_from_source = target.camera_from_world() * source.world_from_camera;
         let image_from_source = image_from_camera * target_from_source.matrix3;
         let s = source.intrinsics;
+        if s.is_orthographic() || k.is_orthographic() {
+            return Self::of_orthographic(source, target);
+        }
         Self {
             first_pixel: (image_from_source * s.ray_in_camera(DVec2::splat(0.5))).as_vec3(),
             per_column: (image_from_source.x_axis / s.fx).as_vec3(),
             per_row: (image_from_source.y_axis / s.fy).as_vec3(),
             origin: (image_from_camera * target_from_source.translation).as_vec3(),
             focal_ratio: focal(target) / focal(source),
+            source_is_orthographic: false,
+            target_is_orthographic: false,
+        }
+    }
+
+    fn of_orthographic(source: &Camera, target: &Camera) -> Self {
+        let (s, k) = (source.intrinsics, target.intrinsics);
+        let target_from_source = target.camera_from_world() * source.world_from_camera;
+        // The image center comes with what positions are divided by.
+        let center = DVec3::new(k.cx, k.cy, 0.0);
+        let (in_depth, in_plane) =
+            if k.is_orthographic() { (DVec3::ZERO, center) } else { (center, DVec3::ZERO) };
+        let image_from_camera = DMat3::from_diagonal(DVec3::new(k.fx, k.fy, 1.0));
+        let image = |vector: DVec3| image_from_camera * vector + in_depth * vector.z;
+        let axes = target_from_source.matrix3;
+        let first = s.point_in_camera(DVec2::splat(0.5), 1.0);
+        let (first_pixel, origin) = match s.projection {
+            Projection::Perspective => {
+                (image(axes * first), image(target_from_source.translation) + in_plane)
+            }
+            Projection::Orthographic => {
+                let place = target_from_source.transform_point3(first.with_z(0.0));
+                (image(place) + in_plane, image(along_target(axes.z_axis)))
+            }
+        };
+        Self {
+            first_pixel: first_pixel.as_vec3(),
+            per_column: image(axes.x_axis / s.fx).as_vec3(),
+            per_row: image(axes.y_axis / s.fy).as_vec3(),
+            origin: origin.as_vec3(),
+            focal_ratio: focal(target) / focal(source),
+            source_is_orthographic: s.is_orthographic(),
+            target_is_orthographic: k.is_orthographic(),
+        }
+    }
+
+    /// Whether either camera is orthographic.
+    #[inline(always)]
+    pub(crate) fn has_orthographic(&self) -> bool {
+        self.source_is_orthographic | self.target_is_orthographic
+    }
+
+    /// The target's position of a [`Projector::point`] at inverse depth `w`; no number, or infinite, where there is none.
+    #[inline(always)]
+    pub(crate) fn position(&self, point: Vec3, w: f32) -> [f32; 2] {
+        let divisor = if self.target_is_orthographic { w } else { point.z };
+        if w == 0.0 && self.source_is_orthographic && self.target_is_orthographic {
+            return [f32::NAN; 2];
+        }
+        [point.x / divisor, point.y / divisor]
+    }
+
+    /// Target pixels along a source pixel at inverse depth `w` whose [`ProjectedRow::reciprocal`] is this.
+    #[inline(always)]
+    pub(crate) fn magnification(&self, w: f32, reciprocal: f32) -> f32 {
+        self.focal_ratio * self.distance_ratio(w, reciprocal)
+    }
+
+    /// The factor of [`Projector::magnification`] that depends on depths: the distance from the source over that from the target, each 1
+    /// where it is orthographic.
+    #[inline(always)]
+    pub(crate) fn distance_ratio(&self, w: f32, reciprocal: f32) -> f32 {
+        match (self.source_is_orthographic, self.target_is_orthographic) {
+            (false, false) => reciprocal,
+            (true, false) => w * reciprocal,
+            (false, true) => w.recip(),
+            (true, true) => 1.0,
         }
     }
 
@@ -87,15 +190,24 @@ impl Projector {
         self.first_pixel + self.per_column * x + self.per_row * y
     }
 
-    /// `P = M·ray + o·w` of the center of pixel `(x, y)` at inverse depth `w`.
+    /// `P = M·ray + o·w` of the center of pixel `(x, y)` at inverse depth `w`, for a source in perspective, as every vantage is.
     #[inline(always)]
     pub(crate) fn point(&self, x: f32, y: f32, w: f32) -> Vec3 {
         self.ray(x, y) + self.origin * w
     }
 
+    /// `P` for any source.
+    #[inline(always)]
+    pub(crate) fn point_of_any(&self, x: f32, y: f32, w: f32) -> Vec3 {
+        if self.source_is_orthographic { self.ray(x, y) * w + self.origin } else { self.point(x, y, w) }
+    }
+
     /// Sixteen pixels of a row from `ray` on, with their inverse depths.
     #[inline(always)]
     pub(crate) fn row(&self, ray: Vec3, inverse_depth: &[f32; TILE]) -> ProjectedRow {
+        if self.has_orthographic() {
+            return self.row_of_orthographic(ray, inverse_depth);
+        }
         let mut row = ProjectedRow { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
         for column in 0..TILE {
             let (along, w) = (column as f32, inverse_depth[column]);
@@ -109,12 +221,85 @@ impl Projector {
         }
         row
     }
+
+    /// The same where one of the cameras is orthographic. Apart, so that what is between cameras in perspective stays as fast as it is.
+    #[cold]
+    #[inline(never)]
+    fn row_of_orthographic(&self, ray: Vec3, inverse_depth: &[f32; TILE]) -> ProjectedRow {
+        let mut row = ProjectedRow { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
+        for (column, &w) in inverse_depth.iter().enumerate() {
+            let ray = ray + self.per_column * column as f32;
+            let point =
+                if self.source_is_orthographic { ray * w + self.origin } else { ray + self.origin * w };
+            let [u, v] = match (self.source_is_orthographic, self.target_is_orthographic) {
+                // At infinity what both see along one direction stays where it is.
+                (true, true) => [0, 1].map(|axis| {
+                    let shift = self.origin[axis];
+                    ray[axis] + if shift == 0.0 { 0.0 } else { shift / w }
+                }),
+                _ => self.position(point, w),
+            };
+            (row.u[column], row.v[column]) = (u, v);
+            row.reciprocal[column] = point.z.recip();
+        }
+        row
+    }
 }
+
+/// A direction in a camera's space, along its z axis where it is but for rounding.
+fn along_target(direction: DVec3) -> DVec3 {
+    if direction.truncate().length() < ROUNDING { DVec3::new(0.0, 0.0, direction.z) } else { direction }
+}
+
+/// How far the components of a direction may be off by rounding in double precision.
+const ROUNDING: f64 = 1e-12;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::capture::Intrinsics;
+
+    #[test]
+    fn projecting_agrees_with_unprojecting_and_projecting_whichever_camera_is_orthographic() {
+        let lenses = [
+            Intrinsics { cx: 30.25, ..Intrinsics::orthographic(64, 48, 4.0) },
+            Intrinsics::from_horizontal_angle(80, 60, 0.7),
+        ];
+        for (from, to) in [(0, 1), (1, 0), (0, 0)] {
+            let source =
+                Camera::look_at("a", lenses[from], DVec3::new(1.0, -4.0, 2.0), DVec3::ZERO, DVec3::Z);
+            let target = Camera::look_at("b", lenses[to], DVec3::new(-2.0, -3.0, 1.0), DVec3::X, DVec3::Z);
+            let projector = Projector::new(&source, &target);
+            for y in 0..48 {
+                let depths: [f32; TILE] = std::array::from_fn(|i| 1.0 / (3.0 + 0.01 * (i + y) as f32));
+                let row = projector.row(projector.ray(16.0, y as f32), &depths);
+                for (column, w) in depths.iter().enumerate() {
+                    let z = f64::from(*w).recip();
+                    let center = DVec2::new(16.5 + column as f64, 0.5 + y as f64);
+                    let beside = target.project(source.unproject(center + DVec2::X, z)).unwrap().0;
+                    let (pixel, found_z) = target.project(source.unproject(center, z)).unwrap();
+                    assert!((pixel - DVec2::new(row.u[column].into(), row.v[column].into())).length() < 1e-3);
+                    assert!((found_z as f32 * w * row.reciprocal[column] - 1.0).abs() < 1e-5);
+                    let magnification = projector.magnification(*w, row.reciprocal[column]);
+                    assert!(((beside - pixel).length() as f32) < 1.3 * magnification);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_an_orthographic_camera_sees_at_infinity_stays_in_its_pixel() {
+        let lens = Intrinsics::orthographic(64, 48, 4.0);
+        let camera = Camera::look_at("a", lens, DVec3::new(1.0, -4.0, 2.0), DVec3::ZERO, DVec3::Z);
+        let projector = Projector::new(&camera, &camera);
+        let row = projector.row(projector.ray(16.0, 7.0), &[0.0; TILE]);
+        for column in 0..TILE {
+            assert!(
+                (row.u[column] - (16.5 + column as f32)).abs() < 1e-4 && (row.v[column] - 7.5).abs() < 1e-4
+            );
+            assert!(row.reciprocal[column] > 0.0);
+        }
+    }
 
     #[test]
     fn projecting_along_rows_agrees_with_unprojecting_and_projecting() {

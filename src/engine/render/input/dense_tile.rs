@@ -1,6 +1,7 @@
 //! A tile of samples as 16×16 pixels, and the slope of its surface.
 
 use super::frame_tile::FrameTile;
+use crate::render::geometry::RelativeWidth;
 use crate::samples::{TILE, TILE_SAMPLES};
 
 /// Marks a pixel without a sample.
@@ -60,14 +61,14 @@ impl DenseTile {
 /// Growth of the inverse depth from one column to the next and from one row to the next, at the pixels of a row: in each
 /// direction the smaller of the differences to both neighbors that are on the same surface, 0 where neither is.
 #[inline(always)]
-pub(crate) fn slopes(tile: &DenseTile, row: usize, per_footprint: f32) -> [[f32; TILE]; 2] {
+pub(crate) fn slopes(tile: &DenseTile, row: usize, per_footprint: RelativeWidth) -> [[f32; TILE]; 2] {
     let [above, here, below] = [&tile.rows[row], &tile.rows[row + 1], &tile.rows[row + 2]];
     let first = (row + 1) * TILE;
     let beside = &tile.rows.as_flattened()[first - 1..][..TILE + 2];
     let mut slopes = [[0.0; TILE]; 2];
     for column in 0..TILE {
         let w = here[column];
-        let limit = EDGE_FOOTPRINTS * per_footprint * w;
+        let limit = EDGE_FOOTPRINTS * per_footprint.at(w) * w;
         // Beyond the tile nothing is known.
         let left = if column == 0 { MISSING } else { beside[column] };
         let right = if column == TILE - 1 { MISSING } else { beside[column + 2] };
@@ -79,14 +80,14 @@ pub(crate) fn slopes(tile: &DenseTile, row: usize, per_footprint: f32) -> [[f32;
 
 /// For the pixels of a row, whether a neighbor in the tile shows another surface: such samples may be blended with it.
 #[inline(always)]
-pub(crate) fn beside_edges(tile: &DenseTile, row: usize, per_footprint: f32) -> [bool; TILE] {
+pub(crate) fn beside_edges(tile: &DenseTile, row: usize, per_footprint: RelativeWidth) -> [bool; TILE] {
     let [above, here, below] = [&tile.rows[row], &tile.rows[row + 1], &tile.rows[row + 2]];
     let first = (row + 1) * TILE;
     let beside = &tile.rows.as_flattened()[first - 1..][..TILE + 2];
     let mut found = [false; TILE];
     for column in 0..TILE {
         let w = here[column];
-        let limit = EDGE_FOOTPRINTS * per_footprint * w;
+        let limit = EDGE_FOOTPRINTS * per_footprint.at(w) * w;
         let left = if column == 0 { MISSING } else { beside[column] };
         let right = if column == TILE - 1 { MISSING } else { beside[column + 2] };
         let is_other = |neighbor: f32| (neighbor >= 0.0) & ((w - neighbor).abs() > limit);

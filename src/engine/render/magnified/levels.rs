@@ -34,7 +34,7 @@ fn level_of(magnification: f32) -> f32 {
 /// The view with `1 / 2^level` of its columns and rows, rounded up.
 pub(super) fn coarser(vantage: &Vantage, level: usize) -> Vantage {
     let mut coarser = vantage.clone();
-    let Intrinsics { width, height, fx, fy, cx, cy } = &mut coarser.camera.intrinsics;
+    let Intrinsics { width, height, fx, fy, cx, cy, .. } = &mut coarser.camera.intrinsics;
     for side in [width, height] {
         *side = side.div_ceil(1 << level);
     }
@@ -133,9 +133,15 @@ impl<'a> RecordedPixels<'a> {
             let projector = self.source_from_target.get(camera)?;
             let point = projector.point(x, y, w);
             let (width, height) = self.samples.cameras[camera].intrinsics.size();
-            let (u, v) = (point.x / point.z, point.y / point.z);
+            let [u, v] = projector.position(point, w);
             let looks_there = (0.0..width as f32).contains(&u) && (0.0..height as f32).contains(&v);
-            (point.z > 0.0 && (looks_there || camera == own)).then(|| projector.focal_ratio / point.z)
+            (point.z > 0.0 && (looks_there || camera == own)).then(|| {
+                if projector.target_is_orthographic {
+                    projector.magnification(w, point.z.recip())
+                } else {
+                    projector.focal_ratio / point.z
+                }
+            })
         };
         if self.is_pruned {
             return of_camera(own);

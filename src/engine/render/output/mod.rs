@@ -3,9 +3,11 @@
 mod exr;
 mod pick;
 mod png;
+mod value_histogram;
 mod values;
 
 pub use exr::write_exr;
 pub use pick::{PickedSample, pick};
 pub use png::write_png;
-pub use values::{PictureValues, shown_values, write_exr_with_values, write_npy, write_value_png};
+pub use value_histogram::{ValueHistogram, kept_values, ranked_value};
+pub use values::{PictureValues, shown_values, with_below, write_exr_with_values, write_npy};

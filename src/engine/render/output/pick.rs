@@ -50,6 +50,9 @@ pub fn pick(
     let point = (inverse_depth > 0.0).then(|| vantage.camera.unproject(pixel, 1.0 / inverse_depth));
     let position = if let Some(point) = point {
         source.project(point)?.0
+    } else if source.intrinsics.is_orthographic() {
+        // All of its sky is in one direction: no pixel of it stands for this one.
+        return None;
     } else {
         let direction =
             vantage.camera.world_from_camera.matrix3 * vantage.camera.intrinsics.ray_in_camera(pixel);

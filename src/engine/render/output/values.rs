@@ -3,13 +3,15 @@
 
 use std::path::Path;
 
-use image::{ImageFormat, Rgba, RgbaImage};
+use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::exr::write_with;
 use super::pick::pick;
 use crate::capture::{MISSING_VALUE, ValueChannel, Values};
+use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
+use crate::grid::Grid;
 use crate::render::value_colors::ValueColors;
 use crate::render::vantage::{NO_IMAGE, Picture, Vantage};
 use crate::samples::SampleSet;
@@ -49,21 +51,16 @@ impl PictureValues {
         Self { channels: samples.values.clone(), values: Values::from_planes(&planes) }
     }
 
-    /// The number of the channel of a name.
-    ///
-    /// # Errors
-    /// `Invalid` with the names there are.
-    pub fn channel(channels: &[ValueChannel], name: &str, place: &str) -> Result<usize> {
-        let found = channels.iter().position(|channel| channel.name == name);
-        found.ok_or_else(|| {
-            let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
-            let what = if names.is_empty() {
-                format!("there is no value '{name}': the capture gave none; list them as \"values\" in its manifest")
-            } else {
-                format!("there is no value '{name}'; there are {}", names.join(", "))
-            };
-            Error::invalid(place, what)
-        })
+    /// The picture in the colors of one channel; black in holes that were not filled.
+    #[must_use]
+    pub fn colored(&self, picture: &Picture, channel: usize, colors: &ValueColors) -> Picture {
+        let (width, height) = picture.color.size();
+        let mut of_pixel = self.values.channel(channel);
+        let color = Grid::from_fn(width, height, |x, y| {
+            let value = of_pixel.next().unwrap_or(MISSING_VALUE);
+            if picture.alpha((x, y)) > 0.0 { colors.linear_color(value) } else { [0.0; 3] }
+        });
+        Picture { color, ..picture.clone() }
     }
 }
 
@@ -76,31 +73,35 @@ pub fn write_exr_with_values(path: &Path, picture: &Picture, values: &PictureVal
     write_with(path, picture, &values.channels, &values.values)
 }
 
-/// Writes one channel of values as an 8-bit sRGB PNG in `colors`. Holes that were not filled are transparent. The file takes its name
-/// when it is complete.
+/// A picture with opaque pixels of 8-bit sRGB below it, which are as wide as it is.
 ///
-/// # Errors
-/// `Io` where the file cannot be written, `Invalid` where a PNG cannot hold the picture.
-pub fn write_value_png(
-    path: &Path,
-    picture: &Picture,
-    values: &PictureValues,
-    channel: usize,
-    colors: &ValueColors,
-) -> Result<()> {
-    let (width, height) = picture.image.size();
-    let of_pixel: Vec<f32> = values.values.channel(channel).collect();
-    let png = RgbaImage::from_fn(width as u32, height as u32, |x, y| {
-        let pixel = (x as usize, y as usize);
-        let [r, g, b] = colors.color(of_pixel[pixel.1 * width + pixel.0]);
-        Rgba([r, g, b, (255.0 * picture.alpha(pixel) + 0.5) as u8])
+/// # Panics
+/// Where they are not as wide.
+#[must_use]
+pub fn with_below(picture: &Picture, below: &RgbaImage) -> Picture {
+    let (width, height) = picture.color.size();
+    assert_eq!(below.width() as usize, width, "what lies below a picture is as wide as it");
+    let rows = height + below.height() as usize;
+    let linear = |channel: u8| linear_from_srgb(f32::from(channel) / 255.0);
+    let color = Grid::from_fn(width, rows, |x, y| match y.checked_sub(height) {
+        None => picture.color[(x, y)],
+        Some(y) => {
+            let [red, green, blue, _] = below.get_pixel(x as u32, y as u32).0;
+            [red, green, blue].map(linear)
+        }
     });
-    whole_file::write(path, |writer| {
-        png.write_to(writer, ImageFormat::Png).map_err(|error| match error {
-            image::ImageError::IoError(error) => Error::io(path, error),
-            error => Error::invalid(path.display(), error.to_string()),
-        })
-    })
+    let mut coverage = picture.coverage.clone();
+    if !coverage.is_empty() {
+        coverage.resize(width * rows, 1.0);
+    }
+    let extended = |plane: &[f32]| [plane, &vec![0.0; width * (rows - height)]].concat();
+    Picture {
+        color,
+        inverse_depth: Grid::from_vec(width, rows, extended(picture.inverse_depth.as_slice())),
+        image: Grid::from_fn(width, rows, |x, y| picture.image.get(x, y).copied().unwrap_or(NO_IMAGE)),
+        fronts: Vec::new(),
+        coverage,
+    }
 }
 
 /// Writes one channel of values of a picture as an array of `NumPy`: float32, rows and columns, NaN where a value is missing.

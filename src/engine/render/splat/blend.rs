@@ -99,7 +99,7 @@ impl VectorLoop for BandBlend<'_> {
                         trust[i] *= if beside[i] { BESIDE_EDGE } else { 1.0 };
                     }
                     let found = footprints(projector, &projected, w, &slopes);
-                    sums.add_footprints(projector.focal_ratio, &projected, &found, &trust, &samples);
+                    sums.add_footprints(projector, &projected, &found, &trust, &samples);
                 } else {
                     sums.add_blocks(&projected, &samples);
                 }
@@ -149,7 +149,11 @@ fn cosines(
     let [corner, across, down] = *rays_in_world;
     let mut cosines = [0.0; TILE];
     for i in 0..TILE {
-        let image = ray + projector.per_column * i as f32;
+        let image = if projector.source_is_orthographic {
+            projector.origin
+        } else {
+            ray + projector.per_column * i as f32
+        };
         let from_camera = across * image.x + down * image.y + corner * image.z;
         let from_vantage = across * projected.u[i] + down * projected.v[i] + corner;
         let lengths = (from_camera.length_squared() * from_vantage.length_squared()).sqrt();
@@ -205,14 +209,14 @@ impl BandSums<'_> {
     #[inline(always)]
     fn add_footprints(
         &mut self,
-        focal_ratio: f32,
+        projector: &Projector,
         projected: &ProjectedRow,
         found: &Footprints,
         trust: &[f32; TILE],
         samples: &RowSamples<'_>,
     ) {
         let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
-        samples.for_each(|i, _, color| {
+        samples.for_each(|i, w, color| {
             if projected.reciprocal[i] <= 0.0 {
                 return;
             }
@@ -225,8 +229,10 @@ impl BandSums<'_> {
             let (half_width, half_height) = ((KERNEL_END * xx).sqrt(), (KERNEL_END * yy).sqrt());
             // Not beyond the bounds that tiles are culled by: the picture must not depend on how it is cut into bands.
             let limit = (BLEND_REACH.pixels
-                + BLEND_REACH.source_pixels * focal_ratio * projected.reciprocal[i])
-                .min(MAX_REACH);
+                + BLEND_REACH.source_pixels
+                    * projector.focal_ratio
+                    * projector.distance_ratio(w, projected.reciprocal[i]))
+            .min(MAX_REACH);
             let (half_width, half_height) = (half_width.min(limit), half_height.min(limit));
             let (u, v) = (projected.u[i], projected.v[i]);
             let left = (u - half_width - 0.5).ceil().max(0.0);

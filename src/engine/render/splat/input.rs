@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::capture::Camera;
 use crate::job::Job;
-use crate::render::geometry::{Projector, RowBand, focal, rays_in_world};
+use crate::render::geometry::{Projector, RelativeWidth, RowBand, focal, rays_in_world};
 use crate::render::input::FrameSamples;
 use crate::settings::{Kernel, RenderSettings};
 
@@ -13,8 +13,8 @@ pub(crate) struct StageInput<'a> {
     pub(crate) frame: &'a FrameSamples<'a>,
     /// Carries each camera into the target.
     pub(crate) projectors: Vec<Projector>,
-    /// Reciprocal focal length of each camera: the size of its footprints at unit distance.
-    pub(super) per_footprint: Vec<f32>,
+    /// The size of the footprints of each camera, relative to the distance.
+    pub(super) per_footprint: Vec<RelativeWidth>,
     /// World-space ray of the target's corner, and its growth by column and row.
     pub(super) rays_in_world: [Vec3; 3],
     /// Columns of the target.
@@ -37,7 +37,7 @@ impl<'a> StageInput<'a> {
         Self {
             frame,
             projectors: cameras.iter().map(|camera| Projector::new(camera, target)).collect(),
-            per_footprint: cameras.iter().map(|camera| 1.0 / focal(camera)).collect(),
+            per_footprint: cameras.iter().map(|camera| RelativeWidth::of(1.0, camera)).collect(),
             rays_in_world: rays_in_world(target, 0.0),
             width: target.intrinsics.size().0,
             surface_ratio: 1.0 / (1.0 + settings.depth_tolerance / focal(target)),

@@ -10,8 +10,8 @@ use super::input::{StageInput, split_at_bands};
 use super::zkey::{CORE, TRUSTED, key, nearness};
 use crate::error::Result;
 use crate::render::geometry::{
-    CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,
-    footprints,
+    CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RelativeWidth,
+    RowBand, footprints,
 };
 use crate::render::input::{DenseTile, slopes};
 use crate::samples::TILE;
@@ -68,8 +68,8 @@ trait Splat {
 /// A row of a tile.
 struct TileRow<'a> {
     projector: &'a Projector,
-    /// Reciprocal focal length of the camera.
-    per_footprint: f32,
+    /// The size of the camera's footprints, relative to the distance.
+    per_footprint: RelativeWidth,
     tile: &'a DenseTile,
     /// Where the tile holds samples: a mask of columns per row.
     rows: &'a [u16; TILE],

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::header::{VERSION, WITH_DOUBTFUL, WITH_VALUES, decode_version};
+use super::header::{VERSION, WITH_DOUBTFUL, WITH_PROJECTIONS, WITH_VALUES, decode_version};
 use crate::error::{Error, Result};
 use crate::settings::Settings;
 use crate::store::container::{
@@ -93,9 +93,9 @@ pub(crate) fn decode_settings(toml: &[u8]) -> Result<(Settings, Vec<String>), St
 
 fn checked_version(head: &[u8], path: &Path) -> Result<(u16, u16)> {
     let version = decode_version(head).map_err(|what| in_chunk(path, HEAD, what))?;
-    if version.0 != VERSION.0 {
+    if ![VERSION.0, WITH_PROJECTIONS].contains(&version.0) {
         let what = format!(
-            "the store has version {}.{}, this Overlook reads {}.x; use the Overlook that wrote it or preprocess again",
+            "the store has version {}.{}, this Overlook reads {}.x and {WITH_PROJECTIONS}.x; use the Overlook that wrote it or preprocess again",
             version.0, version.1, VERSION.0
         );
         return Err(Error::unsupported(path.display(), what));

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::capture::{Camera, Intrinsics, is_believable_size};
+use crate::capture::{Camera, Intrinsics, Projection, is_believable_size};
 use crate::plural::counted;
 use crate::samples::{ImageFacts, SampleSet, Span};
 
@@ -12,6 +12,8 @@ use crate::store::container::{ByteReader, push_text};
 
 /// Version of the format. Another major version cannot be read; a minor one only adds chunks that may be skipped.
 pub(crate) const VERSION: (u16, u16) = (3, 2);
+/// The major version of stores with orthographic cameras: readers that do not know them refuse it.
+pub(crate) const WITH_PROJECTIONS: u16 = 4;
 
 /// The minor version in which `DOUB` came, and the one of stores without it.
 pub(crate) const WITH_DOUBTFUL: u16 = 1;
@@ -62,7 +64,9 @@ const NO_REFERENCE: u32 = u32::MAX;
 /// The payload of `HEAD`; the version depends on whether the store lists doubtful samples and has scalar values.
 pub(crate) fn encode_head(samples: &SampleSet, has_doubtful: bool) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    bytes.extend_from_slice(&VERSION.0.to_be_bytes());
+    let has_projections = samples.cameras.iter().any(|camera| camera.intrinsics.is_orthographic());
+    let major = if has_projections { WITH_PROJECTIONS } else { VERSION.0 };
+    bytes.extend_from_slice(&major.to_be_bytes());
     let minor = match (samples.values.is_empty(), has_doubtful) {
         (false, _) => WITH_VALUES,
         (true, true) => WITH_DOUBTFUL,
@@ -79,6 +83,9 @@ pub(crate) fn encode_head(samples: &SampleSet, has_doubtful: bool) -> Result<Vec
         bytes.extend_from_slice(&intrinsics.height.to_be_bytes());
         push_numbers(&mut bytes, &[intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy]);
         push_numbers(&mut bytes, &camera.world_from_camera.to_cols_array());
+        if has_projections {
+            bytes.push(u8::from(intrinsics.is_orthographic()));
+        }
     }
     bytes.extend_from_slice(&(samples.frame_numbers.len() as u32).to_be_bytes());
     for number in &samples.frame_numbers {
@@ -91,11 +98,12 @@ pub(crate) fn encode_head(samples: &SampleSet, has_doubtful: bool) -> Result<Vec
 
 pub(crate) fn decode_head(bytes: &[u8]) -> Result<HeadChunk, String> {
     let mut reader = ByteReader::new(bytes);
-    let _version = (reader.u16()?, reader.u16()?);
+    let (major, _minor) = (reader.u16()?, reader.u16()?);
+    let has_projections = major == WITH_PROJECTIONS;
     let name = reader.text()?;
     let up_in_world = DVec3::new(reader.f64()?, reader.f64()?, reader.f64()?);
     let cameras = (0..reader.count(4 + 8 + 4 * 8 + 12 * 8)?)
-        .map(|_| decode_camera(&mut reader))
+        .map(|_| decode_camera(&mut reader, has_projections))
         .collect::<Result<Vec<_>, _>>()?;
     let frame_numbers = (0..reader.count(8)?).map(|_| reader.i64()).collect::<Result<Vec<_>, _>>()?;
     reader.finish()?;
@@ -126,7 +134,7 @@ fn has_controls(name: &str) -> bool {
     name.contains(char::is_control)
 }
 
-fn decode_camera(reader: &mut ByteReader) -> Result<Camera, String> {
+fn decode_camera(reader: &mut ByteReader, has_projections: bool) -> Result<Camera, String> {
     let name = reader.text()?;
     let (width, height) = (reader.u32()?, reader.u32()?);
     if !is_believable_size(width as usize, height as usize) {
@@ -141,12 +149,21 @@ fn decode_camera(reader: &mut ByteReader) -> Result<Camera, String> {
         matrix3: DMat3::from_cols_slice(&columns[..9]),
         translation: DVec3::from_slice(&columns[9..]),
     };
+    let projection = match if has_projections { reader.u8()? } else { 0 } {
+        0 => Projection::Perspective,
+        1 => Projection::Orthographic,
+        other => return Err(format!("camera '{name}' has the unknown projection {other}")),
+    };
     let axes = world_from_camera.matrix3;
     let product = axes.transpose() * axes;
     if !product.abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE) || axes.determinant() < 0.0 {
         return Err(format!("the axes of camera '{name}' are no rotation"));
     }
-    Ok(Camera { name, intrinsics: Intrinsics { width, height, fx, fy, cx, cy }, world_from_camera })
+    Ok(Camera {
+        name,
+        intrinsics: Intrinsics { width, height, fx, fy, cx, cy, projection },
+        world_from_camera,
+    })
 }
 
 /// The version, which comes first whatever else changes.

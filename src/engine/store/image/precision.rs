@@ -57,8 +57,12 @@ pub(crate) fn check_again(
     Ok(())
 }
 
-/// The relative error of inverse depth that the settings grant for a camera.
+/// The relative error of inverse depth that the settings grant for a camera: none for an orthographic one, where so many footprints are
+/// another share of every depth.
 fn depth_error(camera: &Camera, settings: &StoreSettings) -> f64 {
+    if camera.intrinsics.is_orthographic() {
+        return 0.0;
+    }
     f64::from(settings.depth_precision) / camera.intrinsics.fx.max(camera.intrinsics.fy)
 }
 

@@ -8,7 +8,8 @@
 //! A pixel `(x, y)` of a camera at inverse depth `w` is the point `direction(x, y) + w · position` in homogeneous coordinates, so
 //! that a box of pixels and inverse depths, 0 for infinity included, is the hull of its eight corners, and is outside a plane where
 //! all of these are. What is painted is also looked up in all cameras, whose nearer samples hide it: blocks where a box that may
-//! be seen is projected to are needed at whatever depth. Both tests grow boxes by what the renderers' footprints reach.
+//! be seen is projected to are needed at whatever depth. Both tests grow boxes by what the renderers' footprints reach. Where a camera is
+//! orthographic all blocks are needed.
 
 use glam::{DMat3, DVec3};
 
@@ -160,6 +161,11 @@ pub(crate) fn visible_blocks<'a>(
         *down = (*down).max(usize::from(block.place.1) + 1);
     }
     let mut visible: Vec<VisibleBlocks> = extents.into_iter().map(VisibleBlocks::none).collect();
+    // What parallel lines of sight see is no such hull.
+    if cameras.iter().chain([vantage]).any(|camera| camera.intrinsics.is_orthographic()) {
+        visible.iter_mut().for_each(VisibleBlocks::add_all);
+        return visible;
+    }
     let vantage = Eye::of(vantage);
     let eyes: Vec<Eye> = cameras.iter().map(Eye::of).collect();
     for (camera, block) in blocks {

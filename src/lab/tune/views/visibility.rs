@@ -110,7 +110,7 @@ impl<'a> Looker<'a> {
         let lens = &self.cameras[self.view].intrinsics;
         let Some(position) = lens.project(in_camera) else { return false };
         let pixel_width = lens.pixel_width(in_camera.z, PixelSide::Mean);
-        pixel_width <= WIDER * point.pixel_width && is_surface_at(picture, position, in_camera.z)
+        pixel_width <= WIDER * point.pixel_width && is_surface_at(lens, picture, position, in_camera.z)
     }
 }
 

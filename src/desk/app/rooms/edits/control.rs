@@ -106,7 +106,9 @@ impl OverlookApp {
         let cameras = self.state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
         let cut = self.state.report().map_or(&[][..], |report| &report.cut);
         let gone: Vec<String> = cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
-        if let Err(error) = list.check(cameras, &gone, &path.display().to_string()) {
+        if let Err(error) =
+            list.check(cameras, &gone, self.state.value_channels(), &path.display().to_string())
+        {
             return self.state.notify(NoticeKind::Error, "Edits not opened", error.to_string());
         }
         let edits = &mut self.state.doc.edits;

@@ -3,13 +3,32 @@
 use std::sync::Arc;
 
 use super::model::{EditKey, EditedScene};
-use crate::app::model::Message;
+use crate::app::model::scene::Content;
+use crate::app::model::{Message, State};
+use crate::app::rooms::frame::model::DockView;
 use crate::app::theme::Tokens;
+use crate::app::work::slot::Wanted;
 use overlook_engine::color::linear_from_srgb;
-use overlook_engine::edits::{Action, Edit, EditList, Region, SampleVotes, edit_samples, selected};
+use overlook_engine::edits::{
+    Action, CutByHand, Edit, EditList, Region, SampleVotes, edit_samples, selected,
+};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::samples::{ImageBuffer, SampleSet};
+
+impl Wanted for EditKey {
+    /// Edits applied to the samples, with what is selected of them.
+    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+        let samples = state.samples_to_edit().filter(|_| state.doc.edits.are_in_use())?;
+        Some(Self {
+            scene: state.doc.scene.clone()?,
+            samples: samples.clone(),
+            scan: state.doc.scan.clone(),
+            list: state.doc.edits.list.clone(),
+            selection: state.doc.edits.shown_selection(),
+        })
+    }
+}
 
 /// What is kept between edits: what was read, asked and cut last.
 #[derive(Default)]
@@ -34,10 +53,12 @@ impl SampleEditor {
 
     fn edited(&mut self, key: &EditKey, job: &Job) -> Result<EditedScene> {
         let base = self.base(key, job)?;
-        let asks = key.list.asks_for_votes() || key.selection.as_ref().is_some_and(Region::asks_for_votes);
+        let done = if let Content::Store { report, .. } = &key.scene.content { &report.cut[..] } else { &[] };
+        let list = CutByHand::left_to_do(done, &key.list);
+        let asks = list.asks_for_votes() || key.selection.as_ref().is_some_and(Region::asks_for_votes);
         let votes = if asks { self.votes(key, &base, job)? } else { None };
         let (votes, place) = (votes.as_deref(), &key.scene.name);
-        let samples = self.cut(&base, &key.list, votes, place)?;
+        let samples = self.cut(&base, &list, votes, place)?;
         let mut edited = EditedScene {
             before: base.sample_count(),
             deleted: base.sample_count().saturating_sub(samples.sample_count()),
@@ -51,11 +72,11 @@ impl SampleEditor {
             let color =
                 [mark.r(), mark.g(), mark.b()].map(|channel| linear_from_srgb(f32::from(channel) / 255.0));
             let (tinted, count) = selected(&base, region, color, votes, place)?;
-            if key.list.is_idle() {
+            if list.is_idle() {
                 (edited.shown, edited.selected) = (Arc::new(tinted), count);
             } else {
-                edited.shown = Arc::new(edit_samples(&tinted, &key.list, votes, place)?.0);
-                let mut without = key.list.clone();
+                edited.shown = Arc::new(edit_samples(&tinted, &list, votes, place)?.0);
+                let mut without = list;
                 without.edits.push(Edit::new("", Action::Delete, region.clone()));
                 let (rest, _) = edit_samples(&base, &without, votes, place)?;
                 edited.selected = edited.samples.sample_count().saturating_sub(rest.sample_count());

@@ -189,6 +189,7 @@ fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
         fy: width * between(&|lens| lens.fy / f64::from(lens.width)),
         cx: width * between(&|lens| lens.cx / f64::from(lens.width)),
         cy: height * between(&|lens| lens.cy / f64::from(lens.height)),
+        projection: from.projection,
     }
 }
 
@@ -237,6 +238,7 @@ pub(crate) enum PathCommand {
 mod tests {
     use super::*;
     use glam::DVec3;
+    use overlook_engine::capture::Projection;
 
     fn path(positions: &[DVec3]) -> CameraPath {
         let keys = positions.iter().enumerate().map(|(index, position)| {
@@ -265,8 +267,15 @@ mod tests {
     fn the_lens_zooms_from_each_key_to_the_next_and_the_last_one_is_reached() {
         let mut path = path(&[DVec3::ZERO, DVec3::X]);
         let wide = path.keys[0].orbit.lens;
-        let zoomed =
-            Intrinsics { fx: 6.0 * wide.fx, fy: 6.0 * wide.fy, cx: 96.0, cy: 72.0, width: 192, height: 144 };
+        let zoomed = Intrinsics {
+            fx: 6.0 * wide.fx,
+            fy: 6.0 * wide.fy,
+            cx: 96.0,
+            cy: 72.0,
+            width: 192,
+            height: 144,
+            projection: Projection::Perspective,
+        };
         path.keys[1].orbit.lens = zoomed;
         let focal = |picture: f32| {
             let camera = path.at(picture).unwrap().orbit.camera(640, 480);

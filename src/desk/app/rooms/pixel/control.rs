@@ -7,6 +7,7 @@ use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::Command;
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::source::model::{PictureZoom, SourceCommand};
+use crate::app::work::slot::AnySlot;
 
 impl OverlookApp {
     /// Carries out what concerns the selected pixel.
@@ -33,7 +34,7 @@ impl OverlookApp {
             probe.spot = Some(Spot::Source { camera, x, y });
         } else {
             // The pixel may have been found to be a hole before it was pinned.
-            self.scheduler.probe = None;
+            self.workers.probe.forget();
         }
     }
 

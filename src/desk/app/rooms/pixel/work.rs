@@ -6,13 +6,80 @@ use egui::ColorImage;
 
 use super::model::{ProbeKey, Probed, Spot};
 use crate::app::colormap::{dimmed, recorded};
-use crate::app::model::{CameraMemory, Content};
+use crate::app::model::{CameraMemory, Content, State};
+use crate::app::rooms::frame::model::DockView;
+use crate::app::work::slot::Wanted;
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::preprocess::inspect::{
     CameraInspection, FrameInspection, explain_pixel, spans_of_pixel,
 };
 use overlook_engine::render::output::pick;
 use overlook_engine::samples::SampleSet;
+
+impl Wanted for ProbeKey {
+    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+        let shown = state.doc.live_shown.as_ref();
+        let (scene, spot) = (state.doc.scene.clone()?, state.doc.probe.spot?);
+        let is_live = matches!(spot, Spot::Live { .. });
+        if is_live && shown.is_some_and(|shown| shown.key.quality.is_some()) {
+            // The mark stays at its place in the scene; the picture at rest is asked again.
+            return None;
+        }
+        let live = shown.filter(|_| is_live).map(|shown| (shown.key.clone(), shown.picture.clone()));
+        let inspection = state.inspection_here().cloned();
+        Some(Self { scene, spot, inspection, whole: state.current_whole().cloned(), live })
+    }
+
+    fn is_forgotten(state: &State) -> bool {
+        state.doc.probe.spot.is_none()
+    }
+}
+
+/// The cameras of a frame, each as a small picture.
+#[derive(Clone)]
+pub(crate) struct ThumbnailRequest {
+    pub scene: u64,
+    pub inspection: Arc<FrameInspection>,
+}
+
+impl PartialEq for ThumbnailRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.inspection, &other.inspection)
+    }
+}
+
+impl Wanted for ThumbnailRequest {
+    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
+        let guides =
+            state.live.show_cameras && state.live.guides.pictures && visible.contains(&DockView::Live);
+        // In motion they would be made anew for every frame, for nobody to look at.
+        let is_seen = visible.contains(&DockView::Cameras) || (guides && !state.timeline.playing);
+        let inspection = state.inspection_here().filter(|_| is_seen)?.clone();
+        Some(Self { scene: state.doc.scene.as_ref()?.id, inspection })
+    }
+}
+
+/// The samples whose memory is counted by camera.
+#[derive(Clone)]
+pub(crate) struct MemoryRequest {
+    pub scene: u64,
+    pub samples: Arc<SampleSet>,
+}
+
+impl PartialEq for MemoryRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+    }
+}
+
+impl Wanted for MemoryRequest {
+    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
+        // A store plays from disk: its sample set is an outline.
+        let is_seen = visible.contains(&DockView::Memory) && state.has_capture();
+        let samples = state.whole_samples().filter(|_| is_seen)?.clone();
+        Some(Self { scene: state.doc.scene.as_ref()?.id, samples })
+    }
+}
 
 /// Largest side of a thumbnail, pixels: of many, smaller ones, as all are sent to the screen at once.
 fn side(cameras: usize) -> usize {

@@ -9,6 +9,7 @@ use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::method_of;
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::settings::model::keep;
+use crate::app::work::slot::AnySlot;
 use overlook_engine::settings::Settings;
 
 impl OverlookApp {
@@ -106,7 +107,7 @@ impl OverlookApp {
             self.state.doc.accuracy = None;
         }
         if self.state.doc.accuracy.is_none() {
-            self.scheduler.measure = None;
+            self.workers.measure.forget();
         }
         self.state.settings = settings;
     }

@@ -1,8 +1,11 @@
 //! Counts the quantities that thresholds cut, at the frame shown.
 
+use std::sync::Arc;
+
 use super::model::ThresholdHistogram;
-use crate::app::model::Message;
-use crate::app::work::requests::HistogramRequest;
+use crate::app::model::{Message, State};
+use crate::app::rooms::frame::model::DockView;
+use crate::app::work::slot::Wanted;
 use overlook_engine::median::median_f32;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::inspect::{FrameInspection, PairQuantities, pair_quantities};
@@ -16,6 +19,34 @@ const AT_MOST: usize = 30_000;
 
 /// Standard deviations of the difference of two colors that the same-surface test grants.
 const COLOR_SIGMAS: f32 = 3.0;
+
+/// What histograms are made from.
+#[derive(Clone)]
+pub(crate) struct HistogramRequest {
+    pub scene: u64,
+    pub inspection: Arc<FrameInspection>,
+    pub scan: Option<Arc<PreparedScan>>,
+    pub settings: Settings,
+}
+
+impl PartialEq for HistogramRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.inspection, &other.inspection) && self.scan.is_some() == other.scan.is_some()
+    }
+}
+
+impl Wanted for HistogramRequest {
+    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
+        let is_seen = visible.contains(&DockView::Thresholds) && !state.timeline.playing;
+        let inspected = state.doc.inspected.as_ref().filter(|_| is_seen)?;
+        Some(Self {
+            scene: state.doc.scene.as_ref()?.id,
+            inspection: inspected.inspection.clone(),
+            scan: state.doc.scan.clone(),
+            settings: inspected.settings.clone(),
+        })
+    }
+}
 
 /// All histograms of the frame shown.
 pub(crate) fn histograms(request: &HistogramRequest) -> Message {

@@ -163,6 +163,7 @@ impl OverlookApp {
         let some = |text: &str| (!text.trim().is_empty()).then(|| text.trim().to_owned());
         Some(match purpose {
             Purpose::ExportPage => Export::Page(PageOptions {
+                scalar_bar: None,
                 title: some(&options.title),
                 text: some(&options.text),
                 frames_per_second,

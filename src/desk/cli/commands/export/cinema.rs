@@ -10,7 +10,7 @@ use crate::app::median_depth;
 use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::cinema::{AngleRange, DatabaseCamera, DatabaseRow, grid, write_table};
-use overlook_engine::capture::{Camera, Intrinsics, pivot};
+use overlook_engine::capture::{Camera, Intrinsics, Projection, pivot};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
@@ -133,7 +133,15 @@ impl CinemaArgs {
                 // Straight from above no direction is up.
                 let Some((world_from_camera, focal)) = pose else { continue };
                 let [cx, cy] = [width, height].map(|side| 0.5 * f64::from(side));
-                let intrinsics = Intrinsics { width, height, fx: focal, fy: focal, cx, cy };
+                let intrinsics = Intrinsics {
+                    width,
+                    height,
+                    fx: focal,
+                    fy: focal,
+                    cx,
+                    cy,
+                    projection: Projection::Perspective,
+                };
                 let camera_of = Camera { name: format!("view {nth}"), intrinsics, world_from_camera };
                 vantages.push(Vantage { camera: camera_of, frame });
                 let files = ["png", "exr"].map(|extension| format!("{number:04}_{nth:04}.{extension}"));

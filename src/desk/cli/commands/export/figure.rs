@@ -8,14 +8,15 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use super::frame_files;
 use crate::address::{self, ViewAddress};
 use crate::app::{self, DOTS_PER_INCH, FIGURE_ENDINGS, FigureOptions, FigureWidth, Overlay, Unit};
-use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs};
+use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs, ValueArgs};
 use crate::cli::output::{self, CommandError};
 use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::error::{Error, Result};
-use overlook_engine::render::film::{self, FilmSource};
+use overlook_engine::render::film::{self, FilmPicture, FilmSource};
+use overlook_engine::render::output::shown_values;
 use overlook_engine::render::{Picture, Renderer, Vantage};
 use overlook_engine::store::file::StoreInfo;
-use overlook_lab::chart::Figure;
+use overlook_lab::chart::{ColorBar, Figure};
 
 /// What the picture of a capture's camera shows, by the names of the window.
 const OVERLAYS: [(&str, Overlay); 9] = [
@@ -75,12 +76,14 @@ pub(crate) struct FigureArgs {
     /// The unit of the scene's lengths.
     #[arg(long, default_value = "m", value_parser = one_of(UNITS))]
     unit: Unit,
-    /// Leave out what colors mean.
+    /// Leave out what colors mean, the scalar bar too.
     #[arg(long)]
     no_legend: bool,
     /// Leave out the scale bar.
     #[arg(long)]
     no_scale_bar: bool,
+    #[command(flatten)]
+    values: ValueArgs,
     #[command(flatten)]
     edits: EditsArgs,
     #[command(flatten)]
@@ -143,12 +146,16 @@ impl FigureArgs {
 
     fn of_capture(&self, place: &Path, options: &FigureOptions) -> Result<Figure, CommandError> {
         if self.orthographic.is_some() {
-            let what = "an orthographic view is one of a store; a recorded picture is in perspective";
+            let what = "an orthographic view is one of a store; a recorded picture is as its camera saw it";
             return Err(Error::invalid("--orthographic", what).into());
         }
-        self.edits.refuse_for_capture()?;
+        if self.values != ValueArgs::default() {
+            let what =
+                "a recorded picture is shown in its own colors; preprocess the capture, and give the store";
+            return Err(Error::invalid("--color-by", what).into());
+        }
         let settings = self.settings.over(overlook_engine::settings::Settings::default())?;
-        let capture = input::open_capture(place, &settings.capture)?;
+        let capture = self.edits.open_capture(place, &settings.capture)?;
         let camera = camera_named(&capture.cameras, self.camera.as_deref(), place)?;
         let frame = match self.frame {
             None => 0,
@@ -186,18 +193,30 @@ impl FigureArgs {
         let vantage = [Vantage { camera: camera.clone(), frame }];
         let mut renderer = Renderer::strict(settings.backend)?;
         let source = FilmSource::Disk(playback.clone());
-        let picture = output::watched(|job| {
-            let mut painted: Option<Picture> = None;
-            let take = |_: usize, picture: &Picture| {
-                painted = Some(picture.clone());
+        let name = place.display().to_string();
+        let colored = self.values.channel(&playback.outline().values, &name)?;
+        let (picture, bar) = output::watched(|job| {
+            let mut painted: Option<(Picture, Option<ColorBar>)> = None;
+            let take = |_: usize, shown: &FilmPicture| {
+                let picture: &Picture = &shown.picture;
+                painted = Some(match colored {
+                    None => (picture.clone(), None),
+                    Some(channel) => {
+                        let values = shown.values();
+                        let in_view = shown_values(picture, &values, channel);
+                        let value = self.values.shown(&values.channels, channel, &in_view, &name)?;
+                        (values.colored(picture, channel, &value.colors), Some(value.bar))
+                    }
+                });
                 Ok(())
             };
-            film::paint(&source, &vantage, self.orthographic, &mut renderer, &settings, job, take)?;
+            let width = self.orthographic;
+            film::paint_with_values(&source, &vantage, width, &mut renderer, &settings, job, take)?;
             painted.ok_or_else(|| Error::invalid("figure", "has no picture"))
         })?;
         output::warn(renderer.notice().map(str::to_owned).as_slice());
         output::warn(&playback.store().damage());
-        Ok(app::figure_of_rendered(&picture, &camera, self.orthographic, options))
+        Ok(app::figure_of_rendered(&picture, &camera, self.orthographic, bar, options))
     }
 
     /// From where a store is shown.
@@ -235,6 +254,7 @@ fn of_columns(camera: &Camera, columns: u32) -> Camera {
         fy: lens.fy * down,
         cx: lens.cx * factor,
         cy: lens.cy * down,
+        projection: lens.projection,
     };
     Camera { intrinsics, ..camera.clone() }
 }

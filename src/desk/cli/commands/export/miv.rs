@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input;
+use crate::cli::input::EditsArgs;
 use crate::cli::output::{self, CommandError};
 use overlook_engine::capture::miv::write_sequence;
 use overlook_engine::error::Error;
@@ -21,12 +21,14 @@ pub(crate) struct MivArgs {
     /// Name of the sequence [default: the capture's].
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
+    #[command(flatten)]
+    edits: EditsArgs,
 }
 
 impl MivArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         output::check_folder(&self.out)?;
-        let capture = input::open_capture(&self.capture, &CaptureSettings::default())?;
+        let capture = self.edits.open_capture(&self.capture, &CaptureSettings::default())?;
         let name = self.name.unwrap_or_else(|| capture.name.clone());
         if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\']) {
             let what = format!("'{name}' names no folder; give another --name");
@@ -34,6 +36,7 @@ impl MivArgs {
         }
         let sequence = self.out.join(format!("{name}.json"));
         output::refuse_capture_files(&self.capture, None, &sequence)?;
+        self.edits.refuse_inputs(&sequence)?;
         let inputs = capture.files();
         let content = self.out.join(&name).canonicalize();
         let is_read = |file: &PathBuf| {

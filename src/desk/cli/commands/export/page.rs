@@ -5,12 +5,16 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::path::{self, Stops};
-use crate::cli::input::{self, EditsArgs};
+use crate::cli::input::{self, BarredValueArgs, EditsArgs};
 use crate::cli::output::{self, CommandError};
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::Result;
-use overlook_engine::page::{self, PageOptions, PagePath};
-use overlook_engine::store::file::StoreInfo;
+use overlook_engine::job::Job;
+use overlook_engine::page::{self, PageOptions, PagePath, PageScalarBar, PageSummary};
+use overlook_engine::render::colored_samples;
+use overlook_engine::render::output::kept_values;
+use overlook_engine::store::file::{Store, StoreInfo};
+use overlook_lab::chart::ColorBar;
 
 #[derive(Debug, Args)]
 pub(crate) struct PageArgs {
@@ -36,6 +40,8 @@ pub(crate) struct PageArgs {
     /// Most bytes of the page, as in 3000000, 500k or 3M: what shows least is made coarser until it fits.
     #[arg(long, value_name = "BYTES", value_parser = input::amount)]
     at_most: Option<u64>,
+    #[command(flatten)]
+    values: BarredValueArgs,
 }
 
 impl PageArgs {
@@ -54,14 +60,22 @@ impl PageArgs {
                 .as_ref()
                 .map(|path| page_path(path, playback.store().info(), self.fps))
                 .transpose()?,
-            title: self.title,
-            text: self.text,
+            title: self.title.clone(),
+            text: self.text.clone(),
+            scalar_bar: None,
             frames_per_second: self.fps,
             at_most: self.at_most,
         };
-        let written = output::watched(|job| page::write(&self.out, playback.store(), &options, job))?;
+        let channels = &playback.outline().values;
+        let colored = self.values.values.channel(channels, &self.store.display().to_string())?;
+        let written = output::watched(|job| match colored {
+            Some(channel) => self.write_colored(playback.store(), channel, options.clone(), job),
+            None => page::write(&self.out, playback.store(), &options, job),
+        })?;
         output::warn(&playback.store().damage());
-        output::warn_of_values(&playback.outline().values, "a page");
+        if colored.is_none() {
+            output::warn_of_values(channels, "a page");
+        }
         let of_store = match written.samples_of_store {
             all if all == written.samples => String::new(),
             all => format!(" in place of {}", output::count(all)),
@@ -72,6 +86,25 @@ impl PageArgs {
             output::count_of(written.samples, "sample"),
             self.out.display()
         ))
+    }
+}
+
+impl PageArgs {
+    /// Writes the page of samples in the colors of a value. Shares of a range are those of the samples of the first frame.
+    fn write_colored(
+        &self,
+        store: &Store,
+        channel: usize,
+        options: PageOptions,
+        job: &Job,
+    ) -> Result<PageSummary> {
+        let set = store.read_all(job)?;
+        let place = self.store.display().to_string();
+        let value = self.values.values.shown(&set.values, channel, &kept_values(&set, 0, channel), &place)?;
+        let ColorBar { title, colors, ticks } = value.bar;
+        let scalar_bar = self.values.has_bar().then_some(PageScalarBar { title, colors, ticks });
+        let colored = colored_samples(&set, channel, &value.colors);
+        page::write_set(&self.out, &colored, &PageOptions { scalar_bar, ..options }, job)
     }
 }
 

@@ -5,15 +5,17 @@ use std::sync::Arc;
 
 use clap::Args;
 use glam::DVec3;
+use image::RgbaImage;
 
 use super::path::{self, Pace, Stops};
-use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs, choice};
+use crate::cli::input::{self, BarredValueArgs, EditsArgs, PaintingArgs, SettingsArgs, ShownValue, choice};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
-use overlook_engine::render::film::{self, FilmComparison, FilmPainter, FilmSource};
+use overlook_engine::render::film::{self, FilmComparison, FilmPainter, FilmPicture, FilmSource};
+use overlook_engine::render::output::{PictureValues, shown_values, with_below};
 use overlook_engine::render::{
     FACE_COUNT, Picture, Projection, Renderer, Vantage, equirectangular, faces_around,
 };
@@ -21,6 +23,7 @@ use overlook_engine::settings::{RenderSettings, Settings};
 use overlook_engine::store::file::{Store, StoreInfo};
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::whole_file;
+use overlook_lab::chart::ColorBar;
 
 /// Where a film is painted from, and how.
 #[derive(Debug, Args)]
@@ -60,6 +63,8 @@ pub(crate) struct FilmArgs {
     #[arg(long, requires = "compare", default_value = "wipe", value_parser = choice::<FilmComparison>(FilmComparison::NAMES))]
     mode: FilmComparison,
     #[command(flatten)]
+    values: BarredValueArgs,
+    #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
     settings: SettingsArgs,
@@ -94,10 +99,29 @@ impl FilmArgs {
         let size = stops.vantages[0].camera.intrinsics.size();
         let panorama = (self.projection == Projection::Equirectangular)
             .then(|| Panorama { width: self.width.unwrap_or(size.0 as u32).max(4).next_multiple_of(4), up });
-        let orthographic = self.orthographic;
+        let place = self.store.display().to_string();
+        let colored = self.values.values.channel(&playback.outline().values, &place)?;
+        if colored.is_some() && panorama.is_some() {
+            let what = "equirectangular pictures blend colors, which values do not bear; use --projection perspective";
+            return Err(Error::invalid("--color-by", what).into());
+        }
+        if colored.is_some() && self.compare.is_some() {
+            let what =
+                "a comparison shows recorded colors; leave out --compare, or make one film of each store";
+            return Err(Error::invalid("--color-by", what).into());
+        }
         let compared =
             self.compare.as_ref().map(|store| self.compared(store, info, &stops, rate)).transpose()?;
-        Ok(Film { playback: Arc::new(playback), stops, settings, panorama, orthographic, compared })
+        Ok(Film {
+            playback: Arc::new(playback),
+            stops,
+            settings,
+            panorama,
+            orthographic: self.orthographic,
+            values: colored.map(|channel| (self.values.clone(), channel)),
+            place,
+            compared,
+        })
     }
 
     /// How pictures of a store are rendered.
@@ -157,7 +181,33 @@ pub(crate) struct Film {
     pub(crate) panorama: Option<Panorama>,
     /// Width of orthographic pictures, world units.
     orthographic: Option<f64>,
+    /// How a value is shown, and its channel, where colors are those of a value.
+    values: Option<(BarredValueArgs, usize)>,
+    /// The store, for errors.
+    place: String,
     compared: Option<ComparedSide>,
+}
+
+/// A picture of a film.
+pub(crate) struct FilmFrame<'a> {
+    /// As it was rendered.
+    rendered: &'a Picture,
+    /// In the colors of a value, above its scalar bar, with all values, where colors are those of a value.
+    colored: Option<(Picture, PictureValues)>,
+}
+
+impl FilmFrame<'_> {
+    /// What is to be seen.
+    pub(crate) fn shown(&self) -> &Picture {
+        self.colored.as_ref().map_or(self.rendered, |(colored, _)| colored)
+    }
+
+    fn write(&self, paths: &PicturePaths) -> Result<()> {
+        match &self.colored {
+            Some((colored, values)) => paths.write_with_values(self.rendered, values, colored, false),
+            None => paths.write(self.rendered),
+        }
+    }
 }
 
 /// All directions around the camera.
@@ -172,8 +222,10 @@ impl Film {
     /// Columns and rows of its pictures.
     pub(crate) fn size(&self) -> [usize; 2] {
         let own = self.stops.vantages[0].camera.intrinsics.size();
+        let has_bar = self.values.as_ref().is_some_and(|(args, _)| args.has_bar());
+        let below = if has_bar { ColorBar::strip_rows(own.0) } else { 0 };
         let all_around = |panorama: Panorama| [panorama.width as usize, panorama.width as usize / 2];
-        self.panorama.map_or([own.0, own.1], all_around)
+        self.panorama.map_or([own.0, own.1 + below], all_around)
     }
 
     /// Renders every stop in order and passes each picture on with its index; returns a notice if another renderer than requested was
@@ -181,7 +233,7 @@ impl Film {
     pub(crate) fn paint(
         &self,
         job: &Job,
-        mut take: impl FnMut(usize, &Picture) -> Result<()>,
+        mut take: impl FnMut(usize, &FilmFrame<'_>) -> Result<()>,
     ) -> Result<Option<String>> {
         let mut renderer = Renderer::strict(self.settings.backend)?;
         let source = FilmSource::Disk(self.playback.clone());
@@ -190,7 +242,10 @@ impl Film {
             return self.paint_beside(other, &mut renderer, job, take);
         }
         let Some(Panorama { width, up }) = self.panorama else {
-            film::paint(&source, vantages, self.orthographic, &mut renderer, &self.settings, job, take)?;
+            let mut look = None;
+            let take = |nth: usize, shown: &FilmPicture| take(nth, &self.frame(shown, &mut look)?);
+            let (width, settings) = (self.orthographic, &self.settings);
+            film::paint_with_values(&source, vantages, width, &mut renderer, settings, job, take)?;
             return Ok(renderer.notice().map(str::to_owned));
         };
         let faces: Vec<_> = vantages.iter().flat_map(|vantage| faces_around(vantage, up, width)).collect();
@@ -198,13 +253,42 @@ impl Film {
         film::paint(&source, &faces, None, &mut renderer, &self.settings, job, |nth, face| {
             painted.push(face.clone());
             match <&[Picture; FACE_COUNT]>::try_from(painted.as_slice()) {
-                Ok(all) => take(nth / FACE_COUNT, &equirectangular(all, width))?,
+                Ok(all) => {
+                    let rendered = &equirectangular(all, width);
+                    take(nth / FACE_COUNT, &FilmFrame { rendered, colored: None })?;
+                }
                 Err(_) => return Ok(()),
             }
             painted.clear();
             Ok(())
         })?;
         Ok(renderer.notice().map(str::to_owned))
+    }
+
+    /// A picture in its colors. `look` is how the value is shown and what lies below pictures: the first one decides, so that colors mean
+    /// the same in all of them.
+    fn frame<'a>(
+        &self,
+        shown: &'a FilmPicture,
+        look: &mut Option<(ShownValue, Option<RgbaImage>)>,
+    ) -> Result<FilmFrame<'a>> {
+        let rendered: &Picture = &shown.picture;
+        let Some((args, channel)) = &self.values else { return Ok(FilmFrame { rendered, colored: None }) };
+        let values = shown.values();
+        if look.is_none() {
+            let in_view = shown_values(rendered, &values, *channel);
+            let value = args.values.shown(&values.channels, *channel, &in_view, &self.place)?;
+            let strip = args.strip(&value, rendered.color.width())?;
+            *look = Some((value, strip));
+        }
+        let colored = look.as_ref().map(|(value, strip)| {
+            let colored = values.colored(rendered, value.channel, &value.colors);
+            match strip {
+                Some(strip) => with_below(&colored, strip),
+                None => colored,
+            }
+        });
+        Ok(FilmFrame { rendered, colored: colored.map(|colored| (colored, values)) })
     }
 }
 
@@ -225,7 +309,7 @@ impl Film {
         other: &ComparedSide,
         renderer: &mut Renderer,
         job: &Job,
-        take: impl FnMut(usize, &Picture) -> Result<()>,
+        mut take: impl FnMut(usize, &FilmFrame<'_>) -> Result<()>,
     ) -> Result<Option<String>> {
         let sources = [&self.playback, &other.playback].map(|playback| FilmSource::Disk(playback.clone()));
         // Each has its own renderer, which keeps what it painted last.
@@ -248,7 +332,8 @@ impl Film {
                 settings: &other.settings,
             },
         ];
-        let side = |side: usize, nth| sides[side].picture(nth, job);
+        let side = |side: usize, nth| Ok(sides[side].picture(nth, job)?.picture);
+        let take = |nth: usize, rendered: &Picture| take(nth, &FilmFrame { rendered, colored: None });
         let (pictures, [width, _]) = (self.stops.vantages.len(), self.size());
         film::paint_compared(other.mode, pictures, other.rate, width, job, side, take)?;
         let notice = sides.iter().find_map(|side| side.renderer.notice());
@@ -275,7 +360,7 @@ impl PicturesArgs {
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = film.stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
         output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
-        let notice = output::watched(|job| film.paint(job, |nth, picture| paths[nth].write(picture)))?;
+        let notice = output::watched(|job| film.paint(job, |nth, frame| frame.write(&paths[nth])))?;
         output::warn(notice.as_slice());
         output::warn(&film.damage());
         let (pictures, out) = (counted(paths.len(), "picture"), self.out.display());

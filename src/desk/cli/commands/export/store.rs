@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::SettingsArgs;
+use crate::cli::input::{EditsArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
+use overlook_engine::error::Error;
 use overlook_engine::store;
-use overlook_engine::store::file::Store;
 
 #[derive(Debug, Args)]
 pub(crate) struct StoreArgs {
@@ -16,6 +16,8 @@ pub(crate) struct StoreArgs {
     /// The store to write. It may be the same file: that is replaced when the new one is whole.
     #[arg(long, value_name = "F.ovl")]
     out: PathBuf,
+    #[command(flatten)]
+    edits: EditsArgs,
     /// The settings of how it is stored, as in --set store.precision=bits10.
     #[command(flatten)]
     settings: SettingsArgs,
@@ -26,11 +28,13 @@ impl StoreArgs {
         self.settings.only("store")?;
         output::check_file(&self.out, "scene.ovl")?;
         self.settings.refuse_inputs(&self.out)?;
-        let opened = Store::open(&self.store)?;
+        self.edits.refuse_inputs(&self.out)?;
+        let before = std::fs::metadata(&self.store).map_err(|error| Error::io(&self.store, error))?.len();
+        let playback = self.edits.open_store(&self.store)?;
+        let opened = playback.store();
         let settings = self.settings.over(opened.info().settings.clone())?;
-        let bytes =
-            output::watched(|job| store::write_again(&self.out, &opened, Some(&settings.store), job))?;
-        let [bytes, before] = [bytes, opened.info().bytes].map(output::bytes);
+        let bytes = output::watched(|job| store::write_again(&self.out, opened, Some(&settings.store), job))?;
+        let [bytes, before] = [bytes, before].map(output::bytes);
         output::print(&format!("Wrote {bytes} to {}, {before} before", self.out.display()))
     }
 }

@@ -37,7 +37,7 @@ impl VideoArgs {
             if film.panorama.is_some() {
                 encoder.mark_equirectangular();
             }
-            let painted = film.paint(job, |_, picture| encoder.add(picture));
+            let painted = film.paint(job, |_, frame| encoder.add(frame.shown()));
             painted.and_then(|notice| encoder.finish(job).map(|()| notice))
         })?;
         output::warn(notice.as_slice());

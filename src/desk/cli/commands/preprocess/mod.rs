@@ -15,7 +15,7 @@ use crate::cli::input::{self, HoldOutArgs, PartArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
 use crate::pruned_store;
 use overlook_engine::capture::{self, Capture};
-use overlook_engine::edits::EditList;
+use overlook_engine::edits::{self, EditList};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::part::Part;
@@ -41,7 +41,7 @@ pub(crate) struct PreprocessArgs {
     only: Option<PathBuf>,
     /// Obey this edit list (TOML, as the window saves it): cameras that are left out take no part, and what is deleted in a region counts
     /// as pixels without depth before pruning, so that no other pixel brings it back.
-    #[arg(long, value_name = "FILE", conflicts_with = "stage")]
+    #[arg(long, value_name = "FILE")]
     edits: Option<PathBuf>,
     /// Read at most this many views: those that together show the most [default: as in the settings].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
@@ -112,10 +112,12 @@ impl PreprocessArgs {
         let seconds_decode_only =
             if self.measure_decode { Some(self.decode_seconds(&settings)?) } else { None };
         let started = Instant::now();
-        let stages = Stages { path: &self.capture, capture: &capture, out: &self.out, settings: &settings };
+        let left = edits::with_cameras_left(&capture, &edits)?;
+        let (path, out, settings, left) = (&self.capture, &self.out, &settings, &left);
+        let stages = Stages { path, capture: &capture, out, settings, edits: &edits, left };
         let (report, bytes_store) = match self.work()? {
             Work::Whole => output::watched(|job| {
-                pruned_store::prune_into_store(&capture, &settings, &edits, &self.out, job)
+                pruned_store::prune_into_store(&capture, settings, &edits, &self.out, job)
             })?,
             Work::Measure => {
                 return self.left(&output::watched(|job| stages.measure(job))?, "--stage scan --part 1/N");

@@ -4,7 +4,7 @@
 //! F.ovl.measured ─▶ F.ovl.scan.part-K-of-N ─▶ F.ovl.spans-of-N ─▶ F.ovl.prune.part-K-of-N ─▶ F.ovl
 //! ```
 //!
-//! A part of the scan begins with length and CRC-32 of the files that its frames are read from. Each file names those that it was made
+//! A part of the scan begins with length and CRC-32 of the files that its frames are read from, and the pixels that edits removed. Each file names those that it was made
 //! from, so that a picture that changes is found by the name of the part that has read it.
 
 use std::collections::BTreeSet;
@@ -15,6 +15,7 @@ use clap::ValueEnum;
 use crate::cli::input;
 use crate::cli::output::{Inputs, OpenPart, PartFiles};
 use overlook_engine::capture::Capture;
+use overlook_engine::edits::EditList;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::part::Part;
@@ -45,6 +46,9 @@ pub(super) struct Stages<'a> {
     pub(super) capture: &'a Capture,
     pub(super) out: &'a Path,
     pub(super) settings: &'a Settings,
+    pub(super) edits: &'a EditList,
+    /// The capture without the cameras that edits leave out.
+    pub(super) left: &'a Capture,
 }
 
 /// A part that is read, and its name for errors.
@@ -53,6 +57,10 @@ type NamedPart = (String, Box<dyn ReadSeek>);
 fn named(part: OpenPart) -> NamedPart {
     (part.path.display().to_string(), Box::new(part.reader))
 }
+
+/// What a part of the scan begins with: length and CRC-32 of the files that it was read from, and for each camera the pixels that edits
+/// removed.
+type ScanHead = (Vec<(u64, u32)>, Vec<u64>);
 
 /// What was measured once, for all parts.
 struct Measurement {
@@ -78,7 +86,8 @@ impl Stages<'_> {
         let settings = Settings { capture, ..self.settings.clone() };
         Ok(Inputs::default()
             .with("list of cameras and frames", &input::capture_state(self.path, self.capture)?)
-            .with("settings", &format!("{settings:?}")))
+            .with("settings", &format!("{settings:?}"))
+            .with("edits", &self.edits.to_toml()))
     }
 
     fn measured_file(&self) -> Result<PartFiles> {
@@ -89,8 +98,8 @@ impl Stages<'_> {
     pub(super) fn measure(&self, job: &Job) -> Result<PathBuf> {
         let (file, part) = (self.measured_file()?, Part::WHOLE);
         if self.measured().is_err() {
-            let measured = Measured::of(self.capture, self.settings, job)?;
-            let state = input::pictures_state(&measured.files_read(self.capture))?;
+            let measured = Measured::of(self.left, self.settings, self.edits, job)?;
+            let state = input::pictures_state(&measured.files_read(self.left))?;
             file.write(part, |writer| {
                 let mut writer = RecordWriter::new(writer, file.path(part).display().to_string())?;
                 writer.json(&state)?;
@@ -108,12 +117,12 @@ impl Stages<'_> {
         let (place, reader) = named(opened);
         let mut reader = RecordReader::new(reader, place);
         let (state, measured): (String, Measured) = (reader.json()?, reader.json()?);
-        if input::pictures_state(&measured.files_read(self.capture))? != state {
+        if input::pictures_state(&measured.files_read(self.left))? != state {
             return Err(
                 file.refused(part, "was made from another state of the pictures that it was measured on")
             );
         }
-        let corrected = measured.aligned(self.capture).capture;
+        let corrected = self.of(&measured).aligned().capture;
         Ok(Measurement { measured, identity, corrected })
     }
 
@@ -145,10 +154,12 @@ impl Stages<'_> {
         let measurement = self.measured()?;
         let files = self.scan_files(&measurement, part)?;
         if !files.is_complete(part) {
+            let of = self.of(&measurement.measured);
             let sums = input::sums_of(&self.files_of(&measurement, part), job)?;
+            let removed = of.removed_pixels(part, job)?;
             files.write(part, |writer| {
-                RecordWriter::new(writer, files.path(part).display().to_string())?.json(&sums)?;
-                scan_part(self.capture, &measurement.measured, self.settings, part, writer, job)
+                RecordWriter::new(writer, files.path(part).display().to_string())?.json(&(sums, removed))?;
+                scan_part(of, part, writer, job)
             })?;
         }
         Ok(files.path(part))
@@ -159,12 +170,12 @@ impl Stages<'_> {
         Part::all(of).map(|part| self.scan_files(measurement, part)?.identity(part)).collect()
     }
 
-    /// A part of the scan, and length and CRC-32 of the files that it was read from.
-    fn open_scan(&self, measurement: &Measurement, part: Part) -> Result<(NamedPart, Vec<(u64, u32)>)> {
+    /// A part of the scan, and what it begins with.
+    fn open_scan(&self, measurement: &Measurement, part: Part) -> Result<(NamedPart, ScanHead)> {
         let mut opened = self.scan_files(measurement, part)?.open(part)?;
-        let sums =
+        let head =
             RecordReader::new(Box::new(&mut opened.reader), opened.path.display().to_string()).json()?;
-        Ok((named(opened), sums))
+        Ok((named(opened), head))
     }
 
     fn spans_file(&self, scans: &[String], of: u32) -> Result<PartFiles> {
@@ -180,9 +191,7 @@ impl Stages<'_> {
         if !file.is_complete(part) {
             let opened = Part::all(of).map(|part| Ok(self.open_scan(&measurement, part)?.0));
             let parts = opened.collect::<Result<Vec<_>>>()?;
-            file.write(part, |writer| {
-                join_spans(self.capture, &measurement.measured, self.settings, parts, writer, job)
-            })?;
+            file.write(part, |writer| join_spans(self.of(&measurement.measured), parts, writer, job))?;
         }
         Ok(file.path(part))
     }
@@ -205,7 +214,7 @@ impl Stages<'_> {
             let read = scan_parts_read_by(self.capture.frame_count(), part).into_iter();
             let read =
                 read.map(|part| Ok(self.open_scan(&measurement, part)?.0)).collect::<Result<Vec<_>>>()?;
-            let from = self.measured_capture(&measurement);
+            let from = self.of(&measurement.measured);
             files.write(part, |writer| prune_part(from, part, named(spans), read, writer, job))?;
         }
         Ok(files.path(part))
@@ -216,18 +225,21 @@ impl Stages<'_> {
         let measurement = self.measured()?;
         let scans = self.scans(&measurement, of)?;
         let spans = self.spans_file(&scans, of)?.identity(Part::WHOLE)?;
-        let mut sums = Vec::new();
+        let (mut sums, mut removed) = (Vec::new(), vec![0; self.left.cameras.len()]);
         for part in Part::all(of) {
             let files = self.files_of(&measurement, part).into_iter();
-            sums.extend(files.zip(self.open_scan(&measurement, part)?.1));
+            let (sums_of_part, removed_of_part) = self.open_scan(&measurement, part)?.1;
+            sums.extend(files.zip(sums_of_part));
+            removed.iter_mut().zip(removed_of_part).for_each(|(all, of_part)| *all += of_part);
         }
         let opened = Part::all(of).map(|part| Ok(named(self.prune_files(&scans, &spans, part)?.open(part)?)));
         let parts = opened.collect::<Result<Vec<_>>>()?;
-        let result = join_pruned(self.measured_capture(&measurement), parts, job)?;
+        let from = self.of(&measurement.measured);
+        let result = join_pruned(from, &self.capture.cameras, &removed, parts, job)?;
         Ok((result, input::summed_up(sums.into_iter())))
     }
 
-    fn measured_capture<'b>(&'b self, measurement: &'b Measurement) -> MeasuredCapture<'b> {
-        MeasuredCapture { capture: self.capture, measured: &measurement.measured, settings: self.settings }
+    fn of<'b>(&'b self, measured: &'b Measured) -> MeasuredCapture<'b> {
+        MeasuredCapture { capture: self.left, measured, settings: self.settings, edits: self.edits }
     }
 }

@@ -40,10 +40,14 @@ pub(crate) struct RenderArgs {
     as_claimed: bool,
     /// Orthographic pictures: this many world units from the left edge to the right one. What lies behind a viewpoint is not shown, and
     /// nothing is scored, as true pictures are in perspective.
-    #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with_all = ["align_views", "json", "color_by", "values"])]
+    #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with_all = ["align_views", "json"])]
     orthographic: Option<f64>,
     #[command(flatten)]
-    values: ValueArgs,
+    shown: ValueArgs,
+    /// Also write each value as an array beside the picture: NAME.npy behind the picture's name, float32, NaN where it is missing. What
+    /// file names cannot have is written as in addresses: %2F for a slash.
+    #[arg(long)]
+    values: bool,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -74,10 +78,11 @@ impl RenderArgs {
         };
         let paths = self.picture_paths(&views)?;
         let place = self.store.display().to_string();
-        let colored = self.values.channel(&playback.outline().values, &place)?;
+        let colored = self.shown.channel(&playback.outline().values, &place)?;
+        let values = ShownValues { args: &self.shown, colored, as_arrays: self.values, place: &place };
         if let Some(width) = self.orthographic {
             let notice = output::watched(|job| {
-                views::paint_orthographic(&playback, &views, width, &paths, &settings, job)
+                views::paint_orthographic(&playback, &views, width, &paths, &settings, &values, job)
             })?;
             output::warn(notice.as_slice());
             output::warn(&playback.store().damage());
@@ -88,7 +93,7 @@ impl RenderArgs {
             views: &views,
             paths: &paths,
             settings: &settings,
-            values: ShownValues { args: &self.values, colored, place: &place },
+            values,
             aligns: self.align_views,
         };
         let evaluation = output::watched(|job| painting.paint(job))?;

@@ -7,10 +7,9 @@ use crate::cli::output::PicturePaths;
 use overlook_engine::capture::{Camera, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use overlook_engine::render::film::{self, FilmSource};
+use overlook_engine::render::film::{self, FilmPicture, FilmSource};
 use overlook_engine::render::output::{PictureValues, shown_values};
 use overlook_engine::render::{Picture, Renderer, Vantage};
-use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::RenderSettings;
 use overlook_engine::store::playback::Playback;
 use overlook_lab::{Evaluation, Scoreboard, add_aligned, frame_of, render_view, vantage_order};
@@ -20,29 +19,25 @@ pub(super) struct ShownValues<'a> {
     pub(super) args: &'a ValueArgs,
     /// The channel that pictures are colored by.
     pub(super) colored: Option<usize>,
+    /// Whether values are written as arrays.
+    pub(super) as_arrays: bool,
     /// The store, for errors.
     pub(super) place: &'a str,
 }
 
 impl ShownValues<'_> {
-    /// Writes a picture with the values that it shows, if the samples have some.
-    fn write(
-        &self,
-        paths: &PicturePaths,
-        samples: &SampleSet,
-        vantage: &Vantage,
-        picture: &Picture,
-    ) -> Result<()> {
-        if samples.values.is_empty() {
+    /// Writes a picture with the values that it shows, if there are any.
+    fn write(&self, paths: &PicturePaths, picture: &Picture, values: &PictureValues) -> Result<()> {
+        if values.channels.is_empty() {
             return paths.write(picture);
         }
-        let values = PictureValues::of(samples, vantage, picture);
-        let colors = |channel: usize| {
-            let in_view = shown_values(picture, &values, channel);
-            Ok((channel, self.args.colors(&values.channels[channel], &in_view, self.place)?))
+        let colored = |channel: usize| {
+            let in_view = shown_values(picture, values, channel);
+            let colors = self.args.colors(&values.channels[channel], &in_view, self.place)?;
+            Ok(values.colored(picture, channel, &colors))
         };
-        let colors = self.colored.map(colors).transpose()?;
-        paths.write_with_values(picture, &values, colors, self.args.values)
+        let colored = self.colored.map(colored).transpose()?;
+        paths.write_with_values(picture, values, colored.as_ref().unwrap_or(picture), self.as_arrays)
     }
 }
 
@@ -81,7 +76,8 @@ impl ViewPainting<'_> {
             let samples = self.playback.seen_from(&view.camera, frames[index], job)?;
             let painted = render_view(&mut renderer, &samples, view, None, self.settings, job)?;
             let vantage = Vantage { camera: view.camera.clone(), frame: frames[index] };
-            self.values.write(&self.paths[index], &samples, &vantage, &painted.picture)?;
+            let values = PictureValues::of(&samples, &vantage, &painted.picture);
+            self.values.write(&self.paths[index], &painted.picture, &values)?;
             scores.add(view, painted);
             job.advance(1);
         }
@@ -106,6 +102,7 @@ pub(super) fn paint_orthographic(
     width: f64,
     paths: &[PicturePaths],
     settings: &RenderSettings,
+    values: &ShownValues<'_>,
     job: &Job,
 ) -> Result<Option<String>> {
     let info = playback.store().info();
@@ -116,7 +113,7 @@ pub(super) fn paint_orthographic(
     let vantages = views.iter().map(vantage).collect::<Result<Vec<_>>>()?;
     let mut renderer = Renderer::strict(settings.backend)?;
     let source = FilmSource::Disk(playback.clone());
-    let write = |nth: usize, picture: &_| paths[nth].write(picture);
-    film::paint(&source, &vantages, Some(width), &mut renderer, settings, job, write)?;
+    let write = |nth: usize, shown: &FilmPicture| values.write(&paths[nth], &shown.picture, &shown.values());
+    film::paint_with_values(&source, &vantages, Some(width), &mut renderer, settings, job, write)?;
     Ok(renderer.notice().map(str::to_owned))
 }

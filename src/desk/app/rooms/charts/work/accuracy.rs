@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::app::model::{Accuracy, Content};
-use crate::app::work::requests::MeasureRequest;
+use crate::app::model::{Accuracy, Content, OpenScene, State};
+use crate::app::rooms::frame::model::DockView;
+use crate::app::work::slot::Wanted;
 use overlook_engine::capture::{Frame, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -16,6 +17,36 @@ use overlook_lab::truth::views_as_taken;
 
 /// Vantages that are compared: enough for a figure in passing, few enough to take seconds.
 const VIEWS: usize = 3;
+
+/// Samples to compare with the truth.
+#[derive(Clone)]
+pub(crate) struct MeasureRequest {
+    /// The scene, a capture.
+    pub scene: Arc<OpenScene>,
+    /// What was kept.
+    pub samples: Arc<SampleSet>,
+    /// The scan with the corrections of the rig; `None` while it is under way.
+    pub scan: Option<Arc<PreparedScan>>,
+    pub settings: Settings,
+}
+
+impl PartialEq for MeasureRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples) && self.settings == other.settings
+    }
+}
+
+impl Wanted for MeasureRequest {
+    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+        let (scene, whole) = (state.doc.scene.as_ref()?, state.doc.whole.as_ref()?);
+        (!state.is_stale() && !state.timeline.playing).then(|| Self {
+            scene: scene.clone(),
+            samples: whole.samples.clone(),
+            scan: state.doc.scan.clone(),
+            settings: state.settings.clone(),
+        })
+    }
+}
 
 /// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` without truth.
 pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {

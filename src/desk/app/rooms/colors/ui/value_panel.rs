@@ -2,6 +2,7 @@
 
 use egui::{DragValue, RichText, Ui};
 
+use super::value_histogram::value_histogram_ui;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::colors::model::{ValueLook, titled_value};
@@ -44,6 +45,11 @@ pub(crate) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
     }
     if let Some(scale) = segments_ui(ui, "Scale of the values", look.scale, SCALES) {
         look.scale = scale;
+    }
+    let shown = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.values.as_ref());
+    let counted = shown.filter(|shown| shown.channel == index).map(|shown| &shown.ascending[..]);
+    if counted.is_some() || state.live.color_by == ColorBy::Value {
+        value_histogram_ui(ui, counted, channel, look);
     }
     let mut range = look.range.unwrap_or(channel.range);
     ui.horizontal(|ui| {

@@ -45,6 +45,7 @@ pub(crate) fn words(region: &Region) -> String {
         Region::SeenByOneCamera => "seen by one camera".to_owned(),
         Region::Footprint { .. } => "range of sampling rate".to_owned(),
         Region::Angle { .. } => "range of angle".to_owned(),
+        Region::Value { name, .. } => format!("range of {name}"),
         Region::Any(parts) => join(parts, " + "),
         Region::All(parts) => join(parts, " and "),
         Region::Without(parts) => join(parts, " − "),

@@ -12,6 +12,7 @@ use crate::app::rooms::compare::model::CompareVantage;
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::settings::model::SettingPairs;
 use crate::app::rooms::source::model::SourceLook;
+use crate::app::work::slot::AnySlot;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::Settings;
 
@@ -23,11 +24,12 @@ impl OverlookApp {
         self.notify_of_opened(scene);
         // Work for the closed scene stops, except for files that are being written.
         self.workers.whole.cancel();
-        self.workers.measure.cancel();
+        self.workers.measure.worker.cancel();
         self.workers.study.cancel();
-        self.workers.compare.cancel();
+        self.workers.compare.worker.cancel();
         self.workers.readings.cancel();
         self.scheduler = crate::app::work::Scheduler::default();
+        self.workers.slots().into_iter().for_each(AnySlot::forget);
         if let Some(session) = &scene.session {
             self.take_session(session, scene);
         }

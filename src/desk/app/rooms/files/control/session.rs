@@ -9,6 +9,7 @@ use crate::app::dock::Dock;
 use crate::app::model::{OpenScene, SceneSource};
 use crate::app::rooms::files::model::Session;
 use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::rooms::live::model::KeptView;
 use crate::app::rooms::path::model::CameraPath;
 use crate::app::work::FileRequest;
 
@@ -41,6 +42,9 @@ impl OverlookApp {
             up_in_world: state.up_in_world(),
             view: self.view_address()?.to_string(),
             layout: self.dock.to_json(),
+            kept_views: (state.doc.kept_views.iter())
+                .map(|kept| (kept.name.clone(), kept.view.clone()))
+                .collect(),
         })
     }
 
@@ -56,6 +60,8 @@ impl OverlookApp {
         self.state.live.up = (up != scene.up_in_world).then_some(up);
         self.state.doc.path = CameraPath::default();
         self.take_path_views(scene, &session.path);
+        let kept = session.kept_views.iter().cloned();
+        self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view, picture: None }).collect();
         self.state.doc.edits.saved = session.edits.clone();
         self.state.doc.edits.change(true, |list| *list = session.edits.clone());
         if let Some(view) = ViewAddress::read(session.view.trim_start_matches('#')) {

@@ -9,5 +9,5 @@ pub(crate) mod session;
 pub(crate) use command::{FileCommand, Opening};
 pub(crate) use picture_folder::PictureFolder;
 pub(crate) use purpose::{Destination, Purpose, TypedPath};
-pub(crate) use recent::{RECENT_SIDES, RecentPicture};
+pub(crate) use recent::{RECENT_SIDES, RecentPicture, smaller};
 pub(crate) use session::{SESSION_ENDING, Session};

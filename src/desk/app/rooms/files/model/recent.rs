@@ -45,7 +45,7 @@ impl RecentPicture {
 }
 
 /// The picture reduced by means over blocks of pixels until it fits; small pictures stay as they are.
-fn smaller(picture: &ColorImage) -> ColorImage {
+pub(crate) fn smaller(picture: &ColorImage) -> ColorImage {
     let [width, height] = picture.size;
     let side = width.div_ceil(RECENT_SIDES[0]).max(height.div_ceil(RECENT_SIDES[1])).max(1);
     let size = [width / side, height / side];

@@ -10,6 +10,7 @@ use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::settings::{Field, Settings};
 
+use crate::address::ViewAddress;
 use crate::app::rooms::settings::model::setting_names::SettingPairs;
 use glam::DVec3;
 
@@ -34,6 +35,8 @@ pub(crate) struct Session {
     pub view: String,
     /// The arrangement of the views, as the window remembers it.
     pub layout: String,
+    /// The views that are kept: name and address.
+    pub kept_views: Vec<(String, ViewAddress)>,
 }
 
 /// The file.
@@ -54,6 +57,16 @@ struct SessionForm {
     path: String,
     #[serde(default)]
     layout: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    kept_view: Vec<KeptViewForm>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct KeptViewForm {
+    name: String,
+    /// An address, as that of the view.
+    view: String,
 }
 
 impl Session {
@@ -79,6 +92,9 @@ impl Session {
             edits: if self.edits.edits.is_empty() { String::new() } else { self.edits.to_toml() },
             path,
             layout: self.layout.clone(),
+            kept_view: (self.kept_views.iter())
+                .map(|(name, view)| KeptViewForm { name: name.clone(), view: view.to_string() })
+                .collect(),
         };
         let text = toml::to_string_pretty(&form)
             .map_err(|error| Error::invalid(place.display(), error.to_string()))?;
@@ -120,6 +136,13 @@ impl Session {
         let up = up.ok_or_else(|| {
             invalid("\"up\" is no direction; write it as three numbers, as in [0, 0, 1]".to_owned())
         })?;
+        let kept_views = form.kept_view.into_iter().map(|KeptViewForm { name, view }| {
+            let read = ViewAddress::read(view.trim_start_matches('#'));
+            let what = || format!("the view of \"{name}\" is no address; write it as #view=…&frame=…");
+            let read = read.ok_or_else(|| invalid(what()))?;
+            Ok((name, read))
+        });
+        let kept_views = kept_views.collect::<Result<_>>()?;
         Ok(Self {
             opens: folder.join(form.opens),
             settings: Settings::from_toml(&form.settings, &name)?,
@@ -128,6 +151,7 @@ impl Session {
             up_in_world: up,
             view: form.view,
             layout: form.layout,
+            kept_views,
         })
     }
 
@@ -171,6 +195,7 @@ mod tests {
             up_in_world: DVec3::Z,
             view: "#view=1,2&frame=3".to_owned(),
             layout: "{}".to_owned(),
+            kept_views: vec![("the \"door\"".to_owned(), ViewAddress::read("camera=a&frame=3").unwrap())],
         }
     }
 
@@ -188,12 +213,16 @@ mod tests {
         assert_eq!(read, session("/else/where/capture"));
     }
 
+    const KEPT: &str =
+        "version = 1\nopens = \"a\"\nup = [0, 0, 1]\n[[kept_view]]\nname = \"a\"\nview = \"x\"\n";
+
     #[test]
     fn what_is_no_session_says_where_and_why() {
         for (text, words) in [
             ("version = 1\n", "missing field `opens`"),
             ("version = 1\nopens = \"a\"\nup = [0, 0, 0]\n", "\"up\" is no direction"),
             ("version = 2\nopens = \"a\"\nup = [0, 0, 1]\n", "this Overlook reads version 1"),
+            (KEPT, "the view of \"a\" is no address"),
             ("version = 1\nopens = \"a\"\nfoo = 3\n", "line 3: unknown field `foo`"),
             ("version = 1\nopens = \"a\"\nup = [0, 0, 1]\nsettings = \"x = 1\"\n", "unknown field `x`"),
         ] {

@@ -62,6 +62,11 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         let guides = Guides { frame: guide, ..state.live.guides };
         entries.push((format!("Frame guide: {name}"), "", Command::View(ViewCommand::Guides(guides))));
     }
+    entries.push(("Keep view".to_owned(), "Ctrl+D", Command::View(ViewCommand::Keep)));
+    let kept = state.doc.kept_views.iter().enumerate();
+    entries.extend(kept.map(|(index, kept)| {
+        (format!("Go to {}", kept.name), "", Command::View(ViewCommand::GoToKept(index)))
+    }));
     let cameras = state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
     entries.extend(cameras.map(|(index, camera)| {
         let command = Command::View(ViewCommand::Solo(Some(index)));

@@ -25,6 +25,12 @@ pub(crate) enum ViewCommand {
     Back,
     /// To the view that was left by going back.
     Forward,
+    /// Put the view into the list of those that are kept.
+    Keep,
+    /// Go to a kept view, by its place in the list.
+    GoToKept(usize),
+    RenameKept(usize, String),
+    RemoveKept(usize),
     /// Ask the system for what was copied.
     Paste,
     /// Take what was copied.

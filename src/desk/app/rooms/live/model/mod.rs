@@ -1,6 +1,7 @@
 //! What is known: plain data.
 
 pub(crate) mod command;
+pub(crate) mod kept_views;
 pub(crate) mod look;
 pub(crate) mod motion_budget;
 pub(crate) mod orbit_camera;
@@ -11,10 +12,11 @@ pub(crate) mod view_history;
 pub(crate) mod view_look;
 
 pub(crate) use command::ViewCommand;
+pub(crate) use kept_views::{KeptView, next_name};
 pub(crate) use motion_budget::MotionBudget;
 pub(crate) use orbit_camera::OrbitCamera;
 pub(crate) use picture::{
-    CarriedLook, CarryKey, ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried,
+    CarriedLook, CarryKey, ColorBy, FrameValues, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried,
 };
 pub(crate) use pose::{ANGLES_OF_VIEW, ViewAngles};
 pub(crate) use view_history::ViewHistory;

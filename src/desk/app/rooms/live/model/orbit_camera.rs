@@ -56,7 +56,7 @@ impl OrbitCamera {
             world_from_camera: camera.world_from_camera,
             pivot_distance: radius.max(LEAST_DISTANCE),
             home_distance: distance,
-            lens: first.intrinsics,
+            lens: first.intrinsics.in_perspective_from(distance),
             up_in_world,
         })
     }
@@ -65,11 +65,13 @@ impl OrbitCamera {
     pub(crate) fn at_camera(scene: &OpenScene, camera: &Camera) -> Self {
         let along = (scene.pivot_in_world - camera.position_in_world()).dot(camera.forward_in_world());
         let distance = (scene.pivot_in_world - camera.position_in_world()).length();
+        let pivot_distance = if along > 0.0 { along } else { distance.max(LEAST_DISTANCE) };
         Self {
             world_from_camera: camera.world_from_camera,
-            pivot_distance: if along > 0.0 { along } else { distance.max(LEAST_DISTANCE) },
+            pivot_distance,
             home_distance: home_distance(scene),
-            lens: camera.intrinsics,
+            // The live view moves through space, which parallel lines of sight do not show.
+            lens: camera.intrinsics.in_perspective_from(pivot_distance),
             up_in_world: scene.up_in_world,
         }
     }
@@ -85,6 +87,7 @@ impl OrbitCamera {
             fy: self.lens.fy * scale,
             cx: f64::from(width) / 2.0 + (self.lens.cx - lens_width / 2.0) * scale,
             cy: f64::from(height) / 2.0 + (self.lens.cy - lens_height / 2.0) * scale,
+            projection: self.lens.projection,
         };
         Camera { name: "live view".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
     }

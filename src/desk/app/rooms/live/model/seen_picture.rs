@@ -61,6 +61,7 @@ fn stretched(camera: &Camera, [width, height]: [u32; 2]) -> Camera {
         fy: lens.fy * down,
         cx: lens.cx * across,
         cy: lens.cy * down,
+        projection: lens.projection,
     };
     Camera { intrinsics, ..camera.clone() }
 }

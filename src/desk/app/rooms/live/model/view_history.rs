@@ -24,6 +24,7 @@ impl ViewHistory {
                     | ViewCommand::FramePoint
                     | ViewCommand::LookAlong(_)
                     | ViewCommand::GoToAddress(_)
+                    | ViewCommand::GoToKept(_)
                     | ViewCommand::Pasted(_)
             ),
             _ => false,

@@ -2,6 +2,7 @@
 
 pub(crate) mod go_to;
 pub(crate) mod guides;
+mod kept_views;
 pub(crate) mod live_pixels;
 pub(crate) mod view;
 pub(crate) mod view_panel;

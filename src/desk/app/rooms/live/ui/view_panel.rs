@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, Slider, Ui};
 use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_CONTENT_PASTE, ICON_LINK};
 
+use super::kept_views::kept_views_ui;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::cameras::ui::camera_list::camera_list_ui;
 use crate::app::rooms::live::model::{
@@ -20,6 +21,8 @@ pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         lens_ui(ui, orbit, &mut sent);
         pose_ui(ui, state, orbit, &mut sent);
+        heading_ui(ui, "Kept views");
+        kept_views_ui(ui, state, &mut sent);
         guides_ui(ui, state, &mut sent);
         moving_ui(ui, state, &mut sent);
         heading_ui(ui, "Cameras");

@@ -7,11 +7,12 @@ use egui::{Color32, ColorImage};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::shown_samples::CameraFilter;
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::colors::work::{background_at, displayed, histogram_of};
-use crate::app::rooms::live::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCameras};
+use crate::app::rooms::live::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
 use crate::app::rooms::source::model::RATIO_RANGE;
 use crate::app::theme::Tokens;
 use overlook_engine::capture::sighting::tolerances::PAINTED_SAMPLE;
@@ -36,38 +37,6 @@ const DIMMED: f32 = 0.9;
 /// Opacity of the two stripes over filled holes: what fills them can be made out between the stripes.
 const HATCHING: [f32; 2] = [0.35, 0.85];
 
-/// The samples of the cameras that are on, kept while they stay the same: renderers know samples by where they are.
-#[derive(Default)]
-pub(crate) struct CameraFilter {
-    kept: Option<(Arc<SampleSet>, ShownCameras, Arc<SampleSet>)>,
-}
-
-impl CameraFilter {
-    /// The samples of the cameras that are on; images of others stay in their place, without samples.
-    fn of(&mut self, samples: Arc<SampleSet>, cameras: &ShownCameras) -> Arc<SampleSet> {
-        if cameras.shows_all() {
-            self.kept = None;
-            return samples;
-        }
-        if let Some((of, by, filtered)) = &self.kept
-            && Arc::ptr_eq(of, &samples)
-            && by == cameras
-        {
-            return filtered.clone();
-        }
-        let images = samples.images.iter().map(|image| {
-            if cameras.shows(image.camera as usize) {
-                image.clone()
-            } else {
-                Arc::new(image.without_samples())
-            }
-        });
-        let filtered = Arc::new(SampleSet { images: images.collect(), ..(*samples).clone() });
-        self.kept = Some((samples, cameras.clone(), filtered.clone()));
-        filtered
-    }
-}
-
 /// Renders and colors the picture of `key`.
 pub(crate) fn paint(
     renderer: &mut Renderer,
@@ -81,6 +50,7 @@ pub(crate) fn paint(
         None => key.samples.clone(),
         Some(playback) => playback.seen_from(&key.vantage.camera, key.vantage.frame, job)?,
     };
+    let values = filter.values_of(key, job)?;
     let samples = filter.of(samples, &key.cameras);
     let (shown, _) = rayon::join(
         || shown(renderer, &samples, key, job),
@@ -111,6 +81,7 @@ pub(crate) fn paint(
         size,
         pixels,
         histogram,
+        values,
         stats,
         sky_holes,
         took: started.elapsed(),
@@ -277,6 +248,9 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
         return -(focal.log2() as f32);
     }
     let point = vantage.unproject(pixel, 1.0 / inverse_depth);
+    if source.intrinsics.is_orthographic() {
+        return (inverse_depth / focal).log2() as f32;
+    }
     let source_depth = (point - source.position_in_world()).dot(source.forward_in_world()).max(1e-9);
     (source_depth * inverse_depth / focal).log2() as f32
 }

@@ -28,6 +28,11 @@ impl ThresholdAxis {
         }
     }
 
+    /// An axis from one number to a larger one; `log` where both are above 0.
+    pub(crate) fn over([min, max]: [f64; 2], log: bool) -> Self {
+        Self { min, max, log }
+    }
+
     /// The position of a value on the axis, 0 to 1.
     pub(crate) fn position(self, value: f64) -> f32 {
         let value = value.clamp(self.min, self.max);
@@ -39,14 +44,19 @@ impl ThresholdAxis {
         share as f32
     }
 
-    /// The value at a position, rounded to three digits.
-    pub(crate) fn value(self, position: f32) -> f64 {
+    /// The value at a position.
+    pub(crate) fn exact_value(self, position: f32) -> f64 {
         let share = f64::from(position.clamp(0.0, 1.0));
-        let value = if self.log {
+        if self.log {
             self.min * (self.max / self.min).powf(share)
         } else {
             self.min + (self.max - self.min) * share
-        };
+        }
+    }
+
+    /// The same, rounded to three digits.
+    pub(crate) fn value(self, position: f32) -> f64 {
+        let value = self.exact_value(position);
         let unit = 10_f64.powf(value.abs().max(1e-12).log10().floor() - 2.0);
         ((value / unit).round() * unit).clamp(self.min, self.max)
     }

@@ -1,6 +1,6 @@
 //! A threshold as a line that is dragged on the histogram of what it cuts.
 
-use egui::{Align2, Label, Painter, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
+use egui::{Align2, Color32, Label, Painter, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
@@ -40,10 +40,7 @@ pub(crate) fn histogram_ui(
     let enabled = ui.is_enabled();
     let x = plot.left() + axis.position(value) * plot.width();
     let grabbed = enabled && (response.hovered() || response.dragged());
-    let color = if enabled { tokens.text } else { tokens.text_weak };
-    painter.vline(x, plot.y_range(), Stroke::new(if grabbed { 3.0 } else { 2.0 }, color));
-    let handle = [pos2(x - 5.0, plot.top()), pos2(x + 5.0, plot.top()), pos2(x, plot.top() + 7.0)];
-    painter.add(egui::Shape::convex_polygon(handle.to_vec(), color, Stroke::NONE));
+    line(&painter, plot, x, if enabled { tokens.text } else { tokens.text_weak }, grabbed);
     let font = egui::FontId::proportional(10.5);
     let [left, right] = side_words(histogram, value);
     painter.text(rect.left_top(), Align2::LEFT_TOP, left, font.clone(), tokens.text_weak);
@@ -65,6 +62,13 @@ pub(crate) fn histogram_ui(
         }
     }
     response.on_hover_text(help_words(histogram, value));
+}
+
+/// A line that can be dragged, with its handle.
+pub(crate) fn line(painter: &Painter, plot: Rect, x: f32, color: Color32, is_grabbed: bool) {
+    painter.vline(x, plot.y_range(), Stroke::new(if is_grabbed { 3.0 } else { 2.0 }, color));
+    let handle = [pos2(x - 5.0, plot.top()), pos2(x + 5.0, plot.top()), pos2(x, plot.top() + 7.0)];
+    painter.add(egui::Shape::convex_polygon(handle.to_vec(), color, Stroke::NONE));
 }
 
 /// The shares within the line and beyond it.

@@ -6,11 +6,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::sharing::temporary_folder;
-use crate::app::model::{Content, Message, OpenScene};
+use crate::app::model::{Content, Message, OpenScene, State};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::files::work::files::save_picture;
+use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::live::model::{LivePicture, PixelSource};
 use crate::app::rooms::share::model::{PictureFacts, ShareFacts, ShareKey};
+use crate::app::work::slot::Wanted;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::samples::SampleSet;
@@ -19,6 +21,21 @@ use overlook_engine::whole_file;
 
 /// Samples that are written to measure how large a store is: those of as many cameras as it takes to have so many.
 const MEASURED_SAMPLES: u64 = 1_000_000;
+
+impl Wanted for ShareKey {
+    /// What sizes follow from, while the dialog that shows them is open.
+    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+        let samples = state.samples_here().filter(|_| state.share.is_open)?;
+        let shown = state.doc.live_shown.as_ref().filter(|shown| shown.key.quality.is_none());
+        Some(Self {
+            scene: state.doc.scene.clone()?,
+            // Until the whole capture is pruned only pictures have a size.
+            samples: state.whole_samples().unwrap_or(samples).clone(),
+            frame: state.timeline.frame,
+            picture: shown.map(|shown| shown.picture.clone()),
+        })
+    }
+}
 
 /// What was measured of samples that are in memory.
 #[derive(Default)]

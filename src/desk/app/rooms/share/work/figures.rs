@@ -5,14 +5,14 @@ use std::path::Path;
 use egui::{Color32, ColorImage};
 use image::RgbaImage;
 
-use super::figure_meaning::{Meaning, of_live, of_source};
 use crate::app::model::median_depth;
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::{LiveKey, PixelSource, Unit};
 use crate::app::rooms::live::work::image as live_image;
-use crate::app::rooms::live::work::image::CameraFilter;
+use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::share::model::FigureOptions;
 use crate::app::rooms::source::model::{Overlay, SourceKey};
+use crate::app::rooms::source::work::figure_meaning::{Meaning, of_live, of_source};
 use crate::app::rooms::source::work::image::source_picture;
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::color::srgb8_from_linear;
@@ -23,7 +23,7 @@ use overlook_engine::preprocess;
 use overlook_engine::render::{Picture, Renderer};
 use overlook_engine::settings::Settings;
 use overlook_engine::whole_file;
-use overlook_lab::chart::{Chart, Figure, ScaleBar};
+use overlook_lab::chart::{Chart, ColorBar, Figure, ScaleBar};
 
 /// The endings of a figure's file, the usual one first.
 pub(crate) const FIGURE_ENDINGS: [&str; 3] = ["pdf", "svg", "png"];
@@ -102,11 +102,12 @@ pub(crate) fn of_live_view(key: &LiveKey, options: &FigureOptions, job: &Job) ->
     Ok(put_together(opaque(image), meaning, Some(scale), options))
 }
 
-/// A figure of a rendered picture, through a lens, or orthographic with so many world units from edge to edge.
+/// A figure of a rendered picture, through a lens, or orthographic with so many world units from edge to edge, with what its colors mean.
 pub(crate) fn of_rendered(
     picture: &Picture,
     camera: &Camera,
     orthographic: Option<f64>,
+    color_bar: Option<ColorBar>,
     options: &FigureOptions,
 ) -> Figure {
     let (width, height) = picture.color.size();
@@ -122,7 +123,7 @@ pub(crate) fn of_rendered(
         }
         None => scale_bar(&camera.intrinsics, &picture.inverse_depth, options.unit),
     };
-    put_together(pixels, Meaning::default(), Some(scale), options)
+    put_together(pixels, Meaning { legend: Vec::new(), color_bar }, Some(scale), options)
 }
 
 /// Writes a figure in the format that the ending of its path names. The file takes its name once it is whole. Gives its bytes.
@@ -182,6 +183,10 @@ fn put_together(
 
 /// The length of a unit at the distance of what the middle of a picture shows.
 fn scale_bar(lens: &Intrinsics, inverse_depth: &Grid<f32>, unit: Unit) -> ScaleBar {
+    if lens.is_orthographic() {
+        let unit_share = lens.fx / f64::from(lens.width);
+        return ScaleBar { unit_share, unit: unit.name().to_owned(), distance: None };
+    }
     let (width, height) = inverse_depth.size();
     let middle = |side: usize| side / AROUND_MIDDLE..(side - side / AROUND_MIDDLE).max(1);
     let depths = middle(height).flat_map(|y| middle(width).map(move |x| inverse_depth[(x, y)]));

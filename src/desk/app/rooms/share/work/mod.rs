@@ -2,7 +2,6 @@
 
 pub(crate) mod compared_film;
 pub(crate) mod facts;
-pub(crate) mod figure_meaning;
 pub(crate) mod figures;
 pub(crate) mod preview;
 pub(crate) mod sharing;

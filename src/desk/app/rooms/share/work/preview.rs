@@ -7,8 +7,10 @@ use half::f16;
 
 use super::facts::samples_of_frame;
 use crate::app::colormap::recorded;
-use crate::app::model::Message;
+use crate::app::model::{Message, State};
+use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::share::model::{SharePreview, SharePreviewKey};
+use crate::app::work::slot::Wanted;
 use overlook_engine::color::srgb_from_linear;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -16,6 +18,12 @@ use overlook_engine::page::coarsened;
 use overlook_engine::render::{CpuRenderer, Picture, Vantage};
 use overlook_engine::samples::SampleSet;
 use overlook_lab::metrics::psnr_db;
+
+impl Wanted for SharePreviewKey {
+    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+        state.share_preview_key()
+    }
+}
 
 /// Paints the view of all samples and of those within the budget.
 pub(crate) fn preview(key: SharePreviewKey, job: &Job) -> Result<Message> {

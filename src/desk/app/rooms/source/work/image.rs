@@ -7,10 +7,12 @@ use egui::{Color32, ColorImage};
 use super::source_comparisons::{sampling_ratio, view_dependence};
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, mix, recorded, sequential};
-use crate::app::model::{Message, OpenScene};
+use crate::app::model::{Message, OpenScene, State};
 use crate::app::rooms::colors::work::{background_at, displayed, histogram_of};
+use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::source::model::{Legend, Overlay, SourceKey, SourcePicture, ranked};
 use crate::app::theme::Tokens;
+use crate::app::work::slot::Wanted;
 use overlook_engine::capture::Frame;
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
@@ -23,12 +25,44 @@ use overlook_engine::samples::TILE;
 /// Largest side of a texture that every graphics card of the last ten years takes.
 const LARGEST_TEXTURE: usize = 4096;
 
+/// A picture of the source view.
+#[derive(Clone)]
+pub(crate) struct SourceRequest {
+    /// A capture.
+    pub scene: Arc<OpenScene>,
+    pub key: SourceKey,
+}
+
+impl PartialEq for SourceRequest {
+    fn eq(&self, other: &Self) -> bool {
+        self.key == other.key
+    }
+}
+
+impl Wanted for SourceRequest {
+    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+        let scene = state.doc.scene.clone().filter(|_| state.has_capture())?;
+        // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
+        let inspected = state.doc.inspected.as_ref().filter(|_| state.source.overlay.needs_verdicts());
+        let inspection = inspected.map(|inspected| inspected.inspection.clone());
+        let key = SourceKey {
+            scene: scene.id,
+            camera: state.source.camera,
+            frame: inspection.as_ref().map_or(state.timeline.frame, |inspection| inspection.frame),
+            overlay: state.source.overlay,
+            against: state.source.against,
+            isolated: state.doc.isolated.filter(|_| state.source.overlay.names_cameras()),
+            display: state.display,
+            dark: state.dark,
+            inspection,
+        };
+        Some(Self { scene, key })
+    }
+}
+
 /// Paints the picture of `key`; without verdicts `decoder` reads the frame.
-pub(crate) fn paint_source(
-    scene: &OpenScene,
-    key: SourceKey,
-    decoder: &rayon::ThreadPool,
-) -> Result<Message> {
+pub(crate) fn paint_source(request: SourceRequest, decoder: &rayon::ThreadPool) -> Result<Message> {
+    let SourceRequest { scene, key } = request;
     let frame = if let Some(inspection) = &key.inspection {
         inspection.cameras[key.camera].frame.clone()
     } else {

@@ -6,7 +6,7 @@ use egui::Color32;
 
 use crate::app::camera_cues;
 use crate::app::colormap::{diverging, sequential};
-use crate::app::model::{percent, significant};
+use crate::app::model::percent;
 use crate::app::rooms::live::model::{ColorBy, LiveKey, Unit};
 use crate::app::rooms::source::model::{Legend, Overlay, RATIO_RANGE, VIEW_DEPENDENCE_RANGE, ranked};
 use crate::app::theme::Tokens;
@@ -134,14 +134,7 @@ pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
             let found = key.display.values.channel_of(&key.samples.values);
             let colored =
                 found.and_then(|(_, channel)| Some((channel, key.display.values.colors(channel).ok()?)));
-            let bar_of = colored.map(|(channel, colors)| {
-                let middle = format!("{} {}", channel.name, channel.unit);
-                let [low, high] = colors.range().map(|end| significant(f64::from(end)));
-                bar([&low, middle.trim(), &high], |share| {
-                    let [r, g, b] = colors.color(colors.value_at(share));
-                    Color32::from_rgb(r, g, b)
-                })
-            });
+            let bar_of = colored.map(|(channel, colors)| ColorBar::of_values(channel, &colors));
             Meaning { legend: Vec::new(), color_bar: bar_of }
         }
         ColorBy::SamplingRate => {
@@ -175,7 +168,8 @@ fn ratio(low: &str, high: &str) -> ColorBar {
 
 fn bar(ends: [&str; 3], color: impl Fn(f32) -> Color32) -> ColorBar {
     let colors = (0..STEPS).map(|step| rgb(color((step as f32 + 0.5) / STEPS as f32)));
-    ColorBar { colors: colors.collect(), ends: ends.map(str::to_owned) }
+    let ticks = [0.0, 0.5, 1.0].into_iter().zip(ends.map(str::to_owned));
+    ColorBar { title: String::new(), colors: colors.collect(), ticks: ticks.collect() }
 }
 
 fn entry(color: Color32, name: String) -> LegendEntry {
