@@ -7,11 +7,11 @@ use egui::{Color32, ColorImage};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::shown_samples::CameraFilter;
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::colors::work::{background_at, displayed, histogram_of};
-use super::shown_samples::CameraFilter;
 use crate::app::rooms::live::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
 use crate::app::rooms::source::model::RATIO_RANGE;
 use crate::app::theme::Tokens;
@@ -258,6 +258,7 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::rooms::live::model::ShownCameras;
     use glam::DVec3;
     use overlook_engine::capture::{Camera, Intrinsics};
     use overlook_engine::render::Vantage;
