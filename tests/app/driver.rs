@@ -199,6 +199,12 @@ pub(crate) fn open_view(window: &mut Window, view: &str) {
     settle(window);
 }
 
+/// Measures what a sweep or a stress test offers.
+pub(crate) fn measure(window: &mut Window, study: &str) {
+    click(window, study);
+    click(window, "Measure");
+}
+
 /// Picks an entry of a drop-down list.
 pub(crate) fn pick(window: &mut Window, list: &str, entry: &str) {
     click(window, list);

@@ -1,8 +1,8 @@
 //! Numbers and words beside the pictures: one whole in each panel, warnings that lead somewhere, fields that take what is typed.
 
 use super::driver::{
-    SIZE, Window, changed_capture, choose, click, open, open_store, open_view, pick, save_store, settle,
-    shows, small_demo, wait,
+    SIZE, Window, changed_capture, choose, click, measure, open, open_store, open_view, pick, save_store,
+    settle, shows, small_demo, wait,
 };
 use egui::{Event, Key};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -119,7 +119,7 @@ fn the_sweep_names_its_axes_and_its_kernels() {
     let mut window = open(super::driver::demo(2, 1, (32, 24)), SIZE);
     settle(&mut window);
     open_view(&mut window, "Sweep");
-    click(&mut window, "Run a sweep");
+    measure(&mut window, "Run a sweep…");
     wait(&mut window, "a point", |window| shows(window, "settings; click one to apply it"));
     for name in ["X axis", "Y axis", "Copy CSV of the sweep"] {
         assert!(window.query_by_label(name).is_some(), "{name}");

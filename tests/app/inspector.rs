@@ -1,8 +1,8 @@
 //! The inspector, driven as a person does: pixels are argued about, views dock, numbers can be read.
 
 use super::driver::{
-    SIZE, Window, choose, click, demo, drag, look_at, open, open_store, open_view, pick, save_store, settle,
-    shows, small_demo, wait,
+    SIZE, Window, choose, click, demo, drag, look_at, measure, open, open_store, open_view, pick, save_store,
+    settle, shows, small_demo, wait,
 };
 use egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
@@ -264,7 +264,7 @@ fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
     assert!(shows(&window, "No stress test yet"));
     open_view(&mut window, "Sweep");
     assert!(shows(&window, "No sweep yet"));
-    click(&mut window, "Run a sweep");
+    measure(&mut window, "Run a sweep…");
     wait(&mut window, "the first points", |window| shows(window, "2 settings; click one to apply it"));
     assert!(window.query_by_label("Sweep chart").is_some());
     assert!(shows(&window, "settings it started from") && shows(&window, "Pareto front"));

@@ -147,9 +147,11 @@ fn a_path_that_is_taken_asks_in_its_field_and_a_second_press_replaces() {
 fn what_an_empty_view_offers_is_within_it() {
     let mut window = open(small_demo(), [SIZE[0], 620.0]);
     settle(&mut window);
-    for (view, button) in
-        [("Camera path", "Add key here (K)"), ("Sweep", "Run a sweep"), ("Stress test", "Run a stress test")]
-    {
+    for (view, button) in [
+        ("Camera path", "Add key here (K)"),
+        ("Sweep", "Run a sweep…"),
+        ("Stress test", "Run a stress test…"),
+    ] {
         open_view(&mut window, view);
         let (offered, below) =
             (window.get_by_label(button).rect(), window.get_by_label("Timeline").rect().top());

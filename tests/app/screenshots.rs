@@ -2,7 +2,8 @@
 //! they show how long things take); otherwise smaller ones are drawn and checked to hold something.
 
 use super::driver::{
-    Window, choose, click, demo, drag, look_at, open, open_share, open_view, pick, save_store, settle, wait,
+    Window, choose, click, demo, drag, look_at, measure, open, open_share, open_view, pick, save_store,
+    settle, wait,
 };
 use egui_kittest::kittest::Queryable;
 use image::{GrayImage, RgbImage, RgbaImage};
@@ -186,7 +187,7 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     click(&mut window, "Close sharing");
     open_view(&mut window, "Log");
     open_view(&mut window, "Sweep");
-    click(&mut window, "Run a sweep");
+    measure(&mut window, "Run a sweep…");
     let points = if updating() { "12 settings; click one" } else { "1 setting; click it" };
     wait(&mut window, "the points", |window| window.query_all_by_label_contains(points).next().is_some());
     shoot(&mut window, "sweep");

@@ -122,6 +122,66 @@ fn a_figure_shows_the_live_view_or_the_source_picture_with_what_its_colors_mean(
 }
 
 #[test]
+fn one_key_copies_the_figure_of_the_view_under_the_pointer() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let mut copy = |view: &str| {
+        let area = window.get_by_label(view).rect();
+        window.hover_at(area.center());
+        window.run_steps(2);
+        window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::F);
+        let mut image = None;
+        wait(&mut window, "the figure", |window| {
+            for command in &window.output().platform_output.commands {
+                if let egui::OutputCommand::CopyImage(copied) = command {
+                    image = Some(copied.size);
+                }
+            }
+            image.is_some()
+        });
+        let [columns, rows] = image.unwrap();
+        assert_eq!(columns, 1417, "120 mm at 300 dpi");
+        window.run_steps(2);
+        assert!(shows(&window, &format!("{columns}×{rows} pixels, 120 mm wide")), "{view}");
+        rows
+    };
+    let [live, source] = ["Live picture", "Source picture"].map(&mut copy);
+    assert!(live > 300 && source > 300);
+}
+
+#[test]
+fn a_comparison_is_filmed_with_and_without_a_camera_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_share(&mut window, "Pictures");
+    choose(&mut window, "Pictures of", "Camera path");
+    choose(&mut window, "Shows", "Wipe");
+    assert!(shows(&window, "All samples and Kept samples, as chosen in Compare, over the played frames."));
+    let pictures = folder.path().join("pictures");
+    share_to(&mut window, &pictures, "Export");
+    wait_for_shared(&mut window);
+    assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 4, "one for each frame");
+    let second = image::open(pictures.join("0002.png")).unwrap().into_rgb8();
+    let is_white = |x: u32| (0..second.height()).all(|y| second.get_pixel(x, y).0 == [255; 3]);
+    let line: Vec<u32> = (0..second.width()).filter(|x| is_white(*x)).collect();
+    let middle = second.width() * 2 / 3;
+    assert_eq!(line, [middle - 1, middle], "the line is where a third of the film has passed");
+
+    for _ in 0..2 {
+        window.key_press(Key::K);
+        window.run_steps(2);
+    }
+    open_share(&mut window, "Video");
+    choose(&mut window, "Shows", "Flip");
+    assert!(shows(&window, "along the camera path."));
+    let video = folder.path().join("flip.mp4");
+    share_to(&mut window, &video, "Export");
+    wait_for_shared(&mut window);
+    assert_eq!(&std::fs::read(&video).unwrap()[4..8], b"ftyp");
+}
+
+#[test]
 fn what_is_written_is_canceled_in_the_dialog_and_it_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);

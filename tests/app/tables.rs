@@ -1,10 +1,12 @@
 //! What views show in numbers leaves the window as text.
 
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::driver::{
-    SIZE, Window, click, copied, demo, look_at, open, open_view, settle, shows, small_demo, wait,
+    SIZE, Window, choose, click, copied, demo, look_at, measure, open, open_view, pick, settle, shows,
+    small_demo, wait,
 };
+use super::layout_faults::faults;
 use egui::{Key, vec2};
 
 /// Clicks a button that copies a table, and gives the lines that it leaves on the clipboard.
@@ -42,7 +44,7 @@ fn with_a_point() -> Window {
     let mut window = open(demo(2, 1, (32, 24)), SIZE);
     settle(&mut window);
     open_view(&mut window, "Sweep");
-    click(&mut window, "Run a sweep");
+    measure(&mut window, "Run a sweep…");
     wait(&mut window, "a point", |window| {
         shows(window, "click one to apply it") || shows(window, "click it")
     });
@@ -56,6 +58,118 @@ fn a_sweep_is_copied() {
     let mut window = with_a_point();
     let sweep = copied_table(&mut window, "sweep");
     assert!(sweep[0].starts_with("label,series,kernel,psnr_filled_db,") && sweep.len() > 1, "{sweep:?}");
+}
+
+#[test]
+fn series_are_left_out_by_their_entries_in_the_legend_and_axes_change_their_scale() {
+    let mut window = with_a_point();
+    let is_on = |window: &Window, entry: &str| {
+        window.get_by_label(entry).accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+    };
+    let points = |window: &Window| -> usize {
+        let hint = window.query_all_by_label_contains("to apply it").next().unwrap();
+        let hint = hint.accesskit_node().label().unwrap();
+        hint.split(' ').next().unwrap().parse().unwrap()
+    };
+    let series = "settings it started from";
+    let all = points(&window);
+    assert!(is_on(&window, series) && !shows(&window, "left out"));
+    click(&mut window, series);
+    assert!(!is_on(&window, series) && points(&window) == all - 1);
+    open_view(&mut window, "Report");
+    open_view(&mut window, "Sweep");
+    assert!(!is_on(&window, series), "it is remembered");
+    window.get_by_label(series).focus();
+    window.run_steps(2);
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert!(is_on(&window, series) && points(&window) == all);
+
+    let scale = "X axis: logarithmic";
+    let is_chosen = |window: &Window| {
+        let toggled = window.get_by_label(scale).accesskit_node().toggled();
+        toggled == Some(egui::accesskit::Toggled::True)
+    };
+    assert!(is_chosen(&window));
+    click(&mut window, scale);
+    assert!(!is_chosen(&window));
+    assert!(window.query_by_label("Y axis: logarithmic").is_none(), "decibels are logarithms already");
+    pick(&mut window, "X axis", "Samples");
+    assert!(is_chosen(&window), "another quantity has its own scale");
+}
+
+/// Texts that are cut off. Those of a dialog lie over others.
+fn cut_off(window: &Window) -> Vec<String> {
+    faults(window).into_iter().filter(|fault| fault.contains("is cut off by")).collect()
+}
+
+#[test]
+fn at_the_usual_size_no_button_above_a_chart_is_cut_and_nothing_covers_the_legend() {
+    for size in [SIZE, [1024.0, 640.0]] {
+        let mut window = open(demo(2, 1, (32, 24)), size);
+        settle(&mut window);
+        open_view(&mut window, "Sweep");
+        measure(&mut window, "Run a sweep…");
+        wait(&mut window, "a point", |window| shows(window, "click it") || shows(window, "click one"));
+        window.key_press(Key::Escape);
+        settle(&mut window);
+        assert_eq!(cut_off(&window), Vec::<String>::new(), "{size:?}");
+        let chart = window.get_by_label("Sweep chart").rect();
+        for name in ["Copy CSV", "Copy Markdown", "Copy LaTeX", "Save table…"] {
+            let button = window.get_by_label(&format!("{name} of the sweep")).rect();
+            assert!(button.width() > 40.0 && button.height() < 30.0, "{name} at {size:?}: {button}");
+            assert!(button.bottom() <= chart.top(), "{name} at {size:?}: {button}, {chart}");
+        }
+        assert!(window.get_by_label("Pareto front").rect().bottom() <= chart.top() + 1.0);
+    }
+}
+
+#[test]
+fn what_is_measured_is_chosen_first_with_how_much_that_is() {
+    let mut window = open(demo(2, 1, (32, 24)), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Stress test");
+    click(&mut window, "Run a stress test…");
+    let counted = |window: &Window| -> usize {
+        let line = window.query_all_by_label_contains("how long is unknown").next().unwrap();
+        line.accesskit_node()
+            .value()
+            .or(line.accesskit_node().label())
+            .unwrap()
+            .split(' ')
+            .next()
+            .unwrap()
+            .parse()
+            .unwrap()
+    };
+    let all = counted(&window);
+    click(&mut window, "Values: Coarse");
+    let coarse = counted(&window);
+    assert!(coarse < all && cut_off(&window).is_empty(), "{coarse} of {all}, {:?}", cut_off(&window));
+    for group in ["disturbances", "methods"] {
+        click(&mut window, &format!("No {group}"));
+    }
+    assert!(shows(&window, "Nothing is left to measure"));
+    click(&mut window, "Camera pose");
+    click(&mut window, "Settings it started from");
+    assert_eq!(counted(&window), 2, "both ends of one dial with one method");
+    choose(&mut window, "Time", "Until done");
+    click(&mut window, "Measure");
+    settle(&mut window);
+    assert!(window.query_by_label("Measure").is_none() && window.query_by_label("Resume").is_none());
+    let table = copied_table(&mut window, "stress test");
+    assert_eq!(table.len(), 3, "{table:?}");
+
+    // Zero has no place on a logarithmic axis.
+    click(&mut window, "Disturbance axis: logarithmic");
+    assert!(shows(&window, "1 point left out"));
+    click(&mut window, "Run a stress test…");
+    assert!(shows(&window, "Nothing is left to measure"), "both are known");
+    click(&mut window, "Values: Fine");
+    assert!(shows(&window, "about ") && !shows(&window, "unknown"));
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(window.query_by_label("Measure").is_none());
 }
 
 /// What the cross in the window's corner does.

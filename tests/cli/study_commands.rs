@@ -91,6 +91,35 @@ fn a_sweep_leaves_a_table_a_document_and_a_chart_and_goes_on_from_its_journal() 
 }
 
 #[test]
+fn a_budget_stops_a_study_with_what_is_known_and_the_same_command_goes_on() {
+    let folder = scene("1", "32x24");
+    let folder = folder.path();
+    for (command, name) in [
+        (["sweep", "scene", "--set", "render.kernel=block"], "sweep"),
+        (["stress", "scene", "--only", "exposure"], "stress"),
+    ] {
+        let lines = || {
+            let csv = std::fs::read_to_string(folder.join(format!("{name}/{name}.csv"))).unwrap();
+            csv.lines().count() - 1
+        };
+        for known in 1..3 {
+            let arguments = [&command[..], &["--budget", "0", "--out", name]].concat();
+            let output = overlook(folder, &arguments).output().unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success() && said.contains("the budget is spent with "), "{said}");
+            assert_eq!(lines(), known, "{name}");
+        }
+    }
+    let refused = fail(folder, &["stress", "scene", "--budget", "3 days", "--out", "stress"], 2);
+    assert!(refused.contains("3min"), "{refused}");
+    succeed(folder, &["stress", "scene", "--only", "exposure", "--budget", "1h", "--out", "stress"]);
+    let document = json(&folder.join("stress/stress.json"));
+    let dials: Vec<f64> =
+        document["points"].as_array().unwrap().iter().map(|point| point["dial"].as_f64().unwrap()).collect();
+    assert!(dials.is_sorted() && dials.len() > 20, "{dials:?}");
+}
+
+#[test]
 fn a_report_puts_captures_on_one_page_and_other_programs_figures_and_pictures_are_taken_in() {
     let folder = scene("2", "48x36");
     let folder = folder.path();

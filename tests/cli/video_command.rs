@@ -161,6 +161,44 @@ fn a_film_says_its_size_its_pace_and_its_colors_before_its_pictures() {
 }
 
 #[test]
+fn two_stores_are_compared_by_a_line_that_crosses_once_or_in_turn() {
+    let folder = stored("3", [64, 48]);
+    let folder = folder.path();
+    let settings = ["--set", "pruning.depth_tolerance=8", "--set", "render.kernel=point"];
+    let other = [&["preprocess", "scene", "--out", "b.ovl"], &settings[..]].concat();
+    succeed(overlook(folder, &other));
+    let pictures = |store: &str, more: &[&str], out: &str| {
+        let arguments = ["export", "pictures", store, "--path", "path.json", "--set", "render.backend=cpu"];
+        succeed(overlook(folder, &[&arguments[..], more, &["--pictures", "13", "--out", out]].concat()));
+        let picture =
+            |number| image::open(folder.join(format!("{out}/{number:04}.png"))).unwrap().into_rgba8();
+        (1..=13).map(picture).collect::<Vec<_>>()
+    };
+    let [a, b] = [("scene.ovl", "a"), ("b.ovl", "b")].map(|(store, out)| pictures(store, &[], out));
+    assert_ne!(a[6], b[6]);
+    let wiped = pictures("scene.ovl", &["--compare", "b.ovl"], "wiped");
+    assert!(wiped[0] == a[0] && wiped[12] == b[12], "from one side to the other");
+    let (split, row) = (32, 24);
+    assert_eq!(wiped[6].get_pixel(split, row).0, [255; 4]);
+    assert!((0..split - 2).all(|x| wiped[6].get_pixel(x, row) == a[6].get_pixel(x, row)));
+    assert!((split + 2..64).all(|x| wiped[6].get_pixel(x, row) == b[6].get_pixel(x, row)));
+    let flipped = pictures("scene.ovl", &["--compare", "b.ovl", "--mode", "flip"], "flipped");
+    assert!((0..12).all(|nth| flipped[nth] == a[nth]), "half a second at 24 pictures a second");
+    assert_eq!(flipped[12], b[12], "then the other side");
+    let film = film(folder, &["--compare", "b.ovl", "--mode", "wipe", "--fps", "12", "--out", "film.mp4"]);
+    assert!(film.status.success(), "{}", said(&film));
+    assert_eq!(decoded(&std::fs::read(folder.join("film.mp4")).unwrap()).len(), 7);
+
+    let short = scene("1", "64x48");
+    succeed(overlook(short.path(), &["preprocess", "scene", "--out", "short.ovl"]));
+    let short = short.path().join("short.ovl").display().to_string();
+    let refused = self::film(folder, &["--frame", "2", "--compare", &short, "--out", "none.mp4"]);
+    let words = said(&refused);
+    assert!(words.contains("short.ovl: has no frame 2, which scene.ovl shows"), "{words}");
+    assert!(words.trim().lines().count() == 1 && !folder.join("none.mp4").exists(), "{words}");
+}
+
+#[test]
 fn what_cannot_be_a_film_gives_one_line_and_leaves_nothing() {
     let folder = stored("3", [20_000, 2]);
     let folder = folder.path();

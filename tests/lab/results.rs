@@ -88,7 +88,7 @@ fn measured_now() -> Vec<Point> {
         !planned.series.is_rival()
             && (planned.trial.settings.render.kernel == Kernel::Gather || planned.series == Series::Paper)
     });
-    sweep::run(&capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap()
+    sweep::run(&capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap().points
 }
 
 #[test]

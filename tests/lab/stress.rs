@@ -1,8 +1,12 @@
 //! Disturbances: each does nothing at the start of its dial and something at the end, and shows where methods fail.
 
+use std::time::Duration;
+
 use overlook_engine::job::Job;
 use overlook_engine::settings::Settings;
 use overlook_lab::stress::{self, Disturbance, StressPlan, StressPoint};
+use overlook_lab::sweep::Point;
+use overlook_lab::trial::Fineness;
 use overlook_lab::truth::Truth;
 
 use crate::scenes::{Scene, orrery, still};
@@ -43,7 +47,8 @@ fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
         told += 1;
         assert_eq!((known, total), (told, 15));
     })
-    .unwrap();
+    .unwrap()
+    .points;
     let failures = stress::failures(&points);
     assert_eq!(failures.len(), 3);
     for failure in &failures {
@@ -65,7 +70,7 @@ fn a_pose_error_costs_accuracy_and_the_point_of_failure_lies_on_the_dial() {
     let job = Job::new();
     job.cancel();
     let told_anew = |_: &StressPoint, _| panic!("what is known is told again");
-    let known = stress::run(&scene.capture, &again, &scene.truth, &job, told_anew).unwrap();
+    let known = stress::run(&scene.capture, &again, &scene.truth, &job, told_anew).unwrap().points;
     assert_eq!(known, points, "all is known: nothing is measured, nothing can be cancelled");
 }
 
@@ -77,7 +82,7 @@ fn a_value_that_leaves_nothing_to_compare_has_no_points_and_only_a_plan_of_such_
     let mut plan = StressPlan { disturbances, ..StressPlan::standard(&Settings::default()) };
     plan.methods.truncate(2);
     let (job, mut told) = (Job::new(), Vec::new());
-    let points = stress::run(&alone, &plan, &scene.truth, &job, |_, known| told.push(known)).unwrap();
+    let points = stress::run(&alone, &plan, &scene.truth, &job, |_, known| told.push(known)).unwrap().points;
     let dials: Vec<_> = points.iter().map(|point| (point.disturbance.as_str(), point.dial)).collect();
     let missing = [0.0, 25.0, 50.0].map(|dial| ("missing camera", dial));
     let expected: Vec<_> = missing.into_iter().chain([("fewer cameras", 0.0)]).collect();
@@ -93,6 +98,45 @@ fn a_value_that_leaves_nothing_to_compare_has_no_points_and_only_a_plan_of_such_
 }
 
 #[test]
+fn the_ends_of_every_dial_come_first_and_what_a_spent_budget_left_is_measured_later() {
+    let scene = orrery(2);
+    let disturbances = vec![Disturbance::Exposure, Disturbance::CameraPose];
+    let mut plan = StressPlan { disturbances, ..StressPlan::standard(&Settings::default()) };
+    plan.methods.truncate(1);
+    let run = |plan: &StressPlan| {
+        let mut dials = Vec::new();
+        let tell = |point: &StressPoint, _| dials.push((point.disturbance.clone(), point.dial));
+        let measured = stress::run(&scene.capture, plan, &scene.truth, &Job::new(), tell).unwrap();
+        (measured, dials)
+    };
+    let (whole, dials) = run(&plan);
+    let mut ends = Vec::new();
+    for disturbance in &plan.disturbances {
+        let dial = disturbance.dial(&scene.capture, &scene.truth);
+        ends.extend([dial[0], dial[dial.len() - 1]].map(|end| (disturbance.name().to_owned(), end)));
+    }
+    assert_eq!(dials[..4], ends);
+    assert!(whole.points.is_sorted_by_key(|point| point.disturbance != "exposure"));
+    plan.budget = Some(Duration::ZERO);
+    let (cut, told) = run(&plan);
+    assert_eq!((cut.left, &told[..]), (dials.len() - 1, &ends[..1]));
+    (plan.budget, plan.done) = (None, cut.points);
+    assert_eq!(plan.open(&scene.capture, &scene.truth), dials.len() - 1);
+    let timeless = |points: &[StressPoint]| -> Vec<StressPoint> {
+        let timeless = |of: &StressPoint| {
+            let point = Point { milliseconds: 0.0, seconds_preprocess: 0.0, ..of.point.clone() };
+            StressPoint { point, ..of.clone() }
+        };
+        points.iter().map(timeless).collect()
+    };
+    let (rest, told) = run(&plan);
+    assert_eq!(told, dials[1..]);
+    assert_eq!(timeless(&rest.points), timeless(&whole.points));
+    (plan.done, plan.fineness) = (Vec::new(), Fineness::Coarse);
+    assert_eq!(plan.open(&scene.capture, &scene.truth), 4);
+}
+
+#[test]
 fn one_decibel_is_interpolated_between_values_of_the_dial() {
     let scene = orrery(2);
     let Truth::Views(views) = &scene.truth else { panic!("the orrery has views") };
@@ -102,7 +146,7 @@ fn one_decibel_is_interpolated_between_values_of_the_dial() {
         ..StressPlan::standard(&Settings::default())
     };
     plan.methods.truncate(1);
-    let mut points = stress::run(&scene.capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap();
+    let mut points = stress::run(&scene.capture, &plan, &truth, &Job::new(), |_, _| ()).unwrap().points;
     for (point, loss_db) in points.iter_mut().zip([0.0, 0.5, 1.5, 9.0]) {
         *point = StressPoint { loss_db, ..point.clone() };
     }
@@ -119,7 +163,7 @@ fn cameras_go_one_by_one_until_as_few_are_left_as_the_truth_needs() {
         ..StressPlan::standard(&Settings::default())
     };
     plan.methods.truncate(1);
-    let points = stress::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap();
+    let points = stress::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap().points;
     let gone: Vec<f64> = points.iter().map(|point| point.dial).collect();
     assert_eq!(gone, [0.0, 1.0], "of three cameras two stay, so that one can be left out");
     for gone in gone {
@@ -150,7 +194,7 @@ fn loss_is_over_the_views_that_are_left_and_the_warning_names_the_dial_at_which_
     };
     plan.methods.truncate(1);
     let job = Job::new();
-    let points = stress::run(&alone, &plan, &scene.truth, &job, |_, _| ()).unwrap();
+    let points = stress::run(&alone, &plan, &scene.truth, &job, |_, _| ()).unwrap().points;
     let [all, half] = [0.0, 50.0].map(|dial| points.iter().find(|point| point.dial == dial).unwrap());
     assert!(
         !half.point.views.is_empty() && half.point.views.len() < all.point.views.len(),
@@ -186,6 +230,6 @@ fn what_cannot_disturb_a_capture_is_left_out_with_a_word_and_nothing_else_is_no_
     assert!(missing.contains("'normals missing' is left out") && missing.contains("no recorded normals"));
     assert!(late.contains("'camera out of sync' is left out") && late.contains("a single frame"), "{late}");
     plan.disturbances.push(Disturbance::Exposure);
-    let points = stress::run(&capture, &plan, &truth, &job, |_, _| ()).unwrap();
+    let points = stress::run(&capture, &plan, &truth, &job, |_, _| ()).unwrap().points;
     assert!(points.iter().all(|point| point.disturbance == "exposure") && points.len() == 5);
 }

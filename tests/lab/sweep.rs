@@ -1,9 +1,11 @@
 //! Sweeps: baselines keep as many samples as they may, a sweep that was cut short goes on, the front is the front.
 
+use std::time::Duration;
+
 use overlook_engine::job::Job;
 use overlook_engine::settings::{Kernel, PruningMethod, Settings};
 use overlook_lab::sweep::{self, Point, Series, SweepPlan};
-use overlook_lab::trial::{Trial, Workbench};
+use overlook_lab::trial::{Fineness, Trial, Workbench};
 use overlook_lab::truth::Recorded;
 
 use crate::scenes::{orrery, still};
@@ -25,7 +27,7 @@ fn without_times(points: &[Point]) -> Vec<Point> {
 fn a_sweep_measures_settings_and_baselines_and_goes_on_where_it_was_cut_short() {
     let scene = orrery(1);
     let mut plan = SweepPlan::grid(&Settings::default(), &axes(), &scene.capture).unwrap();
-    let whole = sweep::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap();
+    let whole = sweep::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, _| ()).unwrap().points;
 
     let job = Job::new();
     let mut told = Vec::new();
@@ -38,8 +40,9 @@ fn a_sweep_measures_settings_and_baselines_and_goes_on_where_it_was_cut_short() 
     assert!(cut.is_err() && told.len() == 7);
     plan.done = told;
     let mut counts = Vec::new();
-    let again =
-        sweep::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, count| counts.push(count)).unwrap();
+    let again = sweep::run(&scene.capture, &plan, &scene.truth, &Job::new(), |_, count| counts.push(count))
+        .unwrap()
+        .points;
     assert_eq!(counts.first(), Some(&8), "what is known is not measured again");
     assert_eq!(without_times(&again), without_times(&whole));
 
@@ -115,7 +118,7 @@ fn what_keeps_as_many_samples_as_another_reference_is_not_known() {
     let run = |plan: &SweepPlan| {
         let mut measured = 0;
         let points =
-            sweep::run(&scene.capture, plan, &scene.truth, &Job::new(), |_, _| measured += 1).unwrap();
+            sweep::run(&scene.capture, plan, &scene.truth, &Job::new(), |_, _| measured += 1).unwrap().points;
         (points, measured)
     };
     let (first, _) = run(&one);
@@ -131,6 +134,35 @@ fn what_keeps_as_many_samples_as_another_reference_is_not_known() {
         let (again, measured) = run(&plan);
         assert_eq!((measured, again[1].samples), (0, points[1].samples));
     }
+}
+
+#[test]
+fn a_spent_budget_leaves_one_point_at_least_and_the_rest_gives_what_a_whole_run_gives() {
+    let scene = orrery(1);
+    let axes = [("pruning.depth_tolerance".to_owned(), ["0.5", "2", "8"].map(str::to_owned).to_vec())];
+    let mut plan = SweepPlan::grid(&Settings::default(), &axes, &scene.capture).unwrap();
+    plan.choose(Fineness::Fine, |planned| planned.series == Series::Variation);
+    let run = |plan: &SweepPlan| {
+        let mut labels = Vec::new();
+        let tell = |point: &Point, _| labels.push(point.label.clone());
+        let measured = sweep::run(&scene.capture, plan, &scene.truth, &Job::new(), tell).unwrap();
+        (measured, labels)
+    };
+    let (whole, labels) = run(&plan);
+    let values: Vec<_> = whole.points.iter().map(|point| point.label.as_str()).collect();
+    let [half, two, eight] = [0.5, 2.0, 8.0].map(|value| format!("pruning.depth_tolerance = {value}"));
+    assert_eq!(values, ["default", &half, &two, &eight], "results are in the order of the plan");
+    assert_eq!(labels, ["default", &half, &eight, &two], "measured ends first");
+    plan.budget = Some(Duration::ZERO);
+    for left in [3, 2, 1, 0] {
+        let (measured, labels) = run(&plan);
+        assert_eq!((measured.left, labels.len()), (left, 1));
+        plan.done = measured.points;
+    }
+    assert_eq!(without_times(&plan.done), without_times(&whole.points));
+    plan.choose(Fineness::Coarse, |_| true);
+    let coarse = plan.trials.iter().map(|planned| planned.trial.label.as_str());
+    assert!(coarse.eq(["default", &half, &eight]));
 }
 
 #[test]

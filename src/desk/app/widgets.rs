@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use egui::{
     Button, Color32, ComboBox, Key, Painter, Rect, Response, RichText, ScrollArea, Sense, TextEdit,
-    TextureId, Ui, Vec2, pos2,
+    TextWrapMode, TextureId, Ui, Vec2, pos2,
 };
 use egui_material_icons::MaterialIcon;
 
@@ -196,17 +196,21 @@ pub(crate) fn one_line(ui: &mut Ui, text: impl Into<String>, color: Color32) -> 
 
 /// Copies or saves what a view shows in numbers.
 pub(crate) fn table_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
-    ui.horizontal_wrapped(|ui| {
-        let copies =
-            TableForm::ALL.map(|(form, name, _)| (format!("Copy {name}"), Command::CopyTable(table, form)));
-        let save = ("Save table…".to_owned(), Command::File(FileCommand::AskPath(Purpose::SaveTable(table))));
-        for (name, command) in copies.into_iter().chain([save]) {
-            let button = ui.add(Button::new(RichText::new(&name).small()).small());
-            if button.accessible_name(format!("{name} of the {}", table.name())).clicked() {
-                commands.push(command);
-            }
+    ui.horizontal_wrapped(|ui| table_buttons_ui(ui, table, commands));
+}
+
+/// The same in a row that wraps, among what is there already: each button as a whole.
+pub(crate) fn table_buttons_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
+    let copies =
+        TableForm::ALL.map(|(form, name, _)| (format!("Copy {name}"), Command::CopyTable(table, form)));
+    let save = ("Save table…".to_owned(), Command::File(FileCommand::AskPath(Purpose::SaveTable(table))));
+    for (name, command) in copies.into_iter().chain([save]) {
+        let button = Button::new(RichText::new(&name).small()).small().wrap_mode(TextWrapMode::Extend);
+        let button = ui.add(button).accessible_name(format!("{name} of the {}", table.name()));
+        if button.clicked() {
+            commands.push(command);
         }
-    });
+    }
 }
 
 /// The sign of a camera beside its name.

@@ -85,6 +85,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     help::ui::palette_ui(ui.ctx(), state, commands);
     help::ui::help_ui(ui.ctx(), state, commands);
     readings::ui::readings_ui(ui.ctx(), state, commands);
+    charts::ui::question_ui(ui.ctx(), state, commands);
     files::ui::closing_ui(ui.ctx(), state, commands);
     drop_hint_ui(ui);
 }

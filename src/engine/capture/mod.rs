@@ -45,7 +45,7 @@ pub use intrinsics::{Intrinsics, PixelSide, Projection};
 pub use open::{Source, open};
 pub use parts::{Capture, CaptureParts, FrameSource, TruthLoader, TruthView};
 pub use pivot::pivot;
-pub use readers::Description;
+pub use readers::{Description, NO_CAPTURE, known_sources};
 pub use recording::{Addition, CoveredSet, GreedyCover, ViewChoice};
 pub use skipped::Skipped;
 #[cfg(test)]

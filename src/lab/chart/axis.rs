@@ -40,7 +40,9 @@ impl Scale {
         format!("{tick:.*}", decimals.clamp(0.0, 9.0) as usize)
     }
 
-    fn is_even(self, low: f64, high: f64) -> bool {
+    /// Whether ticks from `low` to `high` lie at equal steps.
+    #[must_use]
+    pub fn is_even(self, low: f64, high: f64) -> bool {
         self == Self::Linear || high / low < NARROW
     }
 }

@@ -3,15 +3,15 @@
 use super::plan::{Method, StressPlan, StressPoint, StressStep};
 use crate::scoring::nothing_to_compare;
 use crate::sweep::{self, Point, Series};
-use crate::trial::{TimeLeft, Trial, Workbench};
+use crate::trial::{Measured, TimeLeft, Trial, Workbench, coarse_to_fine};
 use crate::truth::{self, Recorded, Truth};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 
-/// Measures every disturbance of the plan at every value of its dial with every method, and compares the methods at each value.
-/// `on_point` receives each new point, the number of known points and their total. Disturbances that cannot change the capture,
-/// and values that leave no true pixel, are skipped with a warning.
+/// Measures every disturbance of the plan at the values of its dial with every method, from coarse to fine until the budget is spent,
+/// and compares the methods at each value. `on_point` receives each new point, the number of known points and their total.
+/// Disturbances that cannot change the capture, and values that leave no true pixel, are skipped with a warning.
 ///
 /// # Errors
 /// Those of preprocessing, rendering and truth; `Invalid` if nothing can be disturbed or compared; `Cancelled`: put the points
@@ -22,70 +22,79 @@ pub fn run(
     truth: &Truth,
     job: &Job,
     on_point: impl FnMut(&StressPoint, (usize, usize)),
-) -> Result<Vec<StressPoint>> {
-    let mut points = measure(capture, plan, truth, job, on_point)?;
+) -> Result<Measured<StressPoint>> {
+    let Measured { mut points, left } = measure(capture, plan, truth, job, on_point)?;
+    for index in 0..points.len() {
+        points[index] = points[index].clone().with_loss(points[..index].iter());
+    }
     for methods in points.chunk_by_mut(|a, b| a.disturbance == b.disturbance && a.dial == b.dial) {
         sweep::mark_behind_best(methods.iter_mut().map(|method| &mut method.point));
         sweep::mark_pareto_of_stores(methods.iter_mut().map(|method| &mut method.point));
     }
-    Ok(points)
+    Ok(Measured { points, left })
 }
 
-/// All points of the plan, known and new; no method is compared with another yet.
+/// All points of the plan, known and new; no method is compared with another yet. The loss of each is since the first that is known.
 fn measure(
     capture: &Capture,
     plan: &StressPlan,
     truth: &Truth,
     job: &Job,
     mut on_point: impl FnMut(&StressPoint, (usize, usize)),
-) -> Result<Vec<StressPoint>> {
-    let steps = steps(capture, plan, truth, job)?;
+) -> Result<Measured<StressPoint>> {
+    let (steps, levels) = steps(capture, plan, truth, job)?;
+    let of_step = |step| move |method| plan.known(step, method).cloned();
+    let known = |step: &StressStep| plan.methods.iter().map(of_step(*step)).collect();
+    let mut points: Vec<Vec<Option<StressPoint>>> = steps.iter().map(known).collect();
     let mut total = steps.len() * plan.methods.len();
-    let open_at = |step| plan.methods.iter().filter(|method| plan.known(step, method).is_none()).count();
-    let mut open: usize = steps.iter().map(|step| open_at(*step)).sum();
-    let (mut time_left, mut points, mut passed_over) =
-        (TimeLeft::start(), Vec::with_capacity(total), Vec::new());
-    for step in steps {
+    let mut open = points.iter().flatten().filter(|point| point.is_none()).count();
+    let (mut time_left, mut passed_over) = (TimeLeft::start(plan.budget), Vec::new());
+    for index in coarse_to_fine(&levels) {
         let mut disturbed = None;
-        for method in &plan.methods {
-            if let Some(known) = plan.known(step, method) {
-                points.push(known.clone().with_loss(&points));
+        for (nth, method) in plan.methods.iter().enumerate() {
+            if points[index][nth].is_some() || time_left.is_spent() {
                 continue;
             }
-            time_left.next(job, points.len() + 1, total, open - time_left.measured());
+            let number = total - open + 1;
+            time_left.next(job, number, total, open);
             if disturbed.is_none() {
-                disturbed = Disturbed::new(capture, plan, truth, step, job)?;
+                disturbed = Disturbed::new(capture, plan, truth, steps[index], job)?;
             }
             let Some(disturbed) = &mut disturbed else {
-                // `time_left` counts one point as begun.
-                (total, open) = (total - open_at(step), open + 1 - open_at(step));
-                passed_over.push(step);
+                let never = points[index].iter().filter(|point| point.is_none()).count();
+                (total, open) = (total - never, open - never);
+                passed_over.push(index);
                 break;
             };
-            let point = disturbed.measure(method, job)?.with_loss(&points);
-            on_point(&point, (points.len() + 1, total));
-            points.push(point);
+            let point = disturbed.measure(method, job)?.with_loss(points.iter().flatten().flatten());
+            on_point(&point, (number, total));
+            points[index][nth] = Some(point);
+            open -= 1;
         }
     }
     job.set_context("");
+    let points: Vec<_> = points.into_iter().flatten().flatten().collect();
     if points.is_empty() && !passed_over.is_empty() {
         return Err(nothing_to_compare(&capture.name));
     }
-    for step in passed_over {
-        job.warn(no_points_warning(step));
+    passed_over.sort_unstable();
+    for index in passed_over {
+        job.warn(no_points_warning(steps[index]));
     }
-    Ok(points)
+    Ok(Measured { points, left: open })
 }
 
-/// Every value of the dial of every disturbance that can change the capture.
-fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Result<Vec<StressStep>> {
+/// The values of the dial of every disturbance that can change the capture, and their levels.
+fn steps(
+    capture: &Capture,
+    plan: &StressPlan,
+    truth: &Truth,
+    job: &Job,
+) -> Result<(Vec<StressStep>, Vec<usize>)> {
     let mut steps = Vec::new();
     for &disturbance in &plan.disturbances {
         match disturbance.lacks(capture) {
-            None => {
-                let dial = disturbance.dial(capture, truth).into_iter();
-                steps.extend(dial.map(|dial| (disturbance, dial)));
-            }
+            None => steps.extend(plan.values(disturbance, capture, truth)),
             Some(lacks) => {
                 let name = disturbance.name();
                 job.warn(format!("'{name}' is left out: it changes nothing, as there {lacks}"));
@@ -98,7 +107,7 @@ fn steps(capture: &Capture, plan: &StressPlan, truth: &Truth, job: &Job) -> Resu
             "is not changed by any of the chosen disturbances; choose others",
         ));
     }
-    Ok(steps)
+    Ok(steps.into_iter().unzip())
 }
 
 /// The warning that a step has no points.

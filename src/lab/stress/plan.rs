@@ -1,11 +1,15 @@
 //! What a stress test measures, and what it gives.
 
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 
 use super::disturbance::Disturbance;
 use crate::rivals::Rival;
 use crate::sweep::{self, Point};
-use crate::trial::PairedDifference;
+use crate::trial::{Fineness, PairedDifference, levels};
+use crate::truth::Truth;
+use overlook_engine::capture::Capture;
 use overlook_engine::settings::Settings;
 
 /// A method that is put under stress.
@@ -28,8 +32,12 @@ pub struct StressPlan {
     pub methods: Vec<Method>,
     /// Number of frames to use, those with truth first; all if `None`. Frames are disturbed before they are chosen.
     pub frames: Option<usize>,
+    /// Which values of each dial are measured.
+    pub fineness: Fineness,
     /// Points of an earlier run on the same capture and truth.
     pub done: Vec<StressPoint>,
+    /// How long may be measured; a measurement that was begun is finished, and there is always one.
+    pub budget: Option<Duration>,
 }
 
 impl StressPlan {
@@ -49,7 +57,9 @@ impl StressPlan {
                 method("paper", paper),
             ],
             frames: None,
+            fineness: Fineness::default(),
             done: Vec::new(),
+            budget: None,
         }
     }
 
@@ -63,6 +73,28 @@ impl StressPlan {
             rival: Some(rival),
         }));
         self
+    }
+
+    /// The values of a disturbance's dial that are measured, and their levels.
+    pub(super) fn values(
+        &self,
+        disturbance: Disturbance,
+        capture: &Capture,
+        truth: &Truth,
+    ) -> impl Iterator<Item = (StressStep, usize)> {
+        let (dial, fineness) = (disturbance.dial(capture, truth), self.fineness);
+        let levels = levels(dial.len());
+        let values = dial.into_iter().map(move |value| (disturbance, value)).zip(levels);
+        values.filter(move |(_, level)| fineness.takes(*level))
+    }
+
+    /// How many measurements the plan has that are not known.
+    #[must_use]
+    pub fn open(&self, capture: &Capture, truth: &Truth) -> usize {
+        let changing = self.disturbances.iter().filter(|disturbance| disturbance.lacks(capture).is_none());
+        let steps = changing.flat_map(|disturbance| self.values(*disturbance, capture, truth));
+        let open = |step| self.methods.iter().filter(|method| self.known(step, method).is_none()).count();
+        steps.map(|(step, _)| open(step)).sum()
     }
 
     /// The point of an earlier run.
@@ -106,8 +138,8 @@ impl StressPoint {
     }
 
     /// The point with its loss since the first of `points` of its disturbance and method.
-    pub(super) fn with_loss(self, points: &[Self]) -> Self {
-        let first = points.iter().find(|other| other.is_like(&self));
+    pub(super) fn with_loss<'a>(self, mut points: impl Iterator<Item = &'a Self>) -> Self {
+        let first = points.find(|other| other.is_like(&self));
         let loss = first.and_then(|first| PairedDifference::between(&first.point.views, &self.point.views));
         Self { loss_db: loss.map_or(0.0, |loss| loss.db.mean), ..self }
     }

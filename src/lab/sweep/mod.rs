@@ -12,14 +12,14 @@ pub use plan::{Planned, SweepPlan, paper, picture_variations, variations};
 pub use point::{Point, Series, mark_behind_best, mark_pareto, mark_pareto_of_stores};
 pub use worst::worst_views;
 
-use super::trial::{TimeLeft, Workbench};
+use super::trial::{Measured, TimeLeft, Workbench, coarse_to_fine};
 use super::truth::{Recorded, Truth};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 
-/// Measures every unknown point of the plan, in order, and compares all points with each other; a single camera is skipped if no
-/// view can be scored for it. `on_point` receives each new point and the number of known ones.
+/// Measures the unknown points of the plan, from coarse to fine until its budget is spent, and compares all points with each other; a
+/// single camera is skipped if no view can be scored for it. `on_point` receives each new point and the number of known ones.
 ///
 /// # Errors
 /// Those of preprocessing, rendering and truth; `Cancelled`: put the points received so far into [`SweepPlan::done`] to continue.
@@ -29,14 +29,14 @@ pub fn run(
     truth: &Truth,
     job: &Job,
     on_point: impl FnMut(&Point, usize),
-) -> Result<Vec<Point>> {
-    let mut points = measure(capture, plan, truth, job, on_point)?;
+) -> Result<Measured<Point>> {
+    let Measured { mut points, left } = measure(capture, plan, truth, job, on_point)?;
     only_the_best_single_camera(&mut points);
     let vantages = points.iter().map(|point| point.vantages).max().unwrap_or_default();
     points.extend(plan.external.iter().map(|external| external.point(&plan.reference, vantages)));
     mark_behind_best(&mut points);
     mark_pareto_of_stores(&mut points);
-    Ok(points)
+    Ok(Measured { points, left })
 }
 
 /// All points of the plan, known and new, not compared with each other yet.
@@ -46,16 +46,22 @@ fn measure(
     truth: &Truth,
     job: &Job,
     mut on_point: impl FnMut(&Point, usize),
-) -> Result<Vec<Point>> {
+) -> Result<Measured<Point>> {
     let mut points: Vec<Option<Point>> = plan.trials.iter().map(|planned| plan.known(planned)).collect();
     let open = points.iter().filter(|point| point.is_none()).count();
+    let mut left = 0;
     if open > 0 {
         let mut workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.reference, job)?;
         let to_measure = plan.trials.iter().zip(&points).filter(|(_, point)| point.is_none());
         workbench.open(to_measure.map(|(planned, _)| &planned.trial))?;
-        let (known, mut time_left) = (plan.trials.len() - open, TimeLeft::start());
-        for (planned, slot) in plan.trials.iter().zip(&mut points) {
+        let (known, mut time_left) = (plan.trials.len() - open, TimeLeft::start(plan.budget));
+        for index in coarse_to_fine(&plan.levels()) {
+            let (planned, slot) = (&plan.trials[index], &mut points[index]);
             if slot.is_some() || !workbench.can_measure(&planned.trial) {
+                continue;
+            }
+            if time_left.is_spent() {
+                left += 1;
                 continue;
             }
             let number = known + time_left.measured() + 1;
@@ -66,7 +72,7 @@ fn measure(
         }
         job.set_context("");
     }
-    Ok(points.into_iter().flatten().collect())
+    Ok(Measured { points: points.into_iter().flatten().collect(), left })
 }
 
 /// Keeps only the most accurate of the single cameras.

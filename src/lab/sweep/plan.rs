@@ -1,9 +1,13 @@
 //! Which settings a sweep tries.
 
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
 use super::external::ExternalPoint;
 use super::point::{Point, Series};
 use crate::rivals::Rival;
-use crate::trial::{Thinning, Trial};
+use crate::trial::{Fineness, Thinning, Trial, levels};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::settings::{
@@ -20,10 +24,17 @@ pub struct Planned {
     pub series: Series,
 }
 
+impl Planned {
+    /// The settings that it varies, by their paths, and their values as text.
+    pub fn dials(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.trial.label.split(", ").filter_map(|part| part.split_once(" = "))
+    }
+}
+
 /// The trials of a sweep, and the points that are known already.
 #[derive(Clone, Debug)]
 pub struct SweepPlan {
-    /// In the order in which they are measured.
+    /// In the order of results; they are measured from coarse to fine.
     pub trials: Vec<Planned>,
     /// The baselines keep as many samples as these settings do.
     pub reference: Settings,
@@ -31,6 +42,8 @@ pub struct SweepPlan {
     pub done: Vec<Point>,
     /// Figures of other programs, shown beside what is measured.
     pub external: Vec<ExternalPoint>,
+    /// How long may be measured; a measurement that was begun is finished, and there is always one.
+    pub budget: Option<Duration>,
 }
 
 /// Values of numbers; choices and switches take all of theirs.
@@ -150,7 +163,51 @@ impl SweepPlan {
     }
 
     fn empty(reference: &Settings) -> Self {
-        Self { trials: Vec::new(), reference: reference.clone(), done: Vec::new(), external: Vec::new() }
+        Self {
+            trials: Vec::new(),
+            reference: reference.clone(),
+            done: Vec::new(),
+            external: Vec::new(),
+            budget: None,
+        }
+    }
+
+    /// Keeps the trials of this fineness for which `takes` holds, and the reference.
+    pub fn choose(&mut self, fineness: Fineness, takes: impl Fn(&Planned) -> bool) {
+        let mut levels = self.levels().into_iter();
+        self.trials.retain(|planned| {
+            let is_taken = levels.next().is_some_and(|level| fineness.takes(level)) && takes(planned);
+            is_taken || planned.series == Series::Reference
+        });
+    }
+
+    /// How many measurements the plan has that are not known.
+    #[must_use]
+    pub fn open(&self) -> usize {
+        self.trials.iter().filter(|planned| self.known(planned).is_none()).count()
+    }
+
+    /// The level of each trial: that of its values among all of the same settings. What varies no setting comes first.
+    pub(super) fn levels(&self) -> Vec<usize> {
+        let mut values: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for (path, value) in self.trials.iter().flat_map(Planned::dials) {
+            let values = values.entry(path).or_default();
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        for values in values.values_mut() {
+            // Numbers by their size, names as they come.
+            values.sort_by(|a, b| {
+                let numbers = a.parse::<f64>().ok().zip(b.parse::<f64>().ok());
+                numbers.map_or(Ordering::Equal, |(a, b)| a.total_cmp(&b))
+            });
+        }
+        let level = |(path, value): (&str, &str)| {
+            let values = &values[path];
+            values.iter().position(|known| *known == value).map_or(0, |index| levels(values.len())[index])
+        };
+        self.trials.iter().map(|planned| planned.dials().map(level).max().unwrap_or_default()).collect()
     }
 
     /// The point that an earlier run measured for this trial. A baseline with as many samples as the reference is known only if

@@ -1,8 +1,8 @@
 //! One setting: preprocessed, stored, rendered, scored.
 
 mod baselines;
+mod budget;
 mod compare;
-mod eta;
 mod paired;
 mod rival_trial;
 mod shown_view;
@@ -11,8 +11,9 @@ mod trial_result;
 mod trial_setting;
 mod workbench;
 
+pub use budget::{Fineness, Measured, levels};
+pub(crate) use budget::{TimeLeft, coarse_to_fine};
 pub use compare::{MethodComparison, MethodScore, compare, compare_each};
-pub(crate) use eta::TimeLeft;
 pub use paired::{PairedDifference, ViewAccuracy};
 pub use shown_view::ShownView;
 pub use standard_error::MeanEstimate;

@@ -57,7 +57,7 @@ impl<'a> SettingSearch<'a> {
     ) -> Result<Self> {
         let workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.settings, job)?;
         let stores = WholeStores::of(plan.whole.as_ref().unwrap_or(capture));
-        let (points, time_left) = (Vec::new(), TimeLeft::start());
+        let (points, time_left) = (Vec::new(), TimeLeft::start(None));
         let (expected, starts_beyond) = (0, false);
         Ok(Self { plan, job, truth, workbench, stores, points, on_point, time_left, expected, starts_beyond })
     }

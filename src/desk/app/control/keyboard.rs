@@ -60,7 +60,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Click", "pin the pixel under the pointer"),
             ("P", "pin or unpin the pixel"),
             ("F", "center view on the selected pixel"),
-            ("Ctrl + Shift + C", "copy the explanation"),
+            ("Ctrl + Shift + C, F", "copy the explanation, or a figure of the view"),
         ],
     ),
     (
@@ -118,6 +118,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let inspector = &state.inspector;
     let typing = state.typed_path.is_some()
         || state.share.is_open
+        || state.doc.charts.question.is_some()
         || inspector.palette.is_some()
         || inspector.naming.is_some();
     let edits = edits_text(ctx);
@@ -213,6 +214,8 @@ fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
         (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
         (Modifiers::COMMAND, Key::P, Command::Window(WindowCommand::Palette(palette))),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::Pixel(PixelCommand::CopyExplanation)),
+        (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure)),
+        (Modifiers::NONE, Key::F11, Command::Window(WindowCommand::FullScreen)),
     ];
     let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));
     pressed.map(|(_, _, command)| command).collect()
@@ -229,8 +232,6 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 
 /// Keys that hide and show what surrounds the views.
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    let full_screen = Command::Window(WindowCommand::FullScreen);
-    commands.extend(pressed(ctx, Modifiers::NONE, Key::F11).then_some(full_screen));
     commands.extend(pressed(ctx, Modifiers::COMMAND, Key::D).then_some(Command::View(ViewCommand::Keep)));
     for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
         if pressed(ctx, Modifiers::ALT, key) {

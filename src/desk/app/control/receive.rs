@@ -51,10 +51,8 @@ impl OverlookApp {
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),
             Message::Swept { point, known, .. } => state.doc.charts.add(*point, known),
             Message::Stressed { point, known, .. } => state.doc.charts.add_stressed(*point, known),
-            Message::Studied => {
-                state.doc.charts.complete();
-                self.refresh_busy();
-            }
+            Message::Studied { left, .. } => self.studied(left),
+            Message::FigureDrawn { image, width_mm } => self.figure_drawn(image, width_mm),
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
             Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),
@@ -158,7 +156,7 @@ impl OverlookApp {
             _ => {}
         }
         if !self.failed_in_dialog(work, error) {
-            self.state.notify(NoticeKind::Error, work.failure(), error.to_string());
+            self.state.notify_of_failure(work.failure(), error);
         }
         self.type_again(work, error);
     }

@@ -91,6 +91,7 @@ impl OverlookApp {
             | inspector.help.take().is_some()
             | inspector.closing.asks
             | self.state.doc.readings.is_open
+            | self.state.doc.charts.question.take().is_some()
             | self.state.open_after_question.take().is_some();
         inspector.closing.asks = false;
         self.state.doc.readings.is_open = false;

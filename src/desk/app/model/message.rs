@@ -108,8 +108,16 @@ pub(crate) enum Message {
         point: Box<StressPoint>,
         known: (usize, usize),
     },
-    /// A sweep or a stress test is done.
-    Studied,
+    /// A sweep or a stress test is done, or its time is over with so many measurements left.
+    Studied {
+        scene: u64,
+        left: usize,
+    },
+    /// A figure for the clipboard, so many millimeters wide.
+    FigureDrawn {
+        image: egui::ColorImage,
+        width_mm: f64,
+    },
     /// What is shared is written.
     Exported {
         path: PathBuf,
@@ -209,6 +217,7 @@ impl Message {
             | Self::MemoryMapped { scene, .. }
             | Self::Swept { scene, .. }
             | Self::Stressed { scene, .. }
+            | Self::Studied { scene, .. }
             | Self::PicturesOpened { scene, .. }
             | Self::SizesMeasured { scene, .. }
             | Self::ReadingsChecked { scene, .. }

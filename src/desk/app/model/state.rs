@@ -275,6 +275,7 @@ impl State {
             || inspector.naming.is_some()
             || inspector.closing.asks
             || self.doc.readings.is_open
+            || self.doc.charts.question.is_some()
             || inspector.help.is_some_and(|page| page != HelpPage::Guide)
     }
 }

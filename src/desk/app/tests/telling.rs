@@ -10,7 +10,8 @@ use crate::app::control::overlook_app::secs_left;
 use crate::app::dock::Dock;
 use crate::app::model::{Busy, Command, State, StoppableWork};
 use crate::app::rooms::charts::model::Study;
-use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::files::model::{FileCommand, Opening};
+use crate::app::rooms::frame::model::{DockView, NoticeLink};
 use crate::app::rooms::pixel::model::verdict_text;
 use crate::app::rooms::settings::model::SettingsCommand;
 use crate::app::tests::{ready, start, wait};
@@ -130,4 +131,14 @@ fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
     let mut dock = Dock::new();
     assert!(says(&words, |ui| window::window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
     assert!(view_says(&app.state, DockView::Report, "Repeated over time"));
+}
+
+#[test]
+fn a_folder_without_a_capture_is_told_in_one_line_with_what_opens() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = ready(2, 1);
+    app.apply(Command::File(FileCommand::Open(Opening::Path(folder.path().to_path_buf()))));
+    wait(&mut app, "a word about it", |app| app.state.notices.iter().any(|of| of.link.is_some()));
+    let notice = app.state.notices.iter().find(|notice| notice.link == Some(NoticeLink::Sources)).unwrap();
+    assert!(notice.text.starts_with("No capture in ") && notice.text.lines().count() == 1, "{}", notice.text);
 }

@@ -6,19 +6,19 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::app::model::OpenScene;
-use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::charts::model::{Study, StudyChoice};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{CameraPath, ExportTarget};
-use crate::app::rooms::share::model::FigureOptions;
+use crate::app::rooms::share::model::{ComparedFilm, FigureOptions};
 use crate::app::rooms::source::model::SourceKey;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::edits::EditList;
 use overlook_engine::page::PageOptions;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::Report;
-use overlook_engine::render::Picture;
 use overlook_engine::render::film::FilmSource;
+use overlook_engine::render::{Picture, Vantage};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{CaptureSettings, RenderSettings, Settings};
 use overlook_engine::splats::SplatOptions;
@@ -155,6 +155,8 @@ pub(crate) struct StudyRequest {
     pub study: Study,
     /// The settings to start from.
     pub settings: Settings,
+    /// What is measured, and for how long.
+    pub choice: StudyChoice,
     /// What is known of the sweep already.
     pub known: Vec<Point>,
     /// What is known of the stress test already.
@@ -178,6 +180,8 @@ pub(crate) enum Export {
     Splats { options: SplatOptions, frame: usize },
     /// A figure of a view.
     Figure(Box<FigureExport>),
+    /// The same, for the clipboard; its path counts for nothing.
+    CopyFigure(Box<FigureExport>),
     /// Points of a frame, or a folder with those of each.
     Points { frame: Option<usize> },
 }
@@ -198,7 +202,10 @@ pub(crate) enum FigureExport {
 
 /// The pictures of a camera path.
 pub(crate) struct PathExport {
-    pub camera_path: CameraPath,
+    /// The place of each.
+    pub vantages: Vec<Vantage>,
+    /// The comparison that they show; `None` where they show the samples.
+    pub compared: Option<ComparedFilm>,
     pub settings: RenderSettings,
     pub display: Display,
     /// Columns and rows of the pictures.
@@ -210,6 +217,7 @@ impl ExportRequest {
     /// What is left of it once it was stopped, in words.
     pub(crate) fn stopped(&self) -> String {
         let written = match &self.what {
+            Export::CopyFigure(_) => return "Nothing was copied.".to_owned(),
             Export::Path(path) if path.target.film_rate.is_none() => {
                 "Only the pictures rendered until then were"
             }

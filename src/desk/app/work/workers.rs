@@ -113,7 +113,7 @@ impl Workers {
         let Pools { background, decoder, studying, rendering, carrying } = Pools::start()?;
         let mut carrier = PictureCarrier::default();
         let (measuring, preparing) = (background.clone(), background.clone());
-        let (comparing, previewing) = (studying.clone(), studying.clone());
+        let (comparing, previewing, filming) = (studying.clone(), studying.clone(), studying.clone());
         let (progress, points) = (outbox.clone(), outbox.clone());
         let mut renderer = Renderer::sharing(shared);
         let mut filter = CameraFilter::default();
@@ -170,8 +170,9 @@ impl Workers {
             compare: Slot::start(Kind::Compare, Alternate, outbox, move |key, job| {
                 comparer.answer(key, job)
             })?,
-            export: Worker::start(Kind::Export, Queue, outbox, |request: ExportRequest, job| {
-                or_stopped(job, "Export stopped", request.stopped(), || sharing::export(&request, job))
+            export: Worker::start(Kind::Export, Queue, outbox, move |request: ExportRequest, job| {
+                let export = || sharing::export(&request, &filming, job);
+                or_stopped(job, "Export stopped", request.stopped(), export)
             })?,
             sizes: Slot::start(Kind::MeasureSizes, Never, outbox, move |key, job| meter.facts(&key, job))?,
             preview: Slot::start(Kind::PreviewShare, Never, outbox, preview)?,

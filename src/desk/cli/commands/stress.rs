@@ -6,12 +6,13 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use crate::cli::input::{self, SettingsArgs, TruthArgs};
+use crate::cli::input::{self, BudgetArgs, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError, SavedPicture, StressDocument};
 use overlook_engine::capture::Capture;
 use overlook_engine::settings::Settings;
 use overlook_lab::chart;
 use overlook_lab::stress::{self, BreakingPoint, Disturbance, StressPlan, StressPoint};
+use overlook_lab::trial::Measured;
 use overlook_lab::truth::Truth;
 
 #[derive(Debug, Args)]
@@ -28,6 +29,8 @@ pub(crate) struct StressArgs {
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Disturbance::ALL.map(Disturbance::name)))]
     only: Vec<String>,
     #[command(flatten)]
+    budget: BudgetArgs,
+    #[command(flatten)]
     settings: SettingsArgs,
     /// Print one JSON document.
     #[arg(long)]
@@ -42,6 +45,7 @@ impl StressArgs {
         let truth: Truth = self.truth.truth(&self.capture, &capture)?;
         let mut plan = StressPlan {
             frames: self.truth.frames,
+            budget: self.budget.budget,
             ..StressPlan::standard(&settings).with_rivals(&settings)
         };
         if !self.only.is_empty() {
@@ -50,7 +54,7 @@ impl StressArgs {
         let fingerprint = self.truth.fingerprint(&self.capture, &capture, &truth)?;
         let journal = output::Journal::open(&self.out, "stress", &fingerprint)?;
         plan.done = journal.points();
-        let points = output::recorded(Some(&journal), |job, keep| {
+        let Measured { points, left } = output::recorded(Some(&journal), |job, keep| {
             stress::run(&capture, &plan, &truth, job, |point, _| keep(point))
         })?;
         let failures = stress::failures(&points);
@@ -67,6 +71,7 @@ impl StressArgs {
         };
         output::write_results(&self.out, "stress", &document, &document.points, "stress.png", &chart)?;
         output::write_page(std::slice::from_ref(&self.out), &self.out.join(output::PAGE))?;
+        BudgetArgs::warn_of(left);
         if self.json {
             output::print_json(&document)
         } else {

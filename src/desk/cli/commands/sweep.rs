@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::input::{self, PaintingArgs, SettingsArgs, TruthArgs};
+use crate::cli::input::{self, BudgetArgs, PaintingArgs, SettingsArgs, TruthArgs};
 use crate::cli::output::{self, CommandError, SweepDocument};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::Error;
 use overlook_engine::settings::Settings;
 use overlook_lab::chart;
 use overlook_lab::sweep::{self, ExternalPoint, SweepPlan};
+use overlook_lab::trial::Measured;
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
@@ -34,6 +35,8 @@ pub(crate) struct SweepArgs {
     /// Show the figures of another program on the same capture beside ours; may be given several times.
     #[arg(long, value_name = "NAME=DB,MS,BYTES")]
     rival: Vec<String>,
+    #[command(flatten)]
+    budget: BudgetArgs,
     #[command(flatten)]
     painting: PaintingArgs,
     #[command(flatten)]
@@ -111,9 +114,9 @@ impl SweepArgs {
         let mut plan = self.plan(settings, &capture)?;
         let fingerprint = self.truth.fingerprint(path, opened, &truth)?;
         let journal = output::Journal::open(folder, "sweep", &fingerprint)?;
-        plan.external = external.to_vec();
+        (plan.external, plan.budget) = (external.to_vec(), self.budget.budget);
         plan.done = journal.points();
-        let points = output::recorded(Some(&journal), |job, keep| {
+        let Measured { points, left } = output::recorded(Some(&journal), |job, keep| {
             sweep::run(&capture, &plan, &truth, job, |point, _| keep(point))
         })?;
         let shown =
@@ -133,6 +136,7 @@ impl SweepArgs {
             worst,
         };
         output::write_results(folder, "sweep", &document, &document.points, "pareto.png", &chart)?;
+        BudgetArgs::warn_of(left);
         Ok(document)
     }
 

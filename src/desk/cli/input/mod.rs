@@ -1,5 +1,6 @@
 //! What commands read, and the options that several of them share.
 
+mod budget_args;
 mod fingerprint;
 mod open;
 mod options;
@@ -8,6 +9,7 @@ mod truth;
 mod value_args;
 
 pub(crate) use crate::pruned_store::{summed_up, sums_of};
+pub(crate) use budget_args::BudgetArgs;
 pub(crate) use fingerprint::{capture_state, pictures_state};
 pub(crate) use open::{EditsArgs, open_capture};
 pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, amount, choice, length, only_cameras};

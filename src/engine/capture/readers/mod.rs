@@ -64,6 +64,14 @@ const READERS: &[&dyn Reader] = &[
     &exr_header::ExrHeader,
 ];
 
+/// How the error of a folder that holds no capture begins.
+pub const NO_CAPTURE: &str = "there is no capture that is known";
+
+/// What a folder or file of each source is known by, in the order in which it is looked for.
+pub fn known_sources() -> impl Iterator<Item = &'static str> {
+    READERS.iter().map(|reader| reader.marks())
+}
+
 /// Finds out what `path` is, and reads it.
 ///
 /// # Errors
@@ -87,10 +95,9 @@ fn unknown(place: &SourceFolder) -> Error {
     {
         return Error::invalid(place.path.display(), what);
     }
-    let marks: Vec<&str> = READERS.iter().map(|reader| reader.marks()).collect();
     let what = format!(
-        "there is no capture that is known; a capture is a folder that holds a transforms.json, or one of another source (looked for: {})",
-        marks.join("; ")
+        "{NO_CAPTURE}; a capture is a folder that holds a transforms.json, or one of another source (looked for: {})",
+        known_sources().collect::<Vec<_>>().join("; ")
     );
     if place.file.is_some() {
         let what = "is neither a store nor a file that a capture is known by; open one of those, or the folder of a capture";

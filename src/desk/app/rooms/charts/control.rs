@@ -1,11 +1,13 @@
-//! Carries out what concerns sweeps and stress tests.
+//! Carries out what concerns charts, and what is measured for them.
 
-use super::model::{ChartCommand, Study};
+use super::model::{ChartCommand, Study, StudyQuestion, to_measure};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::settings::model::setting_names;
 use crate::app::work::StudyRequest;
 use overlook_engine::settings::Settings;
+use overlook_lab::stress::StressPlan;
+use overlook_lab::sweep::SweepPlan;
 
 /// Changes of settings that a message lists one by one.
 const CHANGES: usize = 5;
@@ -15,13 +17,47 @@ impl OverlookApp {
     pub(crate) fn apply_to_charts(&mut self, command: ChartCommand) {
         let charts = &mut self.state.doc.charts;
         match command {
+            ChartCommand::Ask(study) => {
+                charts.question = None;
+                if let Some(study) = study {
+                    self.ask_what_to_measure(study);
+                }
+            }
+            ChartCommand::Choose(study, choice) => {
+                charts.choose(study, *choice);
+                self.ask_what_to_measure(study);
+            }
             ChartCommand::Study(study) => self.study(study),
             ChartCommand::Axes(axes) => charts.set_axes(axes),
             ChartCommand::Disturbance(name) => charts.disturbance = name,
+            ChartCommand::Toggle(study, series) => charts.toggle(study, series),
+            ChartCommand::DialScale(scale) => charts.dial_scale = scale,
         }
     }
 
-    /// Measures with the settings on the sliders; goes on from what is known.
+    /// Asks what to measure, and says how much that is.
+    fn ask_what_to_measure(&mut self, study: Study) {
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        let (charts, settings) = (&self.state.doc.charts, &self.state.settings);
+        let choice = charts.choice(study);
+        let (capture, truth) = match to_measure(&scene) {
+            Ok(measured) => measured,
+            Err(error) => return self.state.warn_of_scene("Nothing to measure", error.to_string()),
+        };
+        let measurements = match study {
+            Study::Sweep => {
+                SweepPlan { done: charts.sweep.clone(), ..choice.sweep_plan(settings, capture) }.open()
+            }
+            Study::Stress => {
+                let plan = StressPlan { done: charts.known_stress(), ..choice.stress_plan(settings) };
+                plan.open(capture, &truth)
+            }
+        };
+        let groups = study.groups(settings, capture);
+        self.state.doc.charts.question = Some(StudyQuestion { study, groups, measurements });
+    }
+
+    /// Measures what is chosen with the settings on the sliders; goes on from what is known.
     fn study(&mut self, study: Study) {
         let Some(scene) = self.state.doc.scene.clone() else { return };
         if self.state.doc.charts.studying {
@@ -32,13 +68,14 @@ impl OverlookApp {
         let settings = self.state.settings.clone();
         let charts = &mut self.state.doc.charts;
         if !charts.begin(study, &settings) {
-            let text = "Everything around these settings is measured; change one to measure around others.";
+            let text =
+                "Everything that is chosen is measured around these settings; choose more, or change one.";
             self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
             return;
         }
         let (known, known_stress) = (charts.sweep.clone(), charts.known_stress());
-        let request = StudyRequest { scene, study, settings, known, known_stress };
-        self.workers.study.submit(request);
+        let choice = charts.choice(study).clone();
+        self.workers.study.submit(StudyRequest { scene, study, settings, choice, known, known_stress });
     }
 
     /// Applies the settings of a chart's point, and lists what changes.
@@ -53,6 +90,17 @@ impl OverlookApp {
         let text = format!("{}{more} (Ctrl+Z undoes)", told.join("; "));
         self.change_settings(settings);
         self.state.notify(NoticeKind::Done, "Settings applied", text);
+    }
+
+    /// Takes in that a sweep or a stress test is done, or that its time is over with so many measurements left.
+    pub(crate) fn studied(&mut self, left: usize) {
+        if left == 0 {
+            self.state.doc.charts.complete();
+        }
+        self.refresh_busy();
+        if left > 0 {
+            self.notify_stopped_study();
+        }
     }
 
     /// Reports how far a stopped sweep or stress test came.

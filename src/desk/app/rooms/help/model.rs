@@ -4,6 +4,8 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HelpPage {
     Guide,
+    /// What a capture is known by.
+    Sources,
     Shortcuts,
     About,
 }

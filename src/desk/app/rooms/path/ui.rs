@@ -3,7 +3,7 @@
 use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
-use crate::app::model::{Command, Commands, SIDES, State};
+use crate::app::model::{Command, Commands, SIDES, State, significant};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
@@ -85,7 +85,9 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
                 commands.push(Command::Path(PathCommand::Play(!is_playing)));
             }
-            weak(ui, counted(path.pictures(), "picture"));
+            let seconds = path.pictures() as f64 / f64::from(state.timeline.frames_per_second);
+            let length = if ready { format!(", {} s", significant(seconds)) } else { String::new() };
+            weak(ui, counted(path.pictures(), "picture") + &length);
         }
         PathControls::Pace => {
             ui.label("Frames per segment");

@@ -6,8 +6,9 @@ use super::model::{FigureOf, FigureOptions, ShareCommand, ShareOutcome};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model;
 use crate::app::model::{StoppableWork, WorkKind};
+use crate::app::rooms::files::control::{no_figure, no_scene};
 use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::frame::model::{NoticeKind, and_others};
+use crate::app::rooms::frame::model::{DockView, NoticeKind, and_others};
 use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{ExportTarget, Exported};
 use crate::app::work::{Export, ExportRequest, FigureExport, PathExport};
@@ -43,6 +44,7 @@ impl OverlookApp {
                 }
                 share.options = *options;
             }
+            ShareCommand::CopyFigure => self.copy_figure(),
             ShareCommand::Stop => {
                 let is_export = |busy: &model::Busy| busy.work == StoppableWork::Export;
                 if self.state.busy.iter().any(is_export) {
@@ -85,16 +87,46 @@ impl OverlookApp {
 
     /// Writes a figure of the view that is chosen in the dialog, as it is shown.
     pub(crate) fn export_figure(&mut self, path: PathBuf) {
+        let Some((figure, source)) = self.figure(self.state.share.options.figure_of) else { return };
+        self.workers.export.submit(ExportRequest { path, source, what: Export::Figure(Box::new(figure)) });
+    }
+
+    /// Copies the figure that the dialog would write of a view, with the options that were chosen last.
+    fn copy_figure(&mut self) {
+        let pointed = self.state.look.maximized.or_else(|| self.dock.pointed_at());
+        let of = if pointed == Some(DockView::Source) { FigureOf::Source } else { FigureOf::Live };
+        let missing = no_scene(&self.state).or_else(|| no_figure(&self.state, of));
+        match self.figure(of) {
+            Some((figure, source)) if missing.is_none() => {
+                let what = Export::CopyFigure(Box::new(figure));
+                self.workers.export.submit(ExportRequest { path: PathBuf::new(), source, what });
+            }
+            _ => {
+                let why = missing.unwrap_or("There is no picture yet; try again once the view rests.");
+                self.state.warn_of_scene("Nothing to copy", why);
+            }
+        }
+    }
+
+    /// Takes in a figure that was drawn to be copied.
+    pub(crate) fn figure_drawn(&mut self, image: egui::ColorImage, width_mm: f64) {
+        let ([columns, rows], width) = (image.size, model::significant(width_mm));
+        self.ctx.copy_image(image);
+        let text = format!("The figure is on the clipboard: {columns}×{rows} pixels, {width} mm wide.");
+        self.state.notify(NoticeKind::Done, "Copied", text);
+    }
+
+    /// A figure of a view as it is shown, and what the view shows; `None` while there is no picture.
+    fn figure(&self, of: FigureOf) -> Option<(FigureExport, FilmSource)> {
         let state = &self.state;
         let options = FigureOptions { unit: state.live.unit, ..state.share.options.figure.clone() };
-        let Some(scene) = &state.doc.scene else { return };
-        let what = match state.share.options.figure_of {
+        let scene = state.doc.scene.as_ref()?;
+        let figure = match of {
             FigureOf::Live => {
                 let [shown, size] = [state.live.size, state.figure_size()];
-                let key = state.doc.live_shown.as_ref().map(|shown| &shown.key);
-                let Some((key, camera)) = key.zip(state.live_camera(size)) else { return };
+                let key = &state.doc.live_shown.as_ref()?.key;
                 let key = LiveKey {
-                    vantage: Vantage { camera, frame: state.timeline.frame },
+                    vantage: Vantage { camera: state.live_camera(size)?, frame: state.timeline.frame },
                     settings: state.settings.render.clone(),
                     dark: options.is_dark,
                     in_motion: false,
@@ -105,14 +137,14 @@ impl OverlookApp {
                 FigureExport::Live { key: Box::new(key), options }
             }
             FigureOf::Source => {
-                let Some(shown) = &state.doc.source_shown else { return };
-                FigureExport::Source { scene: scene.clone(), key: shown.key.clone(), options }
+                let key = state.doc.source_shown.as_ref()?.key.clone();
+                FigureExport::Source { scene: scene.clone(), key, options }
             }
         };
-        let Some(samples) = state.samples_here().cloned() else { return };
+        let samples = state.samples_here()?.clone();
         let source =
             scene.playback().map_or(FilmSource::Memory(samples), |store| FilmSource::Disk(store.clone()));
-        self.workers.export.submit(ExportRequest { path, source, what: Export::Figure(Box::new(what)) });
+        Some((figure, source))
     }
 
     fn exported_as(&self, purpose: Purpose) -> Option<Export> {
@@ -120,7 +152,8 @@ impl OverlookApp {
         let frames_per_second = f64::from(state.timeline.frames_per_second);
         let along_path = |film_rate, linear| {
             Export::Path(Box::new(PathExport {
-                camera_path: state.doc.path.clone(),
+                vantages: state.film_vantages(),
+                compared: state.compared_film(),
                 settings: state.settings.render.clone(),
                 display: state.display,
                 size: state.export_size(),

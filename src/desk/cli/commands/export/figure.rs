@@ -197,8 +197,8 @@ impl FigureArgs {
         let colored = self.values.channel(&playback.outline().values, &name)?;
         let (picture, bar) = output::watched(|job| {
             let mut painted: Option<(Picture, Option<ColorBar>)> = None;
-            let take = |_: usize, shown: &FilmPicture<'_>| {
-                let picture = shown.picture;
+            let take = |_: usize, shown: &FilmPicture| {
+                let picture: &Picture = &shown.picture;
                 painted = Some(match colored {
                     None => (picture.clone(), None),
                     Some(channel) => {

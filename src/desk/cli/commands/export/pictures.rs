@@ -14,11 +14,14 @@ use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
-use overlook_engine::render::film::{self, FilmPicture, FilmSource};
+use overlook_engine::render::film::{self, FilmComparison, FilmPainter, FilmPicture, FilmSource};
 use overlook_engine::render::output::{PictureValues, shown_values, with_below};
-use overlook_engine::render::{FACE_COUNT, Picture, Projection, Renderer, equirectangular, faces_around};
+use overlook_engine::render::{
+    FACE_COUNT, Picture, Projection, Renderer, Vantage, equirectangular, faces_around,
+};
 use overlook_engine::settings::{RenderSettings, Settings};
-use overlook_engine::store::playback::Playback;
+use overlook_engine::store::file::{Store, StoreInfo};
+use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::whole_file;
 use overlook_lab::chart::ColorBar;
 
@@ -53,6 +56,12 @@ pub(crate) struct FilmArgs {
     /// lies behind the camera is not shown.
     #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with = "projection")]
     orthographic: Option<f64>,
+    /// Show this store beside the first from the same places: one of the same frames, as of the same scene with other settings.
+    #[arg(long, value_name = "STORE", conflicts_with = "projection")]
+    compare: Option<PathBuf>,
+    /// How two stores are compared.
+    #[arg(long, requires = "compare", default_value = "wipe", value_parser = choice::<FilmComparison>(FilmComparison::NAMES))]
+    mode: FilmComparison,
     #[command(flatten)]
     values: BarredValueArgs,
     #[command(flatten)]
@@ -66,6 +75,7 @@ impl FilmArgs {
     pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<()> {
         output::refuse_input(&self.store, out)?;
         self.edits.refuse_inputs(out)?;
+        self.compare.iter().try_for_each(|store| output::refuse_input(store, out))?;
         output::refuse_store(out)?;
         self.settings.refuse_inputs(out)?;
         output::refuse_view_files(&self.path, out)
@@ -82,8 +92,7 @@ impl FilmArgs {
         whole_file::refuse_pipe(&self.path)?;
         let playback = self.edits.open_store(&self.store)?;
         let info = playback.store().info();
-        let mut settings: Settings = self.settings.over(info.settings.clone())?;
-        self.painting.apply(&mut settings.render);
+        let settings = self.render_settings(info)?;
         let pace = Pace { frame: self.frame, pictures: self.pictures, easing: self.easing, rate };
         let stops = path::along(&self.path, info, pace)?;
         let up = info.up_in_world;
@@ -96,16 +105,71 @@ impl FilmArgs {
             let what = "equirectangular pictures blend colors, which values do not bear; use --projection perspective";
             return Err(Error::invalid("--color-by", what).into());
         }
+        if colored.is_some() && self.compare.is_some() {
+            let what =
+                "a comparison shows recorded colors; leave out --compare, or make one film of each store";
+            return Err(Error::invalid("--color-by", what).into());
+        }
+        let compared =
+            self.compare.as_ref().map(|store| self.compared(store, info, &stops, rate)).transpose()?;
         Ok(Film {
             playback: Arc::new(playback),
             stops,
-            settings: settings.render,
+            settings,
             panorama,
             orthographic: self.orthographic,
             values: colored.map(|channel| (self.values.clone(), channel)),
             place,
+            compared,
         })
     }
+
+    /// How pictures of a store are rendered.
+    fn render_settings(&self, info: &StoreInfo) -> Result<RenderSettings, CommandError> {
+        let mut settings: Settings = self.settings.over(info.settings.clone())?;
+        self.painting.apply(&mut settings.render);
+        Ok(settings.render)
+    }
+
+    /// The other side of a comparison: a store at the places of a film of the store with `info`.
+    fn compared(
+        &self,
+        store: &Path,
+        info: &StoreInfo,
+        stops: &Stops,
+        rate: f64,
+    ) -> Result<ComparedSide, CommandError> {
+        let opened = Store::open(store)?;
+        output::warn(&opened.info().warnings);
+        let playback = Playback::new(opened, DEFAULT_CACHE_BYTES);
+        let other = playback.store().info();
+        let settings = self.render_settings(other)?;
+        let there = |vantage: &Vantage| {
+            let number = info.frame_numbers[vantage.frame];
+            let frame = other.frame_numbers.binary_search(&number).map_err(|_| {
+                let what = format!(
+                    "has no frame {number}, which {} shows in the film; compare stores of the same frames, or hold one that both \
+                     have with --frame NUMBER",
+                    self.store.display()
+                );
+                Error::invalid(store.display(), what)
+            })?;
+            Ok(Vantage { frame, ..vantage.clone() })
+        };
+        let vantages = stops.vantages.iter().map(there).collect::<Result<Vec<_>>>()?;
+        Ok(ComparedSide { playback: Arc::new(playback), vantages, settings, mode: self.mode, rate })
+    }
+}
+
+/// What a film is compared with.
+struct ComparedSide {
+    playback: Arc<Playback>,
+    /// The places of the film at its own frames.
+    vantages: Vec<Vantage>,
+    settings: RenderSettings,
+    mode: FilmComparison,
+    /// Pictures a second.
+    rate: f64,
 }
 
 /// A film that is planned.
@@ -121,6 +185,7 @@ pub(crate) struct Film {
     values: Option<(BarredValueArgs, usize)>,
     /// The store, for errors.
     place: String,
+    compared: Option<ComparedSide>,
 }
 
 /// A picture of a film.
@@ -173,9 +238,12 @@ impl Film {
         let mut renderer = Renderer::strict(self.settings.backend)?;
         let source = FilmSource::Disk(self.playback.clone());
         let vantages = &self.stops.vantages;
+        if let Some(other) = &self.compared {
+            return self.paint_beside(other, &mut renderer, job, take);
+        }
         let Some(Panorama { width, up }) = self.panorama else {
             let mut look = None;
-            let take = |nth: usize, shown: &FilmPicture<'_>| take(nth, &self.frame(shown, &mut look)?);
+            let take = |nth: usize, shown: &FilmPicture| take(nth, &self.frame(shown, &mut look)?);
             let (width, settings) = (self.orthographic, &self.settings);
             film::paint_with_values(&source, vantages, width, &mut renderer, settings, job, take)?;
             return Ok(renderer.notice().map(str::to_owned));
@@ -201,10 +269,10 @@ impl Film {
     /// the same in all of them.
     fn frame<'a>(
         &self,
-        shown: &FilmPicture<'a>,
+        shown: &'a FilmPicture,
         look: &mut Option<(ShownValue, Option<RgbaImage>)>,
     ) -> Result<FilmFrame<'a>> {
-        let rendered = shown.picture;
+        let rendered: &Picture = &shown.picture;
         let Some((args, channel)) = &self.values else { return Ok(FilmFrame { rendered, colored: None }) };
         let values = shown.values();
         if look.is_none() {
@@ -221,6 +289,55 @@ impl Film {
             }
         });
         Ok(FilmFrame { rendered, colored: colored.map(|colored| (colored, values)) })
+    }
+}
+
+impl Film {
+    /// What could not be read of its stores.
+    pub(crate) fn damage(&self) -> Vec<String> {
+        let other = self.compared.as_ref().map(|other| &other.playback);
+        [Some(&self.playback), other]
+            .into_iter()
+            .flatten()
+            .flat_map(|playback| playback.store().damage())
+            .collect()
+    }
+
+    /// As [`Self::paint`], with another store beside this one.
+    fn paint_beside(
+        &self,
+        other: &ComparedSide,
+        renderer: &mut Renderer,
+        job: &Job,
+        mut take: impl FnMut(usize, &FilmFrame<'_>) -> Result<()>,
+    ) -> Result<Option<String>> {
+        let sources = [&self.playback, &other.playback].map(|playback| FilmSource::Disk(playback.clone()));
+        // Each has its own renderer, which keeps what it painted last.
+        let mut other_renderer = Renderer::strict(other.settings.backend)?;
+        let [source, other_source] = &sources;
+        let orthographic = self.orthographic;
+        let mut sides = [
+            FilmPainter {
+                source,
+                vantages: &self.stops.vantages,
+                orthographic,
+                renderer,
+                settings: &self.settings,
+            },
+            FilmPainter {
+                source: other_source,
+                vantages: &other.vantages,
+                orthographic,
+                renderer: &mut other_renderer,
+                settings: &other.settings,
+            },
+        ];
+        let side = |side: usize, nth| Ok(sides[side].picture(nth, job)?.picture);
+        let take = |nth: usize, rendered: &Picture| take(nth, &FilmFrame { rendered, colored: None });
+        let (pictures, [width, _]) = (self.stops.vantages.len(), self.size());
+        film::paint_compared(other.mode, pictures, other.rate, width, job, side, take)?;
+        let notice = sides.iter().find_map(|side| side.renderer.notice());
+        Ok(notice.map(str::to_owned))
     }
 }
 
@@ -245,7 +362,7 @@ impl PicturesArgs {
         output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
         let notice = output::watched(|job| film.paint(job, |nth, frame| frame.write(&paths[nth])))?;
         output::warn(notice.as_slice());
-        output::warn(&film.playback.store().damage());
+        output::warn(&film.damage());
         let (pictures, out) = (counted(paths.len(), "picture"), self.out.display());
         output::print(&format!("Wrote {pictures} (EXR and PNG) to {out}"))
     }

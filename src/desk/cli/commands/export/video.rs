@@ -41,7 +41,7 @@ impl VideoArgs {
             painted.and_then(|notice| encoder.finish(job).map(|()| notice))
         })?;
         output::warn(notice.as_slice());
-        output::warn(&film.playback.store().damage());
+        output::warn(&film.damage());
         output::print(&format!(
             "Wrote {} to {}",
             counted(film.stops.numbers.len(), "frame"),

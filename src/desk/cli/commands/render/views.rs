@@ -113,8 +113,7 @@ pub(super) fn paint_orthographic(
     let vantages = views.iter().map(vantage).collect::<Result<Vec<_>>>()?;
     let mut renderer = Renderer::strict(settings.backend)?;
     let source = FilmSource::Disk(playback.clone());
-    let write =
-        |nth: usize, shown: &FilmPicture<'_>| values.write(&paths[nth], shown.picture, &shown.values());
+    let write = |nth: usize, shown: &FilmPicture| values.write(&paths[nth], &shown.picture, &shown.values());
     film::paint_with_values(&source, &vantages, Some(width), &mut renderer, settings, job, write)?;
     Ok(renderer.notice().map(str::to_owned))
 }

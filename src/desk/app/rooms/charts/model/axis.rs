@@ -66,12 +66,6 @@ impl Quantity {
         }
     }
 
-    /// Its value, as its axis shows it: of logarithmic axes the decimal logarithm.
-    pub(crate) fn of(self, point: &Point) -> f64 {
-        let value = self.value(point);
-        if self.scale() == Scale::Log { value.max(1e-3).log10() } else { value }
-    }
-
     fn value(self, point: &Point) -> f64 {
         match self {
             Self::Psnr => point.psnr_filled_db,
@@ -85,8 +79,79 @@ impl Quantity {
         }
     }
 
-    /// The scale of its axis.
-    pub(crate) fn scale(self) -> Scale {
-        Self::ALL.iter().find(|(of, ..)| *of == self).map_or(Scale::Linear, |(.., scale)| *scale)
+    /// Whether its axis can be logarithmic: it is a size or a time. Decibels are logarithms already.
+    pub(crate) fn has_decades(self) -> bool {
+        Self::ALL.iter().any(|(of, _, scale)| *of == self && *scale == Scale::Log)
+    }
+
+    /// The number at a tick of an axis from `low` to `high`, with its unit; none below zero, where there is nothing to count.
+    pub(crate) fn tick_words(self, tick: f64, [low, high]: [f64; 2], scale: Scale) -> String {
+        let units: &[&str] = match self {
+            _ if tick < 0.0 && !matches!(self, Self::Psnr | Self::Ssim) => return String::new(),
+            Self::Bytes => &[" B", " kB", " MB", " GB", " TB"],
+            Self::Samples => &["", " k", " M", " G", " T"],
+            _ => &[""],
+        };
+        // Ticks at equal steps share the unit of the largest; those of decades have their own.
+        let largest = if scale.is_even(low, high) { high } else { tick };
+        let power = (0..units.len()).rfind(|power| largest >= 1000_f64.powi(*power as i32)).unwrap_or(0);
+        let [tick, low, high] = [tick, low, high].map(|value| value / 1000_f64.powi(power as i32));
+        scale.label(tick, low, high, TICKS) + units[power]
+    }
+}
+
+/// Ticks that are aimed at.
+pub(crate) const TICKS: usize = 6;
+
+/// The coordinate of a value in a plot: of a logarithmic axis the decimal logarithm. `None` where the axis cannot show it: zero and
+/// what is negative have no logarithm.
+pub(crate) fn coordinate(value: f64, scale: Scale) -> Option<f64> {
+    let coordinate = if scale == Scale::Log { value.log10() } else { value };
+    coordinate.is_finite().then_some(coordinate)
+}
+
+/// An axis that is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ShownAxis {
+    pub quantity: Quantity,
+    pub scale: Scale,
+}
+
+impl ShownAxis {
+    /// The axis of a quantity with the scale that suits it.
+    pub(crate) fn of(quantity: Quantity) -> Self {
+        Self { quantity, scale: if quantity.has_decades() { Scale::Log } else { Scale::Linear } }
+    }
+
+    /// Where a point lies along it; `None` where the axis cannot show it.
+    pub(crate) fn at(self, point: &Point) -> Option<f64> {
+        coordinate(self.quantity.value(point), self.scale)
+    }
+}
+
+/// Where a point lies in a chart; `None` where an axis cannot show it.
+pub(crate) fn place(axes: [ShownAxis; 2], point: &Point) -> Option<[f64; 2]> {
+    Some([axes[0].at(point)?, axes[1].at(point)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_named_in_one_unit_where_their_steps_are_equal_and_never_wrongly() {
+        let words = |quantity: Quantity, low: f64, high: f64, scale: Scale| -> Vec<String> {
+            let ticks = scale.ticks(low, high, TICKS).into_iter();
+            ticks.map(|tick| quantity.tick_words(tick, [low, high], scale)).collect()
+        };
+        let bytes = |low, high, scale| words(Quantity::Bytes, low, high, scale);
+        assert_eq!(bytes(-6e5, 1.1e6, Scale::Linear), ["", "0.0 MB", "0.5 MB", "1.0 MB"]);
+        assert_eq!(bytes(900.0, 1.2e6, Scale::Log), ["1 kB", "10 kB", "100 kB", "1 MB"]);
+        assert_eq!(bytes(1.234e6, 1.2386e6, Scale::Log)[..2], ["1.234 MB", "1.235 MB"]);
+        assert_eq!(words(Quantity::Samples, 0.0, 900.0, Scale::Linear)[..2], ["0", "200"]);
+        assert_eq!(words(Quantity::Psnr, -1.0, 1.0, Scale::Linear)[0], "-1.0");
+        assert_eq!(coordinate(1000.0, Scale::Log), Some(3.0));
+        assert!([0.0, -1.0, f64::NAN, f64::INFINITY].iter().all(|of| coordinate(*of, Scale::Log).is_none()));
+        assert_eq!(coordinate(-1.0, Scale::Linear), Some(-1.0));
     }
 }

@@ -1,38 +1,43 @@
 //! What sweeps and stress tests have measured so far, how far they came, and how it is shown.
 
-use super::axis::Quantity;
+use std::collections::HashSet;
+use std::time::Instant;
+
+use super::axis::{Quantity, ShownAxis, place};
+use super::names::settings_alone;
+use super::study::{Study, StudyChoice};
 use crate::app::model::results::method_of;
 use overlook_engine::plural::counted;
 use overlook_engine::settings::Settings;
-use overlook_lab::stress::StressPoint;
-use overlook_lab::sweep::{self, Point, Series};
+use overlook_lab::chart::Scale;
+use overlook_lab::stress::{Disturbance, StressPoint};
+use overlook_lab::sweep::{self, Point};
 
-/// What is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Study {
-    /// Accuracy against cost, over many settings.
-    Sweep,
-    /// Accuracy against the size of a disturbance.
-    Stress,
-}
-
-impl Study {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Sweep => "Sweep",
-            Self::Stress => "Stress test",
-        }
-    }
+/// The question what to measure.
+pub(crate) struct StudyQuestion {
+    pub study: Study,
+    /// What there is to choose: the title of each group, and the names in it.
+    pub groups: Vec<(&'static str, Vec<String>)>,
+    /// Measurements that the choice takes and that are not known yet.
+    pub measurements: usize,
 }
 
 /// A sweep or a stress test that was begun.
 struct StudyRun {
     /// The settings it starts from.
     settings: Settings,
+    /// What is measured of it.
+    choice: StudyChoice,
     /// Points that are known, of how many.
     known: (usize, usize),
     /// Whether there is nothing left to measure.
     is_complete: bool,
+}
+
+impl StudyRun {
+    fn is_of(&self, settings: &Settings, choice: &StudyChoice) -> bool {
+        self.settings == *settings && self.choice.measures_as(choice)
+    }
 }
 
 /// What was measured, and how it is shown.
@@ -43,7 +48,19 @@ pub(crate) struct Charts {
     pub stress: Vec<StressPoint>,
     pub disturbance: String,
     /// Along and up.
-    axes: [Quantity; 2],
+    axes: [ShownAxis; 2],
+    /// Along which scale the sizes of disturbances lie.
+    pub dial_scale: Scale,
+    /// Series that are left out of the charts, by their names.
+    hidden: HashSet<(Study, String)>,
+    /// The question what to measure, while it is open.
+    pub question: Option<StudyQuestion>,
+    /// What is chosen to be measured of a sweep and of a stress test.
+    choices: [StudyChoice; 2],
+    /// When the point before came, or measuring began.
+    last_point: Option<Instant>,
+    /// What the last point of a sweep and of a stress test took, seconds.
+    seconds_each: [Option<f64>; 2],
     pub studying: bool,
     /// What is being measured, or was last.
     study: Option<Study>,
@@ -59,7 +76,13 @@ impl Default for Charts {
             sweep: Vec::new(),
             stress: Vec::new(),
             disturbance: String::new(),
-            axes: [Quantity::Bytes, Quantity::Psnr],
+            axes: [Quantity::Bytes, Quantity::Psnr].map(ShownAxis::of),
+            dial_scale: Scale::Linear,
+            hidden: HashSet::new(),
+            question: None,
+            choices: [StudyChoice::default(), StudyChoice::default()],
+            last_point: None,
+            seconds_each: [None; 2],
             studying: false,
             study: None,
             runs: [None, None],
@@ -69,6 +92,12 @@ impl Default for Charts {
 }
 
 impl Charts {
+    /// Those of another scene: how they look and what is chosen to be measured stays.
+    pub(crate) fn at_scene(self) -> Self {
+        let Self { axes, dial_scale, hidden, choices, .. } = self;
+        Self { axes, dial_scale, hidden, choices, ..Self::default() }
+    }
+
     /// Adds a point of the sweep; `known` are known then, of how many.
     pub(crate) fn add(&mut self, point: Point, known: (usize, usize)) {
         self.sweep.push(point);
@@ -82,28 +111,63 @@ impl Charts {
             self.stress.clear();
         }
         self.stress.push(point);
+        // In the order of tables and lines, whatever was measured first.
+        let rank = |point: &StressPoint| {
+            Disturbance::ALL.iter().position(|disturbance| disturbance.name() == point.disturbance)
+        };
+        self.stress.sort_by(|a, b| rank(a).cmp(&rank(b)).then(a.dial.total_cmp(&b.dial)));
         self.note(Study::Stress, known);
     }
 
     fn note(&mut self, study: Study, known: (usize, usize)) {
+        let now = Instant::now();
+        let before = self.last_point.replace(now);
+        self.seconds_each[study as usize] = before.map(|before| (now - before).as_secs_f64());
         if let Some(run) = &mut self.runs[study as usize] {
             run.known = known;
         }
     }
 
     /// Along and up.
-    pub(crate) fn axes(&self) -> [Quantity; 2] {
+    pub(crate) fn axes(&self) -> [ShownAxis; 2] {
         self.axes
     }
 
-    pub(crate) fn set_axes(&mut self, axes: [Quantity; 2]) {
+    pub(crate) fn set_axes(&mut self, axes: [ShownAxis; 2]) {
         self.axes = axes;
         self.mark_front();
     }
 
+    /// Whether a series of a chart is shown.
+    pub(crate) fn shows(&self, study: Study, series: &str) -> bool {
+        self.hidden.is_empty() || !self.hidden.contains(&(study, series.to_owned()))
+    }
+
+    /// Leaves a series out, or shows it again.
+    pub(crate) fn toggle(&mut self, study: Study, series: String) {
+        let entry = (study, series);
+        if !self.hidden.remove(&entry) {
+            self.hidden.insert(entry);
+        }
+    }
+
+    /// What is chosen to be measured.
+    pub(crate) fn choice(&self, study: Study) -> &StudyChoice {
+        &self.choices[study as usize]
+    }
+
+    pub(crate) fn choose(&mut self, study: Study, choice: StudyChoice) {
+        self.choices[study as usize] = choice;
+    }
+
+    /// About how long so many measurements take, seconds; `None` until one is made.
+    pub(crate) fn seconds_for(&self, study: Study, measurements: usize) -> Option<f64> {
+        self.seconds_each[study as usize].map(|each| each * measurements as f64)
+    }
+
     /// Marks which points no other beats in both quantities that are shown.
     fn mark_front(&mut self) {
-        let [along, up] = self.axes;
+        let [along, up] = self.axes.map(|axis| axis.quantity);
         sweep::mark_behind_best(&mut self.sweep);
         sweep::mark_pareto(&mut self.sweep, |point| along.cost(point), |point| -up.cost(point));
     }
@@ -111,25 +175,26 @@ impl Charts {
     /// Settings that no others beat in both quantities that are shown, along the first.
     pub(crate) fn front(&self) -> Vec<[f64; 2]> {
         let best = self.sweep.iter().filter(|point| point.pareto);
-        let mut front: Vec<_> = best.map(|point| self.axes.map(|quantity| quantity.of(point))).collect();
+        let mut front: Vec<_> = best.filter_map(|point| place(self.axes, point)).collect();
         front.sort_by(|a, b| a[0].total_cmp(&b[0]));
         front
     }
 
-    /// Begins to measure from `settings`, or resumes a stopped run of the same. Returns false if nothing is left.
+    /// Begins to measure what is chosen from `settings`, or resumes a stopped run of the same. Returns false if nothing is left.
     pub(crate) fn begin(&mut self, study: Study, settings: &Settings) -> bool {
+        let choice = self.choices[study as usize].clone();
         let run = &mut self.runs[study as usize];
-        let known = run.as_ref().filter(|run| run.settings == *settings);
-        if known.is_some_and(|run| run.is_complete) {
+        let is_same = run.as_ref().is_some_and(|run| run.is_of(settings, &choice));
+        if is_same && run.as_ref().is_some_and(|run| run.is_complete) {
             return false;
         }
-        if known.is_none() {
-            *run = Some(StudyRun { settings: settings.clone(), known: (0, 0), is_complete: false });
-            if study == Study::Stress {
-                self.is_of_previous_test = true;
-            }
+        if !is_same {
+            let is_other = run.as_ref().is_none_or(|run| run.settings != *settings);
+            self.is_of_previous_test |= study == Study::Stress && is_other;
+            *run = Some(StudyRun { settings: settings.clone(), choice, known: (0, 0), is_complete: false });
         }
         (self.study, self.studying) = (Some(study), true);
+        (self.question, self.last_point) = (None, Some(Instant::now()));
         true
     }
 
@@ -155,7 +220,8 @@ impl Charts {
 
     /// Whether measuring from `settings` resumes a stopped run.
     pub(crate) fn goes_on(&self, study: Study, settings: &Settings) -> bool {
-        self.run(study).is_some_and(|run| run.known.0 > 0 && !run.is_complete && run.settings == *settings)
+        let choice = self.choice(study);
+        self.run(study).is_some_and(|run| run.known.0 > 0 && !run.is_complete && run.is_of(settings, choice))
     }
 
     /// Note for a stress test that was made with other settings than `now`; `None` for a current one.
@@ -188,59 +254,11 @@ impl Charts {
     }
 }
 
-/// The settings that give a point; `None` where samples were thinned or cameras left out besides, so that they do not.
-pub(crate) fn settings_alone(point: &Point) -> Option<&Settings> {
-    let more_was_done = matches!(
-        point.series,
-        Series::Random | Series::VoxelGrid | Series::FirstCameraAtCount | Series::SingleCamera
-    );
-    let more_was_done = more_was_done || point.series.is_rival();
-    (!more_was_done).then_some(&point.settings)
-}
-
-/// The start of a sweep in the window: the settings on the sliders.
-const START: &str = "settings it started from";
-
-/// Name of a series in the window.
-pub(crate) fn series_name(series: Series) -> &'static str {
-    if series == Series::Reference { START } else { series.name() }
-}
-
-/// Name of a method of a stress test in the window.
-pub(crate) fn method_name(method: &str) -> &str {
-    match method {
-        "ours" => START,
-        "paper" => "as in the paper",
-        other => other,
-    }
-}
-
-/// Name of a point in the window.
-pub(crate) fn point_name(point: &Point) -> String {
-    point
-        .label
-        .strip_prefix("default, ")
-        .map_or_else(|| point.label.clone(), |kernel| format!("{START}, {kernel}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use overlook_engine::demo::{Demo, DemoSpec};
-    use overlook_lab::trial::{Trial, TrialResult};
-
-    #[test]
-    fn what_a_sweep_starts_from_is_not_called_the_defaults() {
-        let mut settings = Settings::default();
-        settings.pruning.depth_tolerance = 2.0;
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((16, 12));
-        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        for planned in sweep::SweepPlan::standard(&settings, &capture).trials {
-            let point = Point::new(&planned.trial, planned.series, &TrialResult::default());
-            assert!(!series_name(point.series).contains("default"), "{:?}", point.series);
-            assert!(!point_name(&point).contains("default"), "{}", point.label);
-        }
-    }
+    use overlook_lab::sweep::Series;
+    use overlook_lab::trial::{Fineness, Trial, TrialResult};
 
     fn point(label: &str, psnr: f64, bytes: u64, seconds: f64) -> Point {
         let trial = Trial::new(label, Settings::default());
@@ -259,10 +277,36 @@ mod tests {
         }
         assert_eq!(charts.front(), [[1.0, 20.0], [3.0, 30.0]]);
         // Less of one and more of the other, whichever is along.
-        charts.set_axes([Quantity::Psnr, Quantity::Seconds]);
+        charts.set_axes([Quantity::Psnr, Quantity::Seconds].map(ShownAxis::of));
         let logarithm = 3.0_f64.log10();
         assert_eq!(charts.front(), [[10.0, 0.0], [30.0, logarithm]]);
         assert_eq!(Quantity::Seconds.axis_name(), "Preprocessing, s (lower is better)");
+    }
+
+    #[test]
+    fn points_without_a_logarithm_are_left_out_of_logarithmic_axes_alone() {
+        let mut charts = Charts::default();
+        charts.add(point("free", 20.0, 0, 0.0), (1, 2));
+        charts.add(point("good", 30.0, 100, 1.0), (2, 2));
+        assert_eq!(charts.front(), [[2.0, 30.0]]);
+        let axes = charts.axes();
+        charts.set_axes([ShownAxis { scale: Scale::Linear, ..axes[0] }, axes[1]]);
+        assert_eq!(charts.front(), [[0.0, 20.0], [100.0, 30.0]]);
+    }
+
+    #[test]
+    fn another_choice_begins_anew_and_keeps_what_is_known() {
+        let (settings, mut charts) = (Settings::default(), Charts::default());
+        let coarse = StudyChoice { fineness: Fineness::Coarse, ..StudyChoice::default() };
+        charts.choose(Study::Stress, coarse.clone());
+        assert!(charts.begin(Study::Stress, &settings) && charts.known_stress().is_empty());
+        charts.is_of_previous_test = false;
+        charts.complete();
+        assert!(!charts.begin(Study::Stress, &settings), "all ends are measured");
+        charts.choose(Study::Stress, StudyChoice { budget: None, ..coarse });
+        assert!(!charts.begin(Study::Stress, &settings), "for however long");
+        charts.choose(Study::Stress, StudyChoice::default());
+        assert!(charts.begin(Study::Stress, &settings) && !charts.is_of_previous_test);
     }
 
     #[test]
@@ -301,10 +345,6 @@ mod tests {
         assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("kernel")));
         other.pruning.depth_tolerance = 2.0;
         assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("settings")));
-        assert_eq!(
-            ["ours", "paper", "without defenses"].map(method_name),
-            [START, "as in the paper", "without defenses"]
-        );
     }
 
     #[test]

@@ -2,14 +2,15 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{Color32, Pos2, Sense, Shape, Stroke, Ui, vec2};
+use egui::{Color32, Pos2, Sense, Shape, Stroke, TextWrapMode, Ui, vec2};
 use egui_material_icons::MaterialIcon;
 use egui_plot::{GridMark, MarkerShape, Plot, PlotPoint, PlotUi};
 
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::charts::model::{ChartCommand, Study};
+use crate::app::rooms::charts::model::{ChartCommand, Charts, Study, TICKS};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
+use overlook_engine::plural::counted;
 use overlook_lab::chart::{Marker, Scale};
 
 /// How near the pointer selects a point, points on the screen.
@@ -20,6 +21,9 @@ pub(crate) const HINT: f32 = 20.0;
 
 /// Width of a mark in the legend.
 const MARK: f32 = 12.0;
+
+/// How strong the color of an entry is whose series is left out.
+const HIDDEN: f32 = 0.45;
 
 /// What an entry of the legend shows.
 #[derive(Clone, Copy)]
@@ -43,25 +47,54 @@ pub(crate) fn shape(marker: Marker) -> MarkerShape {
     }
 }
 
-/// The legend, in rows above the plot: inside it, it would hide points.
-pub(crate) fn legend_ui<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Mark, Color32, &'a str)>) {
+/// The legend, in rows above the plot: inside it, it would hide points. A click on an entry leaves its series out, or shows it again.
+pub(crate) fn legend_ui<'a>(
+    ui: &mut Ui,
+    charts: &Charts,
+    study: Study,
+    entries: impl IntoIterator<Item = (Mark, Color32, &'a str)>,
+    commands: &mut Commands,
+) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 1.0);
         ui.spacing_mut().interact_size.y = 0.0;
+        let tokens = *Tokens::in_ui(ui);
         for (mark, color, name) in entries {
+            let is_shown = charts.shows(study, name);
+            let dimmed = |color: Color32| if is_shown { color } else { color.gamma_multiply(HIDDEN) };
             let font = egui::TextStyle::Small.resolve(ui.style());
-            let text = Tokens::in_ui(ui).text;
-            let words = ui.painter().layout_no_wrap(name.to_owned(), font, text);
+            let words = ui.painter().layout_no_wrap(name.to_owned(), font, dimmed(tokens.text));
             // A mark stays beside its name.
             let size = vec2(MARK + 4.0 + words.size().x + 8.0, words.size().y.max(MARK));
-            let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+            let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+            if response.hovered() || response.has_focus() {
+                ui.painter().rect_filled(rect.expand2(vec2(2.0, 0.0)), 3.0, tokens.raised);
+            }
             let middle = rect.left_center() + vec2(MARK / 2.0, 0.0);
-            ui.painter().add(mark_at(mark, middle, color));
+            ui.painter().add(mark_at(mark, middle, dimmed(color)));
             let at = rect.left_center() + vec2(MARK + 4.0, -0.5 * words.size().y);
-            ui.painter().galley(at, words, text);
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, name));
+            if !is_shown {
+                let ends = at.x..=at.x + words.size().x;
+                ui.painter().hline(ends, rect.center().y, Stroke::new(1.0, dimmed(tokens.text)));
+            }
+            ui.painter().galley(at, words, tokens.text);
+            response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_shown, name));
+            let help = if is_shown { "Click to leave it out." } else { "Click to show it again." };
+            if response.on_hover_text(help).clicked() {
+                commands.push(Command::Chart(ChartCommand::Toggle(study, name.to_owned())));
+            }
         }
     });
+}
+
+/// Switches an axis between logarithms and values; gives the scale that was switched to.
+pub(crate) fn scale_ui(ui: &mut Ui, name: &str, scale: Scale) -> Option<Scale> {
+    let is_log = scale == Scale::Log;
+    let button = egui::Button::selectable(is_log, "log").wrap_mode(TextWrapMode::Extend);
+    let button = ui.add(button).accessible_name(format!("{name}: logarithmic"));
+    let help = "Equal factors take equal room. Zero has no place on such an axis.";
+    let other = if is_log { Scale::Linear } else { Scale::Log };
+    button.on_hover_text(help).clicked().then_some(other)
 }
 
 fn mark_at(mark: Mark, at: Pos2, color: Color32) -> Shape {
@@ -104,28 +137,32 @@ pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2
         .map(|(index, _)| index)
 }
 
-/// The button that measures, or resumes a stopped run.
+/// The button that asks what to measure, and the one that resumes a stopped run.
 pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Commands) {
     let charts = &state.doc.charts;
+    let ask = Command::Chart(ChartCommand::Ask(Some(study)));
     let (name, help) = match study {
-        _ if charts.goes_on(study, &state.settings) => {
-            ("Resume", "Measures what is left; takes minutes, and can be canceled.")
-        }
-        Study::Sweep => (
-            "Run a sweep",
-            "Measures around the settings on the sliders; takes minutes, and can be canceled.",
-        ),
-        Study::Stress => {
-            ("Run a stress test", "Disturbs the capture more and more; takes minutes, and can be canceled.")
-        }
+        Study::Sweep => ("Run a sweep…", "Measures around the settings on the sliders."),
+        Study::Stress => ("Run a stress test…", "Disturbs the capture more and more."),
     };
-    let button = ui.add_enabled(state.has_capture() && !charts.studying, egui::Button::new(name));
-    if button
-        .on_hover_text(help)
-        .on_disabled_hover_text("A capture must be open, and nothing else being measured.")
-        .clicked()
-    {
-        commands.push(Command::Chart(ChartCommand::Study(study)));
+    let mut buttons = vec![(name, help, ask)];
+    if charts.goes_on(study, &state.settings) {
+        buttons.insert(
+            0,
+            (
+                "Resume",
+                "Measures what is left, as long as was chosen.",
+                Command::Chart(ChartCommand::Study(study)),
+            ),
+        );
+    }
+    for (name, help, command) in buttons {
+        let button = egui::Button::new(name).wrap_mode(TextWrapMode::Extend);
+        let button = ui.add_enabled(state.has_capture() && !charts.studying, button);
+        let why_not = "A capture must be open, and nothing else being measured.";
+        if button.on_hover_text(help).on_disabled_hover_text(why_not).clicked() {
+            commands.push(command);
+        }
     }
 }
 
@@ -152,9 +189,6 @@ pub(crate) fn no_points_ui(
     empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
 }
 
-/// Ticks that are aimed at.
-const TICKS: usize = 6;
-
 /// The value at a coordinate of the plot; logarithmic axes have decimal logarithms as coordinates.
 fn value_at(coordinate: f64, scale: Scale) -> f64 {
     match scale {
@@ -176,21 +210,50 @@ fn ticks(low: f64, high: f64, scale: Scale) -> Vec<GridMark> {
     inside.map(|value| GridMark { value, step_size }).collect()
 }
 
-/// The number at a tick of the axis that shows these coordinates.
-pub(crate) fn tick_label(tick: GridMark, shown: &RangeInclusive<f64>, scale: Scale) -> String {
-    let [low, high, tick] = [*shown.start(), *shown.end(), tick.value].map(|at| value_at(at, scale));
-    scale.label(tick, low, high, TICKS)
+/// The values at a tick and at both ends of the axis that shows these coordinates.
+pub(crate) fn tick_values(tick: GridMark, shown: &RangeInclusive<f64>, scale: Scale) -> (f64, [f64; 2]) {
+    (value_at(tick.value, scale), [*shown.start(), *shown.end()].map(|at| value_at(at, scale)))
 }
 
-/// A plot with named axes and round ticks.
-pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [String; 2], scales: [Scale; 2]) -> Plot<'a> {
+/// The longest part of an axis's name that fits into its length: without what is in brackets, and up to the first comma.
+fn fitted(ui: &Ui, name: &str, length: f32) -> String {
+    let before = |mark: &str| name.split(mark).next().unwrap_or_default();
+    let fits = |name: &&str| {
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        ui.painter().layout_no_wrap((*name).to_owned(), font, Color32::WHITE).size().x <= length
+    };
+    [name, before(" ("), before(", ")].into_iter().find(fits).unwrap_or_default().to_owned()
+}
+
+/// Room that the ticks and the name of an axis take.
+const AXIS: f32 = 44.0;
+
+/// A plot of a height, with named axes and round ticks.
+pub(crate) fn plot<'a>(
+    id: &'static str,
+    ui: &Ui,
+    [x, y]: [String; 2],
+    scales: [Scale; 2],
+    height: f32,
+) -> Plot<'a> {
     Plot::new(id)
-        .x_axis_label(x)
-        .y_axis_label(y)
+        .height(height)
+        .x_axis_label(fitted(ui, &x, ui.available_width() - AXIS))
+        .y_axis_label(fitted(ui, &y, height - AXIS))
         .x_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, scales[0]))
         .y_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, scales[1]))
         .grid_color(Tokens::in_ui(ui).border)
+        // Coordinates are logarithms on a logarithmic axis: what is pointed at has words of its own.
+        .label_formatter(|_| None)
         .allow_scroll(false)
+}
+
+/// What is said of points that an axis cannot show; nothing of none.
+pub(crate) fn left_out_words(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        count => format!("{} left out: no place on these axes for zero or infinity", counted(count, "point")),
+    }
 }
 
 #[cfg(test)]

@@ -6,16 +6,21 @@ use egui::{Color32, RichText, Ui};
 use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
-use super::parts::{HINT, Mark, legend_ui, nearest, no_points_ui, plot, shape, study_button, tick_label};
+use super::parts::{
+    HINT, Mark, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape, study_button,
+    tick_values,
+};
+use crate::app::camera_cues;
+use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::model::{
-    ChartCommand, Quantity, Study, method_name, point_name, series_name, settings_alone,
+    ChartCommand, Charts, Quantity, ShownAxis, Study, TICKS, coordinate, method_name, place, point_name,
+    series_name, settings_alone,
 };
 use crate::app::rooms::report::model::Table;
 use crate::app::rooms::settings::model::{SettingsCommand, setting_names};
 use crate::app::theme::Tokens;
-use crate::app::widgets::{choice_ui, one_line, table_ui, weak};
-use crate::app::{camera_cues, model};
+use crate::app::widgets::{choice_ui, one_line, table_buttons_ui, weak};
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::{Kernel, Settings};
 use overlook_lab::chart::{ChartSeries, Marker, Scale, series};
@@ -35,11 +40,11 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         return;
     }
     axes_ui(ui, state, commands);
-    let [along, up] = charts.axes();
+    let axes = charts.axes();
     let tokens = *Tokens::in_ui(ui);
-    let place = |point: &Point| [along.of(point), up.of(point)];
+    let shows = |name: &str| charts.shows(Study::Sweep, name);
     let drawn = series(&charts.sweep, |point| (point.settings.render.kernel, point.series));
-    let current = charts.of(&state.settings).map(place);
+    let current = charts.of(&state.settings).and_then(|point| place(axes, point));
     let kernels = Kernel::ALL.iter().copied().filter(|kernel| drawn.iter().any(|of| of.kind.0 == *kernel));
     let kernels: Vec<_> = kernels.map(|kernel| (kernel_color(kernel), kernel_name(kernel))).collect();
     let colors =
@@ -49,32 +54,41 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         shapes.map(|series| (Mark::Points(shape(Marker::of(series))), tokens.text_weak, series_name(series)));
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, CURRENT)];
     let lines = &lines[..=usize::from(current.is_some())];
-    legend_ui(ui, colors.chain(shapes).chain(lines.iter().copied()));
-    let places: Vec<_> = charts.sweep.iter().map(place).collect();
+    legend_ui(ui, charts, Study::Sweep, colors.chain(shapes).chain(lines.iter().copied()), commands);
+    let is_shown = |point: &&Point| {
+        shows(series_name(point.series)) && shows(&kernel_name(point.settings.render.kernel))
+    };
+    let shown: Vec<&Point> = charts.sweep.iter().filter(is_shown).collect();
+    let placed: Vec<_> = shown.iter().filter_map(|point| Some((*point, place(axes, point)?))).collect();
+    let places: Vec<_> = placed.iter().map(|(_, place)| *place).collect();
     let height = (ui.available_height() - HINT).max(40.0);
-    let plot = sweep_plot(ui, [along, up], &places).height(height);
-    let shown = plot.show(ui, |plot_ui| {
-        plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
+    let plot = sweep_plot(ui, axes, &places, height).show(ui, |plot_ui| {
+        if shows(FRONT) {
+            plot_ui.line(Line::new(FRONT, charts.front()).color(tokens.text_weak).width(1.0));
+        }
         for ChartSeries { kind: (kernel, series), points } in drawn {
             let name = format!("{}, {}", series_name(series), kernel_name(kernel));
-            let points = Points::new(name, points.into_iter().map(place).collect::<Vec<_>>());
+            let points = points.into_iter().filter(|point| is_shown(point));
+            let points: Vec<_> = points.filter_map(|point| place(axes, point)).collect();
             let shape = shape(Marker::of(series));
-            plot_ui.points(points.color(kernel_color(kernel)).radius(4.0).shape(shape));
+            plot_ui.points(Points::new(name, points).color(kernel_color(kernel)).radius(4.0).shape(shape));
         }
-        if let Some(at) = current {
+        if let Some(at) = current.filter(|_| shows(CURRENT)) {
             plot_ui.points(Points::new(CURRENT, vec![at]).color(tokens.mark).radius(8.0).filled(false));
         }
-        nearest(plot_ui, places.into_iter())
+        nearest(plot_ui, places.iter().copied())
     });
-    let count = charts.sweep.len();
+    let count = placed.len();
     let hint = format!("{}; click {} to apply it", counted(count, "setting"), either(count, "it", "one"));
+    let left_out = left_out_words(shown.len() - count);
+    let hint = [hint, left_out].into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>().join("; ");
     one_line(ui, hint, tokens.text_weak);
-    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
-    if let Some(point) = shown.inner.and_then(|index| charts.sweep.get(index)) {
-        if let Some(settings) = settings_alone(point).filter(|_| shown.response.clicked()) {
+    plot.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
+    if let Some((point, _)) = plot.inner.and_then(|index| placed.get(index)) {
+        if let Some(settings) = settings_alone(point).filter(|_| plot.response.clicked()) {
             commands.push(Command::Settings(SettingsCommand::Take(Box::new(settings.clone()))));
         }
-        shown.response.on_hover_text_at_pointer(words(point, [along, up]));
+        plot.response.on_hover_text_at_pointer(words(point, axes.map(|axis| axis.quantity)));
     }
 }
 
@@ -93,14 +107,17 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let quantities = Quantity::ALL.map(|(of, name, _)| (of, name, ""));
         for (index, caption, name) in [(0, "X axis:", "X axis"), (1, "Y axis:", "Y axis")] {
             weak(ui, caption);
-            if let Some(quantity) = choice_ui(ui, name, axes[index], &quantities, 124.0) {
+            let ShownAxis { quantity, scale } = axes[index];
+            let other = choice_ui(ui, name, quantity, &quantities, 124.0).map(ShownAxis::of);
+            let switched = if quantity.has_decades() { scale_ui(ui, name, scale) } else { None };
+            if let Some(axis) = other.or(switched.map(|scale| ShownAxis { quantity, scale })) {
                 let mut axes = axes;
-                axes[index] = quantity;
+                axes[index] = axis;
                 commands.push(Command::Chart(ChartCommand::Axes(axes)));
             }
         }
         study_button(ui, state, Study::Sweep, commands);
-        table_ui(ui, Table::Sweep, commands);
+        table_buttons_ui(ui, Table::Sweep, commands);
     });
 }
 
@@ -129,25 +146,22 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
     lines.join("\n")
 }
 
-fn sweep_plot<'a>(ui: &Ui, axes: [Quantity; 2], places: &[[f64; 2]]) -> Plot<'a> {
-    let axis = |quantity: Quantity| {
+fn sweep_plot<'a>(ui: &Ui, axes: [ShownAxis; 2], places: &[[f64; 2]], height: f32) -> Plot<'a> {
+    let axis = |ShownAxis { quantity, scale }: ShownAxis| {
         move |tick: egui_plot::GridMark, shown: &std::ops::RangeInclusive<f64>| {
-            let whole = |tick: egui_plot::GridMark| 10_f64.powf(tick.value) as u64;
-            match quantity {
-                Quantity::Bytes => model::bytes(whole(tick)),
-                Quantity::Samples => model::count(whole(tick)),
-                _ => tick_label(tick, shown, quantity.scale()),
-            }
+            let (tick, ends) = tick_values(tick, shown, scale);
+            quantity.tick_words(tick, ends, scale)
         }
     };
-    let mut plot = plot("tradeoff", ui, axes.map(Quantity::axis_name), axes.map(Quantity::scale))
+    let names = axes.map(|axis| axis.quantity.axis_name());
+    let mut plot = plot("tradeoff", ui, names, axes.map(|axis| axis.scale), height)
         .x_axis_formatter(axis(axes[0]))
         .y_axis_formatter(axis(axes[1]))
         .set_margin_fraction(egui::vec2(0.06, 0.08));
-    if let Some([low, high]) = around(places.iter().map(|place| place[0]), axes[0].scale()) {
+    if let Some([low, high]) = around(places.iter().map(|place| place[0]), axes[0].scale) {
         plot = plot.include_x(low).include_x(high);
     }
-    if let Some([low, high]) = around(places.iter().map(|place| place[1]), axes[1].scale()) {
+    if let Some([low, high]) = around(places.iter().map(|place| place[1]), axes[1].scale) {
         plot = plot.include_y(low).include_y(high);
     }
     plot
@@ -184,13 +198,16 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
         if let Some(index) = choice_ui(ui, "Disturbance", now, &choices, 150.0) {
             commands.push(Command::Chart(ChartCommand::Disturbance(names[index].to_owned())));
         }
+        if let Some(scale) = scale_ui(ui, "Disturbance axis", charts.dial_scale) {
+            commands.push(Command::Chart(ChartCommand::DialScale(scale)));
+        }
         study_button(ui, state, Study::Stress, commands);
-        table_ui(ui, Table::StressTest, commands);
+        table_buttons_ui(ui, Table::StressTest, commands);
     });
     if let Some(words) = charts.stale_stress_note(&state.settings) {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
     }
-    stability_plot_ui(ui, chosen, &charts.stress);
+    stability_plot_ui(ui, chosen, charts, commands);
 }
 
 /// Shapes of the methods of a stress test, in turn.
@@ -204,34 +221,54 @@ static METHODS: LazyLock<Vec<String>> = LazyLock::new(|| {
     plan.methods.into_iter().map(|method| method.name).collect()
 });
 
-fn stability_plot_ui(ui: &mut Ui, disturbance: &str, points: &[StressPoint]) {
-    let place = |point: &StressPoint| [point.dial, point.point.psnr_filled_db];
-    let is_here = |point: &&StressPoint| point.disturbance == disturbance;
-    let here: Vec<&StressPoint> = points.iter().filter(is_here).collect();
-    // The looks of a method are its own, whichever disturbance is shown and however much is measured.
-    let methods = series(points, |point| point.method.as_str());
-    let curves: Vec<_> = methods
-        .into_iter()
-        .map(|method| {
-            let index = METHODS.iter().position(|name| name == method.kind).unwrap_or(METHODS.len());
-            let places: Vec<_> = method.points.into_iter().filter(is_here).map(place).collect();
-            (SHAPES[index % SHAPES.len()], camera_cues::color(index), method_name(method.kind), places)
-        })
-        .filter(|(.., places)| !places.is_empty())
-        .collect();
-    legend_ui(ui, curves.iter().map(|(shape, color, name, _)| (Mark::Points(*shape), *color, *name)));
+/// Shape, color and name of a method: its own, whichever disturbance is shown and however much is measured.
+fn look(method: &str) -> (MarkerShape, Color32, &str) {
+    let index = METHODS.iter().position(|name| name == method).unwrap_or(METHODS.len());
+    (SHAPES[index % SHAPES.len()], camera_cues::color(index), method_name(method))
+}
+
+fn stability_plot_ui(ui: &mut Ui, disturbance: &str, charts: &Charts, commands: &mut Commands) {
+    let (points, scale) = (&charts.stress, charts.dial_scale);
+    let place = |point: &StressPoint| {
+        Some([coordinate(point.dial, scale)?, coordinate(point.point.psnr_filled_db, Scale::Linear)?])
+    };
+    let shows = |point: &StressPoint| charts.shows(Study::Stress, method_name(&point.method));
+    let here: Vec<&StressPoint> = points.iter().filter(|point| point.disturbance == disturbance).collect();
+    let shown: Vec<&StressPoint> = here.iter().copied().filter(|point| shows(point)).collect();
+    let placed: Vec<_> = shown.iter().filter_map(|point| Some((*point, place(point)?))).collect();
+    let methods = distinct(here.iter().map(|point| point.method.as_str()));
+    let looks = methods.iter().copied().map(look);
+    let entries = looks.map(|(shape, color, name)| (Mark::Points(shape), color, name));
+    legend_ui(ui, charts, Study::Stress, entries, commands);
     let unit = here.first().map_or("", |point| point.unit.as_str());
     let names = [format!("{} ({unit})", model::words(disturbance)), Quantity::Psnr.axis_name()];
-    let plot = plot("stability", ui, names, [Scale::Linear; 2]);
-    let shown = plot.show(ui, |plot_ui| {
-        for (shape, color, name, places) in curves {
+    let left_out = left_out_words(shown.len() - placed.len());
+    let room = if left_out.is_empty() { 0.0 } else { HINT };
+    let height = (ui.available_height() - room).max(40.0);
+    let number = |scale: Scale| {
+        move |tick: egui_plot::GridMark, shown: &std::ops::RangeInclusive<f64>| {
+            let (tick, [low, high]) = tick_values(tick, shown, scale);
+            scale.label(tick, low, high, TICKS)
+        }
+    };
+    let plot = plot("stability", ui, names, [scale, Scale::Linear], height)
+        .x_axis_formatter(number(scale))
+        .y_axis_formatter(number(Scale::Linear));
+    let plot = plot.show(ui, |plot_ui| {
+        for method in &methods {
+            let (shape, color, name) = look(method);
+            let of_method = placed.iter().filter(|(point, _)| point.method == *method);
+            let places: Vec<_> = of_method.map(|(_, place)| *place).collect();
             plot_ui.line(Line::new(name, PlotPoints::from(places.clone())).color(color).width(2.0));
             plot_ui.points(Points::new(name, places).color(color).radius(3.5).shape(shape));
         }
-        nearest(plot_ui, here.iter().copied().map(place))
+        nearest(plot_ui, placed.iter().map(|(_, place)| *place))
     });
-    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stress test chart"));
-    if let Some(point) = shown.inner.and_then(|index| here.get(index)) {
+    if !left_out.is_empty() {
+        one_line(ui, left_out, Tokens::in_ui(ui).text_weak);
+    }
+    plot.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stress test chart"));
+    if let Some((point, _)) = plot.inner.and_then(|index| placed.get(index)) {
         let words = format!(
             "{} at {} {}: {:.2} dB, {:+.2} dB lost",
             model::sentence(method_name(&point.method)),
@@ -240,7 +277,7 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, points: &[StressPoint]) {
             point.point.psnr_filled_db,
             point.loss_db
         );
-        shown.response.on_hover_text_at_pointer(words);
+        plot.response.on_hover_text_at_pointer(words);
     }
 }
 

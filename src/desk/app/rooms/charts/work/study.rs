@@ -1,57 +1,41 @@
 //! Sweeps and stress tests.
 
-use crate::app::model::{Content, Message};
-use crate::app::rooms::charts::model::Study;
+use crate::app::model::Message;
+use crate::app::rooms::charts::model::{Study, to_measure};
 use crate::app::work::requests::StudyRequest;
 use crate::app::work::worker::Outbox;
-use overlook_engine::error::{Error, Result};
+use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use overlook_lab::stress;
-use overlook_lab::sweep;
-use overlook_lab::truth::Truth;
+use overlook_lab::stress::{self, StressPoint};
+use overlook_lab::sweep::{self, Point};
 
 /// Measures, and sends every point as it comes.
 pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
-    let scene = request.scene.clone();
-    let Content::Capture { capture, truth } = &scene.content else {
-        return Err(Error::invalid(
-            &scene.name,
-            "a store holds no source frames to measure against; open its capture",
-        ));
-    };
-    let known = truth.iter().any(|view| view.truth.is_some());
-    if !known && capture.cameras.len() < 2 {
-        return Err(Error::invalid(
-            &scene.name,
-            "there is no truth to measure against, and its only camera cannot be left out; record a second camera, or \
-             true pictures with a novel/transforms.json beside it",
-        ));
-    }
-    let truth = if known { Truth::Views(truth.clone()) } else { Truth::HoldOut };
-    match request.study {
+    let StudyRequest { scene, study, settings, choice, known, known_stress } = request;
+    let (capture, truth) = to_measure(&scene)?;
+    let left = match study {
         Study::Sweep => {
-            let mut plan = sweep::SweepPlan::standard(&request.settings, capture);
-            plan.done = request.known;
+            let mut plan = choice.sweep_plan(&settings, capture);
+            plan.done = known;
             let of = plan.trials.len();
-            sweep::run(capture, &plan, &truth, job, |point, known| {
+            let tell = |point: &Point, known| {
                 let point = Box::new(point.clone());
                 outbox.send(Message::Swept { scene: scene.id, point, known: (known, of) });
-            })?;
+            };
+            sweep::run(capture, &plan, &truth, job, tell)?.left
         }
         Study::Stress => {
-            let mut plan = stress::StressPlan::standard(&request.settings).with_rivals(&request.settings);
-            plan.frames = Some(FRAMES);
-            plan.done = request.known_stress;
-            stress::run(capture, &plan, &truth, job, |point, known| {
-                outbox.send(Message::Stressed { scene: scene.id, point: Box::new(point.clone()), known });
-            })?;
+            let mut plan = choice.stress_plan(&settings);
+            plan.done = known_stress;
+            let tell = |point: &StressPoint, known| {
+                let point = Box::new(point.clone());
+                outbox.send(Message::Stressed { scene: scene.id, point, known });
+            };
+            stress::run(capture, &plan, &truth, job, tell)?.left
         }
-    }
-    Ok(Message::Studied)
+    };
+    Ok(Message::Studied { scene: scene.id, left })
 }
-
-/// Frames that a stress test in the window looks at: enough for what moves to move.
-const FRAMES: usize = 8;
 
 #[cfg(test)]
 mod tests {
@@ -59,6 +43,7 @@ mod tests {
 
     use super::*;
     use crate::app::model::{OpenScene, SceneSource};
+    use crate::app::rooms::charts::model::StudyChoice;
     use overlook_engine::demo::{Demo, DemoSpec};
     use overlook_engine::settings::Settings;
 
@@ -76,6 +61,7 @@ mod tests {
                 scene: scene.clone(),
                 study,
                 settings: settings.clone(),
+                choice: StudyChoice::default(),
                 known: Vec::new(),
                 known_stress: Vec::new(),
             };

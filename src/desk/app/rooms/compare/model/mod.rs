@@ -2,6 +2,7 @@
 
 pub(crate) mod command;
 pub(crate) mod comparison;
+pub(crate) mod key;
 pub(crate) mod sides;
 pub(crate) mod vantage;
 

@@ -18,8 +18,8 @@ use crate::app::work::slot::Wanted;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::{self, PreparedScan};
-use overlook_engine::render::Renderer;
 use overlook_engine::render::fill::fill;
+use overlook_engine::render::{Picture, Renderer};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{AlignSettings, Backend, Kernel, Settings};
 use overlook_lab::rivals::{Rival, RivalModel};
@@ -102,6 +102,18 @@ impl Comparer {
             Err(error) => Err(error.to_string()),
         };
         Ok(Message::Compared { key, outcome })
+    }
+
+    /// Columns and rows of the pictures of a comparison.
+    pub(crate) fn size(key: &CompareKey) -> Result<(usize, usize)> {
+        let viewpoint = Viewpoint::of(key, key.choice.from, key.vantage.frame)?;
+        Ok(viewpoint.vantage.camera.intrinsics.size())
+    }
+
+    /// What a side of a comparison shows.
+    pub(crate) fn picture(&mut self, key: &CompareKey, side: usize, job: &Job) -> Result<Picture> {
+        let viewpoint = Viewpoint::of(key, key.choice.from, key.vantage.frame)?;
+        Ok(difference::as_picture(&self.side(key, key.choice.sides[side], &viewpoint, job)?))
     }
 
     /// Makes the comparison; `Invalid` where a side cannot be shown there.

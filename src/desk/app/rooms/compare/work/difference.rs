@@ -46,6 +46,17 @@ pub(crate) fn of_picture(picture: &Picture) -> DisplayedSide {
     }
 }
 
+/// A side as it is displayed, as a picture.
+pub(crate) fn as_picture(side: &DisplayedSide) -> Picture {
+    let mut picture = Picture::empty(side.shown.width(), side.shown.height());
+    picture.color = side
+        .shown
+        .map(|pixel| pixel.unwrap_or_default().map(|step| linear_from_srgb(f32::from(step) / 255.0)));
+    // What is shown is no hole, and its depth is not known.
+    picture.inverse_depth = side.shown.map(|pixel| if pixel.is_some() { 0.0 } else { -1.0 });
+    picture
+}
+
 /// Compares two sides by `measure`. `range` is the difference at the map's upper end; `None` fits it. `Invalid` where the sides
 /// differ in size.
 pub(crate) fn between(

@@ -8,4 +8,4 @@ pub(crate) mod paths;
 pub(crate) mod remembered;
 pub(crate) mod session;
 
-pub(crate) use paths::what_is_missing;
+pub(crate) use paths::{no_figure, no_scene, what_is_missing};

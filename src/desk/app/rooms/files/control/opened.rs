@@ -48,7 +48,8 @@ impl OverlookApp {
             state.opening = None;
         }
         let readings = scene.is_reread.then(|| std::mem::take(&mut state.doc.readings));
-        state.doc = Document::of(scene.clone(), &state.settings);
+        let charts = std::mem::take(&mut state.doc.charts).at_scene();
+        state.doc = Document { charts, ..Document::of(scene.clone(), &state.settings) };
         state.doc.readings = readings.unwrap_or_default();
         state.close_pictures(|_| true);
         state.inspector.compare.choice.from = CompareVantage::Live;

@@ -274,7 +274,7 @@ impl OverlookApp {
 /// Title and text of the warning if there is nothing to write for a purpose, or nothing that could use what it reads.
 pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
     let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
-    let no_scene = || where_not(state.doc.scene.is_some(), "Open a capture or a store first.");
+    let no_scene = || no_scene(state);
     let no_capture = |text| where_not(state.has_capture(), text);
     let no_keys = || where_not(state.doc.path.pictures() > 0, NO_KEYS);
     let no_samples = || no_scene().or_else(|| where_not(state.is_whole_ready(), not_pruned(state)));
@@ -285,13 +285,17 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         }
         Purpose::SaveStore => ("Nothing to save yet", no_samples()),
         Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => {
-            ("Nothing to export yet", no_samples().or_else(no_keys))
+            let compares = state.share.options.compares.is_some();
+            let no_place = || if compares { no_figure(state, FigureOf::Live) } else { no_keys() };
+            ("Nothing to export yet", no_samples().or_else(no_place))
         }
         Purpose::ExportPage
         | Purpose::ExportSplats(_)
         | Purpose::ExportPoints
         | Purpose::ExportPointsOfFrames => ("Nothing to export yet", no_samples()),
-        Purpose::ExportFigure => ("Nothing to export yet", no_scene().or_else(|| no_figure(state))),
+        Purpose::ExportFigure => {
+            ("Nothing to export yet", no_scene().or_else(|| no_figure(state, state.share.options.figure_of)))
+        }
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::SaveSession => {
@@ -316,9 +320,14 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
     text.map(|text| (title, text.to_owned()))
 }
 
+/// Why nothing can be written while nothing is open.
+pub(crate) fn no_scene(state: &State) -> Option<&'static str> {
+    state.doc.scene.is_none().then_some("Open a capture or a store first.")
+}
+
 /// Why there is no picture for a figure.
-fn no_figure(state: &State) -> Option<&'static str> {
-    match state.share.options.figure_of {
+pub(crate) fn no_figure(state: &State, of: FigureOf) -> Option<&'static str> {
+    match of {
         FigureOf::Source if state.doc.source_shown.is_none() => {
             Some("There is no source picture: a store holds none, and a capture shows it once it is read.")
         }

@@ -20,6 +20,8 @@ pub(crate) enum NoticeLink {
     View(DockView),
     /// The dialog that compares two readings of the capture.
     Readings,
+    /// What a capture is known by.
+    Sources,
     /// The folder of a file that was written.
     Folder(PathBuf),
 }

@@ -6,6 +6,8 @@ use std::time::Instant;
 use super::notice::{Notice, NoticeKind, NoticeLink, and_others};
 use super::view::DockView;
 use crate::app::model::state::State;
+use overlook_engine::capture::NO_CAPTURE;
+use overlook_engine::error::Error;
 
 impl State {
     /// Adds a message.
@@ -45,6 +47,17 @@ impl State {
     ) {
         let scene = self.doc.scene.as_ref().map(|scene| scene.id);
         self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, Some(link));
+    }
+
+    /// Adds the message that something failed; of a folder that holds no capture in short, with what opens.
+    pub(crate) fn notify_of_failure(&mut self, title: &str, error: &Error) {
+        let (text, link) = match error {
+            Error::Invalid { place, what } if what.starts_with(NO_CAPTURE) => {
+                (format!("No capture in {place}."), Some(NoticeLink::Sources))
+            }
+            error => (error.to_string(), None),
+        };
+        self.add_notice(NoticeKind::Error, title.to_owned(), text, None, link);
     }
 
     fn add_notice(

@@ -185,7 +185,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 48] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 49] {
     [
         ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
         ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
@@ -224,14 +224,15 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 48] {
         ("Center view on selected pixel", "F", Command::View(ViewCommand::FramePoint)),
         ("Add key to the camera path", "K", Command::Path(PathCommand::AddKey)),
         ("Recompute the whole capture", "", Command::Recompute),
-        ("Run a sweep", "", Command::Chart(ChartCommand::Study(Study::Sweep))),
-        ("Run a stress test", "", Command::Chart(ChartCommand::Study(Study::Stress))),
+        ("Run a sweep", "", Command::Chart(ChartCommand::Ask(Some(Study::Sweep)))),
+        ("Run a stress test", "", Command::Chart(ChartCommand::Ask(Some(Study::Stress)))),
         ("Frame times: write to the log and reset", "", Command::LogFrameTimes),
         ("Cancel", "Esc", Command::Cancel),
         ("Light theme", "", Command::Window(WindowCommand::Dark(false))),
         ("Dark theme", "", Command::Window(WindowCommand::Dark(true))),
         ("Reset layout", "", Command::Window(WindowCommand::ResetLayout)),
         ("Guide", "", Command::Window(WindowCommand::Help(Some(HelpPage::Guide)))),
+        ("What opens", "", Command::Window(WindowCommand::Help(Some(HelpPage::Sources)))),
         (
             "Keyboard and mouse shortcuts",
             "?",

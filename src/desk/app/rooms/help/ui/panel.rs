@@ -9,6 +9,7 @@ use crate::app::rooms::frame::model::WindowCommand;
 use crate::app::rooms::help::model::HelpPage;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
+use overlook_engine::capture::known_sources;
 
 /// The guide as it comes with the source code.
 const GUIDE: &str = include_str!("../../../../../../GUIDE.md");
@@ -18,6 +19,7 @@ pub(crate) fn help_ui(ctx: &egui::Context, state: &State, commands: &mut Command
     match state.inspector.help {
         None => {}
         Some(HelpPage::Guide) => guide_ui(ctx, commands),
+        Some(HelpPage::Sources) => sheet_ui(ctx, commands, "What opens", sources_ui),
         Some(HelpPage::Shortcuts) => sheet_ui(ctx, commands, "Keyboard and mouse shortcuts", shortcuts_ui),
         Some(HelpPage::About) => sheet_ui(ctx, commands, "About Overlook", |ui| about_ui(ui, state)),
     }
@@ -141,6 +143,17 @@ fn sheet_ui(ctx: &egui::Context, commands: &mut Commands, title: &str, contents:
     });
     if modal.should_close() {
         commands.push(Command::Window(WindowCommand::Help(None)));
+    }
+}
+
+/// Width of the list of what opens, points.
+const SOURCES: f32 = 560.0;
+
+fn sources_ui(ui: &mut Ui) {
+    ui.set_width(SOURCES.min(ui.available_width()));
+    ui.label("A store (.ovl), or the folder of a capture, which is known by what it holds:");
+    for source in known_sources() {
+        ui.add(Label::new(format!("• {source}")).wrap());
     }
 }
 

@@ -35,6 +35,8 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         Command::Window(WindowCommand::ShowTotals(hides)),
     ));
     entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
+    let copy = Command::Share(ShareCommand::CopyFigure);
+    entries.push(("Copy figure to the clipboard".to_owned(), "Ctrl+Shift+F", copy));
     for (way, name, _) in ShareWay::ALL {
         let keys = if way == ShareWay::Store { "Ctrl+S" } else { "" };
         entries.push((format!("Share: {name}"), keys, Command::Share(ShareCommand::Open(Some(way)))));

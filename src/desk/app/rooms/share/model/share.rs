@@ -9,6 +9,7 @@ use crate::app::model::texture::Texture;
 use crate::app::rooms::files::model::purpose::Purpose;
 use crate::app::rooms::live::model::picture::LivePicture;
 use overlook_engine::render::Vantage;
+use overlook_engine::render::film::FilmComparison;
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::RenderSettings;
 use overlook_engine::splats::{SplatFormat, SplatSky};
@@ -106,6 +107,8 @@ pub(crate) struct ShareOptions {
     pub splats_are_bounded: bool,
     pub kilosplats: u64,
     pub pictures: SharedPictures,
+    /// How a video or pictures along the camera path show both sides of the comparison; `None` for the samples alone.
+    pub compares: Option<FilmComparison>,
     /// Whether pictures are EXR with linear color and depth.
     pub linear: bool,
     /// Whether points are those of every frame, in a folder.
@@ -127,6 +130,7 @@ impl Default for ShareOptions {
             splats_are_bounded: false,
             kilosplats: 500,
             pictures: SharedPictures::default(),
+            compares: None,
             linear: false,
             points_of_all_frames: false,
             figure_of: FigureOf::default(),
@@ -144,7 +148,9 @@ impl ShareOptions {
             (ShareWay::Film, _) => Purpose::ExportFilm,
             (ShareWay::Pictures, SharedPictures::View) => Purpose::SavePicture,
             (ShareWay::Pictures, SharedPictures::ViewWithLegend) => Purpose::SaveShot,
-            (ShareWay::Pictures, SharedPictures::CameraPath) if self.linear => Purpose::ExportExr,
+            (ShareWay::Pictures, SharedPictures::CameraPath) if self.linear && self.compares.is_none() => {
+                Purpose::ExportExr
+            }
             (ShareWay::Pictures, SharedPictures::CameraPath) => Purpose::ExportPictures,
             (ShareWay::Figure, _) => Purpose::ExportFigure,
             (ShareWay::Points, _) if self.points_of_all_frames => Purpose::ExportPointsOfFrames,
@@ -208,6 +214,8 @@ pub(crate) enum ShareCommand {
     Open(Option<ShareWay>),
     Close,
     Change(Box<ShareOptions>),
+    /// Copy a figure of the source view where the pointer is over it or it fills the window, else of the live view.
+    CopyFigure,
     /// Stop what is being written.
     Stop,
     /// Open the folder of a file in the system's file manager.

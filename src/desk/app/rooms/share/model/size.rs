@@ -128,7 +128,7 @@ impl State {
             pixels * picture.png_bytes / picture.pixels.max(1.0) * FILM_BY_PNG
         };
         let rate = f64::from(self.timeline.frames_per_second);
-        match self.doc.path.pictures() {
+        match self.film_pictures() {
             0 => ShareSize::each(size(rate), "second", [width, height]),
             pictures => {
                 let seconds = significant(pictures as f64 / rate);
@@ -141,14 +141,15 @@ impl State {
     fn pictures(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
         let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
         let is_path = options.pictures == SharedPictures::CameraPath;
-        let is_linear = options.linear && options.pictures != SharedPictures::ViewWithLegend;
+        let is_compared = is_path && options.compares.is_some();
+        let is_linear = options.linear && options.pictures != SharedPictures::ViewWithLegend && !is_compared;
         let whole = if is_linear { picture.exr_bytes } else { picture.png_bytes };
         if !is_path {
             return ShareSize::about(whole, "as the live view shows it".to_owned());
         }
         let [width, height] = self.export_size();
         let each = whole / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
-        match self.doc.path.pictures() {
+        match self.film_pictures() {
             0 => ShareSize::each(each, "picture", [width, height]),
             pictures => {
                 let reason = format!("{} of {width}×{height}", counted(pictures, "picture"));

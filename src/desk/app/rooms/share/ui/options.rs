@@ -10,6 +10,7 @@ use crate::app::rooms::share::model::{
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::widgets::{note, segments_ui, weak};
 use overlook_engine::plural::counted;
+use overlook_engine::render::film::FilmComparison;
 use overlook_engine::splats::{SplatFormat, SplatSky};
 
 /// Width of the names of options, so that what is chosen stands in one line whatever the way.
@@ -35,6 +36,13 @@ const KINDS: [(bool, &str, &str); 2] = [
     (true, "EXR", "Linear color, coverage and depth."),
 ];
 
+/// What a film shows.
+const COMPARES: [(Option<FilmComparison>, &str, &str); 3] = [
+    (None, "Samples", "What the live view renders."),
+    (Some(FilmComparison::Wipe), "Wipe", "Both sides of the comparison; the line moves across once."),
+    (Some(FilmComparison::Flip), "Flip", "Both sides of the comparison, each for half a second."),
+];
+
 const PATH: &str = "Whoever opens it can follow the camera path.";
 const NO_PATH: &str = "The camera path is not in it, as its keys are at one moment.";
 
@@ -52,7 +60,7 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
     grid.show(ui, |ui| match options.way {
         ShareWay::Page => page_ui(ui, state, options),
         ShareWay::Splats => splats_ui(ui, options),
-        ShareWay::Film => film_ui(ui, state, commands),
+        ShareWay::Film => film_ui(ui, state, options, commands),
         ShareWay::Pictures => pictures_ui(ui, state, options, commands),
         ShareWay::Figure => figure_ui(ui, options),
         ShareWay::Points => {
@@ -123,7 +131,8 @@ fn splats_ui(ui: &mut Ui, options: &mut ShareOptions) {
     ui.end_row();
 }
 
-fn film_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+fn film_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
+    compares_ui(ui, state, options);
     picture_size_ui(ui, state, commands);
     ui.label("Pace");
     ui.horizontal(|ui| {
@@ -132,10 +141,26 @@ fn film_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         if ui.add(drag).accessible_name("Pictures a second").changed() {
             commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
         }
-        let path = &state.doc.path;
-        weak(ui, format!("{}, {}", counted(path.keys.len(), "key"), counted(path.pictures(), "picture")));
+        let keys = counted(state.doc.path.keys.len(), "key");
+        weak(ui, format!("{keys}, {}", counted(state.film_pictures(), "picture")));
     });
     ui.end_row();
+}
+
+/// What a film shows: the samples, or both sides of the comparison.
+fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
+    ui.label("Shows");
+    options.compares = segments_ui(ui, "Shows", options.compares, COMPARES).unwrap_or(options.compares);
+    ui.end_row();
+    if options.compares.is_some() {
+        ui.label("");
+        let sides = state.inspector.compare.choice.sides;
+        let [left, right] = sides.map(|side| state.side_name(side));
+        let along = state.doc.path.pictures() > 0;
+        let place = if along { "along the camera path" } else { "over the played frames" };
+        note(ui, format!("{left} and {right}, as chosen in Compare, {place}."));
+        ui.end_row();
+    }
 }
 
 fn picture_size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
@@ -149,12 +174,17 @@ fn pictures_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands:
     options.pictures =
         segments_ui(ui, "Pictures of", options.pictures, SharedPictures::ALL).unwrap_or(options.pictures);
     ui.end_row();
-    if options.pictures != SharedPictures::ViewWithLegend {
+    let is_path = options.pictures == SharedPictures::CameraPath;
+    if is_path {
+        compares_ui(ui, state, options);
+    }
+    let is_compared = is_path && options.compares.is_some();
+    if options.pictures != SharedPictures::ViewWithLegend && !is_compared {
         ui.label("Format");
         options.linear = segments_ui(ui, "Format", options.linear, KINDS).unwrap_or(options.linear);
         ui.end_row();
     }
-    if options.pictures == SharedPictures::CameraPath {
+    if is_path {
         picture_size_ui(ui, state, commands);
     }
 }

@@ -137,6 +137,19 @@ pub(crate) fn write(path: &Path, figure: &Figure) -> Result<u64> {
     Ok(bytes.len() as u64)
 }
 
+/// A figure as an image.
+///
+/// # Errors
+/// Those of drawing.
+pub(crate) fn image(figure: &Figure) -> Result<ColorImage> {
+    let png = figure.chart()?.png()?;
+    let pixels =
+        image::load_from_memory(&png).map_err(|error| Error::invalid("figure", error.to_string()))?;
+    let pixels = pixels.into_rgba8();
+    let size = [pixels.width(), pixels.height()].map(|side| side as usize);
+    Ok(ColorImage::from_rgba_unmultiplied(size, &pixels))
+}
+
 fn bytes_of(path: &Path, chart: &Chart) -> Result<Vec<u8>> {
     let is = |known: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
     match FIGURE_ENDINGS.iter().position(|known| is(known)) {

@@ -1,5 +1,6 @@
 //! What is computed, on threads of its own.
 
+pub(crate) mod compared_film;
 pub(crate) mod facts;
 pub(crate) mod figures;
 pub(crate) mod preview;

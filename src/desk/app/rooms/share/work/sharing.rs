@@ -6,7 +6,8 @@ use std::sync::Arc;
 use crate::app::model::{Message, bytes, count_of, significant};
 use crate::app::rooms::colors::work::developed;
 use crate::app::rooms::path::model::{Exported, NO_KEYS};
-use crate::app::rooms::share::work::figures;
+use crate::app::rooms::share::model::FigureOptions;
+use crate::app::rooms::share::work::{compared_film, figures};
 use crate::app::work::requests::{Export, ExportRequest, FigureExport, PathExport};
 use crate::points;
 use overlook_engine::error::{Error, Result};
@@ -20,20 +21,33 @@ use overlook_engine::samples::SampleSet;
 use overlook_engine::splats::{self, SplatOptions};
 use overlook_engine::store::file::{Extras, Store, write_with};
 use overlook_engine::whole_file;
+use overlook_lab::chart::Figure;
 
 /// Writes what was asked for. Files take their names once they are whole; of a folder of pictures those that were rendered stay.
-pub(crate) fn export(request: &ExportRequest, job: &Job) -> Result<Message> {
+/// Comparisons read whole captures on `threads`.
+pub(crate) fn export(
+    request: &ExportRequest,
+    threads: &Arc<rayon::ThreadPool>,
+    job: &Job,
+) -> Result<Message> {
     let ExportRequest { path, source, what } = request;
     let mut notice = None;
     let said = match what {
         Export::Path(export) => {
-            let (said, used) = write_path(path, source, export, job)?;
+            let (said, used) = write_path(path, source, export, threads, job)?;
             notice = used;
             said
         }
         Export::Page(options) => write_page(path, source, options, job)?,
         Export::Splats { options, frame } => write_splats(path, source, options, *frame, job)?,
         Export::Figure(figure) => write_figure(path, figure, job)?,
+        Export::CopyFigure(figure) => {
+            let (figure, options) = drawn(figure, job)?;
+            return Ok(Message::FigureDrawn {
+                image: figures::image(&figure)?,
+                width_mm: options.width_mm(),
+            });
+        }
         Export::Points { frame: Some(frame) } => {
             let points = write_points(path, &*at(source, *frame, job)?, *frame)?;
             count_of(points, "point")
@@ -75,14 +89,19 @@ fn write_page(path: &Path, source: &FilmSource, options: &PageOptions, job: &Job
     Ok(format!("a page of {} with {}{of}", bytes(written.bytes), count_of(written.samples, "sample")))
 }
 
-fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String> {
+/// A figure of a view, and its options.
+fn drawn<'a>(figure: &'a FigureExport, job: &Job) -> Result<(Figure, &'a FigureOptions)> {
     job.start("Drawing the figure", 0);
-    let (figure, options) = match figure {
+    Ok(match figure {
         FigureExport::Live { key, options } => (figures::of_live_view(key, options, job)?, options),
         FigureExport::Source { scene, key, options } => {
             (figures::of_source_picture(scene.source()?, key, options)?, options)
         }
-    };
+    })
+}
+
+fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String> {
+    let (figure, options) = drawn(figure, job)?;
     let written = figures::write(path, &figure)?;
     Ok(format!("a figure of {} mm, {}", significant(options.width_mm()), bytes(written)))
 }
@@ -144,25 +163,34 @@ fn write_all_points(path: &Path, source: &FilmSource, job: &Job) -> Result<Strin
     Ok(format!("{}, {}", count_of(points, "point"), counted(frames, "file")))
 }
 
+/// Pictures a second of those in a folder, where that matters.
+const PICTURES_A_SECOND: f64 = 24.0;
+
 /// Renders all pictures of a camera path and writes them. Gives what was written, and why the renderer of the settings was not used.
 fn write_path(
     path: &Path,
     source: &FilmSource,
     export: &PathExport,
+    threads: &Arc<rayon::ThreadPool>,
     job: &Job,
 ) -> Result<(String, Option<String>)> {
-    let vantages = export.camera_path.vantages(export.size, source.frame_count());
-    if vantages.is_empty() {
-        return Err(Error::invalid("camera path", NO_KEYS));
-    }
+    let PathExport { vantages, compared, .. } = export;
+    let Some(first) = vantages.first() else { return Err(Error::invalid("camera path", NO_KEYS)) };
     let mut renderer = Renderer::new();
-    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| {
-        film::paint(source, &vantages, None, &mut renderer, &export.settings, job, take)
+    let rate = export.target.film_rate.unwrap_or(PICTURES_A_SECOND);
+    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| match compared {
+        Some(compared) => compared_film::paint(compared, source, vantages, rate, threads, job, take),
+        None => film::paint(source, vantages, None, &mut renderer, &export.settings, job, take),
     };
-    let display = &export.display;
-    if let Some(rate) = export.target.film_rate {
-        let mut encoder = FilmEncoder::start(path, export.size.map(|side| side as usize), rate)?;
-        paint(&mut |_, picture| encoder.add(developed(display, picture).as_ref().unwrap_or(picture)))?;
+    // The sides of a comparison are as they are displayed.
+    let developed = |picture: &Picture| developed(&export.display, picture).filter(|_| compared.is_none());
+    if export.target.film_rate.is_some() {
+        let size = match compared {
+            Some(compared) => compared_film::size(compared, first)?,
+            None => export.size.map(|side| side as usize),
+        };
+        let mut encoder = FilmEncoder::start(path, size, rate)?;
+        paint(&mut |_, picture| encoder.add(developed(picture).as_ref().unwrap_or(picture)))?;
         encoder.finish(job)?;
     } else {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
@@ -171,7 +199,7 @@ fn write_path(
                 return write_exr(&path.join(format!("{:04}.exr", nth + 1)), picture);
             }
             let file = path.join(format!("{:04}.png", nth + 1));
-            write_png(&file, developed(display, picture).as_ref().unwrap_or(picture))
+            write_png(&file, developed(picture).as_ref().unwrap_or(picture))
         })?;
     }
     Ok((counted(vantages.len(), "picture"), renderer.notice().map(str::to_owned)))

@@ -1,0 +1,163 @@
+//! What is measured of a sweep or a stress test, how finely, and for how long.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use crate::app::model::scene::{Content, OpenScene};
+use overlook_engine::capture::Capture;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::settings::{Kernel, Settings};
+use overlook_lab::stress::{Disturbance, StressPlan, distinct};
+use overlook_lab::sweep::{Planned, Series, SweepPlan};
+use overlook_lab::trial::Fineness;
+use overlook_lab::truth::Truth;
+
+/// Frames that a stress test in the window looks at: enough for what moves to move.
+const FRAMES: usize = 8;
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Study {
+    /// Accuracy against cost, over many settings.
+    Sweep,
+    /// Accuracy against the size of a disturbance.
+    Stress,
+}
+
+impl Study {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Sweep => "Sweep",
+            Self::Stress => "Stress test",
+        }
+    }
+}
+
+/// What is chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct StudyChoice {
+    /// What is not measured: settings by their paths; methods, kernels and disturbances by their names.
+    pub left_out: BTreeSet<String>,
+    pub fineness: Fineness,
+    /// `None` until everything is measured.
+    pub budget: Option<Duration>,
+}
+
+impl Default for StudyChoice {
+    fn default() -> Self {
+        let budget = Some(Duration::from_mins(3));
+        Self { left_out: BTreeSet::new(), fineness: Fineness::default(), budget }
+    }
+}
+
+impl StudyChoice {
+    /// Whether the same is measured, for however long.
+    pub(super) fn measures_as(&self, other: &Self) -> bool {
+        (&self.left_out, self.fineness) == (&other.left_out, other.fineness)
+    }
+
+    fn takes(&self, name: &str) -> bool {
+        !self.left_out.contains(name)
+    }
+
+    /// What is measured of a sweep.
+    pub(crate) fn sweep_plan(&self, settings: &Settings, capture: &Capture) -> SweepPlan {
+        let mut plan = SweepPlan::standard(settings, capture);
+        plan.choose(self.fineness, |planned| {
+            let has_kernel = !planned.series.is_rival() && planned.series != Series::Paper;
+            planned.dials().all(|(path, _)| self.takes(path))
+                && self.takes(planned.series.name())
+                && (!has_kernel || self.takes(planned.trial.settings.render.kernel.name()))
+        });
+        plan.budget = self.budget;
+        plan
+    }
+
+    /// What is measured of a stress test.
+    pub(crate) fn stress_plan(&self, settings: &Settings) -> StressPlan {
+        let mut plan = StressPlan::standard(settings).with_rivals(settings);
+        plan.disturbances.retain(|disturbance| self.takes(disturbance.name()));
+        plan.methods.retain(|method| self.takes(&method.name));
+        StressPlan { frames: Some(FRAMES), fineness: self.fineness, budget: self.budget, ..plan }
+    }
+}
+
+impl Study {
+    /// What there is to choose: the title of each group, and the names in it.
+    pub(crate) fn groups(self, settings: &Settings, capture: &Capture) -> Vec<(&'static str, Vec<String>)> {
+        let owned = |names: &mut dyn Iterator<Item = &str>| names.map(str::to_owned).collect();
+        match self {
+            Self::Sweep => {
+                let plan = SweepPlan::standard(settings, capture);
+                let paths = distinct(plan.trials.iter().flat_map(Planned::dials).map(|(path, _)| path));
+                let methods = distinct(plan.trials.iter().map(|planned| planned.series));
+                let is_method = |of: &Series| !matches!(of, Series::Reference | Series::Variation);
+                vec![
+                    ("Settings", owned(&mut paths.into_iter())),
+                    ("Methods", owned(&mut methods.into_iter().filter(is_method).map(Series::name))),
+                    ("Kernels", owned(&mut Kernel::ALL.iter().map(|kernel| kernel.name()))),
+                ]
+            }
+            Self::Stress => {
+                let plan = StressPlan::standard(settings).with_rivals(settings);
+                let changes = |of: &&Disturbance| of.lacks(capture).is_none();
+                let disturbances = plan.disturbances.iter().filter(changes).map(|of| of.name());
+                let methods = plan.methods.iter().map(|method| method.name.as_str());
+                vec![("Disturbances", owned(&mut { disturbances })), ("Methods", owned(&mut { methods }))]
+            }
+        }
+    }
+}
+
+/// What a scene is measured on, and against what.
+///
+/// # Errors
+/// `Invalid` for a store, and where nothing is known to measure against.
+pub(crate) fn to_measure(scene: &OpenScene) -> Result<(&Capture, Truth)> {
+    let Content::Capture { capture, truth } = &scene.content else {
+        return Err(Error::invalid(
+            &scene.name,
+            "a store holds no source frames to measure against; open its capture",
+        ));
+    };
+    let known = truth.iter().any(|view| view.truth.is_some());
+    if !known && capture.cameras.len() < 2 {
+        return Err(Error::invalid(
+            &scene.name,
+            "there is no truth to measure against, and its only camera cannot be left out; record a second camera, or \
+             true pictures with a novel/transforms.json beside it",
+        ));
+    }
+    Ok((capture, if known { Truth::Views(truth.clone()) } else { Truth::HoldOut }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use overlook_engine::demo::{Demo, DemoSpec};
+
+    #[test]
+    fn what_is_left_out_is_not_planned_and_everything_is_the_whole_plan() {
+        let settings = Settings::default();
+        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((16, 12));
+        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
+        let standard = SweepPlan::standard(&settings, &capture);
+        let everything = StudyChoice::default();
+        assert_eq!(everything.sweep_plan(&settings, &capture).trials, standard.trials);
+        for group in [Study::Sweep, Study::Stress].iter().flat_map(|study| study.groups(&settings, &capture))
+        {
+            for name in group.1 {
+                let choice = StudyChoice { left_out: [name.clone()].into(), ..StudyChoice::default() };
+                let sweep = choice.sweep_plan(&settings, &capture).trials.len();
+                let stress = choice.stress_plan(&settings);
+                let whole = StressPlan::standard(&settings).with_rivals(&settings);
+                let fewer = (stress.disturbances.len(), stress.methods.len())
+                    < (whole.disturbances.len(), whole.methods.len());
+                assert!(sweep < standard.trials.len() || fewer, "{name}");
+            }
+        }
+        let nothing = Study::Sweep.groups(&settings, &capture).into_iter().flat_map(|(_, names)| names);
+        let choice = StudyChoice { left_out: nothing.collect(), ..StudyChoice::default() };
+        assert_eq!(choice.sweep_plan(&settings, &capture).trials[0].series, Series::Reference);
+    }
+}
